@@ -1,0 +1,1 @@
+//! Sampling, Hermite expansions and distances of laws. Knows no tribology.

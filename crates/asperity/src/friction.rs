@@ -1,0 +1,1 @@
+//! The friction coefficient as a stochastic process (paper §4).

@@ -1,0 +1,31 @@
+//! Contact, friction and friction-induced vibration of measured rough surfaces, with uncertainty.
+//!
+//! asperity implements the multi-scale chain of N. Gaus, C. Proppe and C. Zaccardi, *Influence of surface roughness on
+//! friction induced vibrations*, Meccanica dei Materiali e delle Strutture VI (2016) 1, 115–122 ("the paper"):
+//!
+//! scan → [`map::HeightMap`] → statistics and random surfaces ([`surface`]) → elastic and elasto-plastic half-space
+//! [`contact`] → the law of the random [`pressure`] → [`friction`] as a process → stochastic stick-slip [`vibration`]
+//! → [`study`].
+//!
+//! # Conventions
+//! - SI units inside; scalars carry their unit in the name (`modulus_pa`, `pitch_x_m`).
+//! - Maps are indexed `[row y, column x]`, row 0 at the top; options are ordered (x, y).
+//! - Heights point up, pressure is positive in compression, E* = E/(1−ν²).
+//! - Missing heights stay missing: they are masked in every statistic and never silently filled.
+//! - A random draw is a function of (seed, stage, sample index); results do not depend on the number of threads.
+
+pub mod chaos;
+pub mod contact;
+pub mod correlation;
+pub mod fourier;
+pub mod friction;
+pub mod law;
+pub mod map;
+pub mod monitor;
+pub mod pressure;
+pub mod quantity;
+pub mod random;
+pub mod stats;
+pub mod study;
+pub mod surface;
+pub mod vibration;

@@ -1,0 +1,241 @@
+//! Height maps on regular grids.
+
+use asperity_formats::Scan;
+use ndarray::Array2;
+use thiserror::Error;
+
+/// Why a map could not be built.
+#[derive(Debug, Error, PartialEq)]
+pub enum MapError {
+    /// A grid needs at least two points along each direction.
+    #[error("the map has {nx} × {ny} points; at least 2 × 2 are needed")]
+    TooSmall {
+        /// Points along x.
+        nx: usize,
+        /// Points along y.
+        ny: usize,
+    },
+    /// The distance between points is not a positive finite number.
+    #[error("the pixel size is {dx_m} × {dy_m} m; both must be positive")]
+    BadPitch {
+        /// Pitch along x in metre.
+        dx_m: f64,
+        /// Pitch along y in metre.
+        dy_m: f64,
+    },
+    /// The file does not say how far apart its points are.
+    #[error("the file carries no pixel size; state one (--pixel-size on the command line)")]
+    NoPitch,
+    /// No height is present.
+    #[error("all {points} heights are missing")]
+    Empty {
+        /// Number of points.
+        points: usize,
+    },
+    /// An operation that needs every height met missing ones.
+    #[error("{missing} of {points} heights are missing; this needs a complete map")]
+    Incomplete {
+        /// Missing points.
+        missing: usize,
+        /// Number of points.
+        points: usize,
+    },
+    /// Shapes of a grid and an array differ.
+    #[error("the array has {rows} × {columns} values, the grid {ny} × {nx}")]
+    Shape {
+        /// Rows of the array.
+        rows: usize,
+        /// Columns of the array.
+        columns: usize,
+        /// Rows of the grid.
+        ny: usize,
+        /// Columns of the grid.
+        nx: usize,
+    },
+}
+
+/// A regular grid of `nx` × `ny` points; each point stands for one cell of `dx_m` × `dy_m`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    nx: usize,
+    ny: usize,
+    dx_m: f64,
+    dy_m: f64,
+}
+
+impl Grid {
+    /// A grid of `nx` × `ny` points with pitches in metre.
+    ///
+    /// # Errors
+    /// Fewer than two points along a direction, or a pitch that is not positive and finite.
+    pub fn new(nx: usize, ny: usize, dx_m: f64, dy_m: f64) -> Result<Self, MapError> {
+        if nx < 2 || ny < 2 {
+            return Err(MapError::TooSmall { nx, ny });
+        }
+        if !(dx_m.is_finite() && dy_m.is_finite() && dx_m > 0.0 && dy_m > 0.0) {
+            return Err(MapError::BadPitch { dx_m, dy_m });
+        }
+        Ok(Self { nx, ny, dx_m, dy_m })
+    }
+
+    /// A grid that covers `width_m` × `height_m` with `nx` × `ny` cells: the width of n points is n·dx.
+    ///
+    /// # Errors
+    /// As [`Grid::new`].
+    pub fn covering(nx: usize, ny: usize, width_m: f64, height_m: f64) -> Result<Self, MapError> {
+        Self::new(nx, ny, width_m / nx as f64, height_m / ny as f64)
+    }
+
+    /// Points along x (columns).
+    pub fn nx(&self) -> usize {
+        self.nx
+    }
+
+    /// Points along y (rows).
+    pub fn ny(&self) -> usize {
+        self.ny
+    }
+
+    /// Pitch along x in metre.
+    pub fn dx_m(&self) -> f64 {
+        self.dx_m
+    }
+
+    /// Pitch along y in metre.
+    pub fn dy_m(&self) -> f64 {
+        self.dy_m
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.nx * self.ny
+    }
+
+    /// Length n·dx along x in metre.
+    pub fn width_m(&self) -> f64 {
+        self.nx as f64 * self.dx_m
+    }
+
+    /// Length n·dy along y in metre.
+    pub fn height_m(&self) -> f64 {
+        self.ny as f64 * self.dy_m
+    }
+
+    /// Area of all cells in square metre.
+    pub fn area_m2(&self) -> f64 {
+        self.width_m() * self.height_m()
+    }
+
+    /// Area of one cell in square metre.
+    pub fn cell_area_m2(&self) -> f64 {
+        self.dx_m * self.dy_m
+    }
+
+    /// Array shape (rows, columns) = (ny, nx).
+    pub fn shape(&self) -> (usize, usize) {
+        (self.ny, self.nx)
+    }
+}
+
+/// Heights in metre on a [`Grid`], shape `[ny, nx]`, row 0 at the top. A missing height is stored as NaN.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightMap {
+    grid: Grid,
+    heights_m: Array2<f64>,
+}
+
+impl HeightMap {
+    /// A map from heights in metre, shape `[ny, nx]`. Every non-finite height counts as missing.
+    ///
+    /// # Errors
+    /// The array does not fit the grid, or no height is present.
+    pub fn new(grid: Grid, mut heights_m: Array2<f64>) -> Result<Self, MapError> {
+        let (rows, columns) = heights_m.dim();
+        if (rows, columns) != grid.shape() {
+            return Err(MapError::Shape { rows, columns, ny: grid.ny, nx: grid.nx });
+        }
+        if !heights_m.is_standard_layout() {
+            heights_m = heights_m.as_standard_layout().into_owned();
+        }
+        heights_m.mapv_inplace(|z| if z.is_finite() { z } else { f64::NAN });
+        if heights_m.iter().all(|z| z.is_nan()) {
+            return Err(MapError::Empty { points: grid.points() });
+        }
+        Ok(Self { grid, heights_m })
+    }
+
+    /// A map whose height is a function of the cell centre (x, y) in metre.
+    ///
+    /// # Errors
+    /// No height is finite.
+    pub fn from_function(grid: Grid, height_m: impl Fn(f64, f64) -> f64) -> Result<Self, MapError> {
+        let heights_m = Array2::from_shape_fn(grid.shape(), |(row, column)| {
+            height_m((column as f64 + 0.5) * grid.dx_m, (row as f64 + 0.5) * grid.dy_m)
+        });
+        Self::new(grid, heights_m)
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Heights in metre, shape `[ny, nx]`, NaN where missing.
+    pub fn heights_m(&self) -> &Array2<f64> {
+        &self.heights_m
+    }
+
+    /// The heights that are present, in row order, in metre.
+    pub fn present_m(&self) -> impl Iterator<Item = f64> + '_ {
+        self.heights_m.iter().copied().filter(|z| !z.is_nan())
+    }
+
+    /// Number of missing heights.
+    pub fn missing_points(&self) -> usize {
+        self.heights_m.iter().filter(|z| z.is_nan()).count()
+    }
+
+    /// The heights of a map without missing points.
+    ///
+    /// # Errors
+    /// [`MapError::Incomplete`] when heights are missing.
+    pub fn complete_heights_m(&self) -> Result<&Array2<f64>, MapError> {
+        match self.missing_points() {
+            0 => Ok(&self.heights_m),
+            missing => Err(MapError::Incomplete { missing, points: self.grid.points() }),
+        }
+    }
+}
+
+impl TryFrom<Scan> for HeightMap {
+    type Error = MapError;
+
+    fn try_from(scan: Scan) -> Result<Self, MapError> {
+        let (ny, nx) = scan.heights_m.dim();
+        let (dx_m, dy_m) = scan.pitch_m.ok_or(MapError::NoPitch)?;
+        Self::new(Grid::new(nx, ny, dx_m, dy_m)?, scan.heights_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    #[test]
+    fn infinite_heights_are_missing() {
+        let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
+        let map = HeightMap::new(grid, array![[1.0, f64::INFINITY], [f64::NAN, 2.0]]).unwrap();
+        assert_eq!(map.missing_points(), 2);
+        assert_eq!(map.present_m().collect::<Vec<_>>(), [1.0, 2.0]);
+        assert_eq!(map.complete_heights_m(), Err(MapError::Incomplete { missing: 2, points: 4 }));
+    }
+
+    #[test]
+    fn a_single_point_or_an_empty_map_is_refused() {
+        assert_eq!(Grid::new(1, 1, 1.0, 1.0), Err(MapError::TooSmall { nx: 1, ny: 1 }));
+        assert!(Grid::new(2, 2, 0.0, 1.0).is_err());
+        let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
+        assert_eq!(HeightMap::new(grid, Array2::from_elem((2, 2), f64::NAN)), Err(MapError::Empty { points: 4 }));
+    }
+}

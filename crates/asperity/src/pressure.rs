@@ -1,0 +1,1 @@
+//! The law of the random contact pressure (paper §3).

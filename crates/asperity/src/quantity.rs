@@ -1,0 +1,296 @@
+//! Numbers with units, as people write them: `"210 GPa"`, `"0.5um"`, `"5e-05 Pa"`.
+//!
+//! Inside the library every number is SI; this module is the door. A bare number is an error, because nobody can tell
+//! whether `0.5` was meant in metre or in micrometre.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use thiserror::Error;
+
+/// Why a text is not a quantity of the wanted dimension.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum QuantityError {
+    /// The text does not start with a finite number.
+    #[error("`{text}` does not start with a number; a {wanted} looks like \"{example}\"")]
+    NotANumber {
+        /// What was found.
+        text: String,
+        /// The wanted dimension.
+        wanted: &'static str,
+        /// A valid quantity.
+        example: &'static str,
+    },
+    /// The number stands alone.
+    #[error("`{text}` has no unit; a {wanted} looks like \"{example}\"")]
+    NoUnit {
+        /// What was found.
+        text: String,
+        /// The wanted dimension.
+        wanted: &'static str,
+        /// A valid quantity.
+        example: &'static str,
+    },
+    /// The unit is unknown or belongs to another dimension.
+    #[error("`{unit}` is not a unit of {wanted}; write for example \"{example}\"")]
+    WrongUnit {
+        /// The unit that was found.
+        unit: String,
+        /// The wanted dimension.
+        wanted: &'static str,
+        /// A valid quantity.
+        example: &'static str,
+    },
+}
+
+/// A physical dimension: its name, an example, and its units with their factors to SI.
+struct Dimension {
+    name: &'static str,
+    example: &'static str,
+    /// SI unit in which the value is shown.
+    si: &'static str,
+    units: &'static [(&'static str, f64)],
+}
+
+const LENGTH: Dimension = Dimension {
+    name: "length",
+    example: "0.5 um",
+    si: "m",
+    units: &[
+        ("m", 1.0),
+        ("cm", 1e-2),
+        ("mm", 1e-3),
+        ("um", 1e-6),
+        ("µm", 1e-6),
+        ("μm", 1e-6),
+        ("nm", 1e-9),
+        ("pm", 1e-12),
+    ],
+};
+const AREA: Dimension = Dimension {
+    name: "area",
+    example: "833 mm^2",
+    si: "m^2",
+    units: &[
+        ("m^2", 1.0),
+        ("m2", 1.0),
+        ("m²", 1.0),
+        ("cm^2", 1e-4),
+        ("cm2", 1e-4),
+        ("cm²", 1e-4),
+        ("mm^2", 1e-6),
+        ("mm2", 1e-6),
+        ("mm²", 1e-6),
+        ("um^2", 1e-12),
+        ("um2", 1e-12),
+        ("µm²", 1e-12),
+        ("μm²", 1e-12),
+    ],
+};
+const PRESSURE: Dimension = Dimension {
+    name: "pressure",
+    example: "210 GPa",
+    si: "Pa",
+    units: &[
+        ("Pa", 1.0),
+        ("hPa", 1e2),
+        ("kPa", 1e3),
+        ("MPa", 1e6),
+        ("GPa", 1e9),
+        ("TPa", 1e12),
+        ("mPa", 1e-3),
+        ("N/mm^2", 1e6),
+        ("N/mm2", 1e6),
+        ("N/mm²", 1e6),
+        ("N/m^2", 1.0),
+        ("N/m2", 1.0),
+        ("bar", 1e5),
+    ],
+};
+const MASS: Dimension =
+    Dimension { name: "mass", example: "1 kg", si: "kg", units: &[("kg", 1.0), ("g", 1e-3), ("mg", 1e-6), ("t", 1e3)] };
+const FORCE: Dimension = Dimension {
+    name: "force",
+    example: "2.5 kN",
+    si: "N",
+    units: &[
+        ("N", 1.0),
+        ("mN", 1e-3),
+        ("uN", 1e-6),
+        ("µN", 1e-6),
+        ("μN", 1e-6),
+        ("nN", 1e-9),
+        ("kN", 1e3),
+        ("MN", 1e6),
+    ],
+};
+const VELOCITY: Dimension = Dimension {
+    name: "velocity",
+    example: "23.7 mm/s",
+    si: "m/s",
+    units: &[
+        ("m/s", 1.0),
+        ("cm/s", 1e-2),
+        ("mm/s", 1e-3),
+        ("um/s", 1e-6),
+        ("µm/s", 1e-6),
+        ("μm/s", 1e-6),
+        ("km/h", 1.0 / 3.6),
+    ],
+};
+const ANGULAR_FREQUENCY: Dimension = Dimension {
+    name: "angular frequency",
+    example: "316 rad/s",
+    si: "rad/s",
+    units: &[
+        ("rad/s", 1.0),
+        ("1/s", 1.0),
+        ("s^-1", 1.0),
+        ("krad/s", 1e3),
+        ("Hz", std::f64::consts::TAU),
+        ("kHz", 1e3 * std::f64::consts::TAU),
+    ],
+};
+const COMPLIANCE: Dimension = Dimension {
+    name: "compliance",
+    example: "5e-15 m/Pa",
+    si: "m/Pa",
+    units: &[
+        ("m/Pa", 1.0),
+        ("m/MPa", 1e-6),
+        ("m/GPa", 1e-9),
+        ("um/Pa", 1e-6),
+        ("um/MPa", 1e-12),
+        ("µm/MPa", 1e-12),
+        ("um/GPa", 1e-15),
+        ("nm/MPa", 1e-15),
+        ("nm/Pa", 1e-9),
+        ("mm/MPa", 1e-9),
+    ],
+};
+
+fn parse(text: &str, dimension: &Dimension) -> Result<f64, QuantityError> {
+    let (wanted, example) = (dimension.name, dimension.example);
+    let trimmed = text.trim();
+    // The longest prefix that is a number, so that "5e-05 Pa" and "210GPa" both read, and "1e" is not one.
+    let split = (1..=trimmed.len())
+        .rev()
+        .filter(|&end| trimmed.is_char_boundary(end))
+        .find(|&end| trimmed[..end].parse::<f64>().is_ok_and(f64::is_finite) && trimmed.as_bytes()[end - 1] != b' ');
+    let Some(split) = split.filter(|_| !trimmed.starts_with(|c: char| c.is_alphabetic())) else {
+        return Err(QuantityError::NotANumber { text: trimmed.into(), wanted, example });
+    };
+    let (number, unit) = (&trimmed[..split], trimmed[split..].trim());
+    if unit.is_empty() {
+        return Err(QuantityError::NoUnit { text: trimmed.into(), wanted, example });
+    }
+    let factor = dimension.units.iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor);
+    match (number.parse::<f64>(), factor) {
+        (Ok(value), Some(factor)) => Ok(scaled(value, factor)),
+        _ => Err(QuantityError::WrongUnit { unit: unit.into(), wanted, example }),
+    }
+}
+
+/// `value · factor`, dividing by the inverse of small powers of ten because those are exact: "20 um" is then 2e-5 m.
+fn scaled(value: f64, factor: f64) -> f64 {
+    let inverse = (1.0 / factor).round();
+    if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-15 { value / inverse } else { value * factor }
+}
+
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $name:ident = $dimension:ident;)+) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+        pub struct $name(pub f64);
+
+        impl FromStr for $name {
+            type Err = QuantityError;
+
+            fn from_str(text: &str) -> Result<Self, QuantityError> {
+                parse(text, &$dimension).map(Self)
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{:?} {}", self.0, $dimension.si)
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct Visitor;
+                impl de::Visitor<'_> for Visitor {
+                    type Value = $name;
+
+                    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                        write!(f, "a {} with its unit, such as \"{}\"", $dimension.name, $dimension.example)
+                    }
+
+                    fn visit_str<E: de::Error>(self, text: &str) -> Result<$name, E> {
+                        text.parse().map_err(E::custom)
+                    }
+                }
+                deserializer.deserialize_any(Visitor)
+            }
+        }
+    )+};
+}
+
+quantities! {
+    /// A length in metre.
+    Length = LENGTH;
+    /// An area in square metre.
+    Area = AREA;
+    /// A pressure, modulus or hardness in pascal.
+    Pressure = PRESSURE;
+    /// A mass in kilogram.
+    Mass = MASS;
+    /// A force in newton.
+    Force = FORCE;
+    /// A velocity in metre per second.
+    Velocity = VELOCITY;
+    /// An angular frequency in radian per second.
+    AngularFrequency = ANGULAR_FREQUENCY;
+    /// A displacement per pressure in metre per pascal.
+    Compliance = COMPLIANCE;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_read_with_and_without_a_space() {
+        assert_eq!("210 GPa".parse(), Ok(Pressure(210e9)));
+        assert_eq!("210GPa".parse(), Ok(Pressure(210e9)));
+        assert_eq!("5e-05 Pa".parse(), Ok(Pressure(5e-5)));
+        assert_eq!("0.5um".parse(), Ok(Length(0.5e-6)));
+        assert_eq!("-1.5 µm".parse(), Ok(Length(-1.5e-6)));
+        assert_eq!("23.7 mm/s".parse(), Ok(Velocity(23.7e-3)));
+    }
+
+    #[test]
+    fn a_bare_number_a_wrong_unit_and_a_word_are_errors() {
+        assert!(matches!("0.5".parse::<Length>(), Err(QuantityError::NoUnit { .. })));
+        assert!(matches!("0.5 GPa".parse::<Length>(), Err(QuantityError::WrongUnit { .. })));
+        assert!(matches!("inf m".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
+        assert!(matches!("NaN m".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
+        assert!(matches!("".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
+        assert!(matches!("µm".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
+    }
+
+    #[test]
+    fn display_parses_back_to_the_same_bits() {
+        for value in [1.0 / 3.0, 2e-5, 6.02e23, 0.1] {
+            assert_eq!(Length(value).to_string().parse(), Ok(Length(value)));
+        }
+    }
+}

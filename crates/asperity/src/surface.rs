@@ -1,0 +1,19 @@
+//! What a rough surface is, and how to draw maps like it (paper §2).
+
+use crate::map::{Grid, HeightMap};
+
+/// A random surface: a map that is a deterministic function of a germ, the vector ξ of independent standard normal
+/// variables. Samplers and chaos expansions act on the germ.
+pub trait RandomSurface: Sync {
+    /// Number of germ variables, most important first.
+    fn germ_len(&self) -> usize;
+
+    /// Grid of the generated maps.
+    fn grid(&self) -> Grid;
+
+    /// The map of one germ of [`RandomSurface::germ_len`] values.
+    ///
+    /// # Panics
+    /// If the germ has another length.
+    fn generate(&self, germ: &[f64]) -> HeightMap;
+}

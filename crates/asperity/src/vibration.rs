@@ -1,0 +1,1 @@
+//! Stochastic stick-slip of a mass on a belt (paper §5).
