@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::special::{
-    beta_cdf, beta_quantile, beta_survival, ln_beta, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile,
-};
+use super::special::{beta_cdf, beta_quantile, beta_survival, ln_beta, standard_normal_cdf, standard_normal_quantile};
 
 /// Why a law could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -395,7 +393,7 @@ pub(super) mod tests {
             }
             assert_eq!(law.pdf(1e300), 0.0);
         }
-        assert_eq!(standard_normal_pdf(0.0), Marginal::STANDARD_NORMAL.pdf(0.0));
+        assert_eq!(crate::law::standard_normal_pdf(0.0), Marginal::STANDARD_NORMAL.pdf(0.0));
         assert!((Marginal::beta(1.0, 1.0, 0.0, 2.0).unwrap().pdf(0.0) - 0.5).abs() < 1e-14);
     }
 
