@@ -1,1 +1,5 @@
 //! The friction coefficient as a stochastic process (paper §4).
+
+pub mod bowden_tabor;
+pub mod record;
+pub mod window;

@@ -1,1 +1,7 @@
 //! A study: configuration, run, results. The only module that knows the whole chain, and that writes files.
+
+pub mod config;
+mod parse;
+
+pub use config::Study;
+pub use parse::StudyFileError;
