@@ -2,6 +2,8 @@
 
 pub mod config;
 mod parse;
+mod series;
 
 pub use config::Study;
 pub use parse::StudyFileError;
+pub use series::{Field, Table, TableError};
