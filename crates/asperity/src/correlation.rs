@@ -6,7 +6,11 @@
 //!   of a profile is P₁(q) = ∫ C(x, 0) e^{−iqx} dx, so C(x, 0) = ∫ P₁(q) e^{iqx} dq/2π, in m³. q is in rad/m.
 
 mod bessel;
+mod estimate;
 mod model;
+mod spectrum;
 
 pub use bessel::bessel_k;
+pub use estimate::{Autocorrelation, Axis, EstimateError};
 pub use model::{CorrelationModel, Covariance, CovarianceError, SeparableCovariance, StationaryCovariance};
+pub use spectrum::{ProfileSpectrum, RadialSpectrum, SpectrumRoute, profile_spectrum, radial_spectrum};
