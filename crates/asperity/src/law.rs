@@ -1,5 +1,6 @@
 //! One-dimensional laws: densities, quantiles, moments, fits, goodness of fit, and translation from the normal law.
 
+pub mod fit;
 pub mod goodness;
 mod marginal;
 mod moments;
