@@ -68,7 +68,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     )?;
     let wanted = rows * columns * header.sample.size();
     let present = bytes.get(data_start..).unwrap_or_default();
-    let data = present.get(..wanted).ok_or_else(|| truncated("the array", data_start, present.len(), wanted))?;
+    let data = present.get(..wanted).ok_or_else(|| truncated("the numbers", data_start, present.len(), wanted))?;
     let mut values = Vec::with_capacity(rows * columns);
     header.sample.decode(header.order, data, &mut values);
     let heights_m = Array2::from_shape_vec((rows, columns).set_f(header.column_major), values)
@@ -82,7 +82,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
 
 /// The dictionary and the byte where the array starts.
 fn header_text(bytes: &[u8]) -> Result<(String, usize), FormatError> {
-    let short = || truncated("the header", MAGIC.len(), bytes.len().saturating_sub(MAGIC.len()), 4);
+    let short = || truncated("the bytes of the header", MAGIC.len(), bytes.len().saturating_sub(MAGIC.len()), 4);
     let version = *bytes.get(MAGIC.len()).ok_or_else(short)?;
     let rest = bytes.get(VERSION_END..).unwrap_or_default();
     let (length, start) = match version {
@@ -98,7 +98,8 @@ fn header_text(bytes: &[u8]) -> Result<(String, usize), FormatError> {
     }
     .ok_or_else(short)?;
     let present = &bytes[start..];
-    let header = present.get(..length).ok_or_else(|| truncated("the header", start, present.len(), length))?;
+    let header =
+        present.get(..length).ok_or_else(|| truncated("the bytes of the header", start, present.len(), length))?;
     let text = match version {
         3 => String::from_utf8_lossy(header).into_owned(),
         _ => header.iter().map(|&byte| char::from(byte)).collect(),
