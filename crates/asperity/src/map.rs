@@ -5,7 +5,7 @@ use ndarray::Array2;
 use thiserror::Error;
 
 /// Why a map could not be built.
-#[derive(Debug, Error, PartialEq)]
+#[derive(Debug, Clone, Error, PartialEq)]
 pub enum MapError {
     /// A grid needs at least two points along each direction.
     #[error("the map has {nx} × {ny} points; at least 2 × 2 are needed")]

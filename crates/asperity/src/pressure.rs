@@ -1,1 +1,89 @@
 //! The law of the random contact pressure (paper §3).
+//!
+//! A random surface is pressed against a rigid plane that is fixed in space; the pressure p at one cell is a random
+//! variable with an atom at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
+//! [`solve`] evaluates it on a design of germs, and [`Study`] estimates its law by several [`Method`]s from the same
+//! number of contact solutions and compares each with its own Monte Carlo reference.
+
+mod controlled;
+mod expansion;
+mod local;
+mod problem;
+mod sample;
+mod study;
+
+pub use problem::{FailureReason, Observation, Problem};
+pub use sample::{Failure, Samples, solve};
+pub use study::{Comparison, Estimate, Method, MethodError, MethodResult, Reference, Results, Study};
+
+use thiserror::Error;
+
+use crate::chaos::{BasisError, DistanceError, SamplingError};
+use crate::map::Grid;
+use crate::monitor::Cancelled;
+
+/// Why a law of the pressure could not be computed.
+#[derive(Debug, Error)]
+pub enum PressureError {
+    /// The surface and the half-space have different grids.
+    #[error("the surface lives on {surface:?}, the half-space on {half_space:?}")]
+    Grid {
+        /// Grid of the surface.
+        surface: Grid,
+        /// Grid of the half-space.
+        half_space: Grid,
+    },
+    /// The cell lies outside the grid.
+    #[error("cell (row {row}, column {column}) lies outside the {ny} × {nx} grid")]
+    Cell {
+        /// Row of the cell.
+        row: usize,
+        /// Column of the cell.
+        column: usize,
+        /// Rows of the grid.
+        ny: usize,
+        /// Columns of the grid.
+        nx: usize,
+    },
+    /// A setting lies outside its range.
+    #[error("{parameter} is {value}, but must be {wanted}")]
+    Parameter {
+        /// Name of the setting.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+    /// Too many contact problems had no converged solution.
+    #[error(
+        "{stage}: only {valid} of {samples} contact problems were solved, {wanted_percent} % are wanted; \
+         the first failure, sample {first_index}: {first_reason}"
+    )]
+    TooFewValid {
+        /// Name of the sampled run.
+        stage: String,
+        /// Converged samples.
+        valid: usize,
+        /// All samples.
+        samples: usize,
+        /// Wanted share in percent.
+        wanted_percent: f64,
+        /// Index of the first failed sample.
+        first_index: usize,
+        /// Its reason.
+        first_reason: FailureReason,
+    },
+    /// The design could not be made.
+    #[error(transparent)]
+    Sampling(#[from] SamplingError),
+    /// The basis could not be made.
+    #[error(transparent)]
+    Basis(#[from] BasisError),
+    /// A law could not be made from its values.
+    #[error(transparent)]
+    Law(#[from] DistanceError),
+    /// The monitor stopped the run.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

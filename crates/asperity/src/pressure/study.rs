@@ -1,0 +1,337 @@
+//! Several estimates of one law, each from the same number of contact solutions, against their own reference.
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
+use crate::chaos::{Basis, BasisError, Design, RegressionError, SamplingError, SamplingMethod, StepLaw};
+use crate::monitor::{Cancelled, Monitor};
+use crate::pressure::controlled;
+use crate::pressure::expansion::{self, Response};
+use crate::pressure::local::LocalVariables;
+use crate::pressure::{Failure, PressureError, Problem, Samples, solve};
+
+/// How the law of the pressure is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The empirical law of independent samples.
+    MonteCarlo,
+    /// The empirical law of a Latin hypercube.
+    LatinHypercube,
+    /// The empirical law of scrambled Sobol' points.
+    Sobol,
+    /// Eq. (8): a chaos expansion of the pressure in contact in the leading germ variables, on the Latin hypercube.
+    PolynomialChaos,
+    /// Eq. (9): the same of the logarithm of the pressure in contact.
+    PolynomialChaosLog,
+    /// Ours: the Monte Carlo samples, corrected by an expansion of the latent pressure in the local heights that serves
+    /// as control variate.
+    Default,
+}
+
+impl Method {
+    /// All methods, in the order of reports.
+    pub const ALL: [Self; 6] = [
+        Self::MonteCarlo,
+        Self::LatinHypercube,
+        Self::Sobol,
+        Self::PolynomialChaos,
+        Self::PolynomialChaosLog,
+        Self::Default,
+    ];
+
+    /// The name in result files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MonteCarlo => "monte_carlo",
+            Self::LatinHypercube => "latin_hypercube",
+            Self::Sobol => "sobol",
+            Self::PolynomialChaos => "polynomial_chaos",
+            Self::PolynomialChaosLog => "polynomial_chaos_log",
+            Self::Default => "default",
+        }
+    }
+}
+
+/// What is estimated how well: sizes of the runs. Runs of one seed are independent of each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Study {
+    /// Seed of all runs.
+    pub seed: u64,
+    /// Contact solutions of each method.
+    pub fine_solves: usize,
+    /// Contact solutions of the Monte Carlo reference.
+    pub reference_samples: usize,
+    /// Variables of the expansions: leading germ variables, or local variables of the default method.
+    pub variables: usize,
+    /// Total degree of the expansions; for the default method the largest one tried.
+    pub degree: usize,
+    /// Evaluations of an expansion on fresh germs.
+    pub surrogate_samples: usize,
+    /// Least share of converged contact problems in a run.
+    pub valid_share: f64,
+}
+
+/// A law and how it came about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The law of the pressure in pascal, with its atom at 0.
+    pub law: StepLaw,
+    /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
+    pub contact_probability: f64,
+    /// Its standard error (see [`Samples::contact_probability_se`]).
+    pub contact_probability_se: f64,
+    /// Number of coefficients of the expansion, if any.
+    pub coefficients: Option<usize>,
+    /// Mean square leave-one-out error of the expanded quantity over its variance, if any. Above 1 the expansion
+    /// predicts worse than the mean.
+    pub leave_one_out_error: Option<f64>,
+}
+
+/// Why a method has no estimate.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MethodError {
+    /// The expansion could not be fitted to the samples in contact.
+    #[error("no expansion: {0}")]
+    Regression(#[from] RegressionError),
+    /// The basis could not be made.
+    #[error("no expansion: {0}")]
+    Basis(#[from] BasisError),
+    /// The design does not exist.
+    #[error(transparent)]
+    Sampling(#[from] SamplingError),
+    /// The expansion of the logarithm exceeds the largest floating-point number.
+    #[error("the expansion overflows on {overflowed} of {evaluations} fresh germs")]
+    Overflow {
+        /// Germs on which it overflows.
+        overflowed: usize,
+        /// Germs evaluated.
+        evaluations: usize,
+    },
+    /// Neither the pressure nor the gap varies, or too few samples exist to see it.
+    #[error("the samples show no variation that an expansion could explain")]
+    NoVariation,
+}
+
+/// Distances between an estimated law and the reference law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Kolmogorov–Smirnov distance.
+    pub ks_distance: f64,
+    /// Wasserstein-1 distance divided by the standard deviation of the reference law, atom at 0 included; `None` when that
+    /// is 0.
+    pub wasserstein_1_over_std: Option<f64>,
+}
+
+/// One method's answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodResult {
+    /// The method.
+    pub method: Method,
+    /// Contact solutions on which it rests, failed ones included.
+    pub fine_solves: usize,
+    /// Those without an answer.
+    pub failures: Vec<Failure>,
+    /// The estimate with its distances from the reference, or why there is none.
+    pub outcome: Result<(Estimate, Comparison), MethodError>,
+}
+
+/// The Monte Carlo law that the methods are measured against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Contact solutions, failed ones included.
+    pub samples: usize,
+    /// Those without an answer.
+    pub failures: Vec<Failure>,
+    /// The empirical law in pascal.
+    pub law: StepLaw,
+    /// P(contact).
+    pub contact_probability: f64,
+    /// Its standard error.
+    pub contact_probability_se: f64,
+    /// 95 % point 1.358/√n of the Kolmogorov–Smirnov distance between the reference and the true law: smaller
+    /// distances are not resolved.
+    pub ks_resolution: f64,
+}
+
+/// Everything a study of one pressure found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Results {
+    /// The reference.
+    pub reference: Reference,
+    /// One entry for each of [`Method::ALL`].
+    pub methods: Vec<MethodResult>,
+}
+
+impl Study {
+    /// The customary sizes: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8 variables.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            fine_solves: 500,
+            reference_samples: 5000,
+            variables: 8,
+            degree: 3,
+            surrogate_samples: 10_000,
+            valid_share: 0.95,
+        }
+    }
+
+    /// Estimates the law of the pressure of `problem` by every method.
+    ///
+    /// # Errors
+    /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
+    pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
+        self.validate(problem)?;
+        let reference = self.sample(problem, SamplingMethod::MonteCarlo, "pressure/reference", monitor)?;
+        let reference = Reference {
+            samples: reference.posed(),
+            law: reference.law()?,
+            contact_probability: reference.contact_probability(),
+            contact_probability_se: reference.contact_probability_se(),
+            ks_resolution: 1.358 / (reference.len() as f64).sqrt(),
+            failures: reference.failures().to_vec(),
+        };
+        let monte_carlo = self.sample(problem, SamplingMethod::MonteCarlo, "pressure/monte_carlo", monitor)?;
+        let latin = self.sample(problem, SamplingMethod::LatinHypercube, "pressure/latin_hypercube", monitor)?;
+        let sobol = match self.sample(problem, SamplingMethod::Sobol, "pressure/sobol", monitor) {
+            Err(PressureError::Sampling(reason)) => Err(MethodError::from(reason)),
+            Err(error) => return Err(error),
+            Ok(samples) => Ok(samples),
+        };
+        let fresh = self.fresh_germs(self.variables)?;
+        let basis = Basis::hermite(self.variables, self.degree)?;
+        let mut methods = Vec::with_capacity(Method::ALL.len());
+        for method in Method::ALL {
+            let (samples, estimate) = match method {
+                Method::MonteCarlo => (Some(&monte_carlo), Ok(empirical(&monte_carlo)?)),
+                Method::LatinHypercube => (Some(&latin), Ok(empirical(&latin)?)),
+                Method::Sobol => match &sobol {
+                    Ok(samples) => (Some(samples), Ok(empirical(samples)?)),
+                    Err(reason) => (None, Err(reason.clone())),
+                },
+                Method::PolynomialChaos => {
+                    (Some(&latin), expansion::estimate(Response::Pressure, &latin, basis.clone(), &fresh)?)
+                }
+                Method::PolynomialChaosLog => {
+                    (Some(&latin), expansion::estimate(Response::Logarithm, &latin, basis.clone(), &fresh)?)
+                }
+                Method::Default => (Some(&monte_carlo), self.controlled(problem, &monte_carlo, monitor)?),
+            };
+            methods.push(MethodResult {
+                method,
+                fine_solves: samples.map_or(0, Samples::posed),
+                failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
+                outcome: estimate.map(|estimate| {
+                    let comparison = Comparison::between(&estimate.law, &reference.law);
+                    (estimate, comparison)
+                }),
+            });
+        }
+        Ok(Results { reference, methods })
+    }
+
+    fn validate(&self, problem: &Problem<'_>) -> Result<(), PressureError> {
+        let at_least = |parameter, value: usize, least: usize, wanted| {
+            if value >= least {
+                Ok(())
+            } else {
+                Err(PressureError::Parameter { parameter, value: value as f64, wanted })
+            }
+        };
+        at_least("fine_solves", self.fine_solves, 2, "at least 2")?;
+        at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
+        at_least("surrogate_samples", self.surrogate_samples, 2, "at least 2")?;
+        at_least("variables", self.variables, 1, "at least 1")?;
+        if self.variables > problem.surface().germ_len() {
+            return Err(PressureError::Parameter {
+                parameter: "variables",
+                value: self.variables as f64,
+                wanted: "at most the number of germ variables of the surface",
+            });
+        }
+        if !(self.valid_share > 0.0 && self.valid_share <= 1.0) {
+            return Err(PressureError::Parameter {
+                parameter: "valid_share",
+                value: self.valid_share,
+                wanted: "above 0 and at most 1",
+            });
+        }
+        Ok(())
+    }
+
+    fn sample(
+        &self,
+        problem: &Problem<'_>,
+        method: SamplingMethod,
+        stage: &str,
+        monitor: &dyn Monitor,
+    ) -> Result<Samples, PressureError> {
+        let samples = if stage.ends_with("reference") { self.reference_samples } else { self.fine_solves };
+        solve(problem, method, self.seed, stage, samples, self.valid_share, monitor)
+    }
+
+    /// Germs on which expansions are evaluated.
+    fn fresh_germs(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
+        let design = self.fresh_design("pressure/expansion", variables)?;
+        Ok((0..design.samples()).map(|i| design.germ(i)).collect())
+    }
+
+    fn fresh_design(&self, stage: &str, variables: usize) -> Result<Design, PressureError> {
+        Ok(Design::new(SamplingMethod::MonteCarlo, self.seed, stage, self.surrogate_samples, variables)?)
+    }
+
+    fn controlled(
+        &self,
+        problem: &Problem<'_>,
+        samples: &Samples,
+        monitor: &dyn Monitor,
+    ) -> Result<Result<Estimate, MethodError>, PressureError> {
+        let local = LocalVariables::new(problem, self.variables);
+        let surface = problem.surface();
+        let of_germ = |germ: Vec<f64>| {
+            if monitor.cancelled() { Err(Cancelled) } else { Ok(local.of(&surface.generate(&germ))) }
+        };
+        let fine: Vec<Vec<f64>> =
+            (0..samples.len()).into_par_iter().map(|i| of_germ(samples.germ(i))).collect::<Result<_, _>>()?;
+        let design = self.fresh_design("pressure/local", surface.germ_len())?;
+        let fresh: Vec<Vec<f64>> =
+            (0..design.samples()).into_par_iter().map(|i| of_germ(design.germ(i))).collect::<Result<_, _>>()?;
+        let observed: Vec<(f64, f64)> = samples.observations().iter().map(|o| (o.pressure_pa, o.gap_m)).collect();
+        Ok(controlled::estimate(&fine, &controlled::latent(&observed), &fresh, self.degree))
+    }
+}
+
+/// The empirical law of a run.
+fn empirical(samples: &Samples) -> Result<Estimate, PressureError> {
+    Ok(Estimate {
+        law: samples.law()?,
+        contact_probability: samples.contact_probability(),
+        contact_probability_se: samples.contact_probability_se(),
+        coefficients: None,
+        leave_one_out_error: None,
+    })
+}
+
+impl Comparison {
+    fn between(law: &StepLaw, reference: &StepLaw) -> Self {
+        let std = reference.std();
+        Self {
+            ks_distance: kolmogorov_smirnov(law, reference),
+            wasserstein_1_over_std: (std > 0.0).then(|| wasserstein_1(law, reference) / std),
+        }
+    }
+}
+
+impl Results {
+    /// The estimate of one method, if it has one.
+    pub fn estimate(&self, method: Method) -> Option<&(Estimate, Comparison)> {
+        self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
+    }
+
+    /// `points` pressures in pascal, equally spaced from 0 to the largest of the reference.
+    pub fn common_grid_pa(&self, points: usize) -> Vec<f64> {
+        let largest = self.reference.law.quantile(1.0);
+        (0..points).map(|i| largest * i as f64 / (points.max(2) - 1) as f64).collect()
+    }
+}
