@@ -98,7 +98,7 @@ impl Axis {
         }
     }
 
-    /// About `wanted` labelled ticks, and minor ones between them.
+    /// At least `wanted` labelled ticks and fewer than three times as many, on decades at most twice as many; minor ones between.
     pub(crate) fn ticks(&self, wanted: usize) -> Vec<Tick> {
         match self.spacing {
             Spacing::Linear => self.linear_ticks(wanted),
@@ -111,8 +111,7 @@ impl Axis {
         let (low, high) = (self.low / scale, self.high / scale);
         let rough = (high - low) / wanted.max(1) as f64;
         let decade = 10f64.powi(rough.log10().floor() as i32);
-        let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * decade).find(|s| *s >= 0.999 * rough);
-        let step = step.unwrap_or(10.0 * decade);
+        let step = [5.0, 2.0].into_iter().map(|m| m * decade).find(|s| *s <= 1.001 * rough).unwrap_or(decade);
         let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
         let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
         (first..=last)
@@ -124,9 +123,11 @@ impl Axis {
     fn logarithmic_ticks(&self, wanted: usize) -> Vec<Tick> {
         let (low, high) = (self.low / self.unit.si, self.high / self.unit.si);
         let decades = (high / low).log10();
-        let every = (decades / wanted.max(1) as f64).ceil().max(1.0) as i32;
+        let every = (decades / (2 * wanted.max(1)) as f64).ceil().max(1.0) as i32;
         let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
         let mut ticks = Vec::new();
+        // Powers and plain numbers are not mixed on one axis.
+        let plain = first >= -2 && last <= 4;
         for exponent in first..=last {
             for digit in 1..10 {
                 let value = f64::from(digit) * 10f64.powi(exponent);
@@ -140,7 +141,7 @@ impl Axis {
                     _ => decades < 0.6,
                 };
                 if labelled || (digit == 1 || every == 1) {
-                    let label = if labelled { power_label(digit, exponent) } else { String::new() };
+                    let label = if labelled { decade_label(digit, exponent, plain) } else { String::new() };
                     ticks.push(Tick { position, label });
                 }
             }
@@ -149,12 +150,11 @@ impl Axis {
     }
 }
 
-fn power_label(digit: i32, exponent: i32) -> String {
-    match exponent {
-        0..=2 => (digit * 10i32.pow(exponent as u32)).to_string(),
-        -2..=-1 => fixed(f64::from(digit) * 10f64.powi(exponent), -exponent as usize),
-        _ if digit == 1 => format!("10{}", superscript(exponent)),
-        _ => format!("{digit}·10{}", superscript(exponent)),
+fn decade_label(digit: i32, exponent: i32, plain: bool) -> String {
+    match (plain, digit) {
+        (true, _) => fixed(f64::from(digit) * 10f64.powi(exponent), (-exponent).max(0) as usize),
+        (false, 1) => format!("10{}", superscript(exponent)),
+        (false, _) => format!("{digit}·10{}", superscript(exponent)),
     }
 }
 
@@ -169,10 +169,10 @@ mod tests {
     #[test]
     fn ticks_are_round_numbers_in_the_unit_of_the_axis() {
         let axis = Axis::linear("Lag", Unit::new("µm", 1e-6), (0.0, 2e-4));
-        assert_eq!(labels(&axis, 5), ["0", "50", "100", "150", "200"]);
+        assert_eq!(labels(&axis, 4), ["0", "50", "100", "150", "200"]);
         assert_eq!(axis.label(), "Lag (µm)");
         let axis = Axis::linear("μ", Unit::none(), (-0.1, 0.2));
-        assert_eq!(labels(&axis, 4), ["−0.1", "0.0", "0.1", "0.2"]);
+        assert_eq!(labels(&axis, 3), ["−0.1", "0.0", "0.1", "0.2"]);
     }
 
     #[test]
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn decades_are_labelled_as_powers_and_equally_spaced() {
         let axis = Axis::logarithmic("PSD", Unit::none(), (1e-8, 1e-4));
-        assert_eq!(labels(&axis, 6), ["10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴"]);
+        assert_eq!(labels(&axis, 3), ["10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴"]);
         for (exponent, position) in [(-8, 0.0), (-6, 0.5), (-4, 1.0)] {
             assert!((axis.position(10f64.powi(exponent)).unwrap() - position).abs() < 1e-12);
         }

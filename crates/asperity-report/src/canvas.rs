@@ -44,6 +44,10 @@ impl Rect {
     pub(crate) fn height(&self) -> f64 {
         self.bottom - self.top
     }
+
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
 }
 
 /// How a line is broken, so that curves differ without colour too.
@@ -52,8 +56,8 @@ pub(crate) enum Dash {
     Solid,
     Dashed,
     Dotted,
-    DashDot,
-    LongDash,
+    Alternating,
+    Long,
 }
 
 impl Dash {
@@ -63,8 +67,8 @@ impl Dash {
             Self::Solid => &[],
             Self::Dashed => &[8.0, 4.0],
             Self::Dotted => &[2.0, 3.0],
-            Self::DashDot => &[10.0, 3.5, 2.0, 3.5],
-            Self::LongDash => &[16.0, 5.0],
+            Self::Alternating => &[10.0, 3.5, 2.0, 3.5],
+            Self::Long => &[16.0, 5.0],
         }
     }
 }
@@ -251,9 +255,15 @@ fn dashes(points: &[(f64, f64)], pattern: &[f64]) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// Width of a text in pixels, estimated from its number of characters; fonts are known to the viewer only.
+/// Width of a text in pixels from typical widths of sans-serif letters; fonts are known to the viewer only.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
-    0.55 * size * text.chars().count() as f64
+    let width = |c: char| match c {
+        'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '’' | '“' | '”' => 0.34,
+        'm' | 'w' | 'M' | 'W' | '%' => 0.88,
+        c if c.is_uppercase() => 0.70,
+        _ => 0.58,
+    };
+    size * text.chars().map(width).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -10,6 +10,10 @@ use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw
 const LEGEND_ROW: f64 = 21.0;
 /// Curves are simplified by at most this distance in pixels.
 const TOLERANCE: f64 = 0.12;
+/// A curve with more corners is simplified further.
+const MOST_CORNERS: usize = 30_000;
+/// Size of notes in pixels.
+const SMALL: f64 = 12.0;
 
 /// How a series is drawn; values are in SI units.
 #[derive(Debug, Clone)]
@@ -78,6 +82,7 @@ impl Chart {
         for series in &self.series {
             self.mark(canvas, plot, &series.mark)?;
         }
+        self.notes(canvas, plot)?;
         canvas.frame(plot, Pen::new(INK, 1.0, Dash::Solid))?;
         if let Some(title) = &self.title {
             canvas.text((plot.left, outer.top + 13.0), title, LABEL, Align::Start)?;
@@ -95,7 +100,7 @@ impl Chart {
     fn axes(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
         let tick = Pen::new(INK, 1.0, Dash::Solid);
         let grid = Pen::new(GRID, 0.8, Dash::Solid);
-        for mark in self.x.ticks((plot.width() / 85.0) as usize) {
+        for mark in self.x.ticks((plot.width() / 120.0).max(2.0) as usize) {
             let x = plot.left + mark.position * plot.width();
             let length = if mark.label.is_empty() { 3.0 } else { 5.0 };
             if !mark.label.is_empty() {
@@ -106,7 +111,7 @@ impl Chart {
             }
             canvas.line(&[(x, plot.bottom), (x, plot.bottom + length)], tick)?;
         }
-        for mark in self.y.ticks((plot.height() / 45.0).max(2.0) as usize) {
+        for mark in self.y.ticks((plot.height() / 70.0).max(2.0) as usize) {
             let y = plot.bottom - mark.position * plot.height();
             let length = if mark.label.is_empty() { 3.0 } else { 5.0 };
             if !mark.label.is_empty() {
@@ -208,22 +213,44 @@ impl Chart {
                 }
                 None => Ok(()),
             },
-            Mark::Note { x, y, text } => match self.runs(plot, &[*x], &[*y]).concat().first() {
-                Some(&(x, y)) if inside((x, y), plot) => {
-                    let half = 0.5 * text_width(text, 12.0);
-                    let x = x.clamp(plot.left + half + 3.0, plot.right - half - 3.0);
-                    canvas.text((x, (y - 13.0).max(plot.top + 9.0)), text, 12.0, Align::Middle)
-                }
-                _ => Ok(()),
-            },
+            // Notes know of each other and are placed together.
+            Mark::Note { .. } => Ok(()),
         }
     }
 
-    fn curve(&self, canvas: &mut Canvas<'_>, plot: Rect, x: &[f64], y: &[f64], pen: Pen) -> Result<(), ReportError> {
-        for run in self.runs(plot, x, y) {
-            for piece in clipped(&run, plot) {
-                canvas.line(&simplified(&piece, TOLERANCE), pen)?;
+    /// Writes the notes above their points, or below, or not at all where other notes already are.
+    fn notes(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
+        let mut taken: Vec<Rect> = Vec::new();
+        for series in &self.series {
+            let Mark::Note { x, y, text } = &series.mark else { continue };
+            let Some(&at) = self.runs(plot, &[*x], &[*y]).concat().first().filter(|at| inside(**at, plot)) else {
+                continue;
+            };
+            let (width, height) = (text_width(text, SMALL) + 4.0, SMALL + 2.0);
+            let left = (at.0 - 0.5 * width).clamp(plot.left + 2.0, (plot.right - width - 2.0).max(plot.left + 2.0));
+            let places = [-14.0, 14.0, -27.0].map(|shift| Rect::new(left, at.1 + shift - 0.5 * height, width, height));
+            let free = |place: &&Rect| {
+                place.top > plot.top && place.bottom < plot.bottom && taken.iter().all(|other| !place.overlaps(other))
+            };
+            if let Some(place) = places.iter().find(free).copied() {
+                let middle = (0.5 * (place.left + place.right), 0.5 * (place.top + place.bottom));
+                canvas.text(middle, text, SMALL, Align::Middle)?;
+                taken.push(place);
             }
+        }
+        Ok(())
+    }
+
+    fn curve(&self, canvas: &mut Canvas<'_>, plot: Rect, x: &[f64], y: &[f64], pen: Pen) -> Result<(), ReportError> {
+        for piece in self.runs(plot, x, y).iter().flat_map(|run| clipped(run, plot)) {
+            let mut tolerance = TOLERANCE;
+            let mut points = simplified(&piece, tolerance);
+            // A cloud of very many turns is drawn a little coarser rather than as a file that no viewer opens.
+            while points.len() > MOST_CORNERS && tolerance < 1.0 {
+                tolerance *= 2.0;
+                points = simplified(&piece, tolerance);
+            }
+            canvas.line(&points, pen)?;
         }
         Ok(())
     }

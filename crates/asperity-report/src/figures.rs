@@ -53,10 +53,23 @@ fn columns<'a, const N: usize>(table: &'a Table, names: [&str; N]) -> Option<[&'
     found.try_into().ok()
 }
 
-/// A map with axes, colour bar and legend.
-fn map(run: &Run, field: &str, kind: Kind, title: &str) -> Result<Option<(Raster, String)>, ReportError> {
-    let Some(raster) = run.fields.get(field).map(|field| Raster::new(field, kind)).transpose()?.flatten() else {
+/// A map with axes, colour bar and legend, if the run holds the field.
+///
+/// # Errors
+/// The drawing backend's and the PNG encoder's.
+fn map(
+    run: &Run,
+    (name, stage): (&'static str, Stage),
+    kind: Kind,
+    title: &str,
+    caption: &str,
+) -> Result<Option<Plate>, ReportError> {
+    let Some(raster) = run.fields.get(name).map(|field| Raster::new(field, kind)).transpose()?.flatten() else {
         return Ok(None);
+    };
+    let caption = match raster.block {
+        1 => caption.to_owned(),
+        block => format!("{caption} Each pixel is the mean of {block} × {block} points."),
     };
     let (left, room, tallest): (f64, f64, f64) = (92.0, 400.0, 400.0);
     let width = room.min(tallest / raster.aspect()).max(40.0);
@@ -65,18 +78,11 @@ fn map(run: &Run, field: &str, kind: Kind, title: &str) -> Result<Option<(Raster
     // Maps of all shapes stand in the middle of the same width.
     let left = left + 0.5 * (room - width);
     let plot = Rect::new(left, legend, width, height);
-    let svg = draw((640.0, (legend + height + 52.0).ceil()), title, title, |canvas| {
+    let svg = draw((640.0, (legend + height + 52.0).ceil()), title, &caption, |canvas| {
         raster.legend(canvas, (left, 14.0))?;
         raster.draw(canvas, plot, true)?;
-        raster.colour_bar(canvas, Rect::new(plot.right + 18.0, plot.top, 16.0, height.max(40.0)))
+        raster.colour_bar(canvas, Rect::new(plot.right + 18.0, plot.top, 16.0, height))
     })?;
-    Ok(Some((raster, svg)))
-}
-
-/// What the pixels of a map are, when they are not the points of the field.
-fn block_note(raster: &Raster) -> String {
-    match raster.block {
-        1 => String::new(),
-        block => format!(" Each pixel is the mean of {block} × {block} points."),
-    }
+    let sources = vec![format!("fields/{name}")];
+    Ok(Some(Plate { name, stage, title: title.into(), caption, sources, svg }))
 }

@@ -1,5 +1,8 @@
 //! Numbers as a reader wants them: engineering units, an uncertainty that sets the digits, a true minus sign.
 
+/// Keeps a number and its unit or uncertainty on one line.
+const NO_BREAK: char = '\u{a0}';
+
 /// A unit of display: its symbol and its size in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Unit {
@@ -108,21 +111,36 @@ impl Dimension {
     /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`.
     pub(crate) fn show_interval(self, value: f64, interval: Option<(f64, f64)>) -> String {
         let unit = self.unit(value);
-        let text = attach(&significant(value / unit.si, 4), &unit);
         match interval {
-            Some((low, high)) => format!("{text} {}", show_range(low / unit.si, high / unit.si)),
-            None => text,
+            Some((low, high)) => {
+                let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
+                let number = match decimals(high - low) {
+                    Some(decimals) => fixed(value, decimals),
+                    None => significant(value, 4),
+                };
+                format!("{} {}", attach(&number, &unit), show_range(low, high))
+            }
+            None => self.show(value),
         }
     }
 }
 
-/// `[low, high]` with three digits in the wider end.
+/// Decimals that show two digits of an uncertainty; none where fixed decimals do not suit it.
+fn decimals(uncertainty: f64) -> Option<usize> {
+    let places = 1.0 - uncertainty.log10().floor();
+    (uncertainty > 0.0 && (-4.0..=7.0).contains(&places)).then_some(places.max(0.0) as usize)
+}
+
+/// `[low, high]`, resolved by two digits of its width.
 pub(crate) fn show_range(low: f64, high: f64) -> String {
-    format!("[{}, {}]", significant(low, 3), significant(high, 3))
+    match decimals(high - low) {
+        Some(decimals) => format!("[{},{NO_BREAK}{}]", fixed(low, decimals), fixed(high, decimals)),
+        None => format!("[{},{NO_BREAK}{}]", significant(low, 3), significant(high, 3)),
+    }
 }
 
 fn attach(number: &str, unit: &Unit) -> String {
-    if unit.symbol.is_empty() { number.to_owned() } else { format!("{number} {}", unit.symbol) }
+    if unit.symbol.is_empty() { number.to_owned() } else { format!("{number}{NO_BREAK}{}", unit.symbol) }
 }
 
 /// Replaces the hyphen before a number by a minus sign.
@@ -168,11 +186,9 @@ pub(crate) fn with_error(value: f64, error: f64) -> String {
     if !(error.is_finite() && error > 0.0) {
         return significant(value, 4);
     }
-    let decimals = 1 - error.log10().floor() as i32;
-    if (0..=9).contains(&decimals) {
-        format!("{} ± {}", fixed(value, decimals as usize), fixed(error, decimals as usize))
-    } else {
-        format!("{} ± {}", significant(value, 4), significant(error, 2))
+    match decimals(error) {
+        Some(decimals) => format!("{}{NO_BREAK}±{NO_BREAK}{}", fixed(value, decimals), fixed(error, decimals)),
+        None => format!("{}{NO_BREAK}±{NO_BREAK}{}", significant(value, 4), significant(error, 2)),
     }
 }
 
@@ -180,14 +196,23 @@ pub(crate) fn with_error(value: f64, error: f64) -> String {
 mod tests {
     use super::*;
 
+    fn spaced(text: String) -> String {
+        text.replace(NO_BREAK, " ")
+    }
+
     #[test]
     fn engineering_units_are_chosen_by_size() {
-        assert_eq!(Dimension::Length.show(1.0234e-6), "1.023 µm");
-        assert_eq!(Dimension::Length.show(6e-3), "6 mm");
-        assert_eq!(Dimension::Length.show(0.0), "0 m");
-        assert_eq!(Dimension::Pressure.show(2.1e11), "210 GPa");
-        assert_eq!(Dimension::Pressure.show(-3e6), "−3 MPa");
-        assert_eq!(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4))), "250 µm [200, 300]");
+        assert_eq!(spaced(Dimension::Length.show(1.0234e-6)), "1.023 µm");
+        assert_eq!(spaced(Dimension::Length.show(6e-3)), "6 mm");
+        assert_eq!(spaced(Dimension::Length.show(0.0)), "0 m");
+        assert_eq!(spaced(Dimension::Pressure.show(2.1e11)), "210 GPa");
+        assert_eq!(spaced(Dimension::Pressure.show(-3e6)), "−3 MPa");
+        assert_eq!(spaced(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4)))), "250 µm [200, 300]");
+        assert_eq!(spaced(Dimension::None.show_interval(25.9871, Some((23.49, 28.51)))), "26.0 [23.5, 28.5]");
+        assert_eq!(
+            spaced(Dimension::None.show_interval(0.005279, Some((0.00468, 0.00607)))),
+            "0.0053 [0.0047, 0.0061]"
+        );
     }
 
     #[test]
@@ -200,9 +225,9 @@ mod tests {
 
     #[test]
     fn digits_follow_the_uncertainty() {
-        assert_eq!(with_error(0.41234, 0.0221), "0.412 ± 0.022");
-        assert_eq!(with_error(69.48, 0.30), "69.48 ± 0.30");
-        assert_eq!(with_error(0.5, f64::NAN), "0.5");
+        assert_eq!(spaced(with_error(0.41234, 0.0221)), "0.412 ± 0.022");
+        assert_eq!(spaced(with_error(69.48, 0.30)), "69.48 ± 0.30");
+        assert_eq!(spaced(with_error(0.5, f64::NAN)), "0.5");
         assert_eq!(significant(0.999_96, 4), "1");
         assert_eq!(significant(1.5e-7, 3), "1.50·10⁻⁷");
         assert_eq!(significant(-0.1705, 4), "−0.1705");

@@ -34,8 +34,9 @@ impl DataTable {
         let keep = |row: &Vec<String>| {
             row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(text, _)| text.clone()).collect::<Vec<_>>()
         };
-        self.headers = keep(&self.headers);
         self.rows = self.rows.iter().map(keep).collect();
+        let mut columns = kept.iter();
+        self.headers.retain(|_| columns.next() == Some(&true));
         self
     }
 
@@ -66,9 +67,11 @@ pub(crate) fn method_name(method: &str) -> String {
 fn section(plates: &[Plate], stage: Stage, id: &str, title: &str, lead: &str, tables: &[DataTable]) -> Option<Value> {
     let figures: Vec<Value> = plates
         .iter()
-        .filter(|plate| plate.stage == stage)
-        .map(|plate| {
+        .enumerate()
+        .filter(|(_, plate)| plate.stage == stage)
+        .map(|(index, plate)| {
             context! {
+                number => index + 1,
                 name => plate.name,
                 title => plate.title.clone(),
                 caption => plate.caption.clone(),

@@ -18,12 +18,12 @@ pub(crate) fn pen(index: usize) -> Pen {
     const PENS: [(RGBColor, Dash); 8] = [
         (BLUE, Dash::Solid),
         (VERMILION, Dash::Dashed),
-        (GREEN, Dash::DashDot),
+        (GREEN, Dash::Alternating),
         (PURPLE, Dash::Dotted),
-        (ORANGE, Dash::LongDash),
+        (ORANGE, Dash::Long),
         (SKY, Dash::Solid),
         (BLACK, Dash::Dashed),
-        (GREY, Dash::DashDot),
+        (GREY, Dash::Alternating),
     ];
     let (colour, dash) = PENS[index % PENS.len()];
     Pen::new(colour, 1.8, dash)

@@ -138,7 +138,7 @@ impl Raster {
         let unit = Dimension::Length.unit(self.width_m.max(self.height_m));
         let x = Axis::linear("x", unit.clone(), (0.0, self.width_m));
         if shows_x {
-            for tick in x.ticks((plot.width() / 60.0) as usize) {
+            for tick in x.ticks((plot.width() / 110.0).max(2.0) as usize) {
                 let at = plot.left + tick.position * plot.width();
                 canvas.line(&[(at, plot.bottom), (at, plot.bottom + 5.0)], pen)?;
                 canvas.text((at, plot.bottom + 15.0), &tick.label, TEXT, Align::Middle)?;
@@ -148,7 +148,7 @@ impl Raster {
         }
         let unit = if shows_x { unit } else { Dimension::Length.unit(self.height_m) };
         let y = Axis::linear("y", unit, (0.0, self.height_m));
-        for tick in y.ticks((plot.height() / 45.0).max(2.0) as usize) {
+        for tick in y.ticks((plot.height() / 110.0).max(2.0) as usize) {
             let at = plot.top + tick.position * plot.height();
             canvas.line(&[(plot.left - 5.0, at), (plot.left, at)], pen)?;
             canvas.text((plot.left - 8.0, at), &tick.label, TEXT, Align::End)?;
@@ -169,7 +169,7 @@ impl Raster {
         };
         let axis = Axis::linear(name, dimension.unit(self.low.abs().max(self.high.abs())), (self.low, self.high));
         let mut widest: f64 = 0.0;
-        for tick in axis.ticks((bar.height() / 40.0).max(2.0) as usize) {
+        for tick in axis.ticks((bar.height() / 110.0).max(2.0) as usize) {
             let at = bar.bottom - tick.position * bar.height();
             canvas.line(&[(bar.right, at), (bar.right + 4.0, at)], pen)?;
             canvas.text((bar.right + 8.0, at), &tick.label, TEXT, Align::Start)?;
@@ -179,7 +179,7 @@ impl Raster {
         canvas.text((bar.right + 8.0 + widest + 12.0, middle), &axis.label(), LABEL, Align::Upward)
     }
 
-    /// What the reserved colours mean, from `at` to the right; returns whether anything was drawn.
+    /// What the reserved colours mean, from `at` to the right.
     pub(crate) fn legend(&self, canvas: &mut Canvas<'_>, at: (f64, f64)) -> Result<(), ReportError> {
         let mut x = at.0;
         let missing = format!("missing ({} points)", self.missing);

@@ -5,7 +5,7 @@ use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen, Rect, draw};
 use crate::chart::{Chart, Layout, Mark, figure};
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION, pen};
+use crate::palette::{BLACK, BLUE, GREY, VERMILION, pen};
 use crate::raster::{Kind, Raster};
 use crate::{ReportError, Run, Table};
 
@@ -36,12 +36,12 @@ fn levels(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let x = ordered(penetration, &order);
     let Some(x_range) = range(&x) else { return Ok(()) };
     let rows = [
-        ("mean", "Mean μ", "mean", BLUE, Some(("mean_low", "mean_high"))),
-        ("std", "Std of μ", "standard deviation", VERMILION, Some(("std_low", "std_high"))),
-        ("coefficient_of_variation", "CoV of μ", "coefficient of variation", GREEN, None),
+        ("mean", "Mean of μ", Some(("mean_low", "mean_high"))),
+        ("std", "Std of μ", Some(("std_low", "std_high"))),
+        ("coefficient_of_variation", "CoV of μ", None),
     ];
     let mut charts = Vec::new();
-    for (column, label, name, colour, limits) in rows {
+    for (column, label, limits) in rows {
         let Some(values) = table.column(column) else { continue };
         let y = ordered(values, &order);
         let band = limits.and_then(|(low, high)| columns(table, [low, high]));
@@ -53,10 +53,10 @@ fn levels(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
         let x_axis = Axis::padded("Penetration", Dimension::Length.unit(x_range.1), x_range, 0.04);
         let mut chart = Chart::new(x_axis, y_axis);
         if let Some((low, high)) = band {
-            chart.add(None, Mark::Band { x: x.clone(), low, high, colour });
+            chart.add("95 % interval", Mark::Band { x: x.clone(), low, high, colour: BLUE });
         }
-        let dash = pen(charts.len()).dash;
-        chart.add(name, Mark::Points { x: x.clone(), y: y.clone(), pen: Pen::new(colour, 1.8, dash) });
+        let pen = Pen::new(BLUE, 1.8, Dash::Solid);
+        chart.add("estimate", Mark::Points { x: x.clone(), y: y.clone(), pen });
         if charts.is_empty() {
             let percentiles = table.column("percentile").map(|values| ordered(values, &order));
             for (row, (&x, &y)) in x.iter().zip(&y).enumerate() {
@@ -149,6 +149,7 @@ fn level_name(column: &str) -> String {
     let name = column.strip_prefix("mu_").unwrap_or(column);
     match name.strip_prefix('p').and_then(|percent| percent.replace('_', ".").parse::<f64>().ok()) {
         Some(percent) => format!("{} %", significant(percent, 3)),
+        None if name == "load" => "at load".into(),
         None => name.replace('_', " "),
     }
 }

@@ -1,6 +1,6 @@
 //! The contact pressure of one surface, and its law at a point by every method.
 
-use super::{Plate, Stage, block_note, columns, csv, map};
+use super::{Plate, Stage, columns, csv, map};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -11,17 +11,10 @@ use crate::raster::Kind;
 use crate::{ReportError, Run, Table};
 
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    const NAME: &str = "pressure_sample";
     let title = "Contact pressure on one realisation";
-    if let Some((raster, svg)) = map(run, NAME, Kind::Pressure, title)? {
-        let caption = format!(
-            "Pressure on one realisation of the surface; white points are not in contact. The colours saturate beyond \
-             the 99.9 % quantile.{}",
-            block_note(&raster)
-        );
-        let sources = vec![format!("fields/{NAME}")];
-        plates.push(Plate { name: NAME, stage: Stage::Pressure, title: title.into(), caption, sources, svg });
-    }
+    let caption = "Pressure on one realisation of the surface; white points are not in contact. The colours saturate \
+                   beyond the 99.9 % quantile.";
+    plates.extend(map(run, ("pressure_sample", Stage::Pressure), Kind::Pressure, title, caption)?);
     match run.tables.get("pressure_cdf") {
         Some(table) => distribution(table, plates),
         None => Ok(()),
@@ -104,7 +97,7 @@ fn distribution(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let title = "Law of the contact pressure by method";
     let compared = reference.map_or(String::new(), |name| {
         format!(
-            " Below: difference of every method from “{}”; its largest value is the KS distance.",
+            " Below: difference of every method from “{}”; its largest absolute value is the KS distance.",
             method_name(name)
         )
     });

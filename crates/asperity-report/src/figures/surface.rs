@@ -1,6 +1,6 @@
 //! Height maps, height density, autocorrelation and spectrum.
 
-use super::{Plate, Stage, block_note, columns, csv, map};
+use super::{Plate, Stage, columns, csv, map};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -22,14 +22,9 @@ fn maps(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
         ("height_levelled", "Heights after levelling and outlier removal"),
         ("surface_sample", "One realisation of the random surface"),
     ];
+    let caption = "Heights relative to their mean; the colours saturate beyond the 0.1 % and 99.9 % quantiles.";
     for (name, title) in maps {
-        let Some((raster, svg)) = map(run, name, Kind::Height, title)? else { continue };
-        let caption = format!(
-            "Heights relative to their mean; the colours saturate beyond the 0.1 % and 99.9 % quantiles.{}",
-            block_note(&raster)
-        );
-        let sources = vec![format!("fields/{name}")];
-        plates.push(Plate { name, stage: Stage::Surface, title: title.into(), caption, sources, svg });
+        plates.extend(map(run, (name, Stage::Surface), Kind::Height, title, caption)?);
     }
     Ok(())
 }
@@ -56,7 +51,7 @@ fn density(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     linear.add("measured", Mark::Bars { x: x.to_vec(), y: measured.to_vec(), colour: BLUE });
     let positive = measured.iter().map(|v| if *v > 0.0 { *v } else { f64::NAN }).collect();
     let points = Pen { opacity: 0.35, ..Pen::new(BLUE, 0.8, Dash::Solid) };
-    logarithmic.add("measured (logarithmic)", Mark::Points { x: x.to_vec(), y: positive, pen: points });
+    logarithmic.add(None, Mark::Points { x: x.to_vec(), y: positive, pen: points });
     for (name, label, pen) in fits {
         if let Some(y) = table.column(name) {
             for chart in [&mut linear, &mut logarithmic] {
@@ -80,7 +75,7 @@ fn autocorrelation(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError
     let Some([lag]) = columns(table, ["lag_m"]) else { return Ok(()) };
     let curves = [
         ("acf_x", "measured, x", Pen::new(BLUE, 2.0, Dash::Solid)),
-        ("acf_y", "measured, y", Pen::new(SKY, 2.0, Dash::LongDash)),
+        ("acf_y", "measured, y", Pen::new(SKY, 2.0, Dash::Long)),
         ("fit_x", "model, x", Pen::new(VERMILION, 1.6, Dash::Dashed)),
         ("fit_y", "model, y", Pen::new(BLACK, 1.6, Dash::Dotted)),
     ];
@@ -113,7 +108,7 @@ fn spectrum(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let Some([wavenumber]) = columns(table, ["wavenumber_rad_per_m"]) else { return Ok(()) };
     let curves = [
         ("psd_x_m3", "measured, x", Pen::new(BLUE, 1.5, Dash::Solid)),
-        ("psd_y_m3", "measured, y", Pen::new(SKY, 1.5, Dash::LongDash)),
+        ("psd_y_m3", "measured, y", Pen::new(SKY, 1.5, Dash::Long)),
         ("psd_model_x_m3", "model, x", Pen::new(VERMILION, 1.8, Dash::Dashed)),
     ];
     let positive = |values: &[f64]| values.iter().copied().filter(|v| *v > 0.0).collect::<Vec<_>>();

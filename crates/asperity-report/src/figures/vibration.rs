@@ -20,9 +20,11 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
 }
 
 fn phase_portrait(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    let settled = run.results["vibration"]["cycle"]["limit_cycle"] == Value::Bool(false);
+    let deterministic = if settled { "deterministic motion (no cycle)" } else { "deterministic limit cycle" };
     let curves = [
         ("trajectory", "one stochastic trajectory", Pen { opacity: 0.55, ..Pen::new(SKY, 0.9, Dash::Solid) }),
-        ("limit_cycle", "deterministic limit cycle", Pen::new(VERMILION, 2.4, Dash::Solid)),
+        ("limit_cycle", deterministic, Pen::new(VERMILION, 2.4, Dash::Solid)),
     ];
     let found: Vec<_> = curves
         .iter()
@@ -88,14 +90,14 @@ fn cycles(table: &Table, vibration: &Value, plates: &mut Vec<Plate>) -> Result<(
     const NAME: &str = "cycles_over_damping";
     let Some([damping]) = columns(table, ["damping_ratio"]) else { return Ok(()) };
     let limits = [
-        ("hopf_damping_ratio", "Hopf ζ", Pen::new(GREY, 1.6, Dash::Dotted)),
-        ("critical_damping_ratio", "end of the cycle ζ", Pen::new(BLACK, 1.6, Dash::DashDot)),
+        ("hopf_damping_ratio", "Hopf point ζ", Pen::new(GREY, 1.6, Dash::Dotted)),
+        ("critical_damping_ratio", "cycle ends at ζ", Pen::new(BLACK, 1.6, Dash::Alternating)),
     ];
     let limits: Vec<(f64, String, Pen)> = limits
         .iter()
         .filter_map(|(key, label, pen)| {
             let value = vibration[*key].as_f64()?;
-            Some((value, format!("{label} = {}", significant(value, 4)), *pen))
+            Some((value, format!("{label} = {}", significant(value, 5)), *pen))
         })
         .collect();
     let Some((mut low, mut high)) = range(damping) else { return Ok(()) };
@@ -109,11 +111,11 @@ fn cycles(table: &Table, vibration: &Value, plates: &mut Vec<Plate>) -> Result<(
     let axis = || Axis::padded("Damping ratio ζ", Unit::none(), (low, high), 0.03);
     let counts = [
         ("cycles_deterministic", "deterministic", Pen::new(BLACK, 1.8, Dash::Solid)),
-        ("area_cycles_mean", "upscaling “area”", Pen::new(BLUE, 1.8, Dash::LongDash)),
+        ("area_cycles_mean", "upscaling “area”", Pen::new(BLUE, 1.8, Dash::Long)),
         ("paper_cycles_mean", "upscaling “paper”", Pen::new(VERMILION, 1.8, Dash::Dashed)),
     ];
     let differences =
-        [("area", "upscaling “area”", BLUE, Dash::LongDash), ("paper", "upscaling “paper”", VERMILION, Dash::Dashed)];
+        [("area", "upscaling “area”", BLUE, Dash::Long), ("paper", "upscaling “paper”", VERMILION, Dash::Dashed)];
     let mut charts = Vec::new();
     if let Some(y) = range(counts.iter().filter_map(|c| table.column(c.0)).flatten()) {
         let mut chart = Chart::new(axis(), Axis::padded("Cycles M", Unit::none(), (y.0.min(0.0), y.1), 0.08));

@@ -40,7 +40,7 @@ fn contact(pressure: &Value) -> Option<Answer> {
     Some(Answer {
         question: "How likely is contact at a point?",
         answer: format!("P(contact) = {}", with_error(probability, error)),
-        detail: format!("By {name}{solves}; ± is one standard error."),
+        detail: format!("Method: {name}{solves}; ± is one standard error."),
     })
 }
 
@@ -91,7 +91,7 @@ fn damping(run: &Run) -> Option<Answer> {
     let vibration = &run.results["vibration"];
     let critical = vibration["critical_damping_ratio"].as_f64()?;
     let hopf = vibration["hopf_damping_ratio"].as_f64().map_or(String::new(), |hopf| {
-        format!(" Steady sliding loses its stability below ζ = {} (Hopf point).", significant(hopf, 4))
+        format!(" Steady sliding loses its stability below ζ = {} (Hopf point).", significant(hopf, 5))
     });
     let margin = operating_damping(run).map_or(String::new(), |zeta| {
         let side = if zeta < critical { "below" } else { "above" };
@@ -99,7 +99,7 @@ fn damping(run: &Run) -> Option<Answer> {
     });
     Some(Answer {
         question: "Which damping ends it?",
-        answer: format!("ζ = {}", significant(critical, 4)),
+        answer: format!("ζ = {}", significant(critical, 5)),
         detail: format!("Above this damping ratio no stick-slip cycle exists.{hopf}{margin}"),
     })
 }
@@ -204,7 +204,8 @@ mod tests {
             {"percentile": 50.0, "mean_pressure_pa": 1e9, "mean": 0.2, "std": 0.01},
             {"percentile": null, "mean_pressure_pa": 3e6, "mean": 0.3312, "std": 0.0123}]}});
         let found = answers(&Run { results, ..Run::default() });
-        assert_eq!(found[0].answer, "μ = 0.331 ± 0.012");
-        assert!(found[0].detail.contains("3 MPa"));
+        let plain = |text: &str| text.replace('\u{a0}', " ");
+        assert_eq!(plain(&found[0].answer), "μ = 0.331 ± 0.012");
+        assert!(plain(&found[0].detail).contains("3 MPa"));
     }
 }

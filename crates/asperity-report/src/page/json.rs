@@ -53,7 +53,8 @@ fn flatten(prefix: &str, value: &Value, rows: &mut Vec<(String, String)>) {
             continue;
         }
         let name = |key: &str| {
-            if prefix.is_empty() { key.replace('_', " ") } else { format!("{prefix} · {}", key.replace('_', " ")) }
+            let words = key.replace("karhunen_loeve", "Karhunen–Loève").replace('_', " ");
+            if prefix.is_empty() { words } else { format!("{prefix} · {words}") }
         };
         match entry {
             Value::Object(_) => flatten(&name(key), entry, rows),
@@ -92,7 +93,7 @@ mod tests {
         assert_eq!(interval(&entry, "length_m"), Some((2e-4, 3e-4)));
         assert_eq!(interval(&entry, "mean"), Some((0.1, 0.3)));
         assert_eq!(interval(&json!({"mean_interval": [null, 0.3]}), "mean"), None);
-        assert_eq!(shown(&entry, "length_m"), "250 µm [200, 300]");
+        assert_eq!(shown(&entry, "length_m").replace('\u{a0}', " "), "250 µm [200, 300]");
         assert_eq!(shown(&entry, "absent"), "–");
     }
 
@@ -100,7 +101,7 @@ mod tests {
     fn nested_objects_become_rows_with_units() {
         let value = json!({"modes": 101, "covariance": {"model": "exponential", "length_x_m": 2e-5}, "x": null});
         let rows = flattened(&value);
-        assert!(rows.contains(&("covariance · length x".into(), "20 µm".into())));
+        assert!(rows.contains(&("covariance · length x".into(), "20\u{a0}µm".into())));
         assert!(rows.contains(&("modes".into(), "101".into())));
         assert!(rows.contains(&("x".into(), "–".into())));
     }
