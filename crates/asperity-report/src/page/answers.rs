@@ -8,8 +8,11 @@ use super::tables::{difference, leading_level, level_name, list};
 use crate::Run;
 use crate::format::{show_range, significant, with_error};
 
-/// Below this share of the deterministic cycles an effect is called negligible even where it is resolved.
+/// Up to this share of the deterministic cycles an effect is called negligible even where it is resolved.
 const NEGLIGIBLE: f64 = 0.01;
+/// Up to this share an interval around zero says that there is no effect; a wider one says that nothing is known.
+const NARROW: f64 = 0.1;
+const VANISHES: &str = "The paper’s effect vanishes at your scale";
 
 /// A question, its short answer, and what qualifies it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -77,9 +80,8 @@ fn squeal(run: &Run) -> Option<Answer> {
     let at = operating_damping(run)
         .map_or(String::new(), |zeta| format!(" at the study’s damping ζ = {}", significant(zeta, 4)));
     let (answer, detail) = if exists {
-        let period = cycle["period"]
-            .as_f64()
-            .map_or(String::new(), |t| format!(" with the period {} (in 1/ω₀)", significant(t, 4)));
+        let period =
+            cycle["period"].as_f64().map_or(String::new(), |t| format!(" with the period {}/ω₀", significant(t, 4)));
         ("Yes: a stick-slip limit cycle exists", format!("Without roughness{at}{period}."))
     } else {
         ("No: no stick-slip limit cycle", format!("Without roughness{at}."))
@@ -114,41 +116,44 @@ fn nearest(upscaling: &Value, damping: Option<f64>) -> Option<&Value> {
 
 fn roughness(run: &Run) -> Option<Answer> {
     let vibration = &run.results["vibration"];
-    let entry = nearest(&vibration["area"], operating_damping(run))?;
+    let study = operating_damping(run);
+    let entry = nearest(&vibration["area"], study)?;
     let lost = entry["difference_mean"].as_f64()?;
     let (limits, text) = difference(run, "area", entry);
     let deterministic = entry["cycles_deterministic"].as_f64();
+    // Beyond the critical damping the deterministic count is zero, so the sweep's largest count sets the scale.
+    let counts = list(&vibration["area"]["damping"]).iter().filter_map(|entry| entry["cycles_deterministic"].as_f64());
+    let scale = counts.fold(0.0, f64::max);
     let unresolved = limits.is_some_and(|(low, high)| low <= 0.0 && high >= 0.0);
-    let negligible = deterministic.is_some_and(|m| lost.abs() <= NEGLIGIBLE * m);
-    let answer = if unresolved || negligible {
-        "The paper’s effect vanishes at your scale".to_owned()
-    } else if lost > 0.0 {
-        match deterministic.filter(|m| *m > 0.0) {
-            Some(m) => format!("It costs {} of {} cycles", significant(lost, 3), significant(m, 4)),
-            None => format!("It costs {} cycles", significant(lost, 3)),
-        }
+    let narrow = limits.is_some_and(|(low, high)| low.abs().max(high.abs()) <= NARROW * scale);
+    let (answer, reason) = if unresolved && narrow {
+        (VANISHES.to_owned(), " (the 95 % interval holds zero)")
+    } else if unresolved {
+        let answer = "No effect is resolved: more trajectories are needed".to_owned();
+        (answer, " (the 95 % interval holds zero, but is wide)")
+    } else if lost.abs() <= NEGLIGIBLE * scale {
+        (VANISHES.to_owned(), " (no more than 1 % of the cycles)")
+    } else if lost < 0.0 {
+        (format!("It adds {} cycles", significant(-lost, 3)), "")
     } else {
-        format!("It adds {} cycles", significant(-lost, 3))
+        let of = deterministic.map_or(String::new(), |m| format!(" of {}", significant(m, 4)));
+        (format!("It costs {}{of} cycles", significant(lost, 3)), "")
     };
-    let zeta =
-        entry["damping_ratio"].as_f64().map_or(String::new(), |zeta| format!(" at ζ = {}", significant(zeta, 4)));
-    let reason = match (unresolved, negligible) {
-        (true, _) => " (the 95 % interval holds zero)",
-        (false, true) => " (less than 1 % of the cycles)",
-        _ => "",
-    };
+    let at = entry["damping_ratio"].as_f64().map_or(String::new(), |zeta| {
+        let near = study.is_some_and(|study| (study - zeta).abs() > 1e-9);
+        let near = if near { ", in the sweep the nearest to the study’s" } else { "" };
+        format!(" at ζ = {}{near}", significant(zeta, 4))
+    });
     let paper = nearest(&vibration["paper"], entry["damping_ratio"].as_f64())
         .filter(|paper| paper["difference_mean"].is_number() && paper["damping_ratio"] == entry["damping_ratio"])
         .map_or(String::new(), |paper| {
-            format!(
-                " If one window carried the whole normal force, as in the paper, it would be {}.",
-                difference(run, "paper", paper).1
-            )
+            let (_, text) = difference(run, "paper", paper);
+            format!(" If one window carried the whole normal force, as in the paper, it would be {text}.")
         });
     Some(Answer {
         question: "What does roughness do to the vibration?",
         answer,
-        detail: format!("Cycles lost with μ averaged over the nominal contact area{zeta}: {text}{reason}.{paper}"),
+        detail: format!("Cycles lost with μ averaged over the nominal contact area{at}: {text}{reason}.{paper}"),
     })
 }
 
@@ -168,13 +173,15 @@ mod tests {
 
     #[test]
     fn an_interval_around_zero_or_a_tiny_loss_means_that_the_effect_vanishes() {
-        let vanishes = "The paper’s effect vanishes at your scale";
         let unresolved = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 3.0,
                                  "difference_mean_interval": [-0.5, 6.5]}]);
-        assert_eq!(answer(unresolved).answer, vanishes);
+        assert_eq!(answer(unresolved).answer, VANISHES);
         let tiny = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 0.4,
                            "difference_mean_interval": [0.3, 0.5]}]);
-        assert_eq!(answer(tiny).answer, vanishes);
+        assert_eq!(answer(tiny).answer, VANISHES);
+        let wide = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 15.0,
+                           "difference_mean_interval": [-20.0, 50.0]}]);
+        assert!(answer(wide).answer.starts_with("No effect is resolved"));
         let clear = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 29.5,
                             "difference_mean_interval": [28.9, 30.1]}]);
         assert_eq!(answer(clear).answer, "It costs 29.5 of 99 cycles");

@@ -29,7 +29,7 @@ pub(super) fn plain(value: &Value) -> String {
         Value::Null => "–".into(),
         Value::Bool(true) => "yes".into(),
         Value::Bool(false) => "no".into(),
-        Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, |v| significant(v, 4)),
+        Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, |v| significant(v, 5)),
         Value::Number(number) => number.to_string(),
         Value::String(text) => text.clone(),
         Value::Array(items) if items.len() <= 12 => items.iter().map(plain).collect::<Vec<_>>().join(", "),

@@ -265,8 +265,9 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
 }
 
 fn results(tables: &BTreeMap<String, Table>) -> Value {
-    let column =
-        |table: &str, name: &str| tables[table].columns.iter().find(|c| c.0 == name).map(|c| c.1.clone()).unwrap();
+    let column = |table: &str, name: &str| {
+        tables[table].columns.iter().find(|c| c.0 == name).map_or_else(Vec::new, |c| c.1.clone())
+    };
     let level = |row: usize| {
         let value = |name: &str| column("friction_levels", name)[row];
         let percentile = value("percentile");
