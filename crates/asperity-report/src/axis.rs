@@ -1,6 +1,6 @@
 //! Axes: range, unit, spacing and ticks.
 
-use crate::format::{Unit, fixed, superscript};
+use crate::format::{Unit, fixed, significant, superscript};
 
 /// Distance between equal ratios or equal differences.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,12 +84,31 @@ impl Axis {
             power => format!("10{}", superscript(power)),
         };
         let unit = [power, self.unit.symbol.clone()].iter().filter(|s| !s.is_empty()).cloned().collect::<Vec<_>>();
-        if unit.is_empty() { self.quantity.clone() } else { format!("{} ({})", self.quantity, unit.join(" ")) }
+        let offset = self.offset() / self.unit.si;
+        let quantity = if offset == 0.0 {
+            self.quantity.clone()
+        } else {
+            let sign = if offset > 0.0 { '−' } else { '+' };
+            format!("{} {sign} {}", self.quantity, significant(offset.abs(), 12))
+        };
+        if unit.is_empty() { quantity } else { format!("{quantity} ({})", unit.join(" ")) }
+    }
+
+    /// A round number in the middle of a linear axis so narrow that its labels would share their first digits; the
+    /// labels count from there. Zero on other axes.
+    fn offset(&self) -> f64 {
+        let (span, largest) = (self.high - self.low, self.low.abs().max(self.high.abs()));
+        if self.spacing == Spacing::Logarithmic || span >= 2e-3 * largest || span <= 1e-11 * largest {
+            return 0.0;
+        }
+        let quantum = 10f64.powi((span / self.unit.si).log10().floor() as i32);
+        (0.5 * (self.low + self.high) / self.unit.si / quantum).round() * quantum * self.unit.si
     }
 
     /// A multiple of three, taken out of the labels of a linear axis whose numbers are very small or large.
     fn power(&self) -> i32 {
-        let largest = self.low.abs().max(self.high.abs()) / self.unit.si;
+        let offset = self.offset();
+        let largest = (self.low - offset).abs().max((self.high - offset).abs()) / self.unit.si;
         match self.spacing {
             Spacing::Linear if largest > 0.0 && !(0.02..1e4).contains(&largest) => {
                 3 * (largest.log10() / 3.0).floor() as i32
@@ -108,7 +127,7 @@ impl Axis {
 
     fn linear_ticks(&self, wanted: usize) -> Vec<Tick> {
         let scale = self.unit.si * 10f64.powi(self.power());
-        let (low, high) = (self.low / scale, self.high / scale);
+        let (low, high) = ((self.low - self.offset()) / scale, (self.high - self.offset()) / scale);
         let rough = (high - low) / wanted.max(1) as f64;
         let decade = 10f64.powi(rough.log10().floor() as i32);
         let step = [5.0, 2.0].into_iter().map(|m| m * decade).find(|s| *s <= 1.001 * rough).unwrap_or(decade);
@@ -180,6 +199,14 @@ mod tests {
         let axis = Axis::linear("Velocity", Unit::none(), (-0.004, 0.003));
         assert_eq!(axis.label(), "Velocity (10⁻³)");
         assert_eq!(labels(&axis, 7), ["−4", "−3", "−2", "−1", "0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn a_narrow_range_counts_from_a_round_number() {
+        let axis = Axis::linear("X", Unit::none(), (0.096_795_59, 0.096_796_02));
+        assert_eq!(axis.label(), "X − 0.0967958 (10⁻⁹)");
+        assert_eq!(labels(&axis, 4), ["−200", "−100", "0", "100", "200"]);
+        assert_eq!(Axis::linear("μ", Unit::none(), (0.19, 0.2)).label(), "μ");
     }
 
     #[test]

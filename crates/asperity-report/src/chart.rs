@@ -3,7 +3,7 @@
 use plotters::prelude::RGBColor;
 
 use crate::ReportError;
-use crate::axis::Axis;
+use crate::axis::{Axis, Tick};
 use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw, text_width};
 
 /// Height of one row of the legend in pixels.
@@ -100,7 +100,7 @@ impl Chart {
     fn axes(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
         let tick = Pen::new(INK, 1.0, Dash::Solid);
         let grid = Pen::new(GRID, 0.8, Dash::Solid);
-        for mark in self.x.ticks((plot.width() / 120.0).max(2.0) as usize) {
+        for mark in fitting_ticks(&self.x, plot.width()) {
             let x = plot.left + mark.position * plot.width();
             let length = if mark.label.is_empty() { 3.0 } else { 5.0 };
             if !mark.label.is_empty() {
@@ -254,6 +254,20 @@ impl Chart {
         }
         Ok(())
     }
+}
+
+/// The ticks of a horizontal axis, as many as their labels leave room for.
+pub(crate) fn fitting_ticks(axis: &Axis, width: f64) -> Vec<Tick> {
+    let most = (width / 110.0).max(2.0) as usize;
+    let fits = |ticks: &Vec<Tick>| {
+        let labelled: Vec<&Tick> = ticks.iter().filter(|tick| !tick.label.is_empty()).collect();
+        labelled.windows(2).all(|pair| {
+            let needed = 0.5 * (text_width(&pair[0].label, TEXT) + text_width(&pair[1].label, TEXT)) + 8.0;
+            (pair[1].position - pair[0].position) * width >= needed
+        })
+    };
+    let mut all = (1..=most).rev().map(|wanted| axis.ticks(wanted));
+    all.clone().find(fits).or(all.next_back()).unwrap_or_default()
 }
 
 fn inside((x, y): (f64, f64), plot: Rect) -> bool {

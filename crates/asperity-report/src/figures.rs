@@ -78,10 +78,11 @@ fn map(
     // Maps of all shapes stand in the middle of the same width.
     let left = left + 0.5 * (room - width);
     let plot = Rect::new(left, legend, width, height);
-    let svg = draw((640.0, (legend + height + 52.0).ceil()), title, &caption, |canvas| {
+    let bar = height.max(100.0);
+    let svg = draw((640.0, (legend + bar.max(height + 52.0)).ceil() + 2.0), title, &caption, |canvas| {
         raster.legend(canvas, (left, 14.0))?;
         raster.draw(canvas, plot, true)?;
-        raster.colour_bar(canvas, Rect::new(plot.right + 18.0, plot.top, 16.0, height))
+        raster.colour_bar(canvas, Rect::new(plot.right + 18.0, plot.top, 16.0, bar))
     })?;
     let sources = vec![format!("fields/{name}")];
     Ok(Some(Plate { name, stage, title: title.into(), caption, sources, svg }))

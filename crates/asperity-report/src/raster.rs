@@ -5,6 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::axis::Axis;
 use crate::canvas::{Align, Canvas, Dash, INK, LABEL, Pen, Rect, TEXT, text_width};
+use crate::chart::fitting_ticks;
 use crate::format::Dimension;
 use crate::palette::{MISSING, NO_CONTACT, colour_scale};
 use crate::{Field, ReportError};
@@ -95,7 +96,14 @@ impl Raster {
             Kind::Height => (quantile(0.001), quantile(0.999)),
             Kind::Pressure => (0.0, quantile(0.999).max(0.5 * present[present.len() - 1])),
         };
-        let span = if high > low { high - low } else { 1.0 };
+        // A flat field has no scale of its own; it lies in the middle of a small one.
+        let magnitude = field.values.iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
+        let (low, high) = match kind {
+            Kind::Height if high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
+            Kind::Pressure if high <= 0.0 => (0.0, 1.0),
+            _ => (low, high),
+        };
+        let span = high - low;
         let indices: Vec<u8> = values
             .iter()
             .map(|&v| {
@@ -138,7 +146,7 @@ impl Raster {
         let unit = Dimension::Length.unit(self.width_m.max(self.height_m));
         let x = Axis::linear("x", unit.clone(), (0.0, self.width_m));
         if shows_x {
-            for tick in x.ticks((plot.width() / 110.0).max(2.0) as usize) {
+            for tick in fitting_ticks(&x, plot.width()) {
                 let at = plot.left + tick.position * plot.width();
                 canvas.line(&[(at, plot.bottom), (at, plot.bottom + 5.0)], pen)?;
                 canvas.text((at, plot.bottom + 15.0), &tick.label, TEXT, Align::Middle)?;
@@ -265,5 +273,13 @@ mod tests {
     fn a_field_without_values_has_no_image() {
         let field = Field { nx: 2, ny: 2, dx_m: 1.0, dy_m: 1.0, values: vec![f64::NAN; 4] };
         assert!(Raster::new(&field, Kind::Height).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_flat_field_is_drawn_in_one_colour_on_a_scale_around_zero() {
+        let field = Field { nx: 2, ny: 2, dx_m: 1.0, dy_m: 1.0, values: vec![0.1; 4] };
+        let raster = Raster::new(&field, Kind::Height).unwrap().unwrap();
+        assert_eq!((raster.low, raster.high), (-1e-9, 1e-9));
+        assert!(decoded(&raster).2.iter().all(|&pixel| pixel == 128 || pixel == 129));
     }
 }

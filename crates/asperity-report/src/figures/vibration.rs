@@ -145,7 +145,7 @@ fn cycles(table: &Table, vibration: &Value, plates: &mut Vec<Plate>) -> Result<(
     }
     let last = charts.len().saturating_sub(1);
     for (index, (height, chart)) in charts.iter_mut().enumerate() {
-        for (value, label, pen) in &limits {
+        for (value, label, pen) in limits.iter().filter(|limit| (low..=high).contains(&limit.0)) {
             chart.add_named(label.clone(), Mark::Vertical { x: *value, pen: *pen });
         }
         chart.shows_x = index == last;
