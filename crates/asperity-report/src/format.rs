@@ -128,7 +128,7 @@ impl Dimension {
 /// Decimals that show two digits of an uncertainty; none where fixed decimals do not suit it.
 fn decimals(uncertainty: f64) -> Option<usize> {
     let places = 1.0 - uncertainty.log10().floor();
-    (uncertainty > 0.0 && (-4.0..=7.0).contains(&places)).then_some(places.max(0.0) as usize)
+    (uncertainty > 0.0 && (-4.0..=9.0).contains(&places)).then_some(places.max(0.0) as usize)
 }
 
 /// `[low, high]`, resolved by two digits of its width.

@@ -16,6 +16,7 @@ mod figures;
 mod format;
 mod page;
 mod palette;
+mod polyline;
 mod raster;
 
 use std::collections::BTreeMap;

@@ -196,15 +196,17 @@ pub(super) fn vibration(run: &Run) -> Vec<DataTable> {
             vec![
                 format!("“{upscaling}”"),
                 shown(part, "friction_std"),
-                shown(law, "mean"),
-                shown(law, "std"),
+                match (law["mean"].as_f64(), law["std"].as_f64()) {
+                    (Some(mean), Some(std)) => with_error(mean, std),
+                    _ => shown(law, "mean"),
+                },
                 shown(law, "skewness"),
                 shown(law, "excess_kurtosis"),
                 shown(law, "normality_p"),
             ]
         })
         .collect();
-    let headers = ["Upscaling", "Std of μ", "Mean X", "Std of X", "Skewness", "Excess kurtosis", "p (normality)"];
+    let headers = ["Upscaling", "Std of μ", "X: mean ± std", "Skewness", "Excess kurtosis", "p (normality)"];
     tables.push(
         DataTable::new("Re-attachment points by upscaling", &headers, rows, "results.json").without_empty_columns(),
     );
