@@ -37,7 +37,7 @@ pub(crate) fn clipped(points: &[(f64, f64)], rect: Rect) -> Vec<Vec<(f64, f64)>>
     pieces
 }
 
-/// The polyline with fewest corners found by Douglas & Peucker's method that stays within `tolerance` of the given one.
+/// A polyline with few corners that stays within `tolerance` of the given one (Douglas & Peucker).
 pub(crate) fn simplified(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     if points.len() < 3 {
         return points.to_vec();

@@ -19,7 +19,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
 fn maps(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let maps = [
         ("height_raw", "Heights as measured"),
-        ("height_levelled", "Heights after levelling and outlier removal"),
+        ("height_levelled", "Heights after levelling"),
         ("surface_sample", "One realisation of the random surface"),
     ];
     let caption = "Heights relative to their mean; the colours saturate beyond the 0.1 % and 99.9 % quantiles.";

@@ -53,7 +53,7 @@ fn flatten(prefix: &str, value: &Value, rows: &mut Vec<(String, String)>) {
             continue;
         }
         let name = |key: &str| {
-            let words = key.replace("karhunen_loeve", "Karhunen–Loève").replace('_', " ");
+            let words = key.replace("karhunen_loeve", "Karhunen–Loève").replace("hopf", "Hopf").replace('_', " ");
             if prefix.is_empty() { words } else { format!("{prefix} · {words}") }
         };
         match entry {
