@@ -20,11 +20,18 @@ use monitor::Terminal;
 
 /// From a measured rough surface to contact pressure, friction and stick-slip, with uncertainty.
 #[derive(Debug, Parser)]
-#[command(name = "asperity", version, arg_required_else_help = true, infer_long_args = false)]
+#[command(name = "asperity", version, arg_required_else_help = true)]
 #[command(after_help = "\
 Quantities carry their unit: \"210 GPa\", 0.5um, \"2.5 kN\". JSON is SI, with the unit in the key.
-Exit codes: 0 done; 1 runtime error; 2 wrong flag, key, unit or value; 3 input data missing or unusable;
-4 not converged or too few valid samples; 5 out of memory or disk; 130 cancelled.")]
+
+Exit codes:
+  0    done
+  1    runtime error
+  2    wrong flag, key, unit or value
+  3    input data missing, corrupt or unusable
+  4    not converged or too few valid samples (the answer is printed all the same)
+  5    out of memory, disk or threads
+  130  cancelled")]
 struct Cli {
     /// Worker threads; all cores when left out. Results do not depend on it.
     #[arg(long, global = true, value_name = "N", value_parser = args::count)]
