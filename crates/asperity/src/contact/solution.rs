@@ -1,0 +1,194 @@
+//! The answer to a contact problem, with its certificate.
+
+use ndarray::Array2;
+
+use crate::contact::{Boundary, Control, Problem};
+use crate::map::Grid;
+
+/// Why a solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopReason {
+    /// All residuals, freshly evaluated, are below the tolerance.
+    Converged,
+    /// No further descent can be represented in double precision.
+    PrecisionLimit,
+    /// The iteration limit was reached.
+    IterationLimit,
+}
+
+/// Normalised violations of the optimality conditions, evaluated from the pressure alone.
+///
+/// With v = S p − z, plane height d and gap g = v + d:
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed load g′ is counted
+    /// from the least v over cells with p < H, under a prescribed plane from the plane.
+    pub frank_wolfe: f64,
+    /// Largest overlap −g over cells with p < H, divided by h_rms.
+    pub overlap: f64,
+    /// |mean(p)/p̄ − 1| where a load is prescribed; relative error of the gap where the mean gap is.
+    pub load: f64,
+}
+
+impl Residual {
+    /// The largest of the three.
+    pub fn worst(&self) -> f64 {
+        self.frank_wolfe.max(self.overlap).max(self.load)
+    }
+}
+
+/// A solved contact: fields of shape `[ny, nx]`, row 0 at the top.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    pub(super) grid: Grid,
+    pub(super) boundary: Boundary,
+    pub(super) hardness_pa: Option<f64>,
+    pub(super) pressure_pa: Array2<f64>,
+    pub(super) displacement_m: Array2<f64>,
+    pub(super) signed_gap_m: Array2<f64>,
+    pub(super) plane_m: f64,
+    pub(super) mean_height_m: f64,
+    pub(super) highest_m: f64,
+    pub(super) iterations: usize,
+    pub(super) residual: Residual,
+    pub(super) stop_reason: StopReason,
+}
+
+impl Solution {
+    /// The grid.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// What lies beyond the edge of the grid.
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    /// Normal pressure in pascal, ≥ 0 in compression.
+    pub fn pressure_pa(&self) -> &Array2<f64> {
+        &self.pressure_pa
+    }
+
+    /// Elastic displacement u = S p in metre, positive away from the flat.
+    pub fn displacement_m(&self) -> &Array2<f64> {
+        &self.displacement_m
+    }
+
+    /// Distance between the deformed surface and the plane in metre: ≥ 0, and 0 in elastic and in plastic contact.
+    pub fn gap_m(&self) -> Array2<f64> {
+        ndarray::Zip::from(&self.signed_gap_m)
+            .and(&self.pressure_pa)
+            .map_collect(|gap, pressure| if *pressure > 0.0 { 0.0 } else { gap.max(0.0) })
+    }
+
+    /// Plastic displacement in metre: by how much elastic deformation alone would overlap where p = H; 0 elsewhere.
+    pub fn plastic_displacement_m(&self) -> Array2<f64> {
+        ndarray::Zip::from(&self.signed_gap_m)
+            .and(&self.pressure_pa)
+            .map_collect(|gap, pressure| if self.is_plastic(*pressure) { (-gap).max(0.0) } else { 0.0 })
+    }
+
+    fn is_plastic(&self, pressure_pa: f64) -> bool {
+        self.hardness_pa.is_some_and(|hardness_pa| pressure_pa >= hardness_pa)
+    }
+
+    /// Share of all cells with p > 0. Counting cells overestimates the area; see [`Solution::corrected_contact_fraction`].
+    pub fn contact_fraction(&self) -> f64 {
+        self.pressure_pa.iter().filter(|p| **p > 0.0).count() as f64 / self.grid.points() as f64
+    }
+
+    /// Share of all cells with p = H.
+    pub fn plastic_fraction(&self) -> f64 {
+        self.pressure_pa.iter().filter(|p| self.is_plastic(**p)).count() as f64 / self.grid.points() as f64
+    }
+
+    /// Mean pressure over all cells in pascal.
+    pub fn mean_pressure_pa(&self) -> f64 {
+        self.pressure_pa.sum() / self.grid.points() as f64
+    }
+
+    /// Load on the patch in newton.
+    pub fn load_n(&self) -> f64 {
+        self.pressure_pa.sum() * self.grid.cell_area_m2()
+    }
+
+    /// Highest pressure in pascal.
+    pub fn max_pressure_pa(&self) -> f64 {
+        self.pressure_pa.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Mean gap in metre over all cells.
+    pub fn mean_gap_m(&self) -> f64 {
+        self.gap_m().sum() / self.grid.points() as f64
+    }
+
+    /// Height of the plane in the coordinates of the map, in metre.
+    pub fn plane_m(&self) -> f64 {
+        self.plane_m
+    }
+
+    /// Height of the plane above the mean of the undeformed heights, in metre.
+    pub fn separation_m(&self) -> f64 {
+        self.plane_m - self.mean_height_m
+    }
+
+    /// Depth of the plane below the highest undeformed point, in metre.
+    pub fn penetration_m(&self) -> f64 {
+        self.highest_m - self.plane_m
+    }
+
+    /// Iterations of the solver.
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Freshly evaluated residuals.
+    pub fn residual(&self) -> Residual {
+        self.residual
+    }
+
+    /// Why the solver stopped.
+    pub fn stop_reason(&self) -> StopReason {
+        self.stop_reason
+    }
+
+    /// Whether all residuals are below the tolerance.
+    pub fn converged(&self) -> bool {
+        self.stop_reason == StopReason::Converged
+    }
+}
+
+/// Plane height and residuals of the pressure `p` with v = S p − z, from the definitions.
+pub(super) fn certify(problem: &Problem<'_>, p: &[f64], v: &[f64], prescribed_plane_m: Option<f64>) -> (f64, Residual) {
+    let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    let rms_height_m = problem.rms_height_m();
+    let (mut sum_p, mut sum_free, mut sum_free_v) = (0.0, 0.0, 0.0);
+    let mut least_v = f64::INFINITY;
+    for (&p, &v) in p.iter().zip(v) {
+        sum_p += p;
+        if p < upper {
+            least_v = least_v.min(v);
+            sum_free += p;
+            sum_free_v += p * v;
+        }
+    }
+    // The plane is known, or rests on the elastic contact; without any, on the cell that touches next.
+    let plane_m = prescribed_plane_m.unwrap_or(if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v });
+    let lambda = if prescribed_plane_m.is_some() { -plane_m } else { least_v };
+    let (mut work, mut overlap) = (0.0, 0.0_f64);
+    for (&p, &v) in p.iter().zip(v) {
+        if p > 0.0 {
+            work += p * (v - lambda).max(0.0);
+        }
+        if p < upper {
+            overlap = overlap.max(-(v + plane_m));
+        }
+    }
+    let frank_wolfe = if sum_p > 0.0 { work / (sum_p * rms_height_m) } else { 0.0 };
+    let load = match problem.control() {
+        Control::MeanGap { .. } => 0.0,
+        _ => problem.mean_pressure_pa().map_or(0.0, |wanted| (sum_p / p.len() as f64 / wanted - 1.0).abs()),
+    };
+    (plane_m, Residual { frank_wolfe, overlap: overlap / rms_height_m, load })
+}

@@ -1,0 +1,337 @@
+//! The contact solver against closed forms and against dense algebra.
+
+use std::f64::consts::PI;
+
+use asperity::contact::exact::{Hertz, Westergaard, persson_contact_fraction};
+use asperity::contact::{Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, love_coefficient};
+use asperity::fourier::{RealFft2, signed_index};
+use asperity::map::{Grid, HeightMap};
+use asperity::random;
+use ndarray::Array2;
+
+fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
+    let problem = Problem::new(half_space, heights_m, control, hardness_pa).unwrap();
+    let solution = Solver::default().solve(&problem).unwrap();
+    assert!(solution.converged(), "{:?} after {}", solution.residual(), solution.iterations());
+    solution
+}
+
+/// A paraboloid of radius 1 on a square of side `side_m`, its summit `offset` cells from the centre.
+fn paraboloid(n: usize, side_m: f64, offset: f64) -> (HalfSpace, Array2<f64>) {
+    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
+    let centre = 0.5 * side_m + offset * grid.dx_m();
+    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - centre).powi(2) + (y - centre).powi(2))).unwrap();
+    (HalfSpace::new(grid, 1.0, Boundary::Free).unwrap(), map.heights_m().clone())
+}
+
+/// A random map whose spectrum falls as q^{-2(1+hurst)} beyond a roll-off.
+fn rough(n: usize, sample: u64) -> Array2<f64> {
+    let fft = RealFft2::new(n, n);
+    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
+    let white = random::standard_normal(&mut random::stream(5, "rough", sample), n * n);
+    fft.forward(&white, &mut spectrum, &mut work);
+    for kx in 0..fft.stored_kx() {
+        for ky in 0..n {
+            let q = (kx as f64).hypot(signed_index(ky, n));
+            let amplitude = if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(3.0).powf(-1.8) };
+            spectrum[kx * n + ky] *= amplitude;
+        }
+    }
+    let mut heights = vec![0.0; n * n];
+    fft.inverse(&mut spectrum, &mut heights, &mut work);
+    Array2::from_shape_vec((n, n), heights).unwrap()
+}
+
+#[test]
+fn hertz_is_met_at_256_points_with_a_falling_error() {
+    let delta = 0.01;
+    let radius = f64::sqrt(delta);
+    let load = Hertz::load_n(1.0, 1.0, delta);
+    let hertz = Hertz::new(1.0, 1.0, load);
+    let mut errors = Vec::new();
+    for n in [64, 128, 256] {
+        let (half_space, heights) = paraboloid(n, 2.5 * radius, 0.0);
+        let solution = solve(&heights, &half_space, Control::Load { newton: load }, None);
+        let p0_error = solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0;
+        let area = solution.corrected_contact_fraction() * half_space.grid().area_m2();
+        let a_error = (area / PI).sqrt() / hertz.contact_radius_m - 1.0;
+        let delta_error = solution.penetration_m() / hertz.approach_m - 1.0;
+        println!("n = {n}: p0 {p0_error:.2e}, a {a_error:.2e}, approach {delta_error:.2e}");
+        if n == 256 {
+            assert!(p0_error.abs() < 0.005, "p0: {p0_error}");
+            assert!(a_error.abs() < 0.01, "a: {a_error}");
+        }
+        errors.push((p0_error.abs(), delta_error.abs()));
+    }
+    let order = (errors[0].0 / errors[2].0).log2() / 2.0;
+    assert!(order > 0.9, "observed order of p0 {order:.2} from {errors:?}");
+    let order = (errors[0].1 / errors[2].1).log2() / 2.0;
+    assert!(order > 0.9, "observed order of the approach {order:.2} from {errors:?}");
+}
+
+#[test]
+fn the_perimeter_correction_brings_the_hertz_area_closer() {
+    let delta = 0.01;
+    let (mut plain, mut corrected) = (0.0, 0.0);
+    // Averaged over positions of the summit between the cells.
+    for step in 0..8 {
+        let (half_space, heights) = paraboloid(64, 0.3, step as f64 / 8.0);
+        let solution = solve(&heights, &half_space, Control::Load { newton: Hertz::load_n(1.0, 1.0, delta) }, None);
+        let exact = PI * delta / half_space.grid().area_m2();
+        plain += (solution.contact_fraction() / exact - 1.0) / 8.0;
+        corrected += (solution.corrected_contact_fraction() / exact - 1.0) / 8.0;
+    }
+    assert!(plain > 0.0 && corrected.abs() < 0.5 * plain, "{plain} {corrected}");
+}
+
+#[test]
+fn a_hardness_lowers_the_load_of_a_hertz_contact_as_published() {
+    // Fixed approach; reference values of an independent fine solution.
+    let delta = 0.01;
+    let p0 = Hertz::new(1.0, 1.0, Hertz::load_n(1.0, 1.0, delta)).max_pressure_pa;
+    // A cell centre lies on the summit, so the prescribed depth is that of the paraboloid.
+    let (half_space, heights) = paraboloid(256, 0.4, 0.5);
+    for (ratio, load, area, load_tolerance) in [
+        (0.8, 0.98526, 1.012, 3e-4),
+        (0.6, 0.91633, 1.083, 3e-4),
+        (0.4, 0.76164, 1.274, 3e-4),
+        (0.1, 0.2675, 1.783, 2e-3),
+    ] {
+        let solution = solve(&heights, &half_space, Control::Penetration { metre: delta }, Some(ratio * p0));
+        let load_ratio = solution.load_n() / Hertz::load_n(1.0, 1.0, delta);
+        println!("H/p0 = {ratio}: load ratio {load_ratio:.5} for {load}");
+        assert!((load_ratio - load).abs() < load_tolerance, "H/p0 = {ratio}: load {load_ratio}, wanted {load}");
+        let cells = solution.contact_fraction() * half_space.grid().area_m2() / (PI * delta);
+        let ring = 2.0 * half_space.grid().dx_m() / delta.sqrt();
+        assert!((cells - area).abs() < 0.003 + area.sqrt() * ring, "H/p0 = {ratio}: area {cells}, wanted {area}");
+        let plastic = solution.plastic_displacement_m();
+        assert!(plastic.iter().zip(solution.pressure_pa()).all(|(u, p)| *u == 0.0 || *p == ratio * p0));
+        assert!(plastic.iter().any(|u| *u > 0.0));
+    }
+}
+
+#[test]
+fn without_hardness_left_a_paraboloid_touches_where_it_is_cut() {
+    // H → 0: area 2πRδ, load 2πRδH.
+    let delta = 0.01;
+    let (half_space, heights) = paraboloid(256, 0.4, 0.5);
+    let hardness = 1e-6;
+    let solution = solve(&heights, &half_space, Control::Penetration { metre: delta }, Some(hardness));
+    let area = solution.contact_fraction() * half_space.grid().area_m2();
+    assert!((area / (2.0 * PI * delta) - 1.0).abs() < 0.01, "{area}");
+    assert!((solution.load_n() / (2.0 * PI * delta * hardness) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn one_wave_is_pressed_flat_over_the_westergaard_width() {
+    let (n, h, wavelength) = (1024, 0.01, 1.0);
+    let grid = Grid::new(n, 2, wavelength / n as f64, wavelength / n as f64).unwrap();
+    // The crest lies on a point, as a sampled cosine's does.
+    let map = HeightMap::from_function(grid, |x, _| h * (2.0 * PI * (x - 0.5 / n as f64)).cos()).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
+    for (ratio, width, gap) in [
+        (0.1, 0.2048327647, 0.6697414907),
+        (0.25, 1.0 / 3.0, 0.4034264097),
+        (0.5, 0.5, 0.1534264097),
+        (0.75, 2.0 / 3.0, 0.0342384457),
+    ] {
+        let full = Westergaard::new(1.0, h, wavelength, 0.0).full_contact_pressure_pa;
+        let exact = Westergaard::new(1.0, h, wavelength, ratio * full);
+        assert!((exact.contact_fraction - width).abs() < 1e-9);
+        let control = Control::MeanPressure { pascal: ratio * full };
+        let solution = solve(map.heights_m(), &half_space, control, None);
+        let found = solution.contact_fraction();
+        assert!((found - width).abs() <= 1.0 / n as f64 + 1e-10, "{found} for {width}");
+        assert!((solution.max_pressure_pa() / exact.max_pressure_pa - 1.0).abs() < 0.01);
+        assert!((solution.mean_gap_m() / h - gap).abs() < 2.0 / n as f64, "{}", solution.mean_gap_m() / h);
+        // The same state reached by prescribing its mean gap.
+        let by_gap = solve(map.heights_m(), &half_space, Control::MeanGap { metre: solution.mean_gap_m() }, None);
+        assert!((by_gap.mean_pressure_pa() / (ratio * full) - 1.0).abs() < 1e-4, "{}", by_gap.mean_pressure_pa());
+    }
+}
+
+#[test]
+fn a_double_sinusoid_has_its_small_load_and_near_full_limits() {
+    let (n, h) = (256, 0.01);
+    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let map = HeightMap::from_function(grid, |x, y| h * (2.0 * PI * x).cos() * (2.0 * PI * y).cos()).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
+    let full = 2.0_f64.sqrt() * PI * h;
+    let fraction = |ratio: f64| {
+        let solution = solve(map.heights_m(), &half_space, Control::MeanPressure { pascal: ratio * full }, None);
+        solution.corrected_contact_fraction()
+    };
+    let small = PI * (3.0 * 0.01 / (8.0 * PI)).powf(2.0 / 3.0);
+    assert!((fraction(0.01) / small - 1.0).abs() < 0.03, "{} for {small}", fraction(0.01));
+    let open = 3.0 / (2.0 * PI) * (1.0 - 0.98);
+    assert!(((1.0 - fraction(0.98)) / open - 1.0).abs() < 0.2, "{} for {open}", 1.0 - fraction(0.98));
+}
+
+/// Dense compliance matrix, from the definitions and without a transform.
+fn dense_compliance(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Vec<Vec<f64>> {
+    let (nx, ny) = (grid.nx(), grid.ny());
+    let entry = |dx: isize, dy: isize| match boundary {
+        Boundary::Free => {
+            let (x, y) = (dx.unsigned_abs() as f64 * grid.dx_m(), dy.unsigned_abs() as f64 * grid.dy_m());
+            love_coefficient(x, y, grid.dx_m(), grid.dy_m(), modulus_pa)
+        }
+        Boundary::Periodic { mean_compliance_m_per_pa } => {
+            let mut sum = mean_compliance_m_per_pa;
+            for ky in 0..ny {
+                for kx in 0..nx {
+                    let (qx, qy) = (signed_index(kx, nx) / grid.width_m(), signed_index(ky, ny) / grid.height_m());
+                    let q = 2.0 * PI * qx.hypot(qy);
+                    if q > 0.0 {
+                        let turn = kx as f64 * dx as f64 / nx as f64 + ky as f64 * dy as f64 / ny as f64;
+                        sum += 2.0 / (modulus_pa * q) * (2.0 * PI * turn).cos();
+                    }
+                }
+            }
+            sum / (nx * ny) as f64
+        }
+    };
+    // Row i, column j depends on the offset alone, so the table of offsets is formed once.
+    let (span_x, span_y) = (2 * nx - 1, 2 * ny - 1);
+    let table: Vec<f64> = (0..span_x * span_y)
+        .map(|k| entry((k % span_x) as isize - nx as isize + 1, (k / span_x) as isize - ny as isize + 1))
+        .collect();
+    let offset = |i: usize, j: usize| {
+        let (dx, dy) = (i % nx + nx - 1 - j % nx, i / nx + ny - 1 - j / nx);
+        table[dy * span_x + dx]
+    };
+    (0..nx * ny).map(|i| (0..nx * ny).map(|j| offset(i, j)).collect()).collect()
+}
+
+#[test]
+fn every_solution_satisfies_the_optimality_conditions_by_dense_algebra() {
+    let n = 16;
+    let grid = Grid::new(n, n, 1.0, 0.8).unwrap();
+    let tolerance = 1e-8;
+    for (sample, boundary) in [
+        (0, Boundary::Free),
+        (1, Boundary::Periodic { mean_compliance_m_per_pa: 3.0 }),
+        (2, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }),
+    ] {
+        let half_space = HalfSpace::new(grid, 2.0, boundary).unwrap();
+        let compliance = dense_compliance(grid, 2.0, boundary);
+        let heights = rough(n, sample);
+        let problem = Problem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None).unwrap();
+        let h_rms = problem.rms_height_m();
+        let pressure = 0.2 * h_rms;
+        for hardness in [None, Some(2.0 * pressure)] {
+            for control in [
+                Control::MeanPressure { pascal: pressure },
+                Control::Load { newton: pressure * grid.area_m2() },
+                Control::MeanGap { metre: 0.6 * h_rms },
+                Control::Penetration { metre: 1.5 * h_rms },
+                Control::Percentile { percent: 30.0 },
+            ] {
+                let overlap_control = matches!(control, Control::Penetration { .. } | Control::Percentile { .. });
+                if overlap_control && boundary == (Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }) {
+                    let refused = Problem::new(&half_space, &heights, control, hardness).unwrap_err();
+                    assert_eq!(refused, ContactError::Unbounded);
+                    continue;
+                }
+                let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                let solution = Solver { tolerance, max_iterations: 2000 }.solve(&problem).unwrap();
+                assert!(solution.converged(), "{control:?} {hardness:?} {:?}", solution.residual());
+                check_by_definition(&compliance, &problem, &solution, tolerance);
+            }
+        }
+    }
+}
+
+fn check_by_definition(compliance: &[Vec<f64>], problem: &Problem<'_>, solution: &Solution, tolerance: f64) {
+    let (control, h_rms) = (problem.control(), problem.rms_height_m());
+    let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
+    let z: Vec<f64> = problem.heights_m().iter().copied().collect();
+    let u: Vec<f64> = compliance.iter().map(|row| row.iter().zip(&p).map(|(c, p)| c * p).sum()).collect();
+    let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    let mut energy_gap = 0.0;
+    let (mut gap_sum, reported) = (0.0, solution.displacement_m());
+    for i in 0..p.len() {
+        let reported = reported[[i / problem.half_space().grid().nx(), i % problem.half_space().grid().nx()]];
+        assert!((u[i] - reported).abs() < 1e-9 * h_rms, "{control:?}: {} and {reported}", u[i]);
+        let gap = u[i] - z[i] + solution.plane_m();
+        assert!((0.0..=upper).contains(&p[i]));
+        assert!(p[i] >= upper || -gap <= 2.0 * tolerance * h_rms, "{control:?}: overlap {gap:e}");
+        energy_gap += p[i] * gap.max(0.0);
+        gap_sum += if p[i] > 0.0 { 0.0 } else { gap };
+    }
+    assert!(energy_gap <= 2.0 * tolerance * p.iter().sum::<f64>() * h_rms, "{control:?}: {energy_gap:e}");
+    match control {
+        Control::MeanPressure { pascal } => assert!((solution.mean_pressure_pa() / pascal - 1.0).abs() <= tolerance),
+        Control::Load { newton } => assert!((solution.load_n() / newton - 1.0).abs() <= tolerance),
+        // Overlaps within the tolerance count as zero gap in the solution and negative here.
+        Control::MeanGap { metre } => {
+            assert!((gap_sum / p.len() as f64 - metre).abs() <= 3.0 * tolerance * h_rms, "{gap_sum}");
+        }
+        Control::Penetration { metre } => assert!((solution.penetration_m() / metre - 1.0).abs() < 1e-12),
+        _ => {
+            let above = z.iter().filter(|z| **z > solution.plane_m()).count();
+            assert_eq!(above, (0.3 * p.len() as f64).round() as usize);
+        }
+    }
+}
+
+#[test]
+fn at_the_median_the_free_boundary_touches_at_most_half() {
+    // The plane overlaps exactly half of the heights, and elastic displacement can only open contact.
+    for sample in 0..5 {
+        let n = 32;
+        let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
+        let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+        let heights = rough(n, 10 + sample);
+        let solution = solve(&heights, &half_space, Control::Percentile { percent: 50.0 }, None);
+        let above = heights.iter().filter(|z| **z > solution.plane_m()).count();
+        assert_eq!(above, n * n / 2);
+        assert!(solution.contact_fraction() <= 0.5 && solution.contact_fraction() > 0.0);
+    }
+}
+
+#[test]
+fn rough_contact_lies_between_persson_and_the_asperity_models() {
+    let n = 256;
+    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
+    let heights = rough(n, 20);
+    let mut slope2 = 0.0;
+    for i in 0..n {
+        for j in 0..n {
+            let dx = heights[[i, (j + 1) % n]] - heights[[i, j]];
+            let dy = heights[[(i + 1) % n, j]] - heights[[i, j]];
+            slope2 += dx * dx + dy * dy;
+        }
+    }
+    // Mean of squares over n² cells, differences over 1/n: the factors cancel.
+    let gradient = slope2.sqrt();
+    let load = 0.03;
+    let solution = solve(&heights, &half_space, Control::MeanPressure { pascal: load * gradient }, None);
+    let persson = persson_contact_fraction(load, 1.0, 1.0);
+    let asperities = (2.0 * PI).sqrt() * load;
+    let found = solution.corrected_contact_fraction();
+    println!("{persson} < {found} < {asperities}, {} iterations", solution.iterations());
+    assert!(persson < found && found < asperities, "{persson} < {found} < {asperities}");
+}
+
+#[test]
+fn bad_problems_are_refused_with_their_values() {
+    let grid = Grid::new(4, 4, 1.0, 1.0).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let heights = random::standard_normal(&mut random::stream(6, "bad", 0), 16);
+    let heights = Array2::from_shape_vec((4, 4), heights).unwrap();
+    let refuse =
+        |heights: &Array2<f64>, control, hardness| Problem::new(&half_space, heights, control, hardness).unwrap_err();
+    let penetration = Control::Penetration { metre: -1.0 };
+    assert!(matches!(refuse(&heights, penetration, None), ContactError::Parameter { value: -1.0, .. }));
+    let percentile = Control::Percentile { percent: 101.0 };
+    assert!(matches!(refuse(&heights, percentile, None), ContactError::Parameter { value: 101.0, .. }));
+    let pressure = Control::MeanPressure { pascal: 2.0 };
+    let overloaded = ContactError::Overloaded { mean_pressure_pa: 2.0, hardness_pa: 2.0 };
+    assert_eq!(refuse(&heights, pressure, Some(2.0)), overloaded);
+    assert_eq!(refuse(&Array2::from_elem((4, 4), 0.3), pressure, None), ContactError::Flat);
+    let mut holes = heights.clone();
+    holes[[1, 2]] = f64::NAN;
+    assert_eq!(refuse(&holes, pressure, None), ContactError::Missing { missing: 1, points: 16 });
+    assert!(HalfSpace::new(grid, -1.0, Boundary::Free).is_err());
+}
