@@ -55,6 +55,13 @@ impl Terminal {
         Ok(Self { display, cancelled })
     }
 
+    /// Tells something that is neither data nor a warning, unless quiet.
+    pub(crate) fn note(&self, message: &str) {
+        if !matches!(self.display, Display::Nothing) {
+            talk(message);
+        }
+    }
+
     /// Takes the bars off the screen.
     pub(crate) fn finish(&self) {
         if let Display::Bars { tasks, .. } = &self.display {
