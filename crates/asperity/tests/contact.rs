@@ -43,7 +43,7 @@ fn rough(n: usize, sample: u64) -> Array2<f64> {
 }
 
 #[test]
-fn hertz_is_met_at_256_points_with_a_falling_error() {
+fn hertz_is_met_at_256_points_and_at_second_order() {
     let delta = 0.01;
     let radius = f64::sqrt(delta);
     let load = Hertz::load_n(1.0, 1.0, delta);
@@ -64,9 +64,9 @@ fn hertz_is_met_at_256_points_with_a_falling_error() {
         errors.push((p0_error.abs(), delta_error.abs()));
     }
     let order = (errors[0].0 / errors[2].0).log2() / 2.0;
-    assert!(order > 0.9, "observed order of p0 {order:.2} from {errors:?}");
+    assert!((order - 2.0).abs() < 0.2, "observed order of p0 {order:.2} from {errors:?}");
     let order = (errors[0].1 / errors[2].1).log2() / 2.0;
-    assert!(order > 0.9, "observed order of the approach {order:.2} from {errors:?}");
+    assert!((order - 2.0).abs() < 0.2, "observed order of the approach {order:.2} from {errors:?}");
 }
 
 #[test]
@@ -126,8 +126,8 @@ fn without_hardness_left_a_paraboloid_touches_where_it_is_cut() {
 fn one_wave_is_pressed_flat_over_the_westergaard_width() {
     let (n, h, wavelength) = (1024, 0.01, 1.0);
     let grid = Grid::new(n, 2, wavelength / n as f64, wavelength / n as f64).unwrap();
-    // The crest lies on a point, as a sampled cosine's does.
-    let map = HeightMap::from_function(grid, |x, _| h * (2.0 * PI * (x - 0.5 / n as f64)).cos()).unwrap();
+    // The crest lies a quarter of a cell off a point: were it a point of symmetry, widths could change by two cells only.
+    let map = HeightMap::from_function(grid, |x, _| h * (2.0 * PI * (x - 0.25 / n as f64)).cos()).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }).unwrap();
     for (ratio, width, gap) in [
         (0.1, 0.2048327647, 0.6697414907),
