@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use asperity::contact::{Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, contact_modulus_pa};
+use asperity::contact::{
+    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, contact_modulus_pa,
+};
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
 use clap::{Args, ValueEnum};
@@ -122,15 +124,16 @@ impl Contact {
             )?;
         }
         answer(&solution).print(self.json)?;
-        if solution.converged() {
-            return Ok(());
-        }
+        let why = match solution.stop_reason() {
+            StopReason::Converged => return Ok(()),
+            StopReason::PrecisionLimit => "double precision allows no better",
+            StopReason::IterationLimit => "the iteration limit",
+        };
         Err(Failure::new(
             Kind::NotConverged,
             format!(
-                "not converged after {} iterations ({:?}): residual {:.1e}, wanted {:.1e}",
+                "not converged after {} iterations ({why}): residual {:.1e}, wanted {:.1e}",
                 solution.iterations(),
-                solution.stop_reason(),
                 solution.residual().worst(),
                 solver.tolerance
             ),
