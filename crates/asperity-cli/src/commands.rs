@@ -2,7 +2,6 @@
 
 mod contact;
 mod surface;
-mod vibration;
 
 use clap::Subcommand;
 
@@ -17,9 +16,6 @@ pub(crate) enum Command {
     Surface(surface::Surface),
     /// Contact of a rough surface with a rigid flat.
     Contact(contact::Contact),
-    /// A mass on a moving belt, in dimensionless form.
-    #[command(subcommand)]
-    Vibration(vibration::Vibration),
 }
 
 impl Command {
@@ -27,7 +23,6 @@ impl Command {
         match self {
             Self::Surface(surface) => surface.run(monitor),
             Self::Contact(contact) => contact.run(monitor),
-            Self::Vibration(vibration) => vibration.run(monitor),
         }
     }
 }

@@ -61,7 +61,9 @@ fn main() -> ExitCode {
                 .map(String::as_str)
                 .or_else(|| payload.downcast_ref::<&str>().copied())
                 .unwrap_or("no message");
-            output::talk(&format!("error: asperity met a defect of its own: {what}\nPlease report it with the command."));
+            output::talk(&format!(
+                "error: asperity met a defect of its own: {what}\nPlease report it with the command."
+            ));
             Kind::Runtime
         }
     };

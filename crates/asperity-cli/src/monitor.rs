@@ -101,8 +101,7 @@ impl Monitor for Terminal {
             Display::Lines(tasks) => {
                 let mut tasks = tasks.lock().unwrap_or_else(PoisonError::into_inner);
                 let now = Instant::now();
-                let task =
-                    tasks.entry(what.to_owned()).or_insert(Task { started: now, last_line: now, done: 0 });
+                let task = tasks.entry(what.to_owned()).or_insert(Task { started: now, last_line: now, done: 0 });
                 task.done = task.done.max(done);
                 if now - task.last_line >= LINE_EVERY && task.done < total {
                     task.last_line = now;

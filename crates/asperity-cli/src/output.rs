@@ -106,8 +106,17 @@ fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
 
 /// A number and the prefix of its unit, so that the number lies between 1 and 1000.
 fn with_prefix(x: f64) -> (f64, &'static str) {
-    const PREFIXES: &[(f64, &str)] =
-        &[(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p")];
+    const PREFIXES: &[(f64, &str)] = &[
+        (1e12, "T"),
+        (1e9, "G"),
+        (1e6, "M"),
+        (1e3, "k"),
+        (1.0, ""),
+        (1e-3, "m"),
+        (1e-6, "µ"),
+        (1e-9, "n"),
+        (1e-12, "p"),
+    ];
     let found = PREFIXES.iter().find(|(factor, _)| x.abs() >= *factor * (1.0 - 1e-9));
     found.map_or((x, ""), |(factor, prefix)| (x / factor, *prefix))
 }

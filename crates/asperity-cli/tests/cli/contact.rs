@@ -1,7 +1,5 @@
 //! `asperity contact`: keys, exit codes, known numbers, and what ends up on disk.
 
-mod support;
-
 use std::f64::consts::{PI, TAU};
 use std::fs::{self, File};
 use std::io::Read;
@@ -10,7 +8,7 @@ use std::path::Path;
 use asperity_formats::read_bytes;
 use ndarray::Array2;
 use serde_json::Value;
-use support::{Ended, asperity_in, close, keys, listing, npy, number};
+use crate::support::{Ended, asperity_in, close, keys, listing, npy, number};
 use tempfile::TempDir;
 
 const KEYS: [&str; 13] = [

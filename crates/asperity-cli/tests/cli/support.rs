@@ -1,8 +1,5 @@
 //! Runs the real program and reads what it says.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot run the program has failed")]
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -13,14 +10,14 @@ use serde_json::Value;
 
 /// How the program ended and what it said.
 #[derive(Debug)]
-pub struct Ended {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Ended {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 /// Runs `asperity` with the given arguments in the folder `at`.
-pub fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
+pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
     let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
         .args(arguments.iter().map(AsRef::as_ref))
         .current_dir(at)
@@ -35,13 +32,13 @@ pub fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
 }
 
 /// Runs `asperity` with one line of arguments, separated by spaces.
-pub fn asperity(line: &str) -> Ended {
+pub(crate) fn asperity(line: &str) -> Ended {
     asperity_in(Path::new("."), &line.split_whitespace().collect::<Vec<_>>())
 }
 
 impl Ended {
     /// The JSON object on stdout of a run that ended with `code`.
-    pub fn json(&self, code: i32) -> Value {
+    pub(crate) fn json(&self, code: i32) -> Value {
         assert_eq!(self.code, code, "{self:?}");
         let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {self:?}"));
         assert!(value.is_object(), "{self:?}");
@@ -49,7 +46,7 @@ impl Ended {
     }
 
     /// Asserts the exit code, an empty stdout, no sign of a panic, and that the message names all `words`.
-    pub fn refuses(&self, code: i32, words: &[&str]) {
+    pub(crate) fn refuses(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "{self:?}");
         assert!(self.stdout.is_empty(), "stdout must stay empty: {self:?}");
         for word in words {
@@ -62,29 +59,29 @@ impl Ended {
 }
 
 /// A number of a JSON object.
-pub fn number(json: &Value, key: &str) -> f64 {
+pub(crate) fn number(json: &Value, key: &str) -> f64 {
     json[key].as_f64().unwrap_or_else(|| panic!("`{key}` is no number in {json}"))
 }
 
 /// The keys of a JSON object, in alphabetical order.
-pub fn keys(json: &Value) -> Vec<&str> {
+pub(crate) fn keys(json: &Value) -> Vec<&str> {
     json.as_object().unwrap().keys().map(String::as_str).collect()
 }
 
 /// Asserts that two numbers agree relatively.
-pub fn close(found: f64, wanted: f64, tolerance: f64) {
+pub(crate) fn close(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance * wanted.abs(), "{found} is not {wanted} within {tolerance}");
 }
 
 /// Writes heights in metre as an NPY file and returns its path.
-pub fn npy(folder: &Path, name: &str, heights_m: Array2<f64>) -> PathBuf {
+pub(crate) fn npy(folder: &Path, name: &str, heights_m: Array2<f64>) -> PathBuf {
     let path = folder.join(name);
     fs::write(&path, write_npy(&Scan::new(heights_m, None))).unwrap();
     path
 }
 
 /// The names in a folder, sorted.
-pub fn listing(folder: &Path) -> Vec<String> {
+pub(crate) fn listing(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
