@@ -1,1 +1,134 @@
 //! Stochastic stick-slip of a mass on a belt (paper §5).
+//!
+//! Everything is dimensionless: displacement X = x·c/N, time τ = ω₀t, belt velocity V = v_b·mω₀/N, damping ratio ζ,
+//! friction process m(s) over the sliding distance s in the unit N/c. [`Scales`] converts.
+//!
+//! [`Oscillator`] → [`limit_cycle`] (period, extremes), [`critical_damping`] (where the cycle ends), [`Trajectory`] (events
+//! of one realisation of the friction process), [`Ensemble`] (the law of many), [`damping_sweep`] (how noise smears the
+//! end of the cycle).
+//!
+//! # Method
+//! Slip is integrated by Taylor series in variables in which nothing cancels; a step is a polynomial, and its first zero
+//! of the relative velocity is isolated by coefficient bounds, so no re-attachment, however short, is missed. Sign functions
+//! never enter a step: the smooth slip branch is followed to v_rel = 0, where the force decides between stick and
+//! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
+//! arrival, because the sliding distance of the slip branch runs backwards after it.
+
+mod critical;
+mod cycle;
+//T mod ensemble;
+mod events;
+mod law;
+mod locked;
+mod motion;
+mod oscillator;
+mod polynomial;
+//T mod portrait;
+//T mod reattachment;
+mod root;
+mod series;
+mod slip_orbit;
+mod sway;
+//T mod sweep;
+mod trajectory;
+
+use thiserror::Error;
+
+pub use critical::{CriticalDamping, critical_damping};
+pub use cycle::{LimitCycle, Regime, limit_cycle};
+//T pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure};
+pub use events::{Drive, Event, EventKind, Phase};
+pub use law::FrictionLaw;
+pub use locked::locked_boundary;
+pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
+//T pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
+//T pub use reattachment::{Reattachments, normality_p};
+//T pub use sweep::{Crossing, DampingSweep, damping_sweep};
+pub use trajectory::{Slips, Trajectory, TrajectorySettings};
+
+use crate::friction::process::ProcessError;
+use crate::monitor::Cancelled;
+
+/// Why a vibration could not be computed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum VibrationError {
+    /// A parameter lies outside its range.
+    #[error("{parameter} is {value}, but must be {wanted}")]
+    Parameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+    /// The friction coefficient vanished or changed its sign.
+    #[error(
+        "the friction coefficient fell to {coefficient:.3e} at tau = {tau:.6} (sliding distance {sliding_distance:.6e}): \
+         it must stay positive; lower its standard deviation or state a least fluctuation"
+    )]
+    FrictionNotPositive {
+        /// Coefficient found.
+        coefficient: f64,
+        /// Time.
+        tau: f64,
+        /// Sliding distance.
+        sliding_distance: f64,
+    },
+    /// A recorded friction process ended before the trajectory.
+    #[error("the friction process ends at {coordinate:.6e}, where the trajectory is only at tau = {tau:.6}")]
+    ProcessTooShort {
+        /// Time reached.
+        tau: f64,
+        /// Where the process ends.
+        coordinate: f64,
+    },
+    /// Time stands still: events follow each other without time between them.
+    #[error("events accumulate at tau = {tau:.12}")]
+    Stalled {
+        /// Time of the events.
+        tau: f64,
+    },
+    /// No answer was found.
+    #[error("no {what} found: {reason}")]
+    NotFound {
+        /// What was looked for.
+        what: &'static str,
+        /// Why it was not found.
+        reason: &'static str,
+    },
+    /// The friction process cannot be made.
+    #[error(transparent)]
+    Process(#[from] ProcessError),
+    /// Too few trajectories are valid for statistics.
+    #[error("{valid} of {total} trajectories are valid, wanted a share of {wanted}; the first failure: {first}")]
+    TooFewValid {
+        /// Valid trajectories.
+        valid: usize,
+        /// All trajectories.
+        total: usize,
+        /// Least valid share.
+        wanted: f64,
+        /// Reason of the first failure.
+        first: String,
+    },
+    /// Stopped from outside.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+fn positive(parameter: &'static str, value: f64) -> Result<(), VibrationError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(VibrationError::Parameter { parameter, value, wanted: "positive and finite" })
+    }
+}
+
+fn non_negative(parameter: &'static str, value: f64) -> Result<(), VibrationError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(VibrationError::Parameter { parameter, value, wanted: "finite and not negative" })
+    }
+}

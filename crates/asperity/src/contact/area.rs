@@ -5,7 +5,7 @@ use ndarray::Array2;
 use crate::contact::{Boundary, Solution};
 
 /// Weight of the perimeter in the correction of the contact area, (π − 1 + ln 2)/24.
-const PERIMETER_WEIGHT: f64 = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0;
+pub const PERIMETER_WEIGHT: f64 = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0;
 
 /// Contact area in units of cells, corrected for the perimeter: A = A_px − (π−1+ln 2)/24 · S_d Δx.
 ///

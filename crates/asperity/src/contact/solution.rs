@@ -65,6 +65,11 @@ impl Solution {
         self.boundary
     }
 
+    /// Upper bound of the pressure in pascal, if any.
+    pub fn hardness_pa(&self) -> Option<f64> {
+        self.hardness_pa
+    }
+
     /// Normal pressure in pascal, ≥ 0 in compression.
     pub fn pressure_pa(&self) -> &Array2<f64> {
         &self.pressure_pa

@@ -1,8 +1,9 @@
 //! The marginal law of heights, pressures and friction coefficients.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{Beta, Continuous, ContinuousCDF, Normal};
 use thiserror::Error;
+
+use super::special::{beta_cdf, beta_quantile, beta_survival, ln_beta, standard_normal_cdf, standard_normal_quantile};
 
 /// Why a law could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -29,8 +30,21 @@ pub enum LawError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// No correlation of normal variables gives the wanted one.
+    #[error("{law}: a correlation of {target} cannot be reached; translated normal variables reach {least} to 1")]
+    Correlation {
+        /// Name of the law.
+        law: &'static str,
+        /// Correlation that was wanted.
+        target: f64,
+        /// Least correlation that can be reached.
+        least: f64,
+    },
     /// The text names no law.
-    #[error("`{text}` is not a law; write normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE or beta:A,B[,LOW,HIGH]")]
+    #[error(
+        "`{text}` is not a law; write normal[:MEAN,STD], lognormal:MU,SIGMA[,SHIFT], weibull:SHAPE,SCALE[,SHIFT] or \
+         beta:A,B[,LOW,HIGH]"
+    )]
     Syntax {
         /// What was found.
         text: String,
@@ -38,6 +52,9 @@ pub enum LawError {
 }
 
 /// A continuous law on the real line.
+///
+/// The constructors check the parameters; [`Marginal::check`] does so for a value that came another way. A law with
+/// parameters outside their ranges answers NaN.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Marginal {
@@ -57,7 +74,7 @@ pub enum Marginal {
         /// Lower end of the support.
         shift: f64,
     },
-    /// Weibull law.
+    /// Weibull law: F(x) = 1 − exp(−((x − shift)/scale)^shape).
     Weibull {
         /// Shape.
         shape: f64,
@@ -66,7 +83,7 @@ pub enum Marginal {
         /// Lower end of the support.
         shift: f64,
     },
-    /// Beta law on [low, high].
+    /// Beta law on [low, high]: density ∝ (x − low)^{a−1} (high − x)^{b−1}.
     Beta {
         /// First shape.
         a: f64,
@@ -77,103 +94,318 @@ pub enum Marginal {
         /// Upper end of the support.
         high: f64,
     },
-    /// A measured law: linear interpolation between sorted values at probabilities (i + ½)/n.
+    /// A measured law: linear interpolation between sorted values at probabilities (i + ½)/n, with the half steps
+    /// beyond the first and the last value as atoms there.
     Empirical {
         /// Sorted values.
         sorted: Vec<f64>,
     },
 }
 
-/// The standard normal distribution function Φ.
-pub fn standard_normal_cdf(x: f64) -> f64 {
-    Normal::standard().cdf(x)
-}
-
-/// The standard normal quantile Φ⁻¹.
-pub fn standard_normal_quantile(probability: f64) -> f64 {
-    Normal::standard().inverse_cdf(probability)
-}
-
 impl Marginal {
     /// The standard normal law.
     pub const STANDARD_NORMAL: Self = Self::Normal { mean: 0.0, std: 1.0 };
+
+    /// The normal law of this mean and standard deviation.
+    ///
+    /// # Errors
+    /// `std` is not positive, or a parameter is not finite.
+    pub fn normal(mean: f64, std: f64) -> Result<Self, LawError> {
+        Self::Normal { mean, std }.checked()
+    }
+
+    /// The law of shift + e^{mu + sigma ξ}, ξ standard normal.
+    ///
+    /// # Errors
+    /// `sigma` is not positive, or a parameter is not finite.
+    pub fn lognormal(mu: f64, sigma: f64, shift: f64) -> Result<Self, LawError> {
+        Self::Lognormal { mu, sigma, shift }.checked()
+    }
+
+    /// The Weibull law; shape 1 is the exponential law.
+    ///
+    /// # Errors
+    /// `shape` or `scale` is not positive, or a parameter is not finite.
+    pub fn weibull(shape: f64, scale: f64, shift: f64) -> Result<Self, LawError> {
+        Self::Weibull { shape, scale, shift }.checked()
+    }
+
+    /// The Beta law on [low, high].
+    ///
+    /// # Errors
+    /// A shape is not positive, `high` is not above `low`, or a parameter is not finite.
+    pub fn beta(a: f64, b: f64, low: f64, high: f64) -> Result<Self, LawError> {
+        Self::Beta { a, b, low, high }.checked()
+    }
+
+    /// The measured law of a sample, in any order.
+    ///
+    /// # Errors
+    /// Fewer than two values, a value that is not finite, or all values equal.
+    pub fn empirical(mut values: Vec<f64>) -> Result<Self, LawError> {
+        values.sort_by(f64::total_cmp);
+        Self::Empirical { sorted: values }.checked()
+    }
+
+    /// Name of the law: `normal`, `lognormal`, `weibull`, `beta` or `empirical`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Normal { .. } => "normal",
+            Self::Lognormal { .. } => "lognormal",
+            Self::Weibull { .. } => "weibull",
+            Self::Beta { .. } => "beta",
+            Self::Empirical { .. } => "empirical",
+        }
+    }
+
+    /// Names and values of the parameters; none for an empirical law.
+    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        match *self {
+            Self::Normal { mean, std } => vec![("mean", mean), ("std", std)],
+            Self::Lognormal { mu, sigma, shift } => vec![("mu", mu), ("sigma", sigma), ("shift", shift)],
+            Self::Weibull { shape, scale, shift } => vec![("shape", shape), ("scale", scale), ("shift", shift)],
+            Self::Beta { a, b, low, high } => vec![("a", a), ("b", b), ("low", low), ("high", high)],
+            Self::Empirical { .. } => vec![],
+        }
+    }
+
+    /// Whether every parameter lies in its range.
+    ///
+    /// # Errors
+    /// [`LawError::Parameter`] or [`LawError::Sample`] with the first offender.
+    pub fn check(&self) -> Result<(), LawError> {
+        let law = self.name();
+        for (parameter, value) in self.parameters() {
+            let positive = matches!(parameter, "std" | "sigma" | "shape" | "scale" | "a" | "b");
+            if !value.is_finite() || (positive && value <= 0.0) {
+                let wanted = if positive { "positive and finite" } else { "finite" };
+                return Err(LawError::Parameter { law, parameter, value, wanted });
+            }
+        }
+        match self {
+            Self::Beta { low, high, .. } if high <= low => {
+                Err(LawError::Parameter { law, parameter: "high", value: *high, wanted: "above low" })
+            }
+            Self::Empirical { sorted } => {
+                let reason = match (sorted.first(), sorted.last()) {
+                    _ if sorted.iter().any(|v| !v.is_finite()) => "a value is not finite",
+                    (Some(first), Some(last)) if first == last => "all values are equal",
+                    _ if sorted.len() < 2 => "at least two are needed",
+                    _ if !sorted.is_sorted() => "they are not sorted",
+                    _ => return Ok(()),
+                };
+                Err(LawError::Sample { law, n: sorted.len(), reason })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn checked(self) -> Result<Self, LawError> {
+        self.check()?;
+        Ok(self)
+    }
 
     /// Distribution function F(x).
     pub fn cdf(&self, x: f64) -> f64 {
         match self {
             Self::Normal { mean, std } => standard_normal_cdf((x - mean) / std),
-            Self::Lognormal { mu, sigma, shift } => {
-                if x > *shift {
-                    standard_normal_cdf(((x - shift).ln() - mu) / sigma)
-                } else {
-                    0.0
-                }
-            }
-            Self::Weibull { shape, scale, shift } => {
-                if x > *shift {
-                    -(-((x - shift) / scale).powf(*shape)).exp_m1()
-                } else {
-                    0.0
-                }
-            }
-            Self::Beta { a, b, low, high } => {
-                let unit = ((x - low) / (high - low)).clamp(0.0, 1.0);
-                Beta::new(*a, *b).map_or(f64::NAN, |law| law.cdf(unit))
-            }
-            Self::Empirical { sorted } => {
-                let n = sorted.len() as f64;
-                let after = sorted.partition_point(|v| *v <= x);
-                if after == 0 {
-                    return 0.0;
-                }
-                if after == sorted.len() {
-                    return 1.0;
-                }
-                let (left, right) = (sorted[after - 1], sorted[after]);
-                (after as f64 - 0.5 + (x - left) / (right - left)) / n
-            }
+            Self::Lognormal { mu, sigma, shift } => standard_normal_cdf(((x - shift).max(0.0).ln() - mu) / sigma),
+            Self::Weibull { shape, scale, shift } => -(-((x - shift).max(0.0) / scale).powf(*shape)).exp_m1(),
+            Self::Beta { a, b, low, high } => beta_cdf(*a, *b, (x - low) / (high - low)),
+            Self::Empirical { sorted } => empirical_cdf(sorted, x),
         }
     }
 
-    /// Quantile F⁻¹(probability).
+    /// Survival function 1 − F(x), without cancellation in the upper tail.
+    pub fn survival(&self, x: f64) -> f64 {
+        match self {
+            Self::Normal { mean, std } => standard_normal_cdf((mean - x) / std),
+            Self::Lognormal { mu, sigma, shift } => standard_normal_cdf((mu - (x - shift).max(0.0).ln()) / sigma),
+            Self::Weibull { shape, scale, shift } => (-((x - shift).max(0.0) / scale).powf(*shape)).exp(),
+            Self::Beta { a, b, low, high } => {
+                let unit = (x - low) / (high - low);
+                if unit <= 0.0 {
+                    1.0
+                } else if unit >= 1.0 {
+                    0.0
+                } else {
+                    beta_survival(*a, *b, unit)
+                }
+            }
+            Self::Empirical { sorted } => 1.0 - empirical_cdf(sorted, x),
+        }
+    }
+
+    /// Quantile F⁻¹(probability); NaN outside [0, 1].
     pub fn quantile(&self, probability: f64) -> f64 {
+        self.quantile_of_tails(probability, 1.0 - probability, || standard_normal_quantile(probability))
+    }
+
+    /// The translation F⁻¹(Φ(g)) of a standard normal value g, without loss in either tail.
+    ///
+    /// # References
+    /// Grigoriu, *Applied Non-Gaussian Processes*, Prentice Hall 1995, ch. 3.
+    pub fn translate(&self, g: f64) -> f64 {
+        self.quantile_of_tails(standard_normal_cdf(g), standard_normal_cdf(-g), || g)
+    }
+
+    fn quantile_of_tails(&self, lower: f64, upper: f64, normal: impl Fn() -> f64) -> f64 {
+        if !(lower >= 0.0 && upper >= 0.0) {
+            return f64::NAN;
+        }
         match self {
-            Self::Normal { mean, std } => mean + std * standard_normal_quantile(probability),
-            Self::Lognormal { mu, sigma, shift } => shift + (mu + sigma * standard_normal_quantile(probability)).exp(),
-            Self::Weibull { shape, scale, shift } => shift + scale * (-(-probability).ln_1p()).powf(1.0 / shape),
+            Self::Normal { mean, std } => mean + std * normal(),
+            Self::Lognormal { mu, sigma, shift } => shift + (mu + sigma * normal()).exp(),
+            Self::Weibull { shape, scale, shift } => {
+                let exponential = if lower < 0.5 { -(-lower).ln_1p() } else { -upper.ln() };
+                shift + scale * exponential.powf(1.0 / shape)
+            }
             Self::Beta { a, b, low, high } => {
-                let unit = Beta::new(*a, *b).map_or(f64::NAN, |law| law.inverse_cdf(probability));
-                low + (high - low) * unit
+                let unit = beta_quantile(*a, *b, lower, upper);
+                // Each end is reached exactly.
+                if unit <= 0.5 { low + (high - low) * unit } else { high - (high - low) * (1.0 - unit) }
             }
-            Self::Empirical { sorted } => {
-                let position = (probability * sorted.len() as f64 - 0.5).clamp(0.0, sorted.len() as f64 - 1.0);
-                let left = position.floor() as usize;
-                let right = (left + 1).min(sorted.len() - 1);
-                sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
-            }
+            Self::Empirical { sorted } => empirical_quantile(sorted, lower),
         }
     }
 
-    /// Density; zero outside the support. An empirical law has none: NaN.
+    /// Density; zero outside the support, +∞ at an end where it diverges. An empirical law has none: NaN.
     pub fn pdf(&self, x: f64) -> f64 {
+        self.ln_pdf(x).exp()
+    }
+
+    /// Logarithm of the density; −∞ outside the support, NaN for an empirical law.
+    pub fn ln_pdf(&self, x: f64) -> f64 {
         match self {
-            Self::Normal { mean, std } => Normal::standard().pdf((x - mean) / std) / std,
+            Self::Normal { mean, std } => ln_normal((x - mean) / std) - std.ln(),
             Self::Lognormal { mu, sigma, shift } => {
                 let t = x - shift;
-                if t > 0.0 { Normal::standard().pdf((t.ln() - mu) / sigma) / (sigma * t) } else { 0.0 }
+                if t > 0.0 { ln_normal((t.ln() - mu) / sigma) - (sigma * t).ln() } else { f64::NEG_INFINITY }
             }
             Self::Weibull { shape, scale, shift } => {
                 let t = (x - shift) / scale;
-                if t > 0.0 { shape / scale * t.powf(shape - 1.0) * (-t.powf(*shape)).exp() } else { 0.0 }
+                if t < 0.0 {
+                    return f64::NEG_INFINITY;
+                }
+                (shape / scale).ln() + power_log(shape - 1.0, t) - t.powf(*shape)
             }
             Self::Beta { a, b, low, high } => {
                 let unit = (x - low) / (high - low);
                 if !(0.0..=1.0).contains(&unit) {
-                    return 0.0;
+                    return f64::NEG_INFINITY;
                 }
-                Beta::new(*a, *b).map_or(f64::NAN, |law| law.pdf(unit) / (high - low))
+                let rest = (high - x) / (high - low);
+                power_log(a - 1.0, unit) + power_log(b - 1.0, rest) - ln_beta(*a, *b) - (high - low).ln()
             }
             Self::Empirical { .. } => f64::NAN,
         }
+    }
+}
+
+/// ln φ(x).
+fn ln_normal(x: f64) -> f64 {
+    -0.5 * x * x - 0.5 * std::f64::consts::TAU.ln()
+}
+
+/// ln(t^exponent), with 0⁰ = 1.
+fn power_log(exponent: f64, t: f64) -> f64 {
+    if exponent == 0.0 { 0.0 } else { exponent * t.ln() }
+}
+
+fn empirical_cdf(sorted: &[f64], x: f64) -> f64 {
+    if x.is_nan() {
+        return f64::NAN;
+    }
+    let n = sorted.len() as f64;
+    let after = sorted.partition_point(|v| *v <= x);
+    if after == 0 {
+        return 0.0;
+    }
+    if after == sorted.len() {
+        return 1.0;
+    }
+    let (left, right) = (sorted[after - 1], sorted[after]);
+    (after as f64 - 0.5 + (x - left) / (right - left)) / n
+}
+
+fn empirical_quantile(sorted: &[f64], probability: f64) -> f64 {
+    let position = (probability * sorted.len() as f64 - 0.5).clamp(0.0, sorted.len() as f64 - 1.0);
+    let left = position.floor() as usize;
+    let right = (left + 1).min(sorted.len() - 1);
+    sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// One law of each kind.
+    pub(in crate::law) fn examples() -> Vec<Marginal> {
+        vec![
+            Marginal::normal(-2.0, 3.0).unwrap(),
+            Marginal::lognormal(0.3, 0.7, -1.0).unwrap(),
+            Marginal::weibull(1.7, 2.0, 0.5).unwrap(),
+            Marginal::weibull(1.0, 1.0, 0.0).unwrap(),
+            Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap(),
+            Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(),
+            Marginal::empirical(vec![3.0, 1.0, 1.5, 2.0, 4.0]).unwrap(),
+        ]
+    }
+
+    #[test]
+    fn the_quantile_inverts_the_distribution_function() {
+        for law in examples() {
+            for p in [1e-9, 1e-4, 0.12, 0.37, 0.5, 0.63, 0.88, 0.9999] {
+                let x = law.quantile(p);
+                if matches!(law, Marginal::Empirical { .. }) && !(0.1..0.9).contains(&p) {
+                    assert!(x == law.quantile(0.0) || x == law.quantile(1.0));
+                    continue;
+                }
+                // x itself is rounded, which the density turns into a probability.
+                let rounding = if law.name() == "empirical" { 0.0 } else { x.abs() * law.pdf(x) * f64::EPSILON / p };
+                assert!((law.cdf(x) / p - 1.0).abs() < 2e-13 + rounding, "{law:?} at {p}: F(F⁻¹) = {}", law.cdf(x));
+                assert!((law.survival(x) + law.cdf(x) - 1.0).abs() < 1e-14);
+            }
+            assert!(law.quantile(-0.1).is_nan() && law.quantile(f64::NAN).is_nan());
+        }
+    }
+
+    #[test]
+    fn translation_is_the_quantile_of_the_normal_distribution_function_and_keeps_the_upper_tail() {
+        for law in examples() {
+            for g in [-3.0, -0.7, 0.0, 1.1, 2.5] {
+                let direct = law.quantile(standard_normal_cdf(g));
+                assert!((law.translate(g) - direct).abs() < 1e-12 * (1.0 + direct.abs()), "{law:?} at {g}");
+            }
+        }
+        // F⁻¹(Φ(g)) of the exponential law is −ln Φ(−g): at g = 12, where Φ(g) rounds to one, 75.4106730015 (mpmath).
+        let exponential = Marginal::weibull(1.0, 1.0, 0.0).unwrap();
+        assert!((exponential.translate(12.0) - 75.410_673_001_568_8).abs() < 1e-11);
+    }
+
+    #[test]
+    fn the_density_is_the_slope_of_the_distribution_function() {
+        for law in examples().into_iter().filter(|law| law.name() != "empirical") {
+            for p in [0.1, 0.4, 0.8] {
+                let (x, h) = (law.quantile(p), 1e-5);
+                let slope = (law.cdf(x + h) - law.cdf(x - h)) / (2.0 * h);
+                assert!((slope / law.pdf(x) - 1.0).abs() < 1e-7, "{law:?} at {x}: {slope}");
+            }
+            assert_eq!(law.pdf(1e300), 0.0);
+        }
+        assert_eq!(crate::law::standard_normal_pdf(0.0), Marginal::STANDARD_NORMAL.pdf(0.0));
+        assert!((Marginal::beta(1.0, 1.0, 0.0, 2.0).unwrap().pdf(0.0) - 0.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_parameter_outside_its_range_is_named() {
+        let error = Marginal::beta(2.1, -5.0, 0.0, 1.0).unwrap_err();
+        assert_eq!(error.to_string(), "beta: b is -5, but must be positive and finite");
+        assert!(Marginal::beta(2.1, 5.0, 1.0, 1.0).is_err());
+        assert!(Marginal::normal(f64::NAN, 1.0).is_err());
+        assert!(Marginal::empirical(vec![1.0, f64::NAN]).is_err());
+        assert!(Marginal::empirical(vec![1.0, 1.0]).is_err());
+        assert!(Marginal::empirical(vec![]).is_err());
+        assert!(Marginal::Empirical { sorted: vec![2.0, 1.0] }.check().is_err());
     }
 }

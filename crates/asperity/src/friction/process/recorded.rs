@@ -1,0 +1,71 @@
+//! Processes that are given: a record, or none.
+
+use super::{Fluctuation, ProcessError, positive};
+
+/// No fluctuation, m = 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Steady;
+
+impl Fluctuation for Steady {
+    fn step(&self) -> Option<f64> {
+        None
+    }
+
+    fn next_knot(&mut self) -> Option<f64> {
+        None
+    }
+}
+
+/// A recorded fluctuation, piecewise linear through values at equal distances.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedProcess {
+    step: f64,
+    values: Vec<f64>,
+}
+
+impl RecordedProcess {
+    /// Values m(0), m(h), m(2h), …; at least two, all finite, with h > 0.
+    pub fn new(step: f64, values: Vec<f64>) -> Result<Self, ProcessError> {
+        positive("friction step", step)?;
+        if values.len() < 2 {
+            let (parameter, value) = ("number of recorded friction values", values.len() as f64);
+            return Err(ProcessError::Parameter { parameter, value, wanted: "at least 2" });
+        }
+        if let Some(&value) = values.iter().find(|v| !v.is_finite()) {
+            return Err(ProcessError::Parameter { parameter: "recorded friction value", value, wanted: "finite" });
+        }
+        Ok(Self { step, values })
+    }
+
+    /// Distance between the values.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// The values.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The record from its start.
+    pub fn path(&self) -> RecordedPath<'_> {
+        RecordedPath { step: self.step, rest: self.values.iter() }
+    }
+}
+
+/// A reading of a [`RecordedProcess`].
+#[derive(Debug, Clone)]
+pub struct RecordedPath<'a> {
+    step: f64,
+    rest: std::slice::Iter<'a, f64>,
+}
+
+impl Fluctuation for RecordedPath<'_> {
+    fn step(&self) -> Option<f64> {
+        Some(self.step)
+    }
+
+    fn next_knot(&mut self) -> Option<f64> {
+        self.rest.next().copied()
+    }
+}

@@ -1,0 +1,361 @@
+//! What a study file says.
+//!
+//! Every key is checked: an unknown one is an error that names its line and the nearest known key.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{AngularFrequency, Area, Compliance, Force, Length, Mass, Pressure, Velocity};
+
+/// A study: which scan or model, which stages, and the seed of every random draw.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Study {
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// The measured or modelled surface; needed by pressure and friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceSection>,
+    /// Elastic and plastic properties; needed by every stage but the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialSection>,
+    /// The law of the random pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<PressureSection>,
+    /// The friction coefficient as a process.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionSection>,
+    /// Stick-slip of a mass on a belt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationSection>,
+}
+
+/// Form that is removed from a scan by least squares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LevelChoice {
+    /// Nothing.
+    None,
+    /// The mean height.
+    Mean,
+    /// The least-squares plane.
+    #[default]
+    Plane,
+    /// The least-squares quadratic.
+    Quadratic,
+}
+
+/// How random surfaces are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GeneratorChoice {
+    /// Truncated Karhunen–Loève expansion (paper, eq. 2).
+    #[default]
+    KarhunenLoeve,
+    /// Weierstrass–Mandelbrot function (paper, eq. 1) in its two-dimensional form.
+    WeierstrassMandelbrot,
+    /// All Fourier modes of the grid.
+    Spectral,
+}
+
+/// Which covariance the random surfaces have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CovarianceChoice {
+    /// Fitted to the scan: the best of the models below.
+    #[default]
+    Measured,
+    /// e^{−r²}.
+    SquaredExponential,
+    /// e^{−r}.
+    Exponential,
+    /// Matérn.
+    Matern,
+    /// Self-affine with roll-off.
+    SelfAffine,
+}
+
+/// How Gaussian fields become non-Gaussian.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TranslationChoice {
+    /// z = F⁻¹(Φ(g)), which distorts the correlation a little (the paper's).
+    #[default]
+    Plain,
+    /// The correlation of g is distorted beforehand so that that of z is met.
+    Corrected,
+}
+
+/// `[surface]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceSection {
+    /// Scan file, relative to the study file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Pixel size (x, y) of a scan that states none; overrides the file's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_size: Option<[Length; 2]>,
+    /// Form removed from the scan.
+    #[serde(default)]
+    pub level: LevelChoice,
+    /// Heights farther from the mean than this many standard deviations count as missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outliers: Option<f64>,
+    /// How random surfaces are made.
+    #[serde(default)]
+    pub generator: GeneratorChoice,
+    /// Their covariance.
+    #[serde(default)]
+    pub covariance: CovarianceChoice,
+    /// Their standard deviation of height, when not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_height: Option<Length>,
+    /// Their correlation lengths (x, y), when not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correlation_length: Option<[Length; 2]>,
+    /// Hurst exponent of a self-affine model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hurst: Option<f64>,
+    /// Smoothness ν of a Matérn model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothness: Option<f64>,
+    /// Fractal dimension, 2 to 3, of the Weierstrass–Mandelbrot generator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fractal_dimension: Option<f64>,
+    /// Marginal law of the heights: `measured`, `normal`, `beta:A,B`, …
+    #[serde(default = "measured")]
+    pub marginal: String,
+    /// How the marginal is imposed.
+    #[serde(default)]
+    pub translation: TranslationChoice,
+    /// Terms of the Karhunen–Loève expansion.
+    #[serde(default = "modes")]
+    pub modes: usize,
+}
+
+/// `[material]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialSection {
+    /// Young's modulus.
+    pub youngs_modulus: Pressure,
+    /// Poisson's ratio.
+    #[serde(default = "poisson_ratio")]
+    pub poisson_ratio: f64,
+    /// Hardness, the highest pressure; without it contact is elastic.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<Pressure>,
+    /// Shear strength τ_max of the contacts; needed by friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear_strength: Option<Pressure>,
+}
+
+/// What lies beyond the edge of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BoundaryChoice {
+    /// Unloaded half-space.
+    Free,
+    /// The patch again.
+    Periodic,
+}
+
+/// `[pressure]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureSection {
+    /// Size (x, y) of a patch.
+    pub size: [Length; 2],
+    /// Points (x, y) of a patch.
+    pub points: [usize; 2],
+    /// Boundary of a patch.
+    #[serde(default = "free")]
+    pub boundary: BoundaryChoice,
+    /// Mean compliance of a periodic patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_compliance: Option<Compliance>,
+    /// Percentage of the heights (of the ensemble) above the plane before deformation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub percentile: Option<f64>,
+    /// Depth of the plane below the highest point of each patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penetration: Option<Length>,
+    /// Mean pressure on each patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_pressure: Option<Pressure>,
+    /// Contact solves given to each method.
+    #[serde(default = "fine_solves")]
+    pub fine_solves: usize,
+    /// Contact solves of the reference run.
+    #[serde(default = "reference_samples")]
+    pub reference_samples: usize,
+    /// Leading variables of the chaos expansion.
+    #[serde(default = "variables")]
+    pub variables: usize,
+    /// Total degree of the chaos expansion.
+    #[serde(default = "degree")]
+    pub degree: usize,
+    /// Relative tolerance of each contact solve.
+    #[serde(default = "solve_tolerance")]
+    pub tolerance: f64,
+}
+
+/// `[friction]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionSection {
+    /// Size (x, y) of a strip; it slides along x.
+    #[serde(default = "strip")]
+    pub strip: [Length; 2],
+    /// Points (x, y) of a strip.
+    #[serde(default = "strip_points")]
+    pub points: [usize; 2],
+    /// Length of the window along x.
+    #[serde(default = "window")]
+    pub window: Length,
+    /// Boundary of a strip.
+    #[serde(default = "periodic")]
+    pub boundary: BoundaryChoice,
+    /// Mean compliance of a periodic strip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_compliance: Option<Compliance>,
+    /// Levels: percentages of the heights (of the ensemble) above the plane.
+    #[serde(default = "percentiles")]
+    pub percentiles: Vec<f64>,
+    /// Strips per level.
+    #[serde(default = "realisations")]
+    pub realisations: usize,
+    /// Relative tolerance of each contact solve.
+    #[serde(default = "solve_tolerance")]
+    pub tolerance: f64,
+}
+
+/// How the scatter of one window becomes that of the nominal area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Upscaling {
+    /// Windows average over the nominal area.
+    #[default]
+    Area,
+    /// One window carries the whole normal force (the paper's reading).
+    Paper,
+}
+
+/// `[vibration]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VibrationSection {
+    /// Mass m.
+    pub mass: Mass,
+    /// Natural angular frequency ω₀ = √(c/m).
+    pub natural_frequency: AngularFrequency,
+    /// Damping ratio ζ = d/(2mω₀).
+    pub damping_ratio: f64,
+    /// Normal force N.
+    pub normal_force: Force,
+    /// Area that carries the normal force.
+    pub nominal_area: Area,
+    /// Velocity of the belt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt_velocity: Option<Velocity>,
+    /// The same as V = v_b m ω₀/N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensionless_belt_velocity: Option<f64>,
+    /// Stribeck coefficient a of μ = μ_st/(1 + a|v|), per unit of dimensionless velocity.
+    #[serde(default = "stribeck")]
+    pub stribeck: f64,
+    /// Which upscaling the report leads with; both are computed.
+    #[serde(default)]
+    pub upscaling: Upscaling,
+    /// Friction level, as a percentile of `[friction]`; without it, the one solved at N/nominal_area.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
+    /// Damping ratios: from, to, count.
+    #[serde(default = "damping_sweep")]
+    pub damping_sweep: (f64, f64, usize),
+    /// Trajectories per damping ratio.
+    #[serde(default = "trajectories")]
+    pub trajectories: usize,
+    /// Dimensionless duration ω₀t of a trajectory.
+    #[serde(default = "duration")]
+    pub duration: f64,
+    /// Mean (static) friction coefficient, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub static_friction: Option<f64>,
+    /// Standard deviation of the friction of one window, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_std: Option<f64>,
+    /// Correlation length of the friction of one window, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_correlation_length: Option<Length>,
+    /// Marginal law of the friction coefficient, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_marginal: Option<String>,
+}
+
+impl VibrationSection {
+    /// Whether the friction process is stated rather than computed.
+    pub fn states_friction(&self) -> bool {
+        self.static_friction.is_some()
+    }
+}
+
+fn measured() -> String {
+    "measured".into()
+}
+fn modes() -> usize {
+    101
+}
+fn poisson_ratio() -> f64 {
+    0.3
+}
+fn free() -> BoundaryChoice {
+    BoundaryChoice::Free
+}
+fn periodic() -> BoundaryChoice {
+    BoundaryChoice::Periodic
+}
+fn fine_solves() -> usize {
+    500
+}
+fn reference_samples() -> usize {
+    5000
+}
+fn variables() -> usize {
+    8
+}
+fn degree() -> usize {
+    3
+}
+fn solve_tolerance() -> f64 {
+    1e-6
+}
+fn strip() -> [Length; 2] {
+    [Length(6e-3), Length(75e-6)]
+}
+fn strip_points() -> [usize; 2] {
+    [2048, 32]
+}
+fn window() -> Length {
+    Length(600e-6)
+}
+fn percentiles() -> Vec<f64> {
+    vec![5.0, 10.0, 25.0, 50.0, 75.0]
+}
+fn realisations() -> usize {
+    20
+}
+fn stribeck() -> f64 {
+    4.2
+}
+fn damping_sweep() -> (f64, f64, usize) {
+    (0.05, 0.30, 11)
+}
+fn trajectories() -> usize {
+    200
+}
+fn duration() -> f64 {
+    640.0
+}

@@ -1,0 +1,114 @@
+//! Tables and fields: the series behind every figure.
+
+use ndarray::Array2;
+use thiserror::Error;
+
+use crate::map::Grid;
+
+/// Columns of equal length; NaN is an undefined value and an empty cell in CSV.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    columns: Vec<(String, Vec<f64>)>,
+}
+
+/// Why a CSV text is not a table.
+#[derive(Debug, Error)]
+pub enum TableError {
+    /// Not CSV.
+    #[error("not a CSV table: {0}")]
+    Csv(#[from] csv::Error),
+    /// A cell is not a number.
+    #[error("row {row}, column `{column}`: `{text}` is not a number")]
+    Cell {
+        /// Row, counted from 1 after the header.
+        row: usize,
+        /// Column name.
+        column: String,
+        /// What was found.
+        text: String,
+    },
+}
+
+impl Table {
+    /// A table from named columns.
+    ///
+    /// # Panics
+    /// If the columns differ in length.
+    pub fn new<N: Into<String>>(columns: impl IntoIterator<Item = (N, Vec<f64>)>) -> Self {
+        let columns: Vec<(String, Vec<f64>)> = columns.into_iter().map(|(name, values)| (name.into(), values)).collect();
+        assert!(columns.windows(2).all(|pair| pair[0].1.len() == pair[1].1.len()), "columns differ in length");
+        Self { columns }
+    }
+
+    /// Names and values.
+    pub fn columns(&self) -> &[(String, Vec<f64>)] {
+        &self.columns
+    }
+
+    /// The values of the named column.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())
+    }
+
+    /// Comma-separated text with a header; every number reads back to the same bits.
+    ///
+    /// # Errors
+    /// None in practice: the writer's memory buffer.
+    pub fn to_csv(&self) -> Result<Vec<u8>, TableError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(self.columns.iter().map(|(name, _)| name))?;
+        let rows = self.columns.first().map_or(0, |(_, values)| values.len());
+        let cell = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
+        for row in 0..rows {
+            writer.write_record(self.columns.iter().map(|(_, values)| cell(values[row])))?;
+        }
+        writer.into_inner().map_err(|error| TableError::Csv(error.into_error().into()))
+    }
+
+    /// Reads what [`Table::to_csv`] wrote.
+    ///
+    /// # Errors
+    /// The text is not CSV or holds something else than numbers.
+    pub fn from_csv(bytes: &[u8]) -> Result<Self, TableError> {
+        let mut reader = csv::Reader::from_reader(bytes);
+        let mut columns: Vec<(String, Vec<f64>)> =
+            reader.headers()?.iter().map(|name| (name.to_owned(), Vec::new())).collect();
+        for (row, record) in reader.records().enumerate() {
+            for ((column, values), text) in columns.iter_mut().zip(record?.iter()) {
+                let value = if text.is_empty() { Ok(f64::NAN) } else { text.parse() };
+                values.push(value.map_err(|_| TableError::Cell {
+                    row: row + 1,
+                    column: column.clone(),
+                    text: text.into(),
+                })?);
+            }
+        }
+        Ok(Self { columns })
+    }
+}
+
+/// A map of any quantity on a grid, shape `[ny, nx]`, NaN where undefined.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// The grid.
+    pub grid: Grid,
+    /// SI unit of the values.
+    pub unit: &'static str,
+    /// Values.
+    pub values: Array2<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_survives_csv_bit_by_bit() {
+        let table = Table::new([("x_m", vec![1.0 / 3.0, 1e-300, -0.0]), ("y, quoted", vec![f64::NAN, 2.0, f64::MAX])]);
+        let back = Table::from_csv(&table.to_csv().unwrap()).unwrap();
+        for ((name, values), (back_name, back_values)) in table.columns().iter().zip(back.columns()) {
+            assert_eq!(name, back_name);
+            assert!(values.iter().zip(back_values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
+        }
+    }
+}

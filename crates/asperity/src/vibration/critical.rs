@@ -1,0 +1,108 @@
+//! Where the stick-slip cycle ends and where steady sliding begins to be stable.
+
+use serde::{Deserialize, Serialize};
+
+use super::root::zero_between;
+use super::slip_orbit::first_minimum;
+use super::{Oscillator, VibrationError};
+
+/// Largest damping ratio that is searched.
+const MAX_DAMPING: f64 = 1e3;
+
+/// The two damping ratios that separate stick-slip from sliding.
+///
+/// For velocity weakening laws ζ_H < ζ_c: between them stick-slip and sliding are both stable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CriticalDamping {
+    /// ζ_c of the grazing–sliding fold: the slip orbit from a detachment touches the belt velocity. No stick-slip cycle
+    /// exists above it.
+    pub critical_damping_ratio: f64,
+    /// ζ_H of the Hopf bifurcation, 2ζ_H = −dμ/d|v| at the belt velocity. Steady sliding is stable above it.
+    pub hopf_damping_ratio: f64,
+}
+
+/// ζ_c and ζ_H of an oscillator; its own damping ratio and forcing are left aside.
+///
+/// ζ_c is the zero, in ζ, of the least relative velocity on the slip orbit from a detachment, continued smoothly below
+/// zero. First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
+pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, VibrationError> {
+    let weakening = oscillator.law().weakening(oscillator.belt_velocity());
+    let hopf_damping_ratio = 0.5 * weakening;
+    let jump = oscillator.static_friction() - oscillator.law().kinetic();
+    if weakening == 0.0 && jump == 0.0 {
+        // The slip orbit of an undamped linear oscillator returns to its start: it grazes.
+        return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
+    }
+    let free = oscillator.with_forcing(None)?;
+    let least = |damping: f64| -> Result<f64, VibrationError> {
+        Ok(first_minimum(&free.with_damping(damping)?, 0.0)?.map_or(1.0, |minimum| minimum.w))
+    };
+    let (mut low, mut at_low) = (0.0, least(0.0)?);
+    let mut high = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
+    let mut at_high = least(high)?;
+    while at_high <= 0.0 {
+        (low, at_low) = (high, at_high);
+        high *= 2.0;
+        if high > MAX_DAMPING {
+            return Err(VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" });
+        }
+        at_high = least(high)?;
+    }
+    let critical_damping_ratio = zero_between(least, (low, at_low), (high, at_high), 1e-15)?;
+    Ok(CriticalDamping { critical_damping_ratio, hopf_damping_ratio })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vibration::{FrictionLaw, Parameters};
+
+    #[test]
+    fn the_paper_s_law_ends_at_the_published_damping() {
+        for (friction, velocity, wanted) in [
+            (0.1, 0.003, 0.204_830_150_584_523_17),
+            (0.1, 0.1, 0.111_508_270_209_214_07),
+            (0.2, 0.1, 0.222_953_501_902_507_68),
+            (0.3, 0.1, 0.334_272_847_322_423_26),
+        ] {
+            let found = critical_damping(&Oscillator::stribeck(friction, 4.2, 0.0, velocity).unwrap()).unwrap();
+            assert!((found.critical_damping_ratio - wanted).abs() < 1e-12, "{found:?} instead of {wanted}");
+            let hopf = 0.5 * 4.2 * friction / (1.0 + 4.2 * velocity).powi(2);
+            assert!((found.hopf_damping_ratio - hopf).abs() < 1e-15);
+            assert!(found.hopf_damping_ratio < found.critical_damping_ratio);
+        }
+    }
+
+    #[test]
+    fn linear_weakening_ends_at_half_its_slope() {
+        for slope in [0.05, 0.3, 1.1] {
+            let law = FrictionLaw::Linear { kinetic: 0.4, slope };
+            let parameters =
+                Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
+            let found = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap();
+            assert!((found.critical_damping_ratio - 0.5 * slope).abs() < 1e-12, "{found:?}");
+            assert!((found.hopf_damping_ratio - 0.5 * slope).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn without_weakening_any_damping_ends_the_cycle_but_a_jump_keeps_it() {
+        let of = |static_friction| {
+            let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+            let parameters =
+                Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
+            critical_damping(&Oscillator::new(parameters).unwrap()).unwrap().critical_damping_ratio
+        };
+        assert_eq!(of(0.3), 0.0);
+        let with_jump = of(0.4);
+        // The cycle exists just below and not above: an independent check by the event-driven motion.
+        for (factor, exists) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
+            let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+            let damping_ratio = with_jump * factor;
+            let parameters =
+                Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None };
+            let regime = crate::vibration::limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap();
+            assert_eq!(regime.cycle().is_some(), exists);
+        }
+    }
+}

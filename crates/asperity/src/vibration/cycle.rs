@@ -1,0 +1,293 @@
+//! The deterministic limit cycle.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::motion::Motion;
+use super::{EventKind, Oscillator, VibrationError};
+use crate::friction::process::Steady;
+
+/// W and W′ closer than this to steady sliding never return to stick.
+const SETTLED: f64 = 1e-9;
+/// Difference of detachment phases that counts as a repetition.
+const PHASE_TOLERANCE: f64 = 1e-12;
+/// Largest number of slips in one period of a forced cycle that is looked for.
+const MAX_MULTIPLICITY: usize = 32;
+/// Slips, and forcing periods without stick, after which a forced motion counts as irregular.
+const MAX_PERIODS: usize = 20_000;
+/// Steps of one slip phase without forcing.
+const MAX_STEPS: usize = 1_000_000;
+
+/// One period of the stick-slip limit cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LimitCycle {
+    /// Period in τ.
+    pub period: f64,
+    /// Time in a period that the mass slips.
+    pub slip_duration: f64,
+    /// Displacement X at the (last) re-attachment of the period.
+    pub reattachment_displacement: f64,
+    /// Least X.
+    pub displacement_min: f64,
+    /// Largest X.
+    pub displacement_max: f64,
+    /// Least X′.
+    pub velocity_min: f64,
+    /// Detachments in a period: 1 without forcing.
+    pub slips: usize,
+}
+
+/// How the deterministic motion ends.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Regime {
+    /// It repeats itself, with stick.
+    Cycle(LimitCycle),
+    /// The mass slides for ever: no stick-slip cycle exists, or under forcing none was reached from the start.
+    Sliding,
+    /// Forced motion with stick that did not repeat itself within 20,000 slips.
+    Irregular,
+}
+
+impl Regime {
+    /// The cycle, if there is one.
+    pub fn cycle(&self) -> Option<&LimitCycle> {
+        match self {
+            Self::Cycle(cycle) => Some(cycle),
+            Self::Sliding | Self::Irregular => None,
+        }
+    }
+}
+
+/// What happened between two detachments.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    duration: f64,
+    slip: f64,
+    reattachment: f64,
+    lowest: f64,
+    highest: f64,
+    slowest: f64,
+}
+
+impl Turn {
+    const EMPTY: Self = Self {
+        duration: 0.0,
+        slip: 0.0,
+        reattachment: f64::NAN,
+        lowest: f64::INFINITY,
+        highest: f64::NEG_INFINITY,
+        slowest: f64::INFINITY,
+    };
+
+    fn include(&mut self, motion: &Motion<Steady>) {
+        for tau in motion.turning_times() {
+            let (x, velocity) = motion.sample(tau);
+            self.lowest = self.lowest.min(x);
+            self.highest = self.highest.max(x);
+            self.slowest = self.slowest.min(velocity);
+        }
+    }
+
+    fn cycle(turns: &[Self]) -> LimitCycle {
+        let fold = |f: fn(f64, f64) -> f64, of: fn(&Self) -> f64| turns.iter().map(of).reduce(f).unwrap_or(f64::NAN);
+        LimitCycle {
+            period: turns.iter().map(|t| t.duration).sum(),
+            slip_duration: turns.iter().map(|t| t.slip).sum(),
+            reattachment_displacement: turns.last().map_or(f64::NAN, |t| t.reattachment),
+            displacement_min: fold(f64::min, |t| t.lowest),
+            displacement_max: fold(f64::max, |t| t.highest),
+            velocity_min: fold(f64::min, |t| t.slowest),
+            slips: turns.len(),
+        }
+    }
+}
+
+/// The stick-slip limit cycle of an oscillator without fluctuation.
+///
+/// Without forcing every detachment is the same state, so one turn is the cycle, exactly; if the slip orbit from a
+/// detachment turns back before the belt velocity, planar orbits cannot cross and no stick-slip cycle exists. With forcing
+/// the motion is followed from [`Oscillator::default_start`] until the phases of its detachments repeat, which finds the
+/// attracting cycle of that start with up to 32 slips in a period.
+///
+/// Fails if the friction coefficient does not stay positive.
+pub fn limit_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
+    match oscillator.forcing() {
+        None => free_cycle(oscillator),
+        Some(forcing) => forced_cycle(oscillator, TAU / forcing.frequency),
+    }
+}
+
+fn free_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
+    let mut motion = Motion::detaching(oscillator, Steady, 0.0)?;
+    let mut turn = Turn::EMPTY;
+    for _ in 0..MAX_STEPS {
+        let event = motion.step(f64::INFINITY)?;
+        turn.include(&motion);
+        match event.map(|e| e.kind) {
+            Some(EventKind::Detach) => {
+                turn.duration = motion.tau;
+                return Ok(Regime::Cycle(Turn::cycle(&[turn])));
+            }
+            Some(EventKind::Restick) => {
+                turn.slip = motion.tau;
+                turn.reattachment = motion.displacement();
+            }
+            Some(EventKind::Reverse) => {}
+            None => {
+                if motion.passed_minimum() || motion.has_settled(SETTLED) {
+                    return Ok(Regime::Sliding);
+                }
+            }
+        }
+    }
+    Err(VibrationError::NotFound { what: "limit cycle", reason: "the slip phase did not end within a million steps" })
+}
+
+fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<Regime, VibrationError> {
+    let mut motion = Motion::new(oscillator, Steady, super::Drive::Distance, oscillator.default_start())?;
+    let mut turns: Vec<Turn> = Vec::new();
+    let mut phases: Vec<f64> = Vec::new();
+    let mut turn = Turn::EMPTY;
+    // Time counts from the last whole forcing period, so that phases keep their digits.
+    let (mut detached_at, mut slides_since) = (0.0, 0.0);
+    let mut last_stroke = None;
+    let mut strokes_without_stick = 0;
+    while turns.len() < MAX_PERIODS && strokes_without_stick < MAX_PERIODS {
+        let event = motion.step(forcing_period)?;
+        turn.include(&motion);
+        match event.map(|e| e.kind) {
+            Some(EventKind::Detach) => {
+                turn.duration = motion.tau - detached_at;
+                turns.push(turn);
+                turn = Turn::EMPTY;
+                (detached_at, slides_since) = (motion.tau, motion.tau);
+                phases.push(motion.tau);
+                if let Some(period) = repetition(&phases, forcing_period) {
+                    return Ok(Regime::Cycle(Turn::cycle(&turns[turns.len() - period..])));
+                }
+            }
+            Some(EventKind::Restick) => {
+                turn.slip += motion.tau - slides_since;
+                turn.reattachment = motion.displacement();
+                (strokes_without_stick, last_stroke) = (0, None);
+            }
+            Some(EventKind::Reverse) | None => {}
+        }
+        if motion.tau >= forcing_period {
+            motion.tau -= forcing_period;
+            (detached_at, slides_since) = (detached_at - forcing_period, slides_since - forcing_period);
+            if motion.phase() != super::Phase::Stick {
+                let state = (motion.relative_speed(), motion.excess());
+                let repeats = last_stroke.is_some_and(|(w, e): (f64, f64)| {
+                    let change = (state.0 - w).abs().max((state.1 - e).abs());
+                    change < PHASE_TOLERANCE * state.0.abs().max(state.1.abs()).max(1.0)
+                });
+                if repeats {
+                    return Ok(Regime::Sliding);
+                }
+                last_stroke = Some(state);
+                strokes_without_stick += 1;
+            }
+        }
+    }
+    Ok(Regime::Irregular)
+}
+
+/// Number of slips after which the phases repeat: the last one and the one before agree with those a period earlier.
+fn repetition(phases: &[f64], forcing_period: f64) -> Option<usize> {
+    let n = phases.len();
+    let same = |a: usize, b: usize| {
+        let difference = (phases[a] - phases[b]).abs();
+        difference.min(forcing_period - difference) < PHASE_TOLERANCE
+    };
+    (1..=MAX_MULTIPLICITY).find(|&k| n >= k + 3 && same(n - 1, n - 1 - k) && same(n - 2, n - 2 - k))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::vibration::{Forcing, FrictionLaw, Parameters};
+
+    fn cycle_of(parameters: Parameters) -> LimitCycle {
+        *limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap().cycle().unwrap()
+    }
+
+    fn close(found: f64, wanted: f64, relative: f64) {
+        assert!((found / wanted - 1.0).abs() < relative, "found {found:.17}, wanted {wanted:.17}");
+    }
+
+    #[test]
+    fn coulomb_friction_has_its_closed_form_cycle() {
+        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let cycle =
+            cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None });
+        let ratio: f64 = 0.1 / 0.05;
+        close(cycle.period, TAU - 2.0 * ratio.atan() + 2.0 * ratio, 1e-14);
+        close(cycle.period, 8.068_887_871_591_405, 1e-14);
+        close(cycle.reattachment_displacement, 2.0 * 0.3 - 0.4, 1e-13);
+        close(cycle.slip_duration, cycle.period - 2.0 * ratio, 1e-14);
+        // Slip is the circle X = μ_k + A cos: its extremes are μ_k ± √(Δ² + V²).
+        let amplitude = 0.1_f64.hypot(0.05);
+        close(cycle.displacement_max, 0.3 + amplitude, 1e-14);
+        close(cycle.displacement_min, 0.3 - amplitude, 1e-13);
+        close(cycle.velocity_min, -amplitude, 1e-14);
+    }
+
+    #[test]
+    fn linear_weakening_has_its_closed_form_cycle() {
+        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let cycle =
+            cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None });
+        close(cycle.period, 6.439_474_890_105_244, 1e-13);
+        close(cycle.reattachment_displacement, 0.288_933_000_910_998, 1e-13);
+    }
+
+    #[test]
+    fn the_paper_s_law_gives_the_published_cycle() {
+        let cycle = *limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap()).unwrap().cycle().unwrap();
+        close(cycle.period, 6.372_163_483_739_709, 1e-13);
+        close(cycle.slip_duration, 5.644_059_891_168_911, 1e-13);
+        close(cycle.reattachment_displacement, 0.096_795_689_222_287_6, 1e-13);
+        close(cycle.displacement_min, 0.095_239_651_620_418_2, 1e-13);
+        close(cycle.displacement_max, 0.101_931_013_749_859_67, 1e-13);
+    }
+
+    #[test]
+    fn leine_s_oscillator_gives_the_published_cycle() {
+        // Leine, van Campen, de Kraker & van den Steen, Nonlinear Dyn. 16 (1998) 41, in units of the natural period.
+        let cycle = *limit_cycle(&Oscillator::stribeck(1.0, 3.0, 0.0, 0.2).unwrap()).unwrap().cycle().unwrap();
+        for (found, wanted, digit) in [
+            (cycle.period, 12.001_031, 5e-7),
+            (cycle.slip_duration, 4.296_00, 5e-6),
+            (cycle.reattachment_displacement, -0.541_006, 5e-7),
+            (cycle.displacement_max, 1.133_945, 5e-7),
+            (cycle.velocity_min, -0.839_902, 5e-7),
+        ] {
+            assert!((found - wanted).abs() <= 1.01 * digit, "{found} instead of {wanted}");
+        }
+    }
+
+    #[test]
+    fn above_the_critical_damping_no_cycle_is_an_answer() {
+        for damping in [0.2048302, 0.3, 0.99, 1.5, 20.0] {
+            let oscillator = Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap();
+            assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
+        }
+        assert!(limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some());
+    }
+
+    #[test]
+    fn weak_forcing_at_resonance_locks_the_cycle_to_its_period() {
+        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
+        let cycle = *limit_cycle(&forced).unwrap().cycle().unwrap();
+        assert_eq!(cycle.slips, 1);
+        close(cycle.period, 2.0 * PI / 0.98, 1e-11);
+        // Far above the boundary the mass follows the force without stick.
+        assert_eq!(limit_cycle(&forced.with_damping(0.5).unwrap()).unwrap(), Regime::Sliding);
+    }
+}

@@ -1,0 +1,203 @@
+//! The mass on the belt in dimensionless form, and the scales that lead there.
+
+use serde::{Deserialize, Serialize};
+
+use super::{FrictionLaw, VibrationError, non_negative, positive};
+
+/// Share of the static friction force at which the mass starts, sticking, unless told otherwise.
+const DEFAULT_START_SHARE: f64 = 0.97;
+
+/// Harmonic force q cos ητ on the mass.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Forcing {
+    /// q = Q/N.
+    pub amplitude: f64,
+    /// η = Ω/ω₀ > 0.
+    pub frequency: f64,
+}
+
+/// What an [`Oscillator`] is made of; see there for the meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// μ_st, the stick limit.
+    pub static_friction: f64,
+    /// Kinetic law μ(|v|).
+    pub law: FrictionLaw,
+    /// ζ = d/(2mω₀).
+    pub damping_ratio: f64,
+    /// V = v_b·mω₀/N.
+    pub belt_velocity: f64,
+    /// Harmonic force, if any.
+    pub forcing: Option<Forcing>,
+}
+
+/// A mass, spring and damper on a moving belt with dry friction, checked and dimensionless.
+///
+/// With the displacement X = x·c/N, the time τ = ω₀t and the friction fluctuation m(s),
+///
+/// - slip: X″ + 2ζX′ + X = q cos ητ + sign(V − X′)·\[μ(|V − X′|) + m\],
+/// - stick, X′ = V, as long as |X + 2ζV − q cos ητ| ≤ μ_st + m.
+///
+/// # References
+/// Gaus, Proppe & Zaccardi, *Meccanica dei Materiali e delle Strutture* VI (2016) 1, 115–122, §5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oscillator {
+    parameters: Parameters,
+}
+
+impl Oscillator {
+    /// Checks the parameters: finite, ζ ≥ 0, V > 0, 0 < μ_k ≤ μ_st, weakening rate ≥ 0, η > 0.
+    pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
+        let Parameters { static_friction, law, damping_ratio, belt_velocity, forcing } = parameters;
+        positive("static_friction", static_friction)?;
+        law.validate()?;
+        if law.kinetic() > static_friction {
+            return Err(VibrationError::Parameter {
+                parameter: "kinetic_friction",
+                value: law.kinetic(),
+                wanted: "at most the static friction",
+            });
+        }
+        non_negative("damping_ratio", damping_ratio)?;
+        positive("belt_velocity", belt_velocity)?;
+        if let Some(Forcing { amplitude, frequency }) = forcing {
+            non_negative("forcing amplitude", amplitude)?;
+            positive("forcing_frequency", frequency)?;
+        }
+        Ok(Self { parameters })
+    }
+
+    /// The paper's law: μ_st/(1 + a|v|) in slip and μ_st in stick, without forcing.
+    pub fn stribeck(
+        static_friction: f64,
+        decay: f64,
+        damping_ratio: f64,
+        belt_velocity: f64,
+    ) -> Result<Self, VibrationError> {
+        let law = FrictionLaw::Stribeck { kinetic: static_friction, decay };
+        Self::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+    }
+
+    /// The same oscillator with another damping ratio.
+    pub fn with_damping(&self, damping_ratio: f64) -> Result<Self, VibrationError> {
+        Self::new(Parameters { damping_ratio, ..self.parameters })
+    }
+
+    /// The same oscillator with another harmonic force, or none.
+    pub fn with_forcing(&self, forcing: Option<Forcing>) -> Result<Self, VibrationError> {
+        Self::new(Parameters { forcing, ..self.parameters })
+    }
+
+    /// The parameters it was made of.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Stick limit μ_st.
+    pub fn static_friction(&self) -> f64 {
+        self.parameters.static_friction
+    }
+
+    /// Kinetic law.
+    pub fn law(&self) -> FrictionLaw {
+        self.parameters.law
+    }
+
+    /// Damping ratio ζ.
+    pub fn damping_ratio(&self) -> f64 {
+        self.parameters.damping_ratio
+    }
+
+    /// Belt velocity V.
+    pub fn belt_velocity(&self) -> f64 {
+        self.parameters.belt_velocity
+    }
+
+    /// Harmonic force; none when its amplitude is zero.
+    pub fn forcing(&self) -> Option<Forcing> {
+        self.parameters.forcing.filter(|f| f.amplitude > 0.0)
+    }
+
+    /// Where a mass starts unless told: X = 0.97 μ_st − 2ζV, which sticks without fluctuation and forcing.
+    pub fn default_start(&self) -> f64 {
+        DEFAULT_START_SHARE * self.static_friction() - 2.0 * self.damping_ratio() * self.belt_velocity()
+    }
+}
+
+/// The dimensional machine: it turns metres and seconds into the oscillator's numbers and back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    mass_kg: f64,
+    natural_frequency_rad_per_s: f64,
+    normal_force_n: f64,
+}
+
+impl Scales {
+    /// A mass m on a spring c = mω₀², pressed on the belt by the force N; all positive.
+    pub fn new(mass_kg: f64, natural_frequency_rad_per_s: f64, normal_force_n: f64) -> Result<Self, VibrationError> {
+        positive("mass", mass_kg)?;
+        positive("natural_frequency", natural_frequency_rad_per_s)?;
+        positive("normal_force", normal_force_n)?;
+        Ok(Self { mass_kg, natural_frequency_rad_per_s, normal_force_n })
+    }
+
+    /// Spring stiffness c = mω₀² in N/m.
+    pub fn stiffness_n_per_m(&self) -> f64 {
+        self.mass_kg * self.natural_frequency_rad_per_s.powi(2)
+    }
+
+    /// Unit of displacement N/c in metre: X = x/(N/c), and λ = ℓ_μ/(N/c).
+    pub fn length_m(&self) -> f64 {
+        self.normal_force_n / self.stiffness_n_per_m()
+    }
+
+    /// Unit of time 1/ω₀ in second.
+    pub fn time_s(&self) -> f64 {
+        self.natural_frequency_rad_per_s.recip()
+    }
+
+    /// Unit of velocity N/(mω₀) in m/s: V = v_b/(N/(mω₀)).
+    pub fn velocity_m_per_s(&self) -> f64 {
+        self.length_m() / self.time_s()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paper_s_belt_and_correlation_length_belong_to_one_kilogram() {
+        let scales = Scales::new(1.0, 316.0, 2500.0).unwrap();
+        // λ = 250 µm·c/N = 0.01 and V = 0.003 is 23.7 mm/s.
+        assert!((250e-6 / scales.length_m() - 0.01).abs() < 2e-5);
+        assert!((0.0237 / scales.velocity_m_per_s() - 0.003).abs() < 5e-6);
+    }
+
+    #[test]
+    fn nonsense_is_refused_at_the_door() {
+        assert!(Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
+        for (static_friction, decay, damping, velocity) in [
+            (0.0, 4.2, 0.17, 0.003),
+            (0.1, -1.0, 0.17, 0.003),
+            (0.1, 4.2, -0.1, 0.003),
+            (0.1, 4.2, 0.17, 0.0),
+            (0.1, 4.2, f64::NAN, 0.003),
+            (f64::INFINITY, 4.2, 0.1, 0.003),
+        ] {
+            assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_err());
+        }
+        let law = FrictionLaw::Coulomb { kinetic: 0.5 };
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
+        assert!(matches!(
+            Oscillator::new(parameters),
+            Err(VibrationError::Parameter { parameter: "kinetic_friction", .. })
+        ));
+        let fine = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        assert!(fine.with_forcing(Some(Forcing { amplitude: 0.1, frequency: 0.0 })).is_err());
+        assert_eq!(fine.with_forcing(Some(Forcing { amplitude: 0.0, frequency: 1.0 })).unwrap().forcing(), None);
+    }
+}

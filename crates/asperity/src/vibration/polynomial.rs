@@ -1,0 +1,182 @@
+//! Values and first zeros of the polynomials that one integration step is made of.
+//!
+//! Coefficients are in ascending order: p(t) = c\[0\] + c\[1\]·t + …
+
+/// Most coefficients a polynomial of this module may have.
+pub(super) const CAPACITY: usize = 26;
+
+/// Relative width below which a bracket of a zero counts as a point.
+const RESOLUTION: f64 = 1e-15;
+
+/// p(t) by Horner's rule.
+#[inline]
+pub(super) fn value(c: &[f64], t: f64) -> f64 {
+    c.iter().rev().fold(0.0, |sum, coefficient| sum * t + coefficient)
+}
+
+/// p(t) and p′(t).
+#[inline]
+pub(super) fn value_and_slope(c: &[f64], t: f64) -> (f64, f64) {
+    c.iter().rev().fold((0.0, 0.0), |(sum, slope), coefficient| (sum * t + coefficient, slope * t + sum))
+}
+
+/// p′(t).
+pub(super) fn slope(c: &[f64], t: f64) -> f64 {
+    value_and_slope(c, t).1
+}
+
+/// Coefficients of p′.
+pub(super) fn derivative(c: &[f64]) -> [f64; CAPACITY] {
+    let mut d = [0.0; CAPACITY];
+    for k in 1..c.len() {
+        d[k - 1] = k as f64 * c[k];
+    }
+    d
+}
+
+/// A number below p on [0, h], from the signs of the coefficients.
+#[inline]
+pub(super) fn lower_bound(c: &[f64], h: f64) -> f64 {
+    c[0] + h * c[1..].iter().rev().fold(0.0, |sum, &coefficient| sum * h + coefficient.min(0.0))
+}
+
+/// A number above p on [0, h], from the signs of the coefficients.
+pub(super) fn upper_bound(c: &[f64], h: f64) -> f64 {
+    c[0] + h * c[1..].iter().rev().fold(0.0, |sum, &coefficient| sum * h + coefficient.max(0.0))
+}
+
+/// Zero of a function that falls or rises through it once in [low, high], by Newton's method inside a bracket.
+///
+/// `function` returns value and slope; `start` is a guess. The answer is good to rounding in the argument.
+#[inline]
+pub(super) fn bracketed_zero(
+    function: impl Fn(f64) -> (f64, f64),
+    mut low: f64,
+    mut high: f64,
+    falling: bool,
+    start: f64,
+) -> f64 {
+    let mut t = start;
+    // Sixty halvings exhaust the digits; Newton's steps rarely need six.
+    for _ in 0..100 {
+        let (y, dy) = function(t);
+        if y == 0.0 {
+            return t;
+        }
+        if (y > 0.0) == falling {
+            low = t;
+        } else {
+            high = t;
+        }
+        let newton = t - y / dy;
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        // Newton's error after a step is of the order of that step squared.
+        if high - low <= RESOLUTION * high || (next - t).abs() <= RESOLUTION * high {
+            return next;
+        }
+        if inside && (next - t).abs() <= 1e-9 * high {
+            let (y, dy) = function(next);
+            let last = next - y / dy;
+            return if last >= low && last <= high { last } else { next };
+        }
+        t = next;
+    }
+    t
+}
+
+/// Shifts the origin: the coefficients of p(a + t).
+fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
+    let mut s = [0.0; CAPACITY];
+    s[..c.len()].copy_from_slice(c);
+    for i in 0..c.len() {
+        for k in (i..c.len() - 1).rev() {
+            s[k] += a * s[k + 1];
+        }
+    }
+    s
+}
+
+/// First zero in (0, h] of a polynomial that is positive at 0, none if it stays positive.
+///
+/// Intervals are excluded by coefficient bounds, or hold one zero because the polynomial falls in all of them; all others
+/// are halved. No zero is missed, however close to another one, unless the two are closer than rounding.
+pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
+    if lower_bound(c, h) > 0.0 {
+        return None;
+    }
+    let n = c.len();
+    let (mut a, mut width) = (0.0, h);
+    while a < h {
+        let local = if a == 0.0 { shifted(c, 0.0) } else { shifted(c, a) };
+        let local = &local[..n];
+        width = f64::min(width, h - a);
+        loop {
+            if local[0] <= 0.0 {
+                return Some(a);
+            }
+            if lower_bound(local, width) > 0.0 {
+                break;
+            }
+            let falls = upper_bound(&derivative(local)[..n - 1], width) < 0.0;
+            if falls || width <= RESOLUTION * h {
+                if value(local, width) > 0.0 {
+                    break;
+                }
+                let guess = (-local[0] / local[1]).clamp(0.0, width);
+                return Some(a + bracketed_zero(|t| value_and_slope(local, t), 0.0, width, true, guess));
+            }
+            width *= 0.5;
+        }
+        // The last interval ends at h exactly.
+        a = if width >= h - a { h } else { a + width };
+        width *= 2.0;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Π (r_i − t), positive at 0 for positive roots.
+    fn from_roots(roots: &[f64]) -> Vec<f64> {
+        let mut c = vec![1.0];
+        for r in roots {
+            let mut next = vec![0.0; c.len() + 1];
+            for (k, v) in c.iter().enumerate() {
+                next[k] += r * v;
+                next[k + 1] -= v;
+            }
+            c = next;
+        }
+        c
+    }
+
+    #[test]
+    fn the_first_zero_is_found_however_close_the_next_one() {
+        for roots in
+            [&[0.3, 0.31, 0.9][..], &[0.5, 0.5 + 1e-6], &[0.7], &[1.0, 2.0], &[0.2, 0.2001, 0.2002, 0.8, 0.9, 3.0]]
+        {
+            let c = from_roots(roots);
+            let found = first_zero(&c, 1.0).unwrap();
+            // A zero of a polynomial moves by (rounding of its value)/slope.
+            assert!((found - roots[0]).abs() < 1e-14 / slope(&c, roots[0]).abs(), "{roots:?}: {found}");
+        }
+        assert_eq!(first_zero(&from_roots(&[1.5, 2.0]), 1.0), None);
+        // Lifted above the axis by 1e-9: touches nothing.
+        let mut above = from_roots(&[0.5, 0.5]);
+        above[0] += 1e-9;
+        assert_eq!(first_zero(&above, 1.0), None);
+    }
+
+    #[test]
+    fn derivative_shift_and_value_agree_with_the_exponential() {
+        let c: Vec<f64> =
+            (0..CAPACITY).scan(1.0, |f, k| Some(*f / (1..=k).product::<usize>().max(1) as f64)).take(18).collect();
+        assert!((value(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-15);
+        assert!((slope(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-14);
+        assert!((value(&derivative(&c)[..17], 0.5) - 0.5_f64.exp()).abs() < 1e-14);
+        assert!((value(&shifted(&c, 0.25)[..18], 0.25) - 0.5_f64.exp()).abs() < 1e-14);
+    }
+}

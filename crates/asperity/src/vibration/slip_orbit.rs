@@ -1,0 +1,58 @@
+//! The slip orbit from a detachment, continued smoothly past the belt velocity.
+
+use super::series::{Loading, Series, Weakening};
+use super::sway::Sway;
+use super::{Oscillator, VibrationError};
+
+/// The law 1/(1 + aVW) is continued to this value of aVW and no farther; its pole lies at −1.
+const CONTINUATION: f64 = -0.5;
+/// W and W′ closer than this to steady sliding have no minimum at zero ahead.
+const SETTLED: f64 = 1e-6;
+const MAX_STEPS: usize = 1_000_000;
+
+/// The first minimum of W on a slip orbit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Minimum {
+    /// Time since the detachment.
+    pub(super) time: f64,
+    /// W there; negative when the orbit reaches the belt velocity before.
+    pub(super) w: f64,
+}
+
+/// The first minimum of W after a detachment at the time τ, none if the orbit slides into rest without one.
+///
+/// An orbit that dives far below zero is stopped on the way; its value is then negative, but no minimum.
+pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<Minimum>, VibrationError> {
+    let weakening = Weakening::new(oscillator);
+    let sway = Sway::new(oscillator);
+    let mut series = Series::new();
+    let (mut w, mut e, mut time) = (0.0, 0.0, 0.0);
+    let mut falling = false;
+    for _ in 0..MAX_STEPS {
+        let loading = Loading {
+            base: 1.0,
+            kappa: 1.0,
+            swing: sway.amplitude * sway.frequency,
+            frequency: sway.frequency,
+            phase: sway.frequency * (tau + time),
+        };
+        series.expand(&weakening, &loading, w, e, f64::INFINITY);
+        let h = series.reach(f64::INFINITY);
+        if falling {
+            if let Some(t) = series.first_extremum(h) {
+                return Ok(Some(Minimum { time: time + t, w: series.state(t).0 }));
+            }
+        }
+        (w, e) = series.state(h);
+        time += h;
+        let acceleration = weakening.acceleration(w, e);
+        if falling && weakening.curvature_of(w) < CONTINUATION {
+            return Ok(Some(Minimum { time, w }));
+        }
+        falling = acceleration < 0.0;
+        if sway.amplitude == 0.0 && (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED {
+            return Ok(None);
+        }
+    }
+    Err(VibrationError::NotFound { what: "turning point of the slip orbit", reason: "none within a million steps" })
+}

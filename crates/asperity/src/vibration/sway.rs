@@ -1,0 +1,96 @@
+//! The harmonic force while the mass sticks.
+
+use super::Oscillator;
+
+/// Steps after which the end of a stick counts as found; convergence is quadratic but for a tangential release.
+const MAX_MARCH: usize = 400;
+
+/// The force q cos ητ in units of V.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sway {
+    /// q/V.
+    pub(super) amplitude: f64,
+    /// η, zero without forcing.
+    pub(super) frequency: f64,
+}
+
+impl Sway {
+    pub(super) fn new(oscillator: &Oscillator) -> Self {
+        oscillator.forcing().map_or(Self { amplitude: 0.0, frequency: 0.0 }, |forcing| Self {
+            amplitude: forcing.amplitude / oscillator.belt_velocity(),
+            frequency: forcing.frequency,
+        })
+    }
+
+    /// (q/V) cos ητ.
+    pub(super) fn force(&self, tau: f64) -> f64 {
+        self.amplitude * (self.frequency * tau).cos()
+    }
+
+    /// Rate at which the force grows the forward excess, (qη/V) sin ητ.
+    pub(super) fn rate(&self, tau: f64) -> f64 {
+        self.amplitude * self.frequency * (self.frequency * tau).sin()
+    }
+
+    /// Growth of the excess in the direction ± during a stick of duration t: rate·t ± (q/V)[cos ητ − cos η(τ + t)].
+    pub(super) fn growth(&self, direction: f64, rate: f64, tau: f64, t: f64) -> f64 {
+        let half = 0.5 * self.frequency * t;
+        rate * t + direction * 2.0 * self.amplitude * half.sin() * (self.frequency * tau + half).sin()
+    }
+
+    /// First time in [0, limit] at which the excess in one direction reaches zero from below.
+    ///
+    /// Each step goes to the zero of the parabola that bounds the excess from above (its second derivative is at most
+    /// qη²/V), so no release is jumped over; near a release this is Newton's method.
+    pub(super) fn release(&self, direction: f64, rate: f64, excess: f64, tau: f64, limit: f64) -> Option<f64> {
+        let curvature = self.amplitude * self.frequency * self.frequency;
+        let mut t = 0.0;
+        for _ in 0..MAX_MARCH {
+            let y = (excess + self.growth(direction, rate, tau, t)).min(0.0);
+            let slope = rate + direction * self.rate(tau + t);
+            let root = (slope * slope - 2.0 * curvature * y).sqrt();
+            let advance = if slope > 0.0 {
+                -2.0 * y / (slope + root)
+            } else if curvature > 0.0 {
+                (root - slope) / curvature
+            } else {
+                return None;
+            };
+            if t + advance > limit {
+                return None;
+            }
+            t += advance;
+            if advance <= 4.0 * f64::EPSILON * t.max(1.0) {
+                return Some(t);
+            }
+        }
+        Some(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_release_is_missed_by_the_march() {
+        // Strong forcing: the excess oscillates and may touch the limit many periods before its mean does.
+        for (amplitude, frequency, tau) in [(3.0, 2.0, 0.1), (0.3, 5.0, 2.0), (20.0, 0.7, 1.0), (0.0, 0.0, 0.0)] {
+            let sway = Sway { amplitude, frequency };
+            for excess in [-0.01, -1.0, -6.5, -40.0] {
+                let found = sway.release(1.0, 1.0, excess, tau, 1e3).unwrap();
+                assert!((excess + sway.growth(1.0, 1.0, tau, found)).abs() < 1e-12);
+                let fine = (0..200_000).map(|i| f64::from(i) / 200_000.0 * found * (1.0 - 1e-6));
+                assert!(fine.map(|t| excess + sway.growth(1.0, 1.0, tau, t)).all(|e| e < 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn without_forcing_a_stick_lasts_as_long_as_its_missing_force() {
+        let sway = Sway { amplitude: 0.0, frequency: 0.0 };
+        assert_eq!(sway.release(1.0, 1.0, -0.75, 3.0, 10.0), Some(0.75));
+        assert_eq!(sway.release(1.0, 1.0, -0.75, 3.0, 0.5), None);
+        assert_eq!(sway.release(-1.0, -1.0, -0.75, 3.0, 10.0), None);
+    }
+}
