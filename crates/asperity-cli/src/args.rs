@@ -49,6 +49,14 @@ pub(crate) enum OneOrTwo<T> {
 }
 
 impl<T: Copy> OneOrTwo<T> {
+    /// The values as given.
+    pub(crate) fn given(self) -> Vec<T> {
+        match self {
+            Self::One(x) => vec![x],
+            Self::Two(x, y) => vec![x, y],
+        }
+    }
+
     /// (x, y), one value standing for both.
     pub(crate) fn both(self) -> (T, T) {
         match self {

@@ -2,6 +2,7 @@
 
 mod contact;
 mod surface;
+mod vibration;
 
 use clap::Subcommand;
 
@@ -16,6 +17,9 @@ pub(crate) enum Command {
     Surface(surface::Surface),
     /// Contact of a rough surface with a rigid flat.
     Contact(contact::Contact),
+    /// A mass on a moving belt, in dimensionless form.
+    #[command(subcommand)]
+    Vibration(vibration::Vibration),
 }
 
 impl Command {
@@ -23,6 +27,7 @@ impl Command {
         match self {
             Self::Surface(surface) => surface.run(monitor),
             Self::Contact(contact) => contact.run(monitor),
+            Self::Vibration(vibration) => vibration.run(monitor),
         }
     }
 }

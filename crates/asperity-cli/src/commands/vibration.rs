@@ -2,14 +2,13 @@
 
 mod critical_damping;
 mod cycle;
-mod ensemble;
 mod trajectory;
 
-use asperity::vibration::{Forcing, FrictionLaw, Oscillator, Parameters};
+use asperity::vibration::{Forcing, FrictionLaw, Oscillator, Parameters, VibrationError};
 use clap::{Args, Subcommand};
 
 use crate::args;
-use crate::failure::Failure;
+use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 
 /// Commands of the stick-slip oscillator.
@@ -21,8 +20,6 @@ pub(crate) enum Vibration {
     CriticalDamping(critical_damping::CriticalDamping),
     /// The events of one path over a recorded friction fluctuation.
     Trajectory(trajectory::Trajectory),
-    /// Many paths over a random friction fluctuation.
-    Ensemble(ensemble::Ensemble),
 }
 
 impl Vibration {
@@ -31,7 +28,6 @@ impl Vibration {
             Self::Cycle(cycle) => cycle.run(monitor),
             Self::CriticalDamping(critical) => critical.run(monitor),
             Self::Trajectory(trajectory) => trajectory.run(monitor),
-            Self::Ensemble(ensemble) => ensemble.run(monitor),
         }
     }
 }
@@ -85,4 +81,15 @@ struct Damping {
     /// Damping ratio ζ.
     #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
     damping_ratio: f64,
+}
+
+/// A search that failed has not converged; everything else lies in the flags.
+fn refused(error: &VibrationError) -> Failure {
+    match error {
+        VibrationError::NotFound { .. } | VibrationError::Stalled { .. } | VibrationError::TooFewValid { .. } => {
+            Failure::new(Kind::NotConverged, error.to_string())
+        }
+        VibrationError::Cancelled(cancelled) => Failure::from(*cancelled),
+        _ => Failure::usage(error),
+    }
 }

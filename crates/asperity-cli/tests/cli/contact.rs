@@ -5,10 +5,10 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
+use crate::support::{Ended, asperity_in, close, keys, listing, npy, number};
 use asperity_formats::read_bytes;
 use ndarray::Array2;
 use serde_json::Value;
-use crate::support::{Ended, asperity_in, close, keys, listing, npy, number};
 use tempfile::TempDir;
 
 const KEYS: [&str; 13] = [

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot run the program has failed")]
 
 mod contact;
-mod surface;
 mod support;
+mod surface;
 mod usage;
+mod vibration;

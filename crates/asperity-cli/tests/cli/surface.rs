@@ -7,7 +7,7 @@ use asperity_formats::{Scan, X3pData, read, write_x3p};
 use ndarray::{Array2, array};
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity_in, listing, npy};
+use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number};
 
 fn surface(folder: &Path, line: &str) -> Ended {
     let line = format!("surface {line}");
@@ -73,4 +73,50 @@ fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
         surface(folder.path(), line).refuses(code, &words);
     }
     assert_eq!(listing(folder.path()), before);
+}
+
+#[test]
+fn the_exponential_eigenvalues_are_those_of_the_closed_form() {
+    // Unit interval, ℓ = 1; midpoint Nyström converges with order 2, so 400 points leave about 1e-5.
+    let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 400 --modes 4 --json";
+    let json = asperity(line).json(0);
+    let found: Vec<f64> = json["eigenvalues"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    assert_eq!(found.len(), 4);
+    for (found, exact) in found.iter().zip([0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]) {
+        assert!((found - exact).abs() < 5e-6, "{found} is not {exact}");
+    }
+    close(number(&json, "captured_variance"), found.iter().sum::<f64>(), 1e-12);
+}
+
+#[test]
+fn a_hundred_and_one_modes_hold_the_published_share_of_a_square() {
+    for (covariance, length, share) in
+        [("exponential", "0.1m", 0.665), ("squared_exponential", "0.1m", 0.940), ("exponential", "0.2m", 0.839)]
+    {
+        let line = format!(
+            "surface modes --covariance {covariance} --correlation-length {length} --size 1m,1m --points 256,256 \
+             --modes 101 --json"
+        );
+        let json = asperity(&line).json(0);
+        // The published shares have three digits; the midpoint rule adds 5e-4 at 256 points.
+        assert!((number(&json, "captured_variance") - share).abs() < 1e-3, "{covariance} {length}: {json}");
+        assert_eq!(json["eigenvalues"].as_array().unwrap().len(), 101);
+    }
+}
+
+#[test]
+fn modes_that_do_not_exist_are_usage_errors() {
+    let base = "surface modes --covariance exponential --correlation-length 1m --json";
+    for (line, words) in [
+        ("--size 1m --points 8 --modes 9", ["9 modes", "8"]),
+        ("--size 1m,1m --points 8 --modes 4", ["2 sizes", "1 numbers"]),
+        ("--size 1m --points 0 --modes 4", ["--points", "at least 1"]),
+        ("--size 1m --points 8 --modes 0", ["--modes", "at least 1"]),
+        ("--size -1m --points 8 --modes 4", ["--size", "above 0"]),
+        ("--size 1 --points 8 --modes 4", ["--size", "no unit"]),
+    ] {
+        asperity(&format!("{base} {line}")).refuses(2, &words);
+    }
+    asperity("surface modes --covariance exponentil --correlation-length 1m --size 1m --points 8 --modes 1")
+        .refuses(2, &["exponentil", "exponential"]);
 }
