@@ -7,10 +7,19 @@
 
 mod bessel;
 mod estimate;
+
+mod fit;
+mod least_squares;
 mod model;
+mod record;
 mod spectrum;
 
 pub use bessel::bessel_k;
 pub use estimate::{Autocorrelation, Axis, EstimateError};
+pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
 pub use model::{CorrelationModel, Covariance, CovarianceError, SeparableCovariance, StationaryCovariance};
+pub use record::{
+    LagNormalisation, RecordCorrelation, RecordFit, RecordModel, autocorrelation_1d, fit_record,
+    fit_windowed_exponential, windowed_exponential,
+};
 pub use spectrum::{ProfileSpectrum, RadialSpectrum, SpectrumRoute, profile_spectrum, radial_spectrum};

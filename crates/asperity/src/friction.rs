@@ -1,6 +1,48 @@
 //! The friction coefficient as a stochastic process (paper §4).
+//!
+//! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and
+//! [`bowden_tabor::BowdenTabor`] turns contact area and load into μ(s); [`record::FrictionStatistics`] says what kind of
+//! process μ(s) is; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
+
+use thiserror::Error;
 
 pub mod bowden_tabor;
 pub mod process;
 pub mod record;
+pub mod strip;
+pub mod upscaling;
 pub mod window;
+
+use crate::monitor::Cancelled;
+use crate::stats::StatsError;
+
+/// Why friction could not be computed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FrictionError {
+    /// Too few strips converged.
+    #[error("{valid} of {total} strips converged, wanted a share of {wanted}; the first failure: {first}")]
+    TooFewValid {
+        /// Converged strips.
+        valid: usize,
+        /// All strips.
+        total: usize,
+        /// Least share.
+        wanted: f64,
+        /// Reason of the first failure.
+        first: String,
+    },
+    /// Hardly any window carries load.
+    #[error("{with_contact} of {windows} windows carry load; statistics of friction need at least ten")]
+    NoContact {
+        /// All windows.
+        windows: usize,
+        /// Windows with contact.
+        with_contact: usize,
+    },
+    /// A statistic is undefined.
+    #[error(transparent)]
+    Statistics(#[from] StatsError),
+    /// Stopped from outside.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

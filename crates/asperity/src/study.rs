@@ -2,8 +2,12 @@
 
 pub mod config;
 mod parse;
+mod result;
 mod series;
+mod store;
 
 pub use config::Study;
 pub use parse::StudyFileError;
+pub use result::*;
 pub use series::{Field, Table, TableError};
+pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};

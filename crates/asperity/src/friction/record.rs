@@ -1,1 +1,93 @@
-//! Statistics of friction records.
+//! What the records of a level say about μ(s) as a process.
+
+use crate::correlation::{EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
+use crate::friction::FrictionError;
+use crate::friction::strip::Record;
+use crate::law::{Family, Fit, Ranking, rank_by_aic};
+use crate::stats::{Bootstrap, Interval, Moments, Resampling, correlation_time};
+
+/// Statistics of μ(s), pooled over the records of independent strips.
+#[derive(Debug, Clone)]
+pub struct FrictionStatistics {
+    /// Moments over all windows with contact.
+    pub moments: Moments,
+    /// 95 % interval of the mean, by resampling strips.
+    pub mean_interval: Interval,
+    /// 95 % interval of the standard deviation, by resampling strips.
+    pub std_interval: Interval,
+    /// Windows without contact, left out of everything else.
+    pub empty_windows: usize,
+    /// Mean number of contact cells in a window.
+    pub contact_cells: f64,
+    /// Number of independent windows that the correlated ones are worth.
+    pub effective_windows: f64,
+    /// Marginal laws ranked by Akaike's criterion.
+    pub marginals: Ranking,
+    /// The Beta law with bounds fitted by likelihood, where it exists.
+    pub beta: Option<Fit>,
+    /// Autocorrelation over lags up to half the strip, or why there is none.
+    pub correlation: Result<ProcessCorrelation, EstimateError>,
+}
+
+/// Autocorrelation of μ(s) with its fitted models.
+#[derive(Debug, Clone)]
+pub struct ProcessCorrelation {
+    /// Pooled estimate.
+    pub estimate: RecordCorrelation,
+    /// e^{−s/ℓ}: ℓ is the paper's ℓ_μ, which contains the window.
+    pub exponential: RecordFit,
+    /// The window's triangle folded with e^{−s/ℓ}: ℓ is what is left when the window is taken out.
+    pub windowed: RecordFit,
+}
+
+impl FrictionStatistics {
+    /// Statistics of the records of one level, seen through a window of `window_m`.
+    ///
+    /// # Errors
+    /// Fewer than ten windows with contact, or a friction coefficient that does not vary at all is accepted: its
+    /// correlation and marginal are then absent.
+    pub fn of(records: &[Record], window_m: f64, step_m: f64, seed: u64) -> Result<Self, FrictionError> {
+        let pooled: Vec<f64> = records.iter().flat_map(|record| record.friction.iter().copied()).collect();
+        let moments = Moments::of(&pooled);
+        let empty_windows = pooled.len() - moments.n;
+        if moments.n < 10 {
+            return Err(FrictionError::NoContact { windows: pooled.len(), with_contact: moments.n });
+        }
+        // Strips are independent, windows on one are not: strips are resampled.
+        let indices: Vec<f64> = (0..records.len()).map(|index| index as f64).collect();
+        let bootstrap = Bootstrap::new(Resampling::Independent, seed);
+        let of_strips = |chosen: &[f64]| {
+            Moments::of_values(chosen.iter().flat_map(|index| records[*index as usize].friction.iter().copied()))
+        };
+        let mean_interval = bootstrap.interval(&indices, |chosen| of_strips(chosen).mean)?;
+        let std_interval = bootstrap.interval(&indices, |chosen| of_strips(chosen).std)?;
+        let cells: f64 = records.iter().flat_map(|record| &record.contact_cells).sum();
+        let effective_windows = records
+            .iter()
+            .map(|record| correlation_time(&record.friction).map_or(1.0, |time| time.effective_size()))
+            .sum::<f64>()
+            .min(moments.n as f64);
+        let marginals = rank_by_aic(&Family::ANYWHERE, &pooled, Some(effective_windows));
+        let beta = marginals.fits.iter().find(|fit| fit.family == Family::BetaFreeBounds).cloned();
+        Ok(Self {
+            moments,
+            mean_interval,
+            std_interval,
+            empty_windows,
+            contact_cells: cells / pooled.len() as f64,
+            effective_windows,
+            marginals,
+            beta,
+            correlation: correlate(records, window_m, step_m),
+        })
+    }
+}
+
+fn correlate(records: &[Record], window_m: f64, step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
+    let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+    let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
+    let estimate = RecordCorrelation::estimate(&series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
+    let exponential = fit_record(&estimate, RecordModel::Exponential)?;
+    let windowed = fit_record(&estimate, RecordModel::WindowedExponential { window_m })?;
+    Ok(ProcessCorrelation { estimate, exponential, windowed })
+}

@@ -1,0 +1,454 @@
+//! Covariance models fitted to the autocorrelation of a map.
+
+use thiserror::Error;
+
+use super::estimate::{Autocorrelation, Axis, first_crossing};
+use super::least_squares::{Range, minimise};
+use super::model::{CorrelationModel, Covariance, CovarianceError};
+
+/// Correlation below which lags say little and the fit stops.
+const LEAST_CORRELATION: f64 = 0.1;
+/// Share of the map beyond which lags rest on too few independent pairs.
+const LARGEST_LAG_SHARE: f64 = 0.25;
+/// Lags along each axis, and along each side of the two-dimensional set, that enter the fit at most.
+const AXIS_LAGS: usize = 48;
+const PLANE_LAGS: usize = 10;
+/// A model with one more parameter must lower the misfit by this share to be ranked before.
+const PARSIMONY: f64 = 0.05;
+
+/// Why no covariance could be fitted.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FitError {
+    /// No family of models was named.
+    #[error("no family of covariance models to fit")]
+    NoFamily,
+    /// Neighbouring heights are nearly uncorrelated: noise, or a correlation length below the pitch.
+    #[error(
+        "the correlation of neighbours along {axis} is {correlation:.3}, below 1/e: the map is noise there, or its \
+         correlation length is shorter than the pitch of {pitch_m:e} m"
+    )]
+    Unresolved {
+        /// Axis along which it happens.
+        axis: Axis,
+        /// Correlation at one point's distance.
+        correlation: f64,
+        /// Pitch along that axis in metre.
+        pitch_m: f64,
+    },
+    /// The correlation falls to 1/e along neither axis within half of the map.
+    #[error(
+        "within half of the map the correlation falls only to {least_x:.3} along x and {least_y:.3} along y, not to 1/e: \
+         the map is shorter than a few correlation lengths, or still has form to remove"
+    )]
+    NotDecayed {
+        /// Least correlation along x.
+        least_x: f64,
+        /// Least correlation along y.
+        least_y: f64,
+    },
+    /// A fitted parameter makes no covariance.
+    #[error(transparent)]
+    Covariance(#[from] CovarianceError),
+}
+
+/// What to know before a fit is used.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FitWarning {
+    /// Along this axis the correlation does not fall to 1/e within half of the map, so its length is extrapolated.
+    NotDecayed {
+        /// Axis along which it happens.
+        axis: Axis,
+        /// Least correlation within half of the map.
+        least: f64,
+    },
+    /// The map is fewer than ten correlation lengths long, so its correlation rests on few independent patches.
+    FewLengths {
+        /// Axis along which it happens.
+        axis: Axis,
+        /// Size of the map over the fitted length.
+        lengths: f64,
+    },
+}
+
+/// One model fitted to a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CovarianceFit {
+    /// The covariance of the surface from which the map is a sample. Its variance is that of the heights divided by
+    /// 1 − [`CovarianceFit::mean_share`].
+    pub covariance: Covariance,
+    /// Weighted root mean square of estimated minus fitted correlation over the lags used.
+    pub misfit: f64,
+    /// Fitted parameters: two lengths, and ν or H where the model has one.
+    pub parameters: usize,
+    /// Share of the variance that went with the map's mean, according to the model.
+    pub mean_share: f64,
+}
+
+/// All models fitted to a map, the best first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CovarianceFits {
+    /// Ranked by misfit; among misfits within 5 % of each other the model with fewer parameters comes first.
+    pub fits: Vec<CovarianceFit>,
+    /// Largest lag used along x in metre.
+    pub largest_lag_x_m: f64,
+    /// Largest lag used along y in metre.
+    pub largest_lag_y_m: f64,
+    /// Number of lags used.
+    pub lags: usize,
+    /// What to know before use.
+    pub warnings: Vec<FitWarning>,
+}
+
+impl CovarianceFits {
+    /// The covariance ranked first.
+    pub fn best(&self) -> Covariance {
+        self.fits[0].covariance
+    }
+
+    /// The fit of the model with this name, as in study files.
+    pub fn named(&self, name: &str) -> Option<&CovarianceFit> {
+        self.fits.iter().find(|fit| fit.covariance.model().name() == name)
+    }
+}
+
+/// One lag that enters the fit.
+struct Lag {
+    x_m: f64,
+    y_m: f64,
+    correlation: f64,
+    /// Square root of the number of pairs, over the root of their sum.
+    weight: f64,
+}
+
+/// A family of correlation models, whose shape parameter is to be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CorrelationFamily {
+    /// [`CorrelationModel::SquaredExponential`].
+    SquaredExponential,
+    /// [`CorrelationModel::Exponential`].
+    Exponential,
+    /// [`CorrelationModel::SelfAffine`] with H in [0.05, 0.995].
+    SelfAffine,
+    /// [`CorrelationModel::Matern`] with ν in [0.05, 50].
+    Matern,
+}
+
+impl CorrelationFamily {
+    /// All families.
+    pub const ALL: [Self; 4] = [Self::SquaredExponential, Self::Exponential, Self::SelfAffine, Self::Matern];
+
+    /// Range and start of the shape parameter, if there is one.
+    fn shape(self) -> Option<(Range, f64)> {
+        match self {
+            Self::SquaredExponential | Self::Exponential => None,
+            Self::SelfAffine => Some((Range { low: 0.05, high: 0.995 }, 0.7)),
+            Self::Matern => Some((Range { low: 0.05, high: 50.0 }, 1.0)),
+        }
+    }
+
+    /// The model of a shape parameter, the third of `parameters`.
+    fn model(self, parameters: &[f64]) -> CorrelationModel {
+        match (self, parameters.get(2)) {
+            (Self::SquaredExponential, _) => CorrelationModel::SquaredExponential,
+            (Self::SelfAffine, Some(&hurst)) => CorrelationModel::SelfAffine { hurst },
+            (Self::Matern, Some(&nu)) => CorrelationModel::Matern { nu },
+            (Self::Exponential | Self::SelfAffine | Self::Matern, _) => CorrelationModel::Exponential,
+        }
+    }
+}
+
+/// Fits `families` to an estimated autocorrelation and ranks them.
+///
+/// Lags run along x, along y and over a coarse set between, each axis up to where its correlation first falls below 0.1
+/// and at most to a quarter of the map; a lag weighs as many pairs as it has. Lags (x, y) and (−x, y) are averaged: the
+/// models are even, and a lay at an angle to the axes is not represented.
+///
+/// Because the map's own mean was removed, the estimate tends to (ρ(h) − β)/(1 − β), β the mean of ρ over all pairs of
+/// points of the map. That is what is fitted, so lengths are not biased short.
+///
+/// # Errors
+/// No family, neighbours nearly uncorrelated along an axis, or no decay along either.
+pub fn fit_covariance(estimate: &Autocorrelation, families: &[CorrelationFamily]) -> Result<CovarianceFits, FitError> {
+    if families.is_empty() {
+        return Err(FitError::NoFamily);
+    }
+    let grid = estimate.grid();
+    let sides = [(Axis::X, grid.nx(), grid.dx_m()), (Axis::Y, grid.ny(), grid.dy_m())];
+    let mut reach = [0; 2];
+    let mut start = [0.0; 2];
+    let mut least = [0.0; 2];
+    let mut warnings = Vec::new();
+    for (side, (axis, points, pitch_m)) in sides.into_iter().enumerate() {
+        let profile = estimate.along(axis);
+        if profile[1].is_nan() || profile[1] < (-1.0_f64).exp() {
+            return Err(FitError::Unresolved { axis, correlation: profile[1], pitch_m });
+        }
+        let half = &profile[..points.div_ceil(2).max(2)];
+        least[side] = half.iter().copied().filter(|v| !v.is_nan()).fold(1.0, f64::min);
+        let length = first_crossing(half, (-1.0_f64).exp());
+        if length.is_none() {
+            warnings.push(FitWarning::NotDecayed { axis, least: least[side] });
+        }
+        // A correlation that only falls to c at the half has ℓ ≈ half/ln(1/c) if exponential.
+        let guess = length.unwrap_or((half.len() - 1) as f64 / -(least[side].min(0.999).ln()));
+        start[side] = guess * pitch_m;
+        let decayed = half.iter().position(|v| *v < LEAST_CORRELATION).unwrap_or(usize::MAX);
+        let share = (LARGEST_LAG_SHARE * points as f64).ceil() as usize;
+        reach[side] = decayed.min(share).clamp(2.min(points - 1), points - 1);
+    }
+    if warnings.len() == 2 {
+        return Err(FitError::NotDecayed { least_x: least[0], least_y: least[1] });
+    }
+    let lags = collect_lags(estimate, reach);
+    let field_m = [grid.width_m(), grid.height_m()];
+    let ranges = [0, 1].map(|side| Range { low: 0.1 * sides[side].2, high: 100.0 * field_m[side] });
+
+    let mut fits = Vec::new();
+    for family in families {
+        let mut from = start.to_vec();
+        let mut within = ranges.to_vec();
+        if let Some((range, value)) = family.shape() {
+            from.push(value);
+            within.push(range);
+        }
+        let residuals = |p: &[f64]| {
+            let model = family.model(p);
+            let beta = mean_correlation(model, field_m[0] / p[0], field_m[1] / p[1]);
+            lags.iter()
+                .map(|lag| {
+                    let rho = model.correlation((lag.x_m / p[0]).hypot(lag.y_m / p[1]));
+                    lag.weight * ((rho - beta) / (1.0 - beta) - lag.correlation)
+                })
+                .collect::<Vec<f64>>()
+        };
+        let (found, sum) = minimise(&residuals, &from, &within);
+        let model = family.model(&found);
+        let mean_share = mean_correlation(model, field_m[0] / found[0], field_m[1] / found[1]);
+        let std_m = (estimate.variance_m2() / (1.0 - mean_share)).sqrt();
+        fits.push(CovarianceFit {
+            covariance: Covariance::new(model, std_m, found[0], found[1])?,
+            misfit: sum.sqrt(),
+            parameters: found.len(),
+            mean_share,
+        });
+    }
+    rank(&mut fits);
+    let best = fits[0].covariance;
+    for (side, (axis, ..)) in sides.into_iter().enumerate() {
+        let length = [best.length_x_m(), best.length_y_m()][side];
+        if field_m[side] < 10.0 * length {
+            warnings.push(FitWarning::FewLengths { axis, lengths: field_m[side] / length });
+        }
+    }
+    Ok(CovarianceFits {
+        fits,
+        largest_lag_x_m: reach[0] as f64 * grid.dx_m(),
+        largest_lag_y_m: reach[1] as f64 * grid.dy_m(),
+        lags: lags.len(),
+        warnings,
+    })
+}
+
+/// Lags 1 … `reach`, at most `most` of them, evenly spread.
+fn spread(reach: usize, most: usize) -> Vec<isize> {
+    let count = reach.min(most);
+    let mut lags: Vec<isize> = (1..=count).map(|i| ((i * reach) as f64 / count as f64).round() as isize).collect();
+    lags.dedup();
+    lags
+}
+
+fn collect_lags(estimate: &Autocorrelation, reach: [usize; 2]) -> Vec<Lag> {
+    let grid = estimate.grid();
+    let mut places: Vec<(isize, isize)> = Vec::new();
+    places.extend(spread(reach[0], AXIS_LAGS).into_iter().map(|lag| (lag, 0)));
+    places.extend(spread(reach[1], AXIS_LAGS).into_iter().map(|lag| (0, lag)));
+    for y in spread(reach[1], PLANE_LAGS) {
+        for x in spread(reach[0], PLANE_LAGS) {
+            if (x as f64 / reach[0] as f64).hypot(y as f64 / reach[1] as f64) <= 1.0 {
+                places.push((x, y));
+            }
+        }
+    }
+    let mut lags: Vec<Lag> = places
+        .into_iter()
+        .filter_map(|(x, y)| {
+            let (right, left) = (estimate.pairs(x, y), estimate.pairs(-x, y));
+            let sum = |pairs: f64, value: f64| if pairs > 0.0 { pairs * value } else { 0.0 };
+            let total = sum(right, estimate.correlation(x, y)) + sum(left, estimate.correlation(-x, y));
+            let pairs = right + left;
+            (pairs > 0.0).then(|| Lag {
+                x_m: x as f64 * grid.dx_m(),
+                y_m: y as f64 * grid.dy_m(),
+                correlation: total / pairs,
+                weight: pairs,
+            })
+        })
+        .collect();
+    let all: f64 = lags.iter().map(|lag| lag.weight).sum();
+    for lag in &mut lags {
+        lag.weight = (lag.weight / all).sqrt();
+    }
+    lags
+}
+
+/// Mean of ρ over all pairs of points of a rectangle of `a` × `b` scaled lengths: the variance share of the mean.
+///
+/// 4/(ab) ∬ (1 − x/a)(1 − y/b) ρ(√(x² + y²)) dx dy over the quarter, by the midpoint rule after x = a u³, which is fine
+/// near zero where ρ varies.
+fn mean_correlation(model: CorrelationModel, a: f64, b: f64) -> f64 {
+    const NODES: usize = 16;
+    let node = |i: usize| {
+        let u = (i as f64 + 0.5) / NODES as f64;
+        (u.powi(3), 3.0 * u * u / NODES as f64 * (1.0 - u.powi(3)))
+    };
+    let mut sum = 0.0;
+    for i in 0..NODES {
+        let (x, weight_x) = node(i);
+        for j in 0..NODES {
+            let (y, weight_y) = node(j);
+            sum += weight_x * weight_y * model.correlation((a * x).hypot(b * y));
+        }
+    }
+    (4.0 * sum).clamp(0.0, 1.0 - 1e-9)
+}
+
+/// Sorts by misfit, a model with p parameters counting as (1 + 5 %)^p worse.
+fn rank(fits: &mut [CovarianceFit]) {
+    let score = |fit: &CovarianceFit| fit.misfit * (1.0 + PARSIMONY).powi(fit.parameters as i32);
+    fits.sort_by(|a, b| score(a).total_cmp(&score(b)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Grid, HeightMap};
+    use crate::random;
+    use crate::surface::{RandomSurface, SpectralField};
+
+    /// A map of `covariance` on a quarter of a periodic domain, so that nothing wraps, with a share of points missing.
+    fn sample(covariance: &Covariance, grid: Grid, missing: f64, index: u64) -> HeightMap {
+        let field = SpectralField::free(covariance, grid).unwrap();
+        let mut stream = random::stream(21, "fit", index);
+        let germ = random::standard_normal(&mut stream, field.germ_len());
+        let mask = random::standard_normal(&mut stream, grid.points());
+        let cut = crate::law::standard_normal_quantile(missing);
+        let mut heights = field.generate(&germ).heights_m().clone();
+        heights.iter_mut().zip(mask).filter(|(_, m)| *m < cut).for_each(|(z, _)| *z = f64::NAN);
+        HeightMap::new(grid, heights).unwrap()
+    }
+
+    /// Mean and standard error of a list.
+    fn mean_and_error(values: &[f64]) -> (f64, f64) {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
+    }
+
+    /// Fits the planted model to several maps: the mean of each parameter lies within four standard errors, and 2 % for
+    /// the curvature of the estimator.
+    fn recovers(planted: Covariance, missing: f64) {
+        let family = match planted.model() {
+            CorrelationModel::SquaredExponential => CorrelationFamily::SquaredExponential,
+            CorrelationModel::Exponential => CorrelationFamily::Exponential,
+            CorrelationModel::Matern { .. } => CorrelationFamily::Matern,
+            CorrelationModel::SelfAffine { .. } => CorrelationFamily::SelfAffine,
+        };
+        let grid = Grid::new(160, 128, 1.0, 1.0).unwrap();
+        let name = planted.model().name();
+        let fits: Vec<CovarianceFit> = (0..12)
+            .map(|index| {
+                let estimate = Autocorrelation::estimate(&sample(&planted, grid, missing, index)).unwrap();
+                fit_covariance(&estimate, &[family]).unwrap().named(name).unwrap().clone()
+            })
+            .collect();
+        let shape = |covariance: &Covariance| match covariance.model() {
+            CorrelationModel::Matern { nu } => nu,
+            CorrelationModel::SelfAffine { hurst } => hurst,
+            _ => 1.0,
+        };
+        let quantities: [(&str, fn(&Covariance) -> f64); 3] =
+            [("length x", |c| c.length_x_m()), ("length y", |c| c.length_y_m()), ("std", |c| c.std_m())];
+        for (label, of) in quantities {
+            let (mean, error) = mean_and_error(&fits.iter().map(|fit| of(&fit.covariance)).collect::<Vec<_>>());
+            let wanted = of(&planted);
+            assert!(
+                (mean - wanted).abs() < 4.0 * error + 0.02 * wanted,
+                "{name} {label}: {mean} ± {error}, planted {wanted}"
+            );
+        }
+        let (mean, error) = mean_and_error(&fits.iter().map(|fit| shape(&fit.covariance)).collect::<Vec<_>>());
+        assert!((mean - shape(&planted)).abs() < 4.0 * error + 0.02, "{name} shape: {mean} ± {error}");
+    }
+
+    #[test]
+    fn planted_covariances_are_recovered() {
+        recovers(Covariance::new(CorrelationModel::SquaredExponential, 2.0, 5.0, 5.0).unwrap(), 0.0);
+        recovers(Covariance::new(CorrelationModel::Exponential, 2.0, 5.0, 5.0).unwrap(), 0.0);
+        recovers(Covariance::new(CorrelationModel::SelfAffine { hurst: 0.75 }, 2.0, 4.0, 4.0).unwrap(), 0.0);
+    }
+
+    #[test]
+    fn planted_covariances_are_recovered_with_a_tenth_of_the_points_missing() {
+        recovers(Covariance::new(CorrelationModel::SquaredExponential, 2.0, 5.0, 5.0).unwrap(), 0.1);
+        recovers(Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 2.0, 5.0, 5.0).unwrap(), 0.1);
+    }
+
+    #[test]
+    fn anisotropy_is_recovered() {
+        recovers(Covariance::new(CorrelationModel::SquaredExponential, 1.0, 8.0, 3.0).unwrap(), 0.0);
+        recovers(Covariance::new(CorrelationModel::Exponential, 1.0, 3.0, 8.0).unwrap(), 0.05);
+    }
+
+    #[test]
+    fn the_planted_family_is_ranked_first() {
+        let grid = Grid::new(256, 256, 1.0, 1.0).unwrap();
+        for model in [CorrelationModel::SquaredExponential, CorrelationModel::Exponential] {
+            let planted = Covariance::new(model, 1.0, 5.0, 5.0).unwrap();
+            let first = (0..5).filter(|index| {
+                let estimate = Autocorrelation::estimate(&sample(&planted, grid, 0.0, 100 + index)).unwrap();
+                let fits = fit_covariance(&estimate, &CorrelationFamily::ALL).unwrap();
+                let other = if model.name() == "exponential" { "squared_exponential" } else { "exponential" };
+                fits.named(model.name()).unwrap().misfit < 0.5 * fits.named(other).unwrap().misfit
+            });
+            assert_eq!(first.count(), 5, "{model:?}");
+        }
+    }
+
+    #[test]
+    fn the_variance_share_of_a_mean_is_known_for_a_squared_exponential() {
+        // It factorises: ∫₀¹ 2(1 − u) e^{−(au)²} du = √π erf(a)/a − (1 − e^{−a²})/a².
+        let share = |a: f64| {
+            let erf = 2.0 * crate::law::standard_normal_cdf(a * 2_f64.sqrt()) - 1.0;
+            std::f64::consts::PI.sqrt() * erf / a + (-a * a).exp_m1() / (a * a)
+        };
+        for (a, b) in [(0.3, 0.5), (2.0, 2.0), (10.0, 4.0), (30.0, 50.0)] {
+            let found = mean_correlation(CorrelationModel::SquaredExponential, a, b);
+            assert!((found / (share(a) * share(b)) - 1.0).abs() < 0.01, "{a} {b}: {found}");
+        }
+    }
+
+    #[test]
+    fn noise_is_an_error_and_names_the_axis() {
+        let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
+        let noise = random::standard_normal(&mut random::stream(1, "noise", 0), grid.points());
+        let map = HeightMap::new(grid, ndarray::Array2::from_shape_vec(grid.shape(), noise).unwrap()).unwrap();
+        let error = fit_covariance(&Autocorrelation::estimate(&map).unwrap(), &CorrelationFamily::ALL).unwrap_err();
+        assert!(matches!(error, FitError::Unresolved { axis: Axis::X, .. }), "{error}");
+    }
+
+    #[test]
+    fn a_correlation_that_does_not_decay_is_an_error_or_along_one_axis_a_warning() {
+        let grid = Grid::new(64, 64, 1.0, 1.0).unwrap();
+        let ridge = |long: f64| {
+            let planted = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 4.0, long).unwrap();
+            sample(&planted, grid, 0.0, 7)
+        };
+        let fits = fit_covariance(&Autocorrelation::estimate(&ridge(400.0)).unwrap(), &CorrelationFamily::ALL).unwrap();
+        assert!(fits.warnings.iter().any(|w| matches!(w, FitWarning::NotDecayed { axis: Axis::Y, .. })));
+        assert!(fits.best().length_y_m() > 5.0 * fits.best().length_x_m());
+        // A slope that was not removed decorrelates nowhere but at the far ends.
+        let tilted = HeightMap::from_function(grid, |x, y| (0.02 * x).sin() + 0.01 * y).unwrap();
+        let found = fit_covariance(&Autocorrelation::estimate(&tilted).unwrap(), &CorrelationFamily::ALL);
+        assert!(matches!(found, Err(FitError::NotDecayed { .. })) || found.is_ok_and(|f| !f.warnings.is_empty()));
+    }
+}

@@ -1,0 +1,200 @@
+//! Strips of a random surface, solved at several levels of contact and seen through a sliding window.
+
+use ndarray::Array2;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::contact::{Control, HalfSpace, Problem, Solver, Workspace};
+use crate::friction::FrictionError;
+use crate::friction::bowden_tabor::BowdenTabor;
+use crate::friction::window::Window;
+use crate::monitor::{Cancelled, Monitor};
+use crate::random;
+use crate::surface::RandomSurface;
+
+/// Least share of strips that must converge at a level before its statistics are formed.
+const LEAST_VALID_SHARE: f64 = 0.95;
+
+/// What is pressed, and how friction is read off.
+#[derive(Clone, Copy)]
+pub struct Strips<'a> {
+    /// Random strips.
+    pub surface: &'a dyn RandomSurface,
+    /// Half-space on the strips' grid.
+    pub half_space: &'a HalfSpace,
+    /// Sliding window.
+    pub window: Window,
+    /// Friction law of the contacts; its hardness caps the pressure.
+    pub friction: BowdenTabor,
+    /// Contact solver.
+    pub solver: Solver,
+    /// Number of strips.
+    pub realisations: usize,
+    /// Seed of the strips.
+    pub seed: u64,
+}
+
+/// μ(s) of one strip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Positions of the window in metre.
+    pub position_m: Vec<f64>,
+    /// Friction coefficient; NaN where the window carries no load.
+    pub friction: Vec<f64>,
+    /// Contact cells in the window.
+    pub contact_cells: Vec<f64>,
+}
+
+/// A strip without an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailedStrip {
+    /// Index of the realisation.
+    pub index: usize,
+    /// Why.
+    pub reason: String,
+}
+
+/// All strips at one level of contact.
+#[derive(Debug, Clone)]
+pub struct Level {
+    /// Records in the order of realisations, failed strips left out.
+    pub records: Vec<Record>,
+    /// Strips left out.
+    pub failures: Vec<FailedStrip>,
+    /// Mean depth of the plane below the highest point of each strip, in metre.
+    pub penetration_m: f64,
+    /// Mean pressure over all strips in pascal.
+    pub mean_pressure_pa: f64,
+    /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
+    pub contact_fraction: f64,
+    /// Share of the contact cells with p = H.
+    pub plastic_share: f64,
+    /// Pressure on the first strip in pascal.
+    pub sample_pressure_pa: Array2<f64>,
+}
+
+/// One strip at one level.
+struct StripResult {
+    record: Record,
+    penetration_m: f64,
+    mean_pressure_pa: f64,
+    contact_fraction: f64,
+    contact_cells: f64,
+    plastic_cells: f64,
+    pressure_pa: Option<Array2<f64>>,
+}
+
+impl Strips<'_> {
+    /// Solves every strip at every level. The strips are the same at all levels.
+    ///
+    /// # Errors
+    /// Fewer than 95 % of the strips converged at a level, or the monitor cancelled.
+    pub fn solve(&self, levels: &[Control], monitor: &dyn Monitor) -> Result<Vec<Level>, FrictionError> {
+        let total = self.realisations * levels.len();
+        let done = AtomicUsize::new(0);
+        let strips: Result<Vec<Vec<Result<StripResult, String>>>, Cancelled> = (0..self.realisations)
+            .into_par_iter()
+            .map_init(
+                || self.half_space.workspace(),
+                |workspace, index| {
+                    let mut stream = random::stream(self.seed, "friction/strip", index as u64);
+                    let germ = random::standard_normal(&mut stream, self.surface.germ_len());
+                    let map = self.surface.generate(&germ);
+                    levels
+                        .iter()
+                        .map(|&control| {
+                            if monitor.cancelled() {
+                                return Err(Cancelled);
+                            }
+                            let solved = match map.complete_heights_m() {
+                                Ok(heights_m) => self.solve_one(heights_m, control, index == 0, workspace),
+                                Err(error) => Err(error.to_string()),
+                            };
+                            monitor.progress("friction", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                            Ok(solved)
+                        })
+                        .collect()
+                },
+            )
+            .collect();
+        let mut by_level: Vec<Vec<Result<StripResult, String>>> = levels.iter().map(|_| Vec::new()).collect();
+        for strip in strips? {
+            for (level, result) in by_level.iter_mut().zip(strip) {
+                level.push(result);
+            }
+        }
+        by_level.into_iter().map(|results| self.gather(results)).collect()
+    }
+
+    fn solve_one(
+        &self,
+        heights_m: &Array2<f64>,
+        control: Control,
+        keep: bool,
+        workspace: &mut Workspace,
+    ) -> Result<StripResult, String> {
+        let problem = Problem::new(self.half_space, heights_m, control, self.friction.hardness_pa)
+            .map_err(|error| error.to_string())?;
+        let solution = self.solver.solve_with(&problem, workspace).map_err(|error| error.to_string())?;
+        if !solution.converged() {
+            let (iterations, residual) = (solution.iterations(), solution.residual().worst());
+            return Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"));
+        }
+        let windows = self.window.slide(&solution);
+        let record = Record {
+            position_m: windows.iter().map(|w| w.position_m).collect(),
+            friction: windows.iter().map(|w| self.friction.coefficient(w).unwrap_or(f64::NAN)).collect(),
+            contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
+        };
+        let points = heights_m.len() as f64;
+        Ok(StripResult {
+            record,
+            penetration_m: solution.penetration_m(),
+            mean_pressure_pa: solution.mean_pressure_pa(),
+            contact_fraction: solution.corrected_contact_fraction(),
+            contact_cells: solution.contact_fraction() * points,
+            plastic_cells: solution.plastic_fraction() * points,
+            pressure_pa: keep.then(|| solution.pressure_pa().clone()),
+        })
+    }
+
+    fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
+        let mut level = Level {
+            records: Vec::new(),
+            failures: Vec::new(),
+            penetration_m: 0.0,
+            mean_pressure_pa: 0.0,
+            contact_fraction: 0.0,
+            plastic_share: 0.0,
+            sample_pressure_pa: Array2::zeros(self.half_space.grid().shape()),
+        };
+        let (mut contact_cells, mut plastic_cells) = (0.0, 0.0);
+        for (index, result) in results.into_iter().enumerate() {
+            match result {
+                Ok(strip) => {
+                    level.penetration_m += strip.penetration_m;
+                    level.mean_pressure_pa += strip.mean_pressure_pa;
+                    level.contact_fraction += strip.contact_fraction;
+                    contact_cells += strip.contact_cells;
+                    plastic_cells += strip.plastic_cells;
+                    level.records.push(strip.record);
+                    if let Some(pressure_pa) = strip.pressure_pa {
+                        level.sample_pressure_pa = pressure_pa;
+                    }
+                }
+                Err(reason) => level.failures.push(FailedStrip { index, reason }),
+            }
+        }
+        let (valid, total) = (level.records.len(), self.realisations);
+        if (valid as f64) < LEAST_VALID_SHARE * total as f64 {
+            let first = level.failures.first().map_or_else(String::new, |failure| failure.reason.clone());
+            return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_SHARE, first });
+        }
+        let count = valid as f64;
+        level.penetration_m /= count;
+        level.mean_pressure_pa /= count;
+        level.contact_fraction /= count;
+        level.plastic_share = if contact_cells > 0.0 { plastic_cells / contact_cells } else { 0.0 };
+        Ok(level)
+    }
+}

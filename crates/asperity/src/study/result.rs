@@ -1,0 +1,390 @@
+//! What a study found: the content of `results.json`, and the series behind its figures.
+//!
+//! Numbers are SI with the unit in the key; an undefined number is `null`; intervals are [low, high] at 95 %. No clock,
+//! host or thread count enters, so equal studies give equal bytes.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::stats::Interval;
+use crate::study::{Field, Table};
+
+/// Everything a run computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Numbers.
+    pub results: Results,
+    /// Series by name.
+    pub tables: BTreeMap<String, Table>,
+    /// Maps by name.
+    pub fields: BTreeMap<String, Field>,
+}
+
+/// `results.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Results {
+    /// Seed of the study.
+    pub seed: u64,
+    /// The surface stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceResult>,
+    /// The pressure stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<PressureResult>,
+    /// The friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionResult>,
+    /// The vibration stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationResult>,
+    /// What was assumed, in sentences.
+    pub assumptions: Vec<String>,
+    /// What to be wary of, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// A fitted or stated law.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LawResult {
+    /// Name of the law.
+    pub name: String,
+    /// Parameters by name; empty for an empirical law.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// An interval as [low, high].
+pub type Pair = [f64; 2];
+
+/// [low, high] of an interval.
+pub fn pair(interval: Interval) -> Pair {
+    [interval.low, interval.high]
+}
+
+/// The surface stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceResult {
+    /// Statistics of the scan; absent without one.
+    #[serde(flatten)]
+    pub statistics: Option<SurfaceStatistics>,
+    /// Covariance of the random surfaces.
+    pub covariance: CovarianceResult,
+    /// Marginal law of the random surfaces.
+    pub marginal: LawResult,
+    /// Karhunen–Loève expansion on the patches of the pressure stage.
+    pub karhunen_loeve: Option<KarhunenLoeveResult>,
+}
+
+/// Statistics of a map after levelling; keys as in `asperity surface stats`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[expect(non_snake_case, reason = "the names of ISO 25178-2 parameters are case-sensitive")]
+pub struct SurfaceStatistics {
+    /// Points along x.
+    pub nx: usize,
+    /// Points along y.
+    pub ny: usize,
+    /// Pitch along x.
+    pub dx_m: f64,
+    /// Pitch along y.
+    pub dy_m: f64,
+    /// Missing points, rejected outliers included.
+    pub missing_points: usize,
+    /// Points rejected as outliers.
+    pub outliers: usize,
+    /// Arithmetical mean height.
+    pub Sa_m: f64,
+    /// Root mean square height.
+    pub Sq_m: f64,
+    /// Skewness.
+    pub Ssk: f64,
+    /// Kurtosis.
+    pub Sku: f64,
+    /// Highest peak.
+    pub Sp_m: f64,
+    /// Deepest pit.
+    pub Sv_m: f64,
+    /// Sp + Sv.
+    pub Sz_m: f64,
+    /// Root mean square gradient by forward differences.
+    pub Sdq: f64,
+    /// The same by the seven-point stencil.
+    pub Sdq_7point: Option<f64>,
+    /// Developed interfacial area ratio by triangulation.
+    pub Sdr: f64,
+    /// Autocorrelation length at 0.2.
+    pub Sal_m: Option<f64>,
+    /// Texture aspect ratio.
+    pub Str: Option<f64>,
+    /// Core height.
+    pub Sk_m: Option<f64>,
+    /// Reduced peak height.
+    pub Spk_m: Option<f64>,
+    /// Reduced dale depth.
+    pub Svk_m: Option<f64>,
+    /// Upper material ratio of the core.
+    pub Smrk1: Option<f64>,
+    /// Lower material ratio of the core.
+    pub Smrk2: Option<f64>,
+    /// Peak material volume.
+    pub Vmp_m: Option<f64>,
+    /// Core material volume.
+    pub Vmc_m: Option<f64>,
+    /// Core void volume.
+    pub Vvc_m: Option<f64>,
+    /// Dale void volume.
+    pub Vvv_m: Option<f64>,
+    /// 1/e correlation length along x.
+    pub correlation_length_x_m: Option<f64>,
+    /// 1/e correlation length along y.
+    pub correlation_length_y_m: Option<f64>,
+    /// Hurst exponent.
+    pub hurst: Option<f64>,
+    /// Fractal dimension 3 − H.
+    pub fractal_dimension: Option<f64>,
+}
+
+/// Covariance of the random surfaces.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CovarianceResult {
+    /// Name of the model.
+    pub model: String,
+    /// Standard deviation.
+    pub std_m: f64,
+    /// Length along x.
+    pub length_x_m: f64,
+    /// Length along y.
+    pub length_y_m: f64,
+    /// Smoothness ν of a Matérn model.
+    pub smoothness: Option<f64>,
+    /// Hurst exponent of a self-affine model.
+    pub hurst: Option<f64>,
+    /// Root mean square misfit of the correlation, where fitted.
+    pub misfit: Option<f64>,
+    /// Other models that were tried, with their misfits.
+    pub candidates: Vec<CovarianceCandidate>,
+}
+
+/// A covariance model that was tried.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CovarianceCandidate {
+    /// Name of the model.
+    pub model: String,
+    /// Root mean square misfit of the correlation.
+    pub misfit: f64,
+}
+
+/// A Karhunen–Loève expansion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KarhunenLoeveResult {
+    /// Number of terms.
+    pub modes: usize,
+    /// Share of the variance that they hold.
+    pub captured_variance: f64,
+}
+
+/// The pressure stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressureResult {
+    /// Contact solves of the reference run.
+    pub reference_samples: usize,
+    /// P(contact) of the reference run.
+    pub contact_probability: f64,
+    /// Its standard error.
+    pub contact_probability_se: f64,
+    /// Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %.
+    pub ks_resolution: f64,
+    /// Contact solves of the reference run that failed.
+    pub failed_samples: usize,
+    /// Mean compliance of a periodic patch.
+    pub mean_compliance_m_per_pa: Option<f64>,
+    /// Height of the plane above the mean of the ensemble, where it is fixed in space.
+    pub separation_m: Option<f64>,
+    /// One entry per method.
+    pub methods: Vec<MethodEntry>,
+}
+
+/// One method of the pressure stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodEntry {
+    /// Name.
+    pub name: String,
+    /// Contact solves.
+    pub fine_solves: usize,
+    /// Contact solves that failed.
+    pub failed_samples: usize,
+    /// P(contact).
+    pub contact_probability: Option<f64>,
+    /// Its standard error.
+    pub contact_probability_se: Option<f64>,
+    /// Kolmogorov–Smirnov distance from the reference.
+    pub ks_distance: Option<f64>,
+    /// Wasserstein-1 distance from the reference over its standard deviation.
+    pub wasserstein_1_over_std: Option<f64>,
+    /// Coefficients of the expansion.
+    pub coefficients: Option<usize>,
+    /// Relative leave-one-out error of the expansion.
+    pub leave_one_out_error: Option<f64>,
+    /// Why there is no estimate.
+    pub failure: Option<String>,
+}
+
+/// The friction stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrictionResult {
+    /// Length of the window.
+    pub window_m: f64,
+    /// Width of the strip.
+    pub strip_width_m: f64,
+    /// Mean compliance of a periodic strip.
+    pub mean_compliance_m_per_pa: Option<f64>,
+    /// Strips per level.
+    pub realisations: usize,
+    /// Levels of contact.
+    pub levels: Vec<LevelResult>,
+}
+
+/// One level of the friction stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LevelResult {
+    /// Percentage of the heights above the plane; `null` for the level solved at a mean pressure.
+    pub percentile: Option<f64>,
+    /// Mean depth of the plane below the highest point of each strip.
+    pub penetration_m: f64,
+    /// Mean pressure.
+    pub mean_pressure_pa: f64,
+    /// Contact area over nominal area, corrected.
+    pub contact_fraction: f64,
+    /// Share of the contact cells at the hardness.
+    pub plastic_share: f64,
+    /// Mean of μ.
+    pub mean: f64,
+    /// Its interval.
+    pub mean_interval: Pair,
+    /// Standard deviation of μ.
+    pub std: f64,
+    /// Its interval.
+    pub std_interval: Pair,
+    /// Standard deviation over mean.
+    pub coefficient_of_variation: f64,
+    /// Skewness of μ.
+    pub skewness: f64,
+    /// Excess kurtosis of μ.
+    pub excess_kurtosis: f64,
+    /// ℓ_μ of the exponential fit; it contains the window.
+    pub correlation_length_m: Option<f64>,
+    /// Length that is left when the window is taken out; 0 where the window explains everything.
+    pub correlation_length_without_window_m: Option<f64>,
+    /// Marginal law ranked first by Akaike's criterion.
+    pub marginal: Option<LawResult>,
+    /// The Beta law with bounds fitted by likelihood.
+    pub beta: Option<LawResult>,
+    /// Windows without contact, left out.
+    pub empty_windows: usize,
+    /// Mean number of contact cells in a window.
+    pub contact_cells_per_window: f64,
+    /// Independent windows that the correlated ones are worth.
+    pub effective_windows: f64,
+    /// Strips that failed.
+    pub failed_samples: usize,
+}
+
+/// The vibration stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VibrationResult {
+    /// Dimensionless belt velocity V.
+    pub belt_velocity: f64,
+    /// Mean friction coefficient μ_st.
+    pub static_friction: f64,
+    /// Level of the friction stage that is used; `null` where it is the one at N/nominal_area, or friction is stated.
+    pub level_percentile: Option<f64>,
+    /// Mean pressure of that level.
+    pub level_mean_pressure_pa: Option<f64>,
+    /// Correlation length of μ.
+    pub friction_correlation_length_m: f64,
+    /// The same as sliding distance over N/c.
+    pub correlation_length: f64,
+    /// Marginal law of μ.
+    pub marginal: LawResult,
+    /// Variance of μ over the nominal area over that of one window.
+    pub variance_reduction: f64,
+    /// Damping ratio above which there is no deterministic limit cycle; `null` if there is none at any.
+    pub critical_damping_ratio: Option<f64>,
+    /// Damping ratio below which steady sliding is unstable.
+    pub hopf_damping_ratio: Option<f64>,
+    /// The deterministic cycle at the study's damping ratio.
+    pub cycle: CycleResult,
+    /// Which upscaling leads.
+    pub upscaling: String,
+    /// One window carries the whole normal force (the paper).
+    pub paper: EnsembleResult,
+    /// Windows average over the nominal area.
+    pub area: EnsembleResult,
+}
+
+/// A deterministic limit cycle; keys as in `asperity vibration cycle`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CycleResult {
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Whether there is a cycle.
+    pub limit_cycle: bool,
+    /// Period.
+    pub period: Option<f64>,
+    /// Duration of the slip.
+    pub slip_duration: Option<f64>,
+    /// Displacement at re-attachment.
+    pub reattachment_displacement: Option<f64>,
+    /// Least displacement.
+    pub displacement_min: Option<f64>,
+    /// Largest displacement.
+    pub displacement_max: Option<f64>,
+    /// Least velocity.
+    pub velocity_min: Option<f64>,
+}
+
+/// Ensembles over the damping sweep for one upscaling.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EnsembleResult {
+    /// Standard deviation of μ.
+    pub friction_std: f64,
+    /// One entry per damping ratio.
+    pub damping: Vec<DampingResult>,
+    /// The law of the re-attachment points at the study's damping ratio.
+    pub reattachment: ReattachmentResult,
+}
+
+/// Cycle counts at one damping ratio.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DampingResult {
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Slips that reach a negative velocity, without noise.
+    pub cycles_deterministic: usize,
+    /// Their mean number with noise.
+    pub cycles_mean: f64,
+    /// Its standard error.
+    pub cycles_se: f64,
+    /// M_diff = M_det − E M.
+    pub difference_mean: f64,
+    /// Its interval.
+    pub difference_interval: Pair,
+    /// Trajectories that failed.
+    pub failed_samples: usize,
+}
+
+/// The law of the re-attachment points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReattachmentResult {
+    /// Number of points.
+    pub count: usize,
+    /// Mean displacement.
+    pub mean: Option<f64>,
+    /// Standard deviation.
+    pub std: Option<f64>,
+    /// Skewness.
+    pub skewness: Option<f64>,
+    /// Excess kurtosis.
+    pub excess_kurtosis: Option<f64>,
+    /// p-value of normality.
+    pub normality_p: Option<f64>,
+}
