@@ -35,7 +35,8 @@ impl Table {
     /// # Panics
     /// If the columns differ in length.
     pub fn new<N: Into<String>>(columns: impl IntoIterator<Item = (N, Vec<f64>)>) -> Self {
-        let columns: Vec<(String, Vec<f64>)> = columns.into_iter().map(|(name, values)| (name.into(), values)).collect();
+        let columns: Vec<(String, Vec<f64>)> =
+            columns.into_iter().map(|(name, values)| (name.into(), values)).collect();
         assert!(columns.windows(2).all(|pair| pair[0].1.len() == pair[1].1.len()), "columns differ in length");
         Self { columns }
     }
@@ -108,7 +109,9 @@ mod tests {
         let back = Table::from_csv(&table.to_csv().unwrap()).unwrap();
         for ((name, values), (back_name, back_values)) in table.columns().iter().zip(back.columns()) {
             assert_eq!(name, back_name);
-            assert!(values.iter().zip(back_values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
+            assert!(
+                values.iter().zip(back_values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan())
+            );
         }
     }
 }

@@ -121,7 +121,10 @@ impl Staging {
         for (name, field) in &outcome.fields {
             let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
             index.insert(name.clone(), entry);
-            self.write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&Scan::new(field.values.clone(), None)))?;
+            self.write(
+                &format!("fields/{name}.npy"),
+                &asperity_formats::write_npy(&Scan::new(field.values.clone(), None)),
+            )?;
         }
         self.write(FIELD_INDEX, &json_bytes(&index)?)
     }
@@ -222,8 +225,8 @@ impl StoredRun {
                 }
             }
         }
-        let index: BTreeMap<String, FieldEntry> = serde_json::from_slice(&read(FIELD_INDEX)?)
-            .map_err(|error| corrupt(FIELD_INDEX, error.to_string()))?;
+        let index: BTreeMap<String, FieldEntry> =
+            serde_json::from_slice(&read(FIELD_INDEX)?).map_err(|error| corrupt(FIELD_INDEX, error.to_string()))?;
         let mut fields = BTreeMap::new();
         for (name, entry) in index {
             let relative = format!("fields/{name}.npy");
