@@ -1,3 +1,84 @@
-//! The command line of asperity.
+//! The command line of asperity: arguments in, library called, results out.
+//!
+//! Data goes to stdout, talk to stderr, and the exit code says what kind of end it was ([`failure::Kind`]).
 
-fn main() {}
+mod args;
+mod commands;
+mod failure;
+mod input;
+mod monitor;
+mod npz;
+mod output;
+
+use std::panic;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use commands::Command;
+use failure::{Failure, Kind};
+use monitor::Terminal;
+
+/// From a measured rough surface to contact pressure, friction and stick-slip, with uncertainty.
+#[derive(Debug, Parser)]
+#[command(name = "asperity", version, arg_required_else_help = true)]
+#[command(after_help = "\
+Quantities carry their unit: \"210 GPa\", 0.5um, \"2.5 kN\". JSON is SI, with the unit in the key.
+
+Exit codes:
+  0    done
+  1    runtime error
+  2    wrong flag, key, unit or value
+  3    input data missing, corrupt or unusable
+  4    not converged or too few valid samples (the answer is printed all the same)
+  5    out of memory, disk or threads
+  130  cancelled")]
+struct Cli {
+    /// Worker threads; all cores when left out. Results do not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = args::count)]
+    threads: Option<usize>,
+
+    /// No progress on stderr.
+    #[arg(long, short, global = true)]
+    quiet: bool,
+
+    #[command(subcommand)]
+    command: Command,
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    panic::set_hook(Box::new(|_| {})); // a defect ends in one message, below
+    let kind = match panic::catch_unwind(|| run(&cli)) {
+        Ok(Ok(())) => return ExitCode::SUCCESS,
+        Ok(Err(failure)) => {
+            output::talk(&failure.to_string());
+            failure.kind()
+        }
+        Err(payload) => {
+            let what = payload
+                .downcast_ref::<String>()
+                .map(String::as_str)
+                .or_else(|| payload.downcast_ref::<&str>().copied())
+                .unwrap_or("no message");
+            output::talk(&format!(
+                "error: asperity met a defect of its own: {what}\nPlease report it with the command."
+            ));
+            Kind::Runtime
+        }
+    };
+    ExitCode::from(kind.exit_code())
+}
+
+fn run(cli: &Cli) -> Result<(), Failure> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(|e| Failure::new(Kind::Resources, format!("cannot start {threads} threads: {e}")))?;
+    }
+    let monitor = Terminal::new(cli.quiet)?;
+    let result = cli.command.run(&monitor);
+    monitor.finish();
+    result
+}

@@ -39,6 +39,7 @@ impl fmt::Display for Location {
 
 /// Why a file could not be read or written.
 ///
+/// The message of an error is complete: it includes what an inner error says, so no error has a source to print after it.
 /// Errors of [`read`](crate::read) and [`write`](crate::write) name the path; those of functions on bytes cannot.
 #[derive(Debug, Error)]
 pub enum FormatError {
@@ -49,12 +50,12 @@ pub enum FormatError {
         path: PathBuf,
     },
     /// The operating system refused.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {error}", path.display())]
     Io {
         /// The path that was read or written.
         path: PathBuf,
         /// What the operating system said.
-        source: io::Error,
+        error: io::Error,
     },
     /// What went wrong with the content of a file.
     #[error("{}: {error}", path.display())]
@@ -62,7 +63,6 @@ pub enum FormatError {
         /// The path that was read or written.
         path: PathBuf,
         /// What went wrong with it.
-        #[source]
         error: Box<FormatError>,
     },
     /// The content belongs to no known format.
@@ -110,7 +110,7 @@ pub enum FormatError {
         wanted: String,
     },
     /// Data end before the declared sizes are filled.
-    #[error("{}: {part} ({at}) ends after {found} bytes; wanted {wanted}", format.name())]
+    #[error("{}: {part} ({at}) stop after {found} bytes; wanted {wanted}", format.name())]
     Truncated {
         /// The format.
         format: Format,
@@ -203,10 +203,10 @@ impl FormatError {
     }
 
     /// An error of the operating system with the path of its file.
-    pub(crate) fn io(path: &Path, source: io::Error) -> Self {
-        match source.kind() {
+    pub(crate) fn io(path: &Path, error: io::Error) -> Self {
+        match error.kind() {
             io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
-            _ => Self::Io { path: path.into(), source },
+            _ => Self::Io { path: path.into(), error },
         }
     }
 }

@@ -18,10 +18,35 @@ const SHOWN_BYTES: usize = 12;
 /// # Errors
 /// [`FormatError::NotFound`], [`FormatError::Io`], or [`FormatError::File`] around what [`read_bytes`] says.
 pub fn read(path: &Path) -> Result<Scan, FormatError> {
+    read_bytes(&content(path)?).map_err(|error| error.in_file(path))
+}
+
+/// Reads a record along a path: a one-dimensional NPY array of numbers.
+///
+/// # Errors
+/// As [`read`]; other formats and other than one dimension.
+pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
+    let bytes = content(path)?;
+    let series = match Format::detect(&bytes) {
+        Some(Format::Npy) => npy::read_series(&bytes),
+        Some(format) => {
+            Err(FormatError::Unsupported { format, found: "a map".into(), wanted: "a one-dimensional NPY array" })
+        }
+        None => Err(unrecognised(&bytes)),
+    };
+    series.map_err(|error| error.in_file(path))
+}
+
+fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
     let file = File::open(path).map_err(|error| FormatError::io(path, error))?;
     let mut bytes = Vec::new();
     file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| FormatError::io(path, error))?;
-    read_bytes(&bytes).map_err(|error| error.in_file(path))
+    Ok(bytes)
+}
+
+fn unrecognised(bytes: &[u8]) -> FormatError {
+    let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii();
+    FormatError::Unrecognised { length: bytes.len(), start: format!("`{start}`") }
 }
 
 /// Reads the content of a file of any known format.
@@ -41,10 +66,7 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
         Some(Format::Sur) => sur::read(bytes),
         Some(Format::Npy) => npy::read(bytes),
         Some(Format::Text) => text::read(bytes),
-        None => {
-            let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii();
-            Err(FormatError::Unrecognised { length: bytes.len(), start: format!("`{start}`") })
-        }
+        None => Err(unrecognised(bytes)),
     }?;
     Ok(scan.checked())
 }

@@ -29,7 +29,7 @@ mod text;
 mod x3p;
 
 pub use error::{FormatError, Location};
-pub use file::{read, read_bytes, write};
+pub use file::{read, read_bytes, read_series, write};
 pub use format::Format;
 pub use npy::write_npy;
 pub use scan::{MAX_POINTS, Scan};

@@ -1,6 +1,7 @@
 //! NumPy array files: a magic word, a header that is a Python dictionary, and the array.
 //!
 //! Two-dimensional arrays of integers or floats are heights in metre; the format has no place for a pixel size.
+//! One-dimensional arrays are records along a path.
 //! Layout: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use ndarray::{Array2, ShapeBuilder};
@@ -24,8 +25,7 @@ struct Header {
     sample: Sample,
     order: ByteOrder,
     column_major: bool,
-    rows: i64,
-    columns: i64,
+    shape: String,
 }
 
 fn header_at() -> Location {
@@ -60,29 +60,57 @@ fn truncated(part: &str, at: usize, found: usize, wanted: usize) -> FormatError 
 pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     let (text, data_start) = header_text(bytes)?;
     let header = parse_header(&text)?;
+    let [rows, columns] =
+        dimensions(&header.shape).ok_or_else(|| wrong("shape", &header.shape, "two whole numbers"))?;
     let at = header_at();
     let (rows, columns) = shape(
         Format::Npy,
-        &Dimension { field: "rows", at: at.clone(), found: header.rows },
-        &Dimension { field: "columns", at, found: header.columns },
+        &Dimension { field: "rows", at: at.clone(), found: rows },
+        &Dimension { field: "columns", at, found: columns },
     )?;
-    let wanted = rows * columns * header.sample.size();
-    let present = bytes.get(data_start..).unwrap_or_default();
-    let data = present.get(..wanted).ok_or_else(|| truncated("the array", data_start, present.len(), wanted))?;
-    let mut values = Vec::with_capacity(rows * columns);
-    header.sample.decode(header.order, data, &mut values);
+    let (values, left_over) = array(bytes, data_start, &header, rows * columns)?;
     let heights_m = Array2::from_shape_vec((rows, columns).set_f(header.column_major), values)
         .map_err(|error| wrong("shape", &format!("({rows}, {columns})"), &error.to_string()))?;
     let mut scan = Scan::new(heights_m.as_standard_layout().into_owned(), None);
-    if present.len() > wanted {
-        scan.warnings.push(format!("{} bytes after the array were left out", present.len() - wanted));
+    if left_over > 0 {
+        scan.warnings.push(format!("{left_over} bytes after the array were left out"));
     }
     Ok(scan)
 }
 
+/// Reads a one-dimensional array of numbers.
+///
+/// # Errors
+/// As [`read`], for other than one dimension, and for bytes after the array.
+pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>, FormatError> {
+    let (text, data_start) = header_text(bytes)?;
+    let header = parse_header(&text)?;
+    let [length] = dimensions(&header.shape).ok_or_else(|| wrong("shape", &header.shape, "one whole number"))?;
+    let (rows, columns) = shape(
+        Format::Npy,
+        &Dimension { field: "length", at: header_at(), found: length },
+        &Dimension { field: "columns", at: header_at(), found: 1 },
+    )?;
+    let (values, left_over) = array(bytes, data_start, &header, rows * columns)?;
+    if left_over > 0 {
+        return Err(wrong("shape", &header.shape, "an array that ends with the file"));
+    }
+    Ok(values)
+}
+
+/// The `points` numbers of the array in the file's order, and the number of bytes behind them.
+fn array(bytes: &[u8], start: usize, header: &Header, points: usize) -> Result<(Vec<f64>, usize), FormatError> {
+    let wanted = points * header.sample.size();
+    let present = bytes.get(start..).unwrap_or_default();
+    let data = present.get(..wanted).ok_or_else(|| truncated("the array", start, present.len(), wanted))?;
+    let mut values = Vec::with_capacity(points);
+    header.sample.decode(header.order, data, &mut values);
+    Ok((values, present.len() - wanted))
+}
+
 /// The dictionary and the byte where the array starts.
 fn header_text(bytes: &[u8]) -> Result<(String, usize), FormatError> {
-    let short = || truncated("the header", MAGIC.len(), bytes.len().saturating_sub(MAGIC.len()), 4);
+    let short = || truncated("the bytes of the header", MAGIC.len(), bytes.len().saturating_sub(MAGIC.len()), 4);
     let version = *bytes.get(MAGIC.len()).ok_or_else(short)?;
     let rest = bytes.get(VERSION_END..).unwrap_or_default();
     let (length, start) = match version {
@@ -98,7 +126,8 @@ fn header_text(bytes: &[u8]) -> Result<(String, usize), FormatError> {
     }
     .ok_or_else(short)?;
     let present = &bytes[start..];
-    let header = present.get(..length).ok_or_else(|| truncated("the header", start, present.len(), length))?;
+    let header =
+        present.get(..length).ok_or_else(|| truncated("the bytes of the header", start, present.len(), length))?;
     let text = match version {
         3 => String::from_utf8_lossy(header).into_owned(),
         _ => header.iter().map(|&byte| char::from(byte)).collect(),
@@ -125,9 +154,7 @@ fn parse_header(text: &str) -> Result<Header, FormatError> {
         "False" => false,
         other => return Err(wrong("fortran_order", other, "True or False")),
     };
-    let shape = value("shape")?;
-    let (rows, columns) = dimensions(shape).ok_or_else(|| wrong("shape", shape, "two whole numbers"))?;
-    Ok(Header { sample, order, column_major, rows, columns })
+    Ok(Header { sample, order, column_major, shape: value("shape")?.to_owned() })
 }
 
 /// Splits the inside of a dictionary at its outermost commas and colons; `None` when it is no such thing.
@@ -197,12 +224,12 @@ fn element_type(literal: &str) -> Result<(Sample, ByteOrder), FormatError> {
     Ok((sample, order))
 }
 
-/// The two numbers of `(rows, columns)`.
-fn dimensions(literal: &str) -> Option<(i64, i64)> {
-    let inner = literal.strip_prefix('(')?.strip_suffix(')')?;
-    let inner = inner.trim_end().strip_suffix(',').unwrap_or(inner);
-    let (rows, columns) = inner.split_once(',')?;
-    Some((rows.trim().parse().ok()?, columns.trim().parse().ok()?))
+/// The numbers of `(rows, columns)` or `(length,)`, if there are as many as wanted.
+fn dimensions<const N: usize>(literal: &str) -> Option<[i64; N]> {
+    let inner = literal.strip_prefix('(')?.strip_suffix(')')?.trim_end();
+    let inner = inner.strip_suffix(',').unwrap_or(inner);
+    let numbers: Option<Vec<i64>> = inner.split(',').map(|number| number.trim().parse().ok()).collect();
+    numbers?.try_into().ok()
 }
 
 /// The heights in metre as a NumPy array file, version 1.0, little-endian `f8` in row order, NaN where missing.

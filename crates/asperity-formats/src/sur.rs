@@ -124,19 +124,20 @@ fn object_kind(code: i16) -> Result<&'static str, &'static str> {
     }
 }
 
-/// Metres of a unit of length, `None` for anything else.
+/// How often a unit of length goes into a metre, `None` for what is no length.
 ///
-/// The micro sign occurs in Latin-1, in UTF-8 read as Latin-1, and in the DOS code pages.
-fn metres(unit: &str) -> Option<f64> {
+/// Dividing by it is exact to the last place where multiplying by its inverse is not. The micro sign occurs in Latin-1, in
+/// UTF-8 read as Latin-1, and in the DOS code pages.
+fn per_metre(unit: &str) -> Option<f64> {
     match unit {
         "m" => Some(1.0),
-        "cm" => Some(1e-2),
-        "mm" => Some(1e-3),
-        "um" | "\u{b5}m" | "\u{c2}\u{b5}m" | "\u{e6}m" => Some(1e-6),
-        "nm" => Some(1e-9),
-        "pm" => Some(1e-12),
-        "A" | "\u{c5}" => Some(1e-10),
-        "in" | "inch" => Some(0.0254),
+        "cm" => Some(1e2),
+        "mm" => Some(1e3),
+        "um" | "\u{b5}m" | "\u{c2}\u{b5}m" | "\u{e6}m" => Some(1e6),
+        "nm" => Some(1e9),
+        "pm" => Some(1e12),
+        "A" | "\u{c5}" => Some(1e10),
+        "in" | "inch" => Some(1.0 / 0.0254),
         _ => None,
     }
 }
@@ -186,7 +187,7 @@ impl Header<'_> {
     /// A doubt where the units of steps and lengths and the ratio between them disagree.
     fn ratio_warning(&self, axis: Axis) -> Option<String> {
         let (step, length) = (self.axis_text(axis.step_unit), self.axis_text(axis.length_unit));
-        let units = metres(&length)? / metres(&step)?;
+        let units = per_metre(&step)? / per_metre(&length)?;
         let ratio = f64::from(self.f32(axis.unit_ratio));
         let agrees = |ratio: f64| (ratio / units - 1.0).abs() < RATIO_TOLERANCE;
         // Writers disagree on which of the two units is divided by the other.
@@ -227,7 +228,7 @@ fn unsupported(found: impl Into<String>, wanted: &'static str) -> FormatError {
 pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     let header = Header(bytes.first_chunk().ok_or_else(|| FormatError::Truncated {
         format: Format::Sur,
-        part: "the header".into(),
+        part: "the bytes of the header".into(),
         at: Location::Byte(0),
         found: bytes.len() as u64,
         wanted: HEADER_BYTES as u64,
@@ -295,10 +296,8 @@ fn check_kind(header: &Header, warnings: &mut Vec<String>) -> Result<(), FormatE
     if header.i16(OBJECTS) > 1 {
         warnings.push(format!("{kind} of {} objects; only the first was read", header.i16(OBJECTS)));
     }
-    for (field, what) in [(IMPRINT, "the imprint of a surface"), (INVERTED, "an inverted surface")] {
-        if header.i16(field) != 0 {
-            warnings.push(format!("the file states that it holds {what}; heights were taken as they stand"));
-        }
+    if header.i16(INVERTED) != 0 {
+        warnings.push("the file states that it holds an inverted surface; heights were taken as they stand".into());
     }
     Ok(())
 }
@@ -306,12 +305,13 @@ fn check_kind(header: &Header, warnings: &mut Vec<String>) -> Result<(), FormatE
 /// Turns stored integers into metre, NaN where the point was not measured.
 fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<(), FormatError> {
     let unit = header.axis_text(Z.step_unit);
-    let unit_m = metres(&unit).ok_or_else(|| wrong(Z.step_unit, unit, "a unit of length (m, cm, mm, µm, nm, …)"))?;
-    let spacing_m = unit_m * f64::from(header.f32(Z.spacing));
+    let per_metre =
+        per_metre(&unit).ok_or_else(|| wrong(Z.step_unit, unit, "a unit of length (m, cm, mm, µm, nm, …)"))?;
+    let spacing_m = f64::from(header.f32(Z.spacing)) / per_metre;
     if !(spacing_m.is_finite() && spacing_m != 0.0) {
         return Err(wrong(Z.spacing, header.f32(Z.spacing), "a finite number other than 0"));
     }
-    let offset_m = unit_m * f64::from(header.f32(Z.offset));
+    let offset_m = f64::from(header.f32(Z.offset)) / per_metre;
     if !offset_m.is_finite() {
         return Err(wrong(Z.offset, header.f32(Z.offset), "a finite number"));
     }
@@ -341,14 +341,14 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
 fn pitch(header: &Header, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
     let mut along = |axis: Axis| {
         let unit = header.axis_text(axis.step_unit);
-        let unit_m = metres(&unit);
-        if unit_m.is_none() {
+        let per_metre = per_metre(&unit);
+        if per_metre.is_none() {
             warnings.push(format!(
                 "the {} is `{unit}`, which is no unit of length; no pixel size was read",
                 axis.step_unit.0
             ));
         }
-        unit_m.map(|unit_m| unit_m * f64::from(header.f32(axis.spacing)))
+        per_metre.map(|per_metre| f64::from(header.f32(axis.spacing)) / per_metre)
     };
     let (dx_m, dy_m) = (along(X), along(Y));
     dx_m.zip(dy_m)

@@ -4,6 +4,7 @@
 //! The decimal sign is the point. `#` and `%` start a comment; `name: value` and `name = value` in a comment become
 //! metadata. An empty field, `nan` and `inf` are missing heights. The format has no place for a pixel size.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -67,7 +68,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     // Numbers are ASCII; only comments can hold more, and then in UTF-8 or Latin-1.
     let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
-    let text = std::str::from_utf8(bytes).map_or_else(|_| latin1(), str::to_owned);
+    let text = std::str::from_utf8(bytes).map_or_else(|_| Cow::Owned(latin1()), Cow::Borrowed);
     let line_end = if text.contains('\n') { '\n' } else { '\r' };
 
     let mut matrix = Matrix::default();

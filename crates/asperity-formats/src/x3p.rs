@@ -80,7 +80,7 @@ fn hexadecimal(digest: &[u8]) -> String {
 }
 
 fn archive_error(entry: &str, reason: impl ToString) -> FormatError {
-    FormatError::Archive { format: crate::Format::X3p, entry: entry.into(), reason: reason.to_string() }
+    FormatError::Archive { format: crate::Format::X3p, entry: crate::error::shown(entry), reason: reason.to_string() }
 }
 
 fn in_main(offset: u64) -> Location {

@@ -1,1 +1,199 @@
 //! Results of a study as one self-contained HTML page and SVG figures.
+//!
+//! [`render`] is a pure function of a [`Run`]: no file, clock or environment is read, and equal runs give equal bytes.
+//! A study may stop after any of its stages; what a run does not hold is left out of the report and is never an error.
+//!
+//! # Conventions
+//! - Numbers come in SI units, as the names of columns and keys say (`lag_m`, `pressure_pa`); the report chooses
+//!   engineering units for display.
+//! - NaN in tables and `null` in JSON mean undefined. Curves are interrupted there and cells show a dash.
+//! - All text of the caller is escaped.
+
+mod axis;
+mod canvas;
+mod chart;
+mod figures;
+mod format;
+mod page;
+mod palette;
+mod polyline;
+mod raster;
+
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+
+/// Everything that the report shows of one study.
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Name of the study.
+    pub name: String,
+    /// The parsed `results.json`: objects `surface`, `pressure`, `friction`, `vibration`, each optional.
+    pub results: serde_json::Value,
+    /// The tables of the run by the name of their CSV file, without its extension.
+    pub tables: BTreeMap<String, Table>,
+    /// The fields of the run: `height_raw`, `height_levelled`, `surface_sample` in metre, `pressure_sample` and
+    /// `pressure_strip` in pascal.
+    pub fields: BTreeMap<String, Field>,
+    /// The inputs of the study as resolved, with units.
+    pub inputs: Vec<Input>,
+    /// What was assumed where the study said nothing, one sentence each.
+    pub assumptions: Vec<String>,
+    /// Versions, hashes, timings and machine.
+    pub provenance: serde_json::Value,
+}
+
+/// Columns of equal length with their names, NaN where a value is undefined.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Name and values of every column, in SI units.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Table {
+    /// The named column, if it is there and holds a finite value.
+    fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns
+            .iter()
+            .find(|(column, values)| column == name && values.iter().any(|v| v.is_finite()))
+            .map(|(_, values)| values.as_slice())
+    }
+}
+
+/// Values on a regular grid of cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Points along x (columns).
+    pub nx: usize,
+    /// Points along y (rows).
+    pub ny: usize,
+    /// Pitch along x in metre.
+    pub dx_m: f64,
+    /// Pitch along y in metre.
+    pub dy_m: f64,
+    /// Values in SI units, row by row from the top; NaN where missing.
+    pub values: Vec<f64>,
+}
+
+/// One input of a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Input {
+    /// Section of the study file, such as `material`.
+    pub section: String,
+    /// Key in that section.
+    pub key: String,
+    /// Value with its unit, as a person writes it.
+    pub value: String,
+}
+
+/// A rendered report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Report {
+    /// One HTML document that needs no other file and no network.
+    pub html: String,
+    /// The figures of the document, for use elsewhere.
+    pub figures: Vec<Figure>,
+}
+
+/// One figure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// File name without extension, such as `pressure_cdf`.
+    pub name: String,
+    /// A complete SVG document.
+    pub svg: String,
+}
+
+/// Why a report could not be rendered.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum ReportError {
+    /// Columns of a table differ in length.
+    #[error("table `{table}`: column `{column}` has {found} values, the first column {wanted}")]
+    RaggedTable {
+        /// Name of the table.
+        table: String,
+        /// The column that differs.
+        column: String,
+        /// Its length.
+        found: usize,
+        /// Length of the first column.
+        wanted: usize,
+    },
+    /// A field's values do not fill its grid.
+    #[error("field `{field}` has {found} values, its {nx} × {ny} grid needs {wanted}")]
+    FieldShape {
+        /// Name of the field.
+        field: String,
+        /// Points along x.
+        nx: usize,
+        /// Points along y.
+        ny: usize,
+        /// Number of values found.
+        found: usize,
+        /// Number of values wanted.
+        wanted: usize,
+    },
+    /// A field's pitch is not positive and finite.
+    #[error("field `{field}` has the pixel size {dx_m} × {dy_m} m; both must be positive")]
+    FieldPitch {
+        /// Name of the field.
+        field: String,
+        /// Pitch along x, as text, in metre.
+        dx_m: String,
+        /// Pitch along y, as text, in metre.
+        dy_m: String,
+    },
+    /// The drawing backend failed.
+    #[error("a figure could not be drawn: {message}")]
+    Drawing {
+        /// The backend's message.
+        message: String,
+    },
+    /// A map could not be encoded.
+    #[error("a map could not be encoded as PNG: {message}")]
+    Image {
+        /// The encoder's message.
+        message: String,
+    },
+    /// The page's template failed.
+    #[error("the page could not be filled in: {message}")]
+    Template {
+        /// The template engine's message.
+        message: String,
+    },
+}
+
+/// Renders the report of a run.
+///
+/// # Errors
+/// A table with columns of different lengths, a field that does not fill its grid or has no pixel size; never because
+/// something is absent.
+pub fn render(run: &Run) -> Result<Report, ReportError> {
+    validate(run)?;
+    let plates = figures::plates(run)?;
+    let html = page::html(run, &plates)?;
+    let figures = plates.into_iter().map(|plate| Figure { name: plate.name.into(), svg: plate.svg }).collect();
+    Ok(Report { html, figures })
+}
+
+fn validate(run: &Run) -> Result<(), ReportError> {
+    for (name, table) in &run.tables {
+        let wanted = table.columns.first().map_or(0, |(_, values)| values.len());
+        if let Some((column, values)) = table.columns.iter().find(|(_, values)| values.len() != wanted) {
+            let (table, column, found) = (name.clone(), column.clone(), values.len());
+            return Err(ReportError::RaggedTable { table, column, found, wanted });
+        }
+    }
+    for (name, field) in &run.fields {
+        let &Field { nx, ny, dx_m, dy_m, .. } = field;
+        let (found, wanted) = (field.values.len(), nx.saturating_mul(ny));
+        if found != wanted {
+            return Err(ReportError::FieldShape { field: name.clone(), nx, ny, found, wanted });
+        }
+        if !(dx_m > 0.0 && dy_m > 0.0 && dx_m.is_finite() && dy_m.is_finite()) {
+            let (dx_m, dy_m) = (dx_m.to_string(), dy_m.to_string());
+            return Err(ReportError::FieldPitch { field: name.clone(), dx_m, dy_m });
+        }
+    }
+    Ok(())
+}

@@ -42,6 +42,12 @@ pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
 pub use solver::Solver;
 
+/// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
+/// pascal and Poisson's ratio ν.
+pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
+    youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
+}
+
 /// Why a contact problem could not be posed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContactError {

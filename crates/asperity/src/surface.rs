@@ -1,7 +1,11 @@
 //! What a rough surface is, and how to draw maps like it (paper §2).
 
+pub mod areal;
+pub mod filter;
+pub mod fractal;
 mod gaussian;
 mod karhunen_loeve;
+pub mod level;
 mod spectral;
 
 pub use gaussian::{GaussianSurface, GeneratorError};

@@ -16,34 +16,34 @@
 
 mod critical;
 mod cycle;
-//T mod ensemble;
+mod ensemble;
 mod events;
 mod law;
 mod locked;
 mod motion;
 mod oscillator;
 mod polynomial;
-//T mod portrait;
-//T mod reattachment;
+mod portrait;
+mod reattachment;
 mod root;
 mod series;
 mod slip_orbit;
 mod sway;
-//T mod sweep;
+mod sweep;
 mod trajectory;
 
 use thiserror::Error;
 
 pub use critical::{CriticalDamping, critical_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
-//T pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure};
+pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use law::FrictionLaw;
 pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
-//T pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
-//T pub use reattachment::{Reattachments, normality_p};
-//T pub use sweep::{Crossing, DampingSweep, damping_sweep};
+pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
+pub use reattachment::Reattachments;
+pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 
 use crate::friction::process::ProcessError;

@@ -106,7 +106,7 @@ impl<'a> Archive<'a> {
         let wanted = count as u64 * sample.size() as u64;
         let truncated = |found: u64| FormatError::Truncated {
             format: Format::X3p,
-            part: link.into(),
+            part: "the numbers".into(),
             at: Location::Entry { entry: link.into(), offset: 0 },
             found,
             wanted,
@@ -155,4 +155,48 @@ fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
         }
     }
     Ok(filled)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    /// An archive of `main.xml` and of a file of zeros that deflates to a thousandth of its size.
+    fn bomb(zeros: usize) -> Vec<u8> {
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, content) in [(MAIN, vec![b' '; 3]), ("zeros", vec![0; zeros])] {
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+            zip.write_all(&content).unwrap();
+        }
+        zip.finish().unwrap().into_inner()
+    }
+
+    #[test]
+    fn a_file_is_unpacked_up_to_its_limit() {
+        let bytes = bomb(1_000_000);
+        assert!(bytes.len() < 2000);
+        let mut archive = Archive::open(&bytes).unwrap();
+        assert_eq!(archive.read_whole("zeros", 1_000_000).unwrap().len(), 1_000_000);
+        assert!(matches!(archive.read_whole("zeros", 999_999), Err(FormatError::TooLarge { limit: 999_999, .. })));
+    }
+
+    #[test]
+    fn numbers_that_the_packed_bytes_cannot_hold_are_refused_before_unpacking() {
+        let bytes = bomb(1_000_000);
+        let mut archive = Archive::open(&bytes).unwrap();
+        let numbers = archive.read_numbers("zeros", Sample::I16, 500_000, 500_000).unwrap();
+        assert_eq!(numbers.values, vec![0.0; 500_000]);
+        // MD5 of a million zero bytes, by `head -c 1000000 /dev/zero | md5sum`.
+        assert_eq!(numbers.md5.as_deref(), Some("879f4bba57ed37c9ec5e5aedf9864698"));
+        assert!(matches!(
+            archive.read_numbers("zeros", Sample::F64, 1 << 28, 1 << 28),
+            Err(FormatError::Truncated { found: 1_000_000, .. })
+        ));
+        assert!(matches!(
+            archive.read_numbers("zeros", Sample::I16, 500_001, 500_001),
+            Err(FormatError::Truncated { found: 1_000_000, wanted: 1_000_002, .. })
+        ));
+    }
 }

@@ -1,6 +1,7 @@
 //! `main.xml` as a flat table: the path of every element that holds text, by local names, so that namespace prefixes and
 //! their absence do not matter.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use quick_xml::Reader;
@@ -162,7 +163,7 @@ fn resolve(reference: &BytesRef) -> Option<String> {
 }
 
 /// XML text from bytes: UTF-16 by its byte-order mark, UTF-8, and Latin-1 for what is not UTF-8.
-fn decode(bytes: &[u8]) -> String {
+fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units = bytes.as_chunks::<2>().0.iter().map(|&pair| unit(pair));
         char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
@@ -173,7 +174,7 @@ fn decode(bytes: &[u8]) -> String {
         _ => {
             let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
             let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
-            std::str::from_utf8(bytes).map_or_else(|_| latin1(), str::to_owned)
+            std::str::from_utf8(bytes).map_or_else(|_| Cow::Owned(latin1()), Cow::Borrowed)
         }
     }
 }

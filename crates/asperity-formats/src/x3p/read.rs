@@ -75,9 +75,16 @@ fn check_main(
         return Ok(());
     }
     let content = archive.read_whole(link, MAX_CHECKSUM_BYTES)?;
-    let stated = String::from_utf8_lossy(&content);
-    let stated = stated.split_whitespace().next().unwrap_or_default();
-    compare(MAIN, stated, &hexadecimal(&Md5::digest(main)), warnings);
+    // Lines of the form `sum *file`; a sum alone can only mean main.xml.
+    let content = String::from_utf8_lossy(&content);
+    let stated = content.lines().find_map(|line| {
+        let (sum, file) = line.trim().split_once([' ', '\t']).unwrap_or((line.trim(), MAIN));
+        file.ends_with(MAIN).then_some(sum)
+    });
+    match stated {
+        Some(stated) => compare(MAIN, stated, &hexadecimal(&Md5::digest(main)), warnings),
+        None => warnings.push(format!("{} states no sum of {MAIN}, which could not be verified", shown(link))),
+    }
     Ok(())
 }
 
@@ -182,7 +189,7 @@ fn mask(
     if bits.len() < wanted {
         return Err(FormatError::Truncated {
             format: Format::X3p,
-            part: link.into(),
+            part: "the validity bits".into(),
             at: Location::Entry { entry: link.into(), offset: 0 },
             found: bits.len() as u64,
             wanted: wanted as u64,

@@ -1,10 +1,19 @@
 //! A friction coefficient that fluctuates along the sliding distance: m(s) with a given law and correlation length.
+//!
+//! m(s) = σ·(F⁻¹(Φ(g(s))) − mean)/std, a translation of a stationary standard normal process g of correlation e^{−|s|/ℓ},
+//! sampled at knots a fraction of ℓ apart and a straight line between them.
 
+mod model;
 mod recorded;
+mod spectral;
+mod table;
 
 use thiserror::Error;
 
+pub use model::{Correlation, FrictionProcess, Generator, Path, ProcessModel, window_variance_factor};
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
+
+use crate::law::LawError;
 
 /// A realisation of the fluctuation m(s) of a friction coefficient, read knot by knot.
 ///
@@ -15,6 +24,16 @@ pub trait Fluctuation {
 
     /// m at the next knot, first at s = 0; none past the end of a record.
     fn next_knot(&mut self) -> Option<f64>;
+}
+
+impl<F: Fluctuation + ?Sized> Fluctuation for &mut F {
+    fn step(&self) -> Option<f64> {
+        (**self).step()
+    }
+
+    fn next_knot(&mut self) -> Option<f64> {
+        (**self).next_knot()
+    }
 }
 
 /// Why a friction process could not be made.
@@ -30,6 +49,9 @@ pub enum ProcessError {
         /// Values allowed.
         wanted: &'static str,
     },
+    /// The marginal law is no law, or has no finite standard deviation.
+    #[error("marginal of the friction coefficient: {0}")]
+    Law(#[from] LawError),
 }
 
 fn positive(parameter: &'static str, value: f64) -> Result<(), ProcessError> {

@@ -3,7 +3,7 @@
 use crate::correlation::{EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
-use crate::law::{Family, Fit, Ranking, rank_by_aic};
+use crate::law::fit::{Family, Fit, Ranking, rank_by_aic};
 use crate::stats::{Bootstrap, Interval, Moments, Resampling, correlation_time};
 
 /// Statistics of μ(s), pooled over the records of independent strips.

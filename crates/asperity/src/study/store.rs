@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use asperity_formats::Scan;
 use thiserror::Error;
 
-use crate::study::{Field, Outcome, Table, TableError};
+use crate::study::{Outcome, Table, TableError};
 
 /// Last file of a run folder.
 const COMPLETE: &str = "COMPLETE";

@@ -113,8 +113,13 @@ impl Turn {
 ///
 /// Fails if the friction coefficient does not stay positive.
 pub fn limit_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
+    Ok(locate(oscillator)?.0)
+}
+
+/// The regime, and a time (a phase of the forcing) at which its cycle detaches.
+pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, f64), VibrationError> {
     match oscillator.forcing() {
-        None => free_cycle(oscillator),
+        None => Ok((free_cycle(oscillator)?, 0.0)),
         Some(forcing) => forced_cycle(oscillator, TAU / forcing.frequency),
     }
 }
@@ -145,7 +150,7 @@ fn free_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
     Err(VibrationError::NotFound { what: "limit cycle", reason: "the slip phase did not end within a million steps" })
 }
 
-fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<Regime, VibrationError> {
+fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime, f64), VibrationError> {
     let mut motion = Motion::new(oscillator, Steady, super::Drive::Distance, oscillator.default_start())?;
     let mut turns: Vec<Turn> = Vec::new();
     let mut phases: Vec<f64> = Vec::new();
@@ -165,7 +170,8 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<Regime, 
                 (detached_at, slides_since) = (motion.tau, motion.tau);
                 phases.push(motion.tau);
                 if let Some(period) = repetition(&phases, forcing_period) {
-                    return Ok(Regime::Cycle(Turn::cycle(&turns[turns.len() - period..])));
+                    let cycle = Turn::cycle(&turns[turns.len() - period..]);
+                    return Ok((Regime::Cycle(cycle), motion.tau));
                 }
             }
             Some(EventKind::Restick) => {
@@ -185,14 +191,14 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<Regime, 
                     change < PHASE_TOLERANCE * state.0.abs().max(state.1.abs()).max(1.0)
                 });
                 if repeats {
-                    return Ok(Regime::Sliding);
+                    return Ok((Regime::Sliding, 0.0));
                 }
                 last_stroke = Some(state);
                 strokes_without_stick += 1;
             }
         }
     }
-    Ok(Regime::Irregular)
+    Ok((Regime::Irregular, 0.0))
 }
 
 /// Number of slips after which the phases repeat: the last one and the one before agree with those a period earlier.

@@ -160,11 +160,6 @@ impl<F: Fluctuation> Motion<F> {
         force - 2.0 * self.damping * self.velocity + self.velocity * self.sway.force(tau)
     }
 
-    /// Time interval of the last step.
-    pub(super) fn segment_times(&self) -> (f64, f64) {
-        (self.segment.tau, self.segment.tau + self.segment.duration)
-    }
-
     /// (X, X′) at a time inside the last step.
     pub(super) fn sample(&self, tau: f64) -> (f64, f64) {
         let Segment { tau: start, phase, m, slope, e, .. } = self.segment;

@@ -93,12 +93,6 @@ impl Series {
         &self.w[..self.len]
     }
 
-    /// Coefficients of e.
-    #[inline]
-    pub(super) fn e(&self) -> &[f64] {
-        &self.e[..self.len]
-    }
-
     /// W(t), e(t).
     #[inline]
     pub(super) fn state(&self, t: f64) -> (f64, f64) {

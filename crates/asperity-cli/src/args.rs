@@ -1,0 +1,176 @@
+//! Values of flags: numbers with their range, quantities with their unit, pairs for x and y.
+
+use std::error::Error;
+use std::fmt::Display;
+use std::str::FromStr;
+
+use asperity::quantity::{Compliance, Force, Length, Pressure};
+
+/// Why a value was refused; clap prints it behind the name of the flag.
+pub(crate) type Refusal = Box<dyn Error + Send + Sync>;
+
+/// A quantity as its number in SI.
+pub(crate) trait Si: FromStr<Err: Display> + Display {
+    /// The number in SI.
+    fn si(&self) -> f64;
+}
+
+impl Si for Length {
+    fn si(&self) -> f64 {
+        self.0
+    }
+}
+
+impl Si for Pressure {
+    fn si(&self) -> f64 {
+        self.0
+    }
+}
+
+impl Si for Force {
+    fn si(&self) -> f64 {
+        self.0
+    }
+}
+
+impl Si for Compliance {
+    fn si(&self) -> f64 {
+        self.0
+    }
+}
+
+/// A value along x and, when it differs, along y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum OneOrTwo<T> {
+    /// One value, `X`.
+    One(T),
+    /// Two values, `X,Y`.
+    Two(T, T),
+}
+
+impl<T: Copy> OneOrTwo<T> {
+    /// The values as given.
+    pub(crate) fn given(self) -> Vec<T> {
+        match self {
+            Self::One(x) => vec![x],
+            Self::Two(x, y) => vec![x, y],
+        }
+    }
+
+    /// (x, y), one value standing for both.
+    pub(crate) fn both(self) -> (T, T) {
+        match self {
+            Self::One(x) => (x, x),
+            Self::Two(x, y) => (x, y),
+        }
+    }
+}
+
+fn quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
+    text.parse().map_err(|e: Q::Err| e.to_string().into())
+}
+
+/// A quantity above zero.
+pub(crate) fn positive_quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
+    let value: Q = quantity(text)?;
+    if value.si() > 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must be above 0").into()) }
+}
+
+/// A quantity of zero or more.
+pub(crate) fn non_negative_quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
+    let value: Q = quantity(text)?;
+    if value.si() >= 0.0 { Ok(value) } else { Err(format!("{value} is out of range: it must not be negative").into()) }
+}
+
+/// `Q` or `Q,Q`, each above zero.
+pub(crate) fn quantity_pair<Q: Si>(text: &str) -> Result<OneOrTwo<Q>, Refusal> {
+    pair(text, positive_quantity)
+}
+
+/// `N` or `N,N`, each at least 1.
+pub(crate) fn count_pair(text: &str) -> Result<OneOrTwo<usize>, Refusal> {
+    pair(text, count)
+}
+
+fn pair<T>(text: &str, parse: impl Fn(&str) -> Result<T, Refusal>) -> Result<OneOrTwo<T>, Refusal> {
+    let parts: Vec<&str> = text.split(',').collect();
+    match parts.as_slice() {
+        [one] => Ok(OneOrTwo::One(parse(one)?)),
+        [x, y] => Ok(OneOrTwo::Two(parse(x)?, parse(y)?)),
+        _ => Err(format!("{} values were given; write one, or two as X,Y", parts.len()).into()),
+    }
+}
+
+/// A whole number of at least 1.
+pub(crate) fn count(text: &str) -> Result<usize, Refusal> {
+    match text.trim().parse() {
+        Ok(0) => Err("0 is out of range: it must be at least 1".into()),
+        Ok(n) => Ok(n),
+        Err(_) => Err("it must be a whole number of at least 1".into()),
+    }
+}
+
+fn finite(text: &str) -> Result<f64, Refusal> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        Ok(x) => Err(format!("{x} is not a finite number").into()),
+        Err(_) => Err("it is dimensionless and must be a plain number".into()),
+    }
+}
+
+/// A finite dimensionless number.
+pub(crate) fn number(text: &str) -> Result<f64, Refusal> {
+    finite(text)
+}
+
+/// A dimensionless number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, Refusal> {
+    within(finite(text)?, |x| x > 0.0, "it must be above 0")
+}
+
+/// A dimensionless number of zero or more.
+pub(crate) fn non_negative(text: &str) -> Result<f64, Refusal> {
+    within(finite(text)?, |x| x >= 0.0, "it must not be negative")
+}
+
+/// A percentage, 0 to 100.
+pub(crate) fn percent(text: &str) -> Result<f64, Refusal> {
+    within(finite(text)?, |x| (0.0..=100.0).contains(&x), "it must lie between 0 and 100")
+}
+
+/// Poisson's ratio of an isotropic solid, above −1 and at most ½.
+pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
+    within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")
+}
+
+fn within(x: f64, allowed: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, Refusal> {
+    if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {wanted}").into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_value_stands_for_both_and_three_are_refused() {
+        assert_eq!(quantity_pair::<Length>("2um").unwrap().both(), (Length(2e-6), Length(2e-6)));
+        assert_eq!(quantity_pair::<Length>("2 um, 3 um").unwrap(), OneOrTwo::Two(Length(2e-6), Length(3e-6)));
+        assert!(quantity_pair::<Length>("1um,2um,3um").is_err());
+        assert!(quantity_pair::<Length>("1um,").is_err());
+        assert!(quantity_pair::<Length>("1um,-2um").is_err());
+        assert!(count_pair("0").is_err() && count_pair("2.5").is_err());
+    }
+
+    #[test]
+    fn nan_infinity_and_values_out_of_range_are_refused() {
+        for text in ["nan", "NaN", "inf", "-inf", "1e999", "", "one", "0.1um"] {
+            assert!(number(text).is_err(), "{text}");
+        }
+        assert!(positive("0").is_err() && positive("-1").is_err());
+        assert!(non_negative("0").is_ok() && non_negative("-1e-300").is_err());
+        assert!(percent("100").is_ok() && percent("100.1").is_err());
+        assert!(poisson_ratio("0.5").is_ok() && poisson_ratio("0.51").is_err() && poisson_ratio("-1").is_err());
+        assert!(non_negative_quantity::<Length>("-1um").is_err() && non_negative_quantity::<Length>("0um").is_ok());
+        assert!(positive_quantity::<Pressure>("0 Pa").is_err());
+    }
+}

@@ -1,0 +1,184 @@
+//! Contact of a rough surface with a rigid flat.
+
+use std::path::PathBuf;
+
+use asperity::contact::{
+    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, contact_modulus_pa,
+};
+use asperity::map::Grid;
+use asperity::quantity::{Compliance, Force, Length, Pressure};
+use clap::{Args, ValueEnum};
+
+use crate::failure::{Failure, Kind};
+use crate::input::{self, PixelSize};
+use crate::monitor::Terminal;
+use crate::output::{Answer, check_target};
+use crate::{args, npz};
+
+/// Presses a rough surface against a rigid flat.
+#[derive(Debug, Args)]
+pub(crate) struct Contact {
+    /// Measured or generated heights: X3P, SUR, NPY or text.
+    file: PathBuf,
+    #[command(flatten)]
+    pixel_size: PixelSize,
+    /// Young's modulus of the surface.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
+    youngs_modulus: Pressure,
+    /// Poisson's ratio of the surface.
+    #[arg(long, value_name = "X", default_value = "0.3", value_parser = args::poisson_ratio, allow_hyphen_values = true)]
+    poisson_ratio: f64,
+    /// What lies beyond the edge of the map.
+    #[arg(long, value_enum)]
+    boundary: Edge,
+    /// Displacement of the mean plane per mean pressure of a periodic surface; max(L)/(πE*) when left out.
+    #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
+    mean_compliance: Option<Compliance>,
+    #[command(flatten)]
+    press: Press,
+    /// Upper bound of the pressure; elastic when left out.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
+    hardness: Option<Pressure>,
+    /// Bound on the relative residuals.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m.
+    #[arg(long, value_name = "F.npz")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How the surface continues beyond its edge.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Edge {
+    /// A finite patch, unloaded outside.
+    Free,
+    /// The map repeats without end.
+    Periodic,
+}
+
+/// What is prescribed: exactly one of these.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+struct Press {
+    /// Depth of the flat below the highest point.
+    #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Length>, allow_hyphen_values = true)]
+    penetration: Option<Length>,
+    /// Percentage of the undeformed heights above the flat.
+    #[arg(long, value_name = "X", value_parser = args::percent, allow_hyphen_values = true)]
+    percentile: Option<f64>,
+    /// Mean pressure over the whole map.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
+    mean_pressure: Option<Pressure>,
+    /// Total force on the map.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Force>, allow_hyphen_values = true)]
+    load: Option<Force>,
+    /// Mean gap over the whole map.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    mean_gap: Option<Length>,
+}
+
+impl Press {
+    fn control(&self) -> Result<Control, Failure> {
+        let given = [
+            self.penetration.map(|q| Control::Penetration { metre: q.0 }),
+            self.percentile.map(|percent| Control::Percentile { percent }),
+            self.mean_pressure.map(|q| Control::MeanPressure { pascal: q.0 }),
+            self.load.map(|q| Control::Load { newton: q.0 }),
+            self.mean_gap.map(|q| Control::MeanGap { metre: q.0 }),
+        ];
+        given.into_iter().flatten().next().ok_or_else(|| Failure::usage("state how hard the surfaces are pressed"))
+    }
+}
+
+impl Contact {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let control = self.press.control()?;
+        if let Some(out) = &self.out {
+            check_target(out)?;
+        }
+        let map = input::map(&self.file, self.pixel_size)?;
+        let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
+        let boundary = self.boundary(map.grid(), modulus_pa)?;
+        let refused = |e: ContactError| self.refused(&e);
+        let half_space = HalfSpace::new(map.grid(), modulus_pa, boundary).map_err(refused)?;
+        let hardness_pa = self.hardness.map(|q| q.0);
+        let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(refused)?;
+        let mut solver = Solver::default();
+        if let Some(tolerance) = self.tolerance {
+            solver.tolerance = tolerance;
+        }
+        let solution = solver.solve(&problem).map_err(refused)?;
+        monitor.check()?;
+        if let Some(out) = &self.out {
+            npz::write(
+                out,
+                &[
+                    ("pressure_pa", solution.pressure_pa()),
+                    ("displacement_m", solution.displacement_m()),
+                    ("gap_m", &solution.gap_m()),
+                    ("plastic_displacement_m", &solution.plastic_displacement_m()),
+                ],
+            )?;
+        }
+        answer(&solution).print(self.json)?;
+        let why = match solution.stop_reason() {
+            StopReason::Converged => return Ok(()),
+            StopReason::PrecisionLimit => "double precision allows no better",
+            StopReason::IterationLimit => "the iteration limit",
+        };
+        Err(Failure::new(
+            Kind::NotConverged,
+            format!(
+                "not converged after {} iterations ({why}): residual {:.1e}, wanted {:.1e}",
+                solution.iterations(),
+                solution.residual().worst(),
+                solver.tolerance
+            ),
+        ))
+    }
+
+    fn boundary(&self, grid: Grid, modulus_pa: f64) -> Result<Boundary, Failure> {
+        match (self.boundary, self.mean_compliance) {
+            (Edge::Free, None) => Ok(Boundary::Free),
+            (Edge::Free, Some(_)) => {
+                Err(Failure::usage("--mean-compliance belongs to --boundary periodic; a free surface has its own"))
+            }
+            (Edge::Periodic, given) => Ok(Boundary::Periodic {
+                mean_compliance_m_per_pa: given
+                    .map_or_else(|| HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa), |q| q.0),
+            }),
+        }
+    }
+
+    /// A map that cannot be pressed is unusable data; everything else lies in the flags.
+    fn refused(&self, error: &ContactError) -> Failure {
+        match error {
+            ContactError::Flat | ContactError::Missing { .. } => Failure::data(self.file.display(), error),
+            _ => Failure::usage(error),
+        }
+    }
+}
+
+fn answer(solution: &Solution) -> Answer {
+    let mean_compliance_m_per_pa = match solution.boundary() {
+        Boundary::Free => None,
+        Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
+    };
+    Answer::default()
+        .with("contact_fraction", solution.contact_fraction())
+        .with("contact_fraction_corrected", solution.corrected_contact_fraction())
+        .with("plastic_fraction", solution.plastic_fraction())
+        .with("mean_pressure_pa", solution.mean_pressure_pa())
+        .with("load_n", solution.load_n())
+        .with("max_pressure_pa", solution.max_pressure_pa())
+        .with("mean_gap_m", solution.mean_gap_m())
+        .with("separation_m", solution.separation_m())
+        .with("penetration_m", solution.penetration_m())
+        .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa)
+        .with("iterations", solution.iterations())
+        .with("residual", solution.residual().worst())
+        .with("converged", solution.converged())
+}

@@ -1,0 +1,70 @@
+//! A study to begin with.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use crate::failure::{Failure, Kind};
+use crate::monitor::Terminal;
+use crate::output::replace_file;
+
+/// Writes an annotated study file and the scan it needs.
+#[derive(Debug, Args)]
+pub(crate) struct Init {
+    /// Folder to write into; made if it is not there.
+    #[arg(default_value = ".")]
+    dir: PathBuf,
+    /// Which study.
+    #[arg(long, value_enum, default_value = "quickstart")]
+    example: Example,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Example {
+    /// The whole chain on a measured scan, in a minute or two.
+    Quickstart,
+    /// The study of Gaus et al. 2016.
+    Paper,
+}
+
+/// A file of an example: its name and its bytes.
+type Piece = (&'static str, &'static [u8]);
+
+const SCAN: Piece = ("ground_steel.x3p", include_bytes!("../../../../studies/ground_steel.x3p"));
+
+impl Example {
+    fn pieces(self) -> Vec<Piece> {
+        match self {
+            Self::Quickstart => {
+                vec![("quickstart.toml", include_bytes!("../../../../studies/quickstart.toml")), SCAN]
+            }
+            Self::Paper => vec![("paper.toml", include_bytes!("../../../../studies/paper.toml"))],
+        }
+    }
+}
+
+impl Init {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let pieces = self.example.pieces();
+        // Nothing is written unless everything can be: a file that is there may hold someone's work.
+        if let Some((name, _)) = pieces.iter().find(|(name, _)| self.dir.join(name).exists()) {
+            let path = self.dir.join(name);
+            return Err(Failure::usage(format!("{} exists and is left alone; choose another folder", path.display())));
+        }
+        fs::create_dir_all(&self.dir)
+            .map_err(|e| Failure::io(Kind::Runtime, format_args!("cannot make {}", self.dir.display()), &e))?;
+        for (name, bytes) in &pieces {
+            replace_file(&self.dir.join(name), |file| std::io::Write::write_all(file, bytes))?;
+            monitor.note(&format!("wrote {}", self.dir.join(name).display()));
+        }
+        let study = self.dir.join(pieces[0].0);
+        monitor.note(&format!("next: asperity run {}", shown(&study)));
+        Ok(())
+    }
+}
+
+/// A path without a leading `./`.
+fn shown(path: &Path) -> String {
+    path.strip_prefix(".").unwrap_or(path).display().to_string()
+}

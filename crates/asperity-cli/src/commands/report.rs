@@ -1,0 +1,34 @@
+//! The report of a finished run, rendered again.
+
+use std::path::PathBuf;
+
+use asperity::study::StoredRun;
+use clap::Args;
+
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::page::{name_of, rendered, store_failure};
+
+/// Renders report.html and figures/ again from the numbers of a finished run; computes nothing anew.
+#[derive(Debug, Args)]
+pub(crate) struct Report {
+    /// Folder of a finished run.
+    dir: PathBuf,
+}
+
+impl Report {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let run = StoredRun::load(&self.dir).map_err(|e| store_failure(&e))?;
+        let report = rendered(&run, &name_of(&self.dir))?;
+        monitor.check()?;
+        let replace = |relative: &str, text: &str| {
+            StoredRun::replace(&self.dir, relative, text.as_bytes()).map_err(|e| store_failure(&e))
+        };
+        for figure in &report.figures {
+            replace(&format!("figures/{}.svg", figure.name), &figure.svg)?;
+        }
+        replace("report.html", &report.html)?;
+        monitor.note(&format!("wrote {}", self.dir.join("report.html").display()));
+        Ok(())
+    }
+}

@@ -1,0 +1,56 @@
+//! From one file format to another.
+
+use std::path::PathBuf;
+
+use asperity_formats::{Format, FormatError};
+use clap::Args;
+
+use crate::failure::{Failure, Kind, chain};
+use crate::input::{self, PixelSize};
+use crate::monitor::Terminal;
+use crate::output::{check_target, warn};
+
+/// Rewrites a file; missing points stay missing.
+#[derive(Debug, Args)]
+pub(crate) struct Convert {
+    /// File to read: X3P, SUR, NPY or text, known by its content.
+    input: PathBuf,
+    /// File to write: .x3p, .npy, .txt, .dat or .csv.
+    output: PathBuf,
+    #[command(flatten)]
+    pixel_size: PixelSize,
+}
+
+impl Convert {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        check_target(&self.output)?;
+        let scan = input::scan(&self.input, self.pixel_size)?;
+        asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
+        let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if let (Some((dx_m, dy_m)), Some(format)) = (scan.pitch_m, Format::from_extension(&extension))
+            && !format.stores_pitch()
+        {
+            let (output, name) = (self.output.display(), format.name());
+            warn(&format!("{output}: {name} has no place for the pixel size, {dx_m:?} × {dy_m:?} m; note it"));
+        }
+        let (ny, nx) = scan.heights_m.dim();
+        let missing = scan.missing_points();
+        monitor.note(&format!("wrote {}: {nx} × {ny} points, {missing} missing", self.output.display()));
+        Ok(())
+    }
+}
+
+fn refused(error: &FormatError) -> Failure {
+    let cause = match error {
+        FormatError::File { error, .. } => error,
+        other => other,
+    };
+    match cause {
+        FormatError::UnknownExtension { .. } | FormatError::NoPitch { .. } => Failure::usage(chain(error)),
+        FormatError::Io { path, source } => {
+            Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), source)
+        }
+        FormatError::NotStorable { .. } => Failure::new(Kind::Data, chain(error)),
+        _ => Failure::new(Kind::Runtime, chain(error)),
+    }
+}

@@ -1,0 +1,92 @@
+//! The Karhunen–Loève spectrum of a covariance.
+
+use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::quantity::Length;
+use asperity::surface::{GeneratorError, ModesRoute, modes};
+use clap::{Args, ValueEnum};
+
+use crate::args::{self, OneOrTwo};
+use crate::failure::{Failure, Kind};
+use crate::monitor::Terminal;
+use crate::output::Answer;
+
+/// Computes eigenvalues of a correlation on an interval (one size) or a rectangle (two).
+#[derive(Debug, Args)]
+pub(crate) struct Modes {
+    /// Shape of the correlation.
+    #[arg(long, value_enum)]
+    covariance: Model,
+    /// Smoothness ν of the Matérn model.
+    #[arg(long, value_name = "X", default_value = "1.5", value_parser = args::positive, allow_hyphen_values = true)]
+    smoothness: f64,
+    /// Correlation length, along x and y.
+    #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
+    correlation_length: OneOrTwo<Length>,
+    /// Length of the interval, or size of the rectangle along x and y.
+    #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
+    size: OneOrTwo<Length>,
+    /// Points, along x and y.
+    #[arg(long, value_name = "N[,N]", value_parser = args::count_pair, allow_hyphen_values = true)]
+    points: OneOrTwo<usize>,
+    /// Number of modes.
+    #[arg(long, value_name = "M", value_parser = args::count, allow_hyphen_values = true)]
+    modes: usize,
+    /// Of which covariance the modes of a rectangle are.
+    #[arg(long, value_enum, default_value = "separable")]
+    route: Route,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Model {
+    /// ρ = e^{−r/ℓ}.
+    Exponential,
+    /// ρ = e^{−r²/ℓ²}.
+    SquaredExponential,
+    /// Matérn, with --smoothness.
+    Matern,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Route {
+    /// The product of the profiles along x and y.
+    Separable,
+    /// The covariance as it stands.
+    General,
+    /// The covariance wrapped onto a periodic map.
+    Periodic,
+}
+
+impl Modes {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let model = match self.covariance {
+            Model::Exponential => CorrelationModel::Exponential,
+            Model::SquaredExponential => CorrelationModel::SquaredExponential,
+            Model::Matern => CorrelationModel::Matern { nu: self.smoothness },
+        };
+        let route = match self.route {
+            Route::Separable => ModesRoute::Separable,
+            Route::General => ModesRoute::General,
+            Route::Periodic => ModesRoute::Periodic,
+        };
+        let (length_x, length_y) = self.correlation_length.both();
+        let covariance = Covariance::new(model, 1.0, length_x.0, length_y.0).map_err(Failure::usage)?;
+        let sizes_m: Vec<f64> = self.size.given().into_iter().map(|size| size.0).collect();
+        let found = modes(&covariance, &sizes_m, &self.points.given(), self.modes, route).map_err(|e| refused(&e))?;
+        monitor.check()?;
+        Answer::default()
+            .with("eigenvalues", found.eigenvalues)
+            .with("captured_variance", found.captured_variance)
+            .print(self.json)
+    }
+}
+
+fn refused(error: &GeneratorError) -> Failure {
+    match error {
+        GeneratorError::NotConverged { .. } => Failure::new(Kind::NotConverged, error.to_string()),
+        _ => Failure::usage(error),
+    }
+}

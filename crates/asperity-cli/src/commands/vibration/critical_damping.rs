@@ -1,0 +1,41 @@
+//! The damping at which stick-slip ends.
+
+use asperity::vibration::critical_damping;
+use clap::Args;
+
+use super::{Machine, refused};
+use crate::args;
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::{Answer, warn};
+
+/// Finds the damping ratio above which no limit cycle exists, and the one above which steady sliding is stable.
+#[derive(Debug, Args)]
+pub(crate) struct CriticalDamping {
+    #[command(flatten)]
+    machine: Machine,
+    /// Not needed: the damping ratio is what is sought.
+    #[arg(long, hide = true, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
+    damping_ratio: Option<f64>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl CriticalDamping {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        if self.damping_ratio.is_some() {
+            warn("--damping-ratio is left aside: the damping ratio is what is sought");
+        }
+        if self.machine.forcing.is_some() {
+            warn("the forcing is left aside: the damping ratios are those of the unforced machine");
+        }
+        let oscillator = self.machine.oscillator(0.0)?;
+        let critical = critical_damping(&oscillator).map_err(|e| refused(&e))?;
+        monitor.check()?;
+        Answer::default()
+            .with("critical_damping_ratio", critical.critical_damping_ratio)
+            .with("hopf_damping_ratio", critical.hopf_damping_ratio)
+            .print(self.json)
+    }
+}

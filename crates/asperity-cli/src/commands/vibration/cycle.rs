@@ -1,0 +1,44 @@
+//! The stick-slip limit cycle.
+
+use asperity::vibration::{Regime, limit_cycle};
+use clap::Args;
+
+use super::{Damping, Machine, refused};
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::Answer;
+
+/// Finds the limit cycle; that there is none is an answer too.
+#[derive(Debug, Args)]
+pub(crate) struct Cycle {
+    #[command(flatten)]
+    machine: Machine,
+    #[command(flatten)]
+    damping: Damping,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Cycle {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let regime = limit_cycle(&oscillator).map_err(|e| refused(&e))?;
+        monitor.check()?;
+        match regime {
+            Regime::Cycle(_) => {}
+            Regime::Sliding => monitor.note("no limit cycle: the mass slides for ever"),
+            Regime::Irregular => monitor.note("no limit cycle: the forced motion does not repeat itself"),
+        }
+        let cycle = regime.cycle();
+        Answer::default()
+            .with("limit_cycle", cycle.is_some())
+            .with("period", cycle.map(|c| c.period))
+            .with("slip_duration", cycle.map(|c| c.slip_duration))
+            .with("reattachment_displacement", cycle.map(|c| c.reattachment_displacement))
+            .with("displacement_min", cycle.map(|c| c.displacement_min))
+            .with("displacement_max", cycle.map(|c| c.displacement_max))
+            .with("velocity_min", cycle.map(|c| c.velocity_min))
+            .print(self.json)
+    }
+}

@@ -1,0 +1,103 @@
+//! Why a command ended early, and the exit code that says so.
+
+use std::error::Error;
+use std::fmt;
+use std::io;
+
+use asperity::monitor::Cancelled;
+
+/// The kind of an early end; its number is the exit code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Something went wrong while running, for example a file could not be written.
+    Runtime,
+    /// A flag, key, unit or value is wrong.
+    Usage,
+    /// Input data is missing, corrupt or unusable.
+    Data,
+    /// The computation did not converge, or too few samples are valid. The answer was printed all the same.
+    NotConverged,
+    /// Memory, disk or threads ran out.
+    Resources,
+    /// Stopped by the user.
+    Cancelled,
+}
+
+impl Kind {
+    /// The exit code of the program.
+    pub(crate) fn exit_code(self) -> u8 {
+        match self {
+            Self::Runtime => 1,
+            Self::Usage => 2,
+            Self::Data => 3,
+            Self::NotConverged => 4,
+            Self::Resources => 5,
+            Self::Cancelled => 130,
+        }
+    }
+}
+
+/// An early end: its kind and one message for the user.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    kind: Kind,
+    message: String,
+}
+
+impl Failure {
+    pub(crate) fn new(kind: Kind, message: impl Into<String>) -> Self {
+        Self { kind, message: message.into() }
+    }
+
+    /// A wrong flag, key or value.
+    pub(crate) fn usage(cause: impl fmt::Display) -> Self {
+        Self::new(Kind::Usage, cause.to_string())
+    }
+
+    /// Unusable data of the file or object `what`.
+    pub(crate) fn data(what: impl fmt::Display, cause: &dyn Error) -> Self {
+        Self::new(Kind::Data, format!("{what}: {}", chain(cause)))
+    }
+
+    /// A failed read or write of `what`. A full disk is a lack of resources, a missing input is a lack of data.
+    pub(crate) fn io(kind: Kind, what: impl fmt::Display, cause: &io::Error) -> Self {
+        let kind = match cause.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::OutOfMemory => Kind::Resources,
+            _ => kind,
+        };
+        Self::new(kind, format!("{what}: {cause}"))
+    }
+
+    pub(crate) fn kind(&self) -> Kind {
+        self.kind
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind {
+            Kind::Cancelled => write!(f, "{}", self.message),
+            _ => write!(f, "error: {}", self.message),
+        }
+    }
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::new(Kind::Cancelled, "cancelled; nothing was written")
+    }
+}
+
+/// The message of an error and of its causes, each once.
+pub(crate) fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let more = inner.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = inner.source();
+    }
+    text
+}

@@ -1,0 +1,219 @@
+//! What a command says: an answer as JSON or as a table on stdout, talk on stderr, files replaced in one step.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+use crate::failure::{Failure, Kind};
+
+/// Writes one message to stderr. A closed stderr is nobody's concern.
+pub(crate) fn talk(message: &str) {
+    let _ = writeln!(io::stderr().lock(), "{message}");
+}
+
+/// Writes a warning to stderr.
+pub(crate) fn warn(message: &str) {
+    talk(&format!("warning: {message}"));
+}
+
+/// Results in the order in which they are shown. Keys end with their SI unit; an undefined number is null.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Answer(Vec<(String, Value)>);
+
+impl Answer {
+    /// Adds one result.
+    pub(crate) fn with(mut self, key: &str, value: impl Into<Value>) -> Self {
+        self.0.push((key.to_owned(), value.into()));
+        self
+    }
+
+    /// Prints the answer to stdout: one JSON object, or an aligned table with units.
+    pub(crate) fn print(&self, json: bool) -> Result<(), Failure> {
+        let text = if json {
+            let object = serde_json::to_string(self).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            format!("{object}\n")
+        } else {
+            self.table()
+        };
+        print(&text)
+    }
+
+    fn table(&self) -> String {
+        let rows: Vec<(String, String)> = self.0.iter().map(|(key, value)| row(key, value)).collect();
+        let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+        rows.iter().fold(String::new(), |mut text, (label, value)| {
+            let _ = writeln!(text, "{label:width$}  {value}");
+            text
+        })
+    }
+}
+
+impl Serialize for Answer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(key, value)| (key, value)))
+    }
+}
+
+/// Writes text to stdout. A reader that has gone away (`| head`) is no error.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::io(Kind::Runtime, "stdout", &e)),
+        _ => Ok(()),
+    }
+}
+
+/// Units by the ending of a key, longest first, and whether they take prefixes (µm, MPa).
+const UNITS: &[(&str, &str, bool)] =
+    &[("_m_per_pa", "m/Pa", false), ("_pa", "Pa", true), ("_m", "m", true), ("_n", "N", true)];
+
+fn row(key: &str, value: &Value) -> (String, String) {
+    let (name, unit, prefixed) = UNITS
+        .iter()
+        .find_map(|(ending, unit, prefixed)| Some((key.strip_suffix(ending)?, *unit, *prefixed)))
+        .unwrap_or((key, "", false));
+    (name.replace('_', " "), shown(value, unit, prefixed))
+}
+
+fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
+    match value {
+        Value::Null => "undefined".to_owned(),
+        Value::Bool(true) => "yes".to_owned(),
+        Value::Bool(false) => "no".to_owned(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => {
+            let x = number.as_f64().unwrap_or(f64::NAN);
+            let (scaled, prefix) = if prefixed { with_prefix(x) } else { (x, "") };
+            let separator = if unit.is_empty() { "" } else { " " };
+            format!("{}{separator}{prefix}{unit}", six_digits(scaled))
+        }
+        Value::Number(number) => format!("{number} {unit}").trim_end().to_owned(),
+        // A list takes one line per element; the elements of a list within a list stand in columns.
+        Value::Array(items) => items.iter().fold(format!("{} values", items.len()), |text, item| match item {
+            Value::Array(parts) => {
+                let columns: Vec<String> = parts.iter().map(|part| format!("{:>12}", shown(part, "", false))).collect();
+                format!("{text}\n  {}", columns.join(" "))
+            }
+            item => format!("{text}\n  {:>12}", shown(item, unit, prefixed)),
+        }),
+        Value::Object(_) => value.to_string(),
+    }
+}
+
+/// A number and the prefix of its unit, so that the number lies between 1 and 1000.
+fn with_prefix(x: f64) -> (f64, &'static str) {
+    const PREFIXES: &[(f64, &str)] = &[
+        (1e12, "T"),
+        (1e9, "G"),
+        (1e6, "M"),
+        (1e3, "k"),
+        (1.0, ""),
+        (1e-3, "m"),
+        (1e-6, "µ"),
+        (1e-9, "n"),
+        (1e-12, "p"),
+    ];
+    let found = PREFIXES.iter().find(|(factor, _)| x.abs() >= *factor * (1.0 - 1e-9));
+    found.map_or((x, ""), |(factor, prefix)| (x / factor, *prefix))
+}
+
+fn six_digits(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = x.abs().log10().floor();
+    if !(-4.0..6.0).contains(&exponent) {
+        return format!("{x:.5e}");
+    }
+    let decimals = (5.0 - exponent).max(0.0) as usize;
+    let text = format!("{x:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Refuses a file that could not be written, before anything is computed.
+pub(crate) fn check_target(path: &Path) -> Result<(), Failure> {
+    let refuse = |reason: &str| Err(Failure::usage(format!("--out {}: {reason}", path.display())));
+    if path.is_dir() {
+        return refuse("this is a folder; a file is wanted");
+    }
+    if path.file_name().is_none() {
+        return refuse("this names no file");
+    }
+    if !folder_of(path).is_dir() {
+        return refuse(&format!("the folder {} does not exist", folder_of(path).display()));
+    }
+    Ok(())
+}
+
+/// Replaces a file in one step: whoever reads it sees the old content or the new, never a part.
+pub(crate) fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
+    let temporary = temporary_beside(path);
+    let written = File::create(&temporary).and_then(|mut file| {
+        write(&mut file)?;
+        file.sync_all()
+    });
+    written.and_then(|()| fs::rename(&temporary, path)).map_err(|e| {
+        let _ = fs::remove_file(&temporary);
+        Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), &e)
+    })
+}
+
+fn temporary_beside(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_undefined_number_is_null_in_json_and_a_word_in_the_table() {
+        let answer = Answer::default().with("period", f64::NAN).with("limit_cycle", false);
+        assert_eq!(serde_json::to_string(&answer).unwrap(), r#"{"period":null,"limit_cycle":false}"#);
+        assert_eq!(answer.table(), "period       undefined\nlimit cycle  no\n");
+    }
+
+    #[test]
+    fn keys_keep_their_order_and_numbers_their_bits() {
+        let answer = Answer::default().with("b", 0.1 + 0.2).with("a", 6.372_163_483_739_709);
+        assert_eq!(serde_json::to_string(&answer).unwrap(), r#"{"b":0.30000000000000004,"a":6.372163483739709}"#);
+    }
+
+    #[test]
+    fn the_table_shows_units_with_prefixes() {
+        let show = |key, x: f64| row(key, &Value::from(x));
+        assert_eq!(show("Sq_m", 1.25e-6), ("Sq".into(), "1.25 µm".into()));
+        assert_eq!(show("mean_pressure_pa", 20e6), ("mean pressure".into(), "20 MPa".into()));
+        assert_eq!(show("load_n", -2500.0), ("load".into(), "-2.5 kN".into()));
+        assert_eq!(show("mean_compliance_m_per_pa", 5e-15), ("mean compliance".into(), "5.00000e-15 m/Pa".into()));
+        assert_eq!(show("gap_m", 0.0), ("gap".into(), "0 m".into()));
+        assert_eq!(show("Ssk", -1.0 / 3.0), ("Ssk".into(), "-0.333333".into()));
+        assert_eq!(row("nx", &Value::from(128)), ("nx".into(), "128".into()));
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.npz");
+        replace_file(&path, |file| file.write_all(b"old")).unwrap();
+        let failed = replace_file(&path, |file| {
+            file.write_all(b"half of the n")?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        assert_eq!(failed.unwrap_err().kind(), Kind::Resources);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

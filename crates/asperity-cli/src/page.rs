@@ -1,0 +1,81 @@
+//! From a run to its report: the library's results in the shape that the report reads.
+
+use std::path::Path;
+
+use asperity::study::{StoreError, StoredRun};
+use asperity_report::{Field, Input, Report, Run, Table, render};
+
+use crate::failure::{Failure, Kind, chain};
+
+/// Renders the report of a run; `name` is that of its folder.
+pub(crate) fn rendered(run: &StoredRun, name: &str) -> Result<Report, Failure> {
+    let assumptions = run.results["assumptions"].as_array().map_or_else(Vec::new, |sentences| {
+        sentences.iter().filter_map(|sentence| sentence.as_str().map(str::to_owned)).collect()
+    });
+    let tables = run.tables.iter().map(|(name, table)| (name.clone(), Table { columns: table.columns().to_vec() }));
+    let fields = run.fields.iter().map(|(name, field)| {
+        let (ny, nx) = field.values.dim();
+        let values = field.values.iter().copied().collect();
+        (name.clone(), Field { nx, ny, dx_m: field.dx_m, dy_m: field.dy_m, values })
+    });
+    render(&Run {
+        name: name.to_owned(),
+        results: run.results.clone(),
+        tables: tables.collect(),
+        fields: fields.collect(),
+        inputs: inputs(&run.study),
+        assumptions,
+        provenance: run.provenance.clone(),
+    })
+    .map_err(|e| Failure::new(Kind::Runtime, format!("the report could not be rendered: {}", chain(&e))))
+}
+
+/// Every key of a study with its value as it stands in the file, by section.
+fn inputs(study: &str) -> Vec<Input> {
+    let Ok(document) = study.parse::<toml::Table>() else { return Vec::new() };
+    let input = |section: &str, key: &str, value: &toml::Value| Input {
+        section: section.to_owned(),
+        key: key.to_owned(),
+        value: match value {
+            toml::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        },
+    };
+    let (sections, plain): (Vec<_>, Vec<_>) = document.iter().partition(|(_, value)| value.is_table());
+    let top = plain.into_iter().map(|(key, value)| input("study", key, value));
+    let below = sections.into_iter().flat_map(|(section, value)| {
+        value.as_table().into_iter().flatten().map(move |(key, value)| input(section, key, value))
+    });
+    top.chain(below).collect()
+}
+
+/// The name of a folder, for titles.
+pub(crate) fn name_of(dir: &Path) -> String {
+    let resolved = dir.canonicalize().unwrap_or_else(|_| dir.to_owned());
+    resolved.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// A run folder that cannot be read is unusable data; one that cannot be written is a runtime error.
+pub(crate) fn store_failure(error: &StoreError) -> Failure {
+    match error {
+        StoreError::NotEmpty { .. } => Failure::usage(error),
+        StoreError::NotARun { .. } | StoreError::Corrupt { .. } => Failure::new(Kind::Data, error.to_string()),
+        StoreError::Io { path, source } => Failure::io(Kind::Runtime, path.display(), source),
+        StoreError::Table(_) | StoreError::Json(_) => Failure::new(Kind::Runtime, chain(error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_keep_their_section_and_unit() {
+        let found = inputs("seed = 7\n[pressure]\nsize = [\"200 um\", \"100 um\"]\npercentile = 50.0\n");
+        let as_text: Vec<String> = found.iter().map(|i| format!("{}.{} = {}", i.section, i.key, i.value)).collect();
+        assert_eq!(
+            as_text,
+            ["study.seed = 7", "pressure.percentile = 50.0", "pressure.size = [\"200 um\", \"100 um\"]"]
+        );
+    }
+}

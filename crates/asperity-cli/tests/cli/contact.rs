@@ -1,0 +1,201 @@
+//! `asperity contact`: keys, exit codes, known numbers, and what ends up on disk.
+
+use std::f64::consts::{PI, TAU};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use crate::support::{Ended, asperity_in, close, keys, listing, npy, number};
+use asperity_formats::read_bytes;
+use ndarray::Array2;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const KEYS: [&str; 13] = [
+    "contact_fraction",
+    "contact_fraction_corrected",
+    "converged",
+    "iterations",
+    "load_n",
+    "max_pressure_pa",
+    "mean_compliance_m_per_pa",
+    "mean_gap_m",
+    "mean_pressure_pa",
+    "penetration_m",
+    "plastic_fraction",
+    "residual",
+    "separation_m",
+];
+
+/// One wave of 1 µm amplitude over 256 points of 1 µm along x.
+fn wave() -> Array2<f64> {
+    Array2::from_shape_fn((4, 256), |(_, column)| 1e-6 * (TAU * (column as f64 + 0.5) / 256.0).cos())
+}
+
+/// A bowl of sums of waves, different in both directions.
+fn rough() -> Array2<f64> {
+    Array2::from_shape_fn((24, 32), |(row, column)| {
+        let (x, y) = (column as f64 / 32.0, row as f64 / 24.0);
+        1e-7 * ((TAU * x).sin() + (2.0 * TAU * y).cos() + 0.7 * (3.0 * TAU * (x + y)).sin())
+    })
+}
+
+fn folder_with(heights_m: Array2<f64>) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "map.npy", heights_m);
+    folder
+}
+
+fn press(folder: &Path, line: &str) -> Ended {
+    let line = format!("contact map.npy --pixel-size 1um {line}");
+    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+}
+
+#[test]
+fn a_quarter_of_the_full_contact_pressure_flattens_a_third_of_a_wave() {
+    let folder = folder_with(wave());
+    // ν = 0 makes E* = E = 1 GPa; p* = πE*h/λ; Westergaard: p̄/p* = sin²(πa/λ).
+    let mean_pressure_pa = 0.25 * PI * 1e9 * 1e-6 / 256e-6;
+    let line = format!(
+        "--youngs-modulus 1GPa --poisson-ratio 0 --boundary periodic --mean-pressure {mean_pressure_pa}Pa --json"
+    );
+    let json = press(folder.path(), &line).json(0);
+    assert_eq!(keys(&json), KEYS);
+    close(number(&json, "mean_pressure_pa"), mean_pressure_pa, 1e-7);
+    close(number(&json, "load_n"), mean_pressure_pa * 4.0 * 256.0 * 1e-12, 1e-7);
+    // Two edges, each known to one cell; the pressure maximum 2√(p̄p*) and the gap to first order in 1/256.
+    assert!((number(&json, "contact_fraction") - 1.0 / 3.0).abs() <= 2.0 / 256.0);
+    close(number(&json, "max_pressure_pa"), 4.0 * mean_pressure_pa, 0.01);
+    close(number(&json, "mean_gap_m"), 0.403_426_409_7e-6, 0.01);
+    close(number(&json, "mean_compliance_m_per_pa"), 256e-6 / (PI * 1e9), 1e-12);
+    assert_eq!(json["converged"], Value::Bool(true));
+    assert!(number(&json, "residual") <= 1e-8);
+    assert_eq!(number(&json, "plastic_fraction"), 0.0);
+}
+
+#[test]
+fn the_controls_agree_on_one_solution() {
+    let folder = folder_with(rough());
+    let base = "--youngs-modulus 210GPa --boundary free --tolerance 1e-10 --json";
+    let first = press(folder.path(), &format!("{base} --percentile 30")).json(0);
+    assert_eq!(first["mean_compliance_m_per_pa"], Value::Null);
+    for (control, key, unit) in [
+        ("--penetration", "penetration_m", "m"),
+        ("--mean-pressure", "mean_pressure_pa", "Pa"),
+        ("--load", "load_n", "N"),
+        ("--mean-gap", "mean_gap_m", "m"),
+    ] {
+        let value = number(&first, key);
+        let again = press(folder.path(), &format!("{base} {control} {value:e}{unit}")).json(0);
+        for key in ["mean_pressure_pa", "penetration_m", "mean_gap_m", "max_pressure_pa"] {
+            close(number(&again, key), number(&first, key), 1e-6);
+        }
+    }
+}
+
+#[test]
+fn the_archive_holds_the_fields_of_the_answer_and_replaces_the_old_one() {
+    let folder = folder_with(rough());
+    fs::write(folder.path().join("fields.npz"), "old").unwrap();
+    let line = "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --out fields.npz --json";
+    let json = press(folder.path(), line).json(0);
+    assert_eq!(listing(folder.path()), ["fields.npz", "map.npy"]);
+    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
+    let mut field = |name: &str| {
+        let mut bytes = Vec::new();
+        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+        read_bytes(&bytes).unwrap().heights_m
+    };
+    let (pressure_pa, gap_m) = (field("pressure_pa"), field("gap_m"));
+    let (displacement_m, plastic_m) = (field("displacement_m"), field("plastic_displacement_m"));
+    assert_eq!(pressure_pa.dim(), (24, 32));
+    close(pressure_pa.mean().unwrap(), number(&json, "mean_pressure_pa"), 1e-12);
+    close(gap_m.mean().unwrap(), number(&json, "mean_gap_m"), 1e-12);
+    // g = u + u_pl − z + plane, to the residual; the plane lies at mean z + separation.
+    let heights = rough();
+    let plane_m = heights.mean().unwrap() + number(&json, "separation_m");
+    for ((index, z), gap) in heights.indexed_iter().zip(&gap_m) {
+        let closed = displacement_m[index] + plastic_m[index] - z + plane_m;
+        assert!((closed - gap).abs() < 1e-6 * 1e-7, "{closed} is not {gap} at {index:?}");
+        assert!(plastic_m[index] == 0.0 || pressure_pa[index] == 2e9);
+    }
+    let plastic = pressure_pa.iter().filter(|p| **p == 2e9).count() as f64 / (24.0 * 32.0);
+    assert!(plastic > 0.0);
+    close(plastic, number(&json, "plastic_fraction"), 1e-12);
+}
+
+#[test]
+fn equal_commands_give_equal_bytes_for_any_number_of_threads() {
+    let folder = folder_with(rough());
+    let run = |threads: &str, out: &str| {
+        let line = format!(
+            "--threads {threads} --youngs-modulus 210GPa --boundary periodic --percentile 20 --out {out} --json"
+        );
+        (press(folder.path(), &line).stdout, fs::read(folder.path().join(out)).unwrap())
+    };
+    assert_eq!(run("1", "a.npz"), run("2", "b.npz"));
+}
+
+#[test]
+fn an_unreachable_tolerance_is_not_converged_and_says_so_in_json() {
+    let folder = folder_with(rough());
+    let ended =
+        press(folder.path(), "--youngs-modulus 210GPa --boundary free --percentile 50 --tolerance 1e-30 --json");
+    let json = ended.json(4);
+    assert_eq!(keys(&json), KEYS);
+    assert_eq!(json["converged"], Value::Bool(false));
+    assert!(number(&json, "residual") > 1e-30);
+    assert!(ended.stderr.contains("not converged") && ended.stderr.contains("1.0e-30"), "{ended:?}");
+}
+
+#[test]
+fn values_out_of_range_are_usage_errors_that_name_the_flag() {
+    let folder = folder_with(rough());
+    let base = "--youngs-modulus 210GPa --boundary free";
+    for (line, words) in [
+        (format!("{base} --penetration -1um"), vec!["--penetration", "must not be negative"]),
+        (format!("{base} --percentile 101"), vec!["--percentile", "101"]),
+        (format!("{base} --percentile nan"), vec!["--percentile"]),
+        (format!("{base} --mean-pressure 20"), vec!["--mean-pressure", "no unit"]),
+        (format!("{base} --mean-pressure 20um"), vec!["--mean-pressure", "`um` is not a unit of pressure"]),
+        (format!("{base} --load 0N"), vec!["--load", "above 0"]),
+        (format!("{base} --mean-gap 0um"), vec!["--mean-gap", "above 0"]),
+        (format!("{base} --percentile 5 --hardness 0Pa"), vec!["--hardness"]),
+        (format!("{base} --percentile 5 --tolerance 0"), vec!["--tolerance"]),
+        (format!("{base} --percentile 5 --poisson-ratio 0.6"), vec!["--poisson-ratio", "0.5"]),
+        (format!("{base} --percentile 5 --mean-compliance 1e-15m/Pa"), vec!["--mean-compliance", "periodic"]),
+        (format!("{base} --percentile 5 --load 1N"), vec!["cannot be used with"]),
+        (base.to_owned(), vec!["--penetration", "--percentile", "--mean-pressure", "--load", "--mean-gap"]),
+        ("--youngs-modulus -1GPa --boundary free --percentile 5".into(), vec!["--youngs-modulus"]),
+        ("--youngs-modulus 1GPa --boundary fre --percentile 5".into(), vec!["--boundary", "free", "periodic"]),
+        ("--boundary free --percentile 5".into(), vec!["--youngs-modulus"]),
+        ("--youngs-modulu 1GPa --boundary free --percentile 5".into(), vec!["--youngs-modulus"]),
+        (
+            "--youngs-modulus 1GPa --boundary periodic --percentile 5 --mean-compliance 0m/Pa".into(),
+            vec!["mean compliance"],
+        ),
+        (format!("{base} --mean-pressure 3GPa --hardness 2GPa"), vec!["hardness"]),
+        (format!("{base} --percentile 5 --out nowhere/f.npz"), vec!["--out", "nowhere"]),
+        (format!("{base} --percentile 5 --out ."), vec!["--out", "folder"]),
+    ] {
+        press(folder.path(), &format!("{line} --json")).refuses(2, &words);
+    }
+    assert_eq!(listing(folder.path()), ["map.npy"]);
+}
+
+#[test]
+fn a_map_that_cannot_be_pressed_is_unusable_data() {
+    let mut holed = rough();
+    holed[[3, 4]] = f64::NAN;
+    for (heights_m, words) in [
+        (holed, vec!["map.npy", "1 of 768", "complete"]),
+        (Array2::from_elem((8, 8), 2e-6), vec!["map.npy", "no roughness"]),
+        (Array2::from_elem((1, 1), 0.0), vec!["map.npy", "1 × 1"]),
+        (Array2::from_elem((4, 4), f64::NAN), vec!["map.npy", "all 16"]),
+    ] {
+        let folder = folder_with(heights_m);
+        press(folder.path(), "--youngs-modulus 210GPa --boundary free --percentile 50 --out f.npz --json")
+            .refuses(3, &words);
+        assert_eq!(listing(folder.path()), ["map.npy"]);
+    }
+}

@@ -1,0 +1,9 @@
+//! The program from outside: what it prints, how it ends, what it leaves on disk.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot run the program has failed")]
+
+mod contact;
+mod support;
+mod surface;
+mod usage;
+mod vibration;

@@ -1,0 +1,89 @@
+//! Runs the real program and reads what it says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use asperity_formats::{Scan, write_npy};
+use ndarray::Array2;
+use serde_json::Value;
+
+/// How the program ended and what it said.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+/// Runs `asperity` with the given arguments in the folder `at`.
+pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
+    let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(arguments.iter().map(AsRef::as_ref))
+        .current_dir(at)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    Ended {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Runs `asperity` with one line of arguments, separated by spaces.
+pub(crate) fn asperity(line: &str) -> Ended {
+    asperity_in(Path::new("."), &line.split_whitespace().collect::<Vec<_>>())
+}
+
+impl Ended {
+    /// The JSON object on stdout of a run that ended with `code`.
+    pub(crate) fn json(&self, code: i32) -> Value {
+        assert_eq!(self.code, code, "{self:?}");
+        let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {self:?}"));
+        assert!(value.is_object(), "{self:?}");
+        value
+    }
+
+    /// Asserts the exit code, an empty stdout, no sign of a panic, and that the message names all `words`.
+    pub(crate) fn refuses(&self, code: i32, words: &[&str]) {
+        assert_eq!(self.code, code, "{self:?}");
+        assert!(self.stdout.is_empty(), "stdout must stay empty: {self:?}");
+        for word in words {
+            assert!(self.stderr.contains(word), "`{word}` is missing: {self:?}");
+        }
+        for word in ["panicked", "RUST_BACKTRACE", "defect", "Err(", "Some("] {
+            assert!(!self.stderr.contains(word), "`{word}` in the message: {self:?}");
+        }
+    }
+}
+
+/// A number of a JSON object.
+pub(crate) fn number(json: &Value, key: &str) -> f64 {
+    json[key].as_f64().unwrap_or_else(|| panic!("`{key}` is no number in {json}"))
+}
+
+/// The keys of a JSON object, in alphabetical order.
+pub(crate) fn keys(json: &Value) -> Vec<&str> {
+    json.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+/// Asserts that two numbers agree relatively.
+pub(crate) fn close(found: f64, wanted: f64, tolerance: f64) {
+    assert!((found - wanted).abs() <= tolerance * wanted.abs(), "{found} is not {wanted} within {tolerance}");
+}
+
+/// Writes heights in metre as an NPY file and returns its path.
+pub(crate) fn npy(folder: &Path, name: &str, heights_m: Array2<f64>) -> PathBuf {
+    let path = folder.join(name);
+    fs::write(&path, write_npy(&Scan::new(heights_m, None))).unwrap();
+    path
+}
+
+/// The names in a folder, sorted.
+pub(crate) fn listing(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,122 @@
+//! `asperity surface …`.
+
+use std::fs;
+use std::path::Path;
+
+use asperity_formats::{Scan, X3pData, read, write_x3p};
+use ndarray::{Array2, array};
+use tempfile::TempDir;
+
+use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number};
+
+fn surface(folder: &Path, line: &str) -> Ended {
+    let line = format!("surface {line}");
+    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+}
+
+#[test]
+fn converting_keeps_heights_pitch_and_missing_points() {
+    let folder = TempDir::new().unwrap();
+    let heights_m = array![[1e-6, f64::NAN, 3e-6], [0.5e-6, -1.0 / 3.0 * 1e-6, 0.0]];
+    npy(folder.path(), "map.npy", heights_m.clone());
+    let first = surface(folder.path(), "convert map.npy map.x3p --pixel-size 2um,3um");
+    assert_eq!((first.code, first.stdout.as_str()), (0, ""));
+    assert!(first.stderr.contains("3 × 2 points, 1 missing"), "{first:?}");
+    let scan = read(&folder.path().join("map.x3p")).unwrap();
+    assert_eq!(scan.pitch_m, Some((2e-6, 3e-6)));
+    let back = surface(folder.path(), "convert map.x3p back.npy --quiet");
+    assert_eq!(back.code, 0);
+    assert!(back.stderr.starts_with("warning: back.npy") && back.stderr.contains("2e-6 × 3e-6 m"), "{back:?}");
+    let read_back = read(&folder.path().join("back.npy")).unwrap().heights_m;
+    let bits = |map: &Array2<f64>| map.iter().map(|z| z.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&read_back), bits(&heights_m));
+    assert_eq!(listing(folder.path()), ["back.npy", "map.npy", "map.x3p"]);
+}
+
+#[test]
+fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
+    let folder = TempDir::new().unwrap();
+    let scan = Scan::new(array![[1e-8, 2e-8], [3e-8, 4e-8]], Some((1e-6, 1e-6)));
+    fs::write(folder.path().join("map.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
+    let ended = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um");
+    assert_eq!(ended.code, 0);
+    assert!(ended.stderr.contains("warning: map.x3p: --pixel-size"), "{ended:?}");
+    assert_eq!(read(&folder.path().join("out.x3p")).unwrap().pitch_m, Some((5e-6, 5e-6)));
+    let same = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 1um --quiet");
+    assert_eq!((same.code, same.stderr.as_str()), (0, ""));
+}
+
+#[test]
+fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "map.npy", array![[1e-6, 2e-6], [3e-6, 4e-6]]);
+    let scan = Scan::new(Array2::zeros((16, 16)), Some((1e-6, 1e-6)));
+    let whole = write_x3p(&scan, X3pData::Float64).unwrap();
+    fs::write(folder.path().join("cut.x3p"), &whole[..whole.len() / 2]).unwrap();
+    fs::write(folder.path().join("empty.npy"), "").unwrap();
+    fs::write(folder.path().join("words.txt"), "1e-6 two 3e-6\n").unwrap();
+    let before = listing(folder.path());
+    for (line, code, words) in [
+        ("convert gone.x3p out.npy", 3, vec!["gone.x3p", "no such file"]),
+        ("convert cut.x3p out.npy", 3, vec!["cut.x3p"]),
+        ("convert empty.npy out.npy", 3, vec!["empty.npy"]),
+        ("convert words.txt out.npy", 3, vec!["words.txt", "line 1", "two"]),
+        ("convert . out.npy", 3, vec!["."]),
+        ("convert map.npy out.x3p", 2, vec!["out.x3p", "pixel size"]),
+        ("convert map.npy out.tiff", 2, vec!["out.tiff", ".tiff", ".x3p"]),
+        ("convert map.npy out", 2, vec!["out"]),
+        ("convert map.npy nowhere/out.npy", 2, vec!["nowhere"]),
+        ("convert map.npy out.x3p --pixel-size 0um", 2, vec!["--pixel-size", "above 0"]),
+        ("convert map.npy out.x3p --pixel-size 1", 2, vec!["--pixel-size", "no unit"]),
+        ("convert map.npy out.x3p --pixel-size 1um,1um,1um", 2, vec!["--pixel-size", "3 values"]),
+    ] {
+        surface(folder.path(), line).refuses(code, &words);
+    }
+    assert_eq!(listing(folder.path()), before);
+}
+
+#[test]
+fn the_exponential_eigenvalues_are_those_of_the_closed_form() {
+    // Unit interval, ℓ = 1; midpoint Nyström converges with order 2, so 400 points leave about 1e-5.
+    let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 400 --modes 4 --json";
+    let json = asperity(line).json(0);
+    let found: Vec<f64> = json["eigenvalues"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    assert_eq!(found.len(), 4);
+    for (found, exact) in found.iter().zip([0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]) {
+        assert!((found - exact).abs() < 5e-6, "{found} is not {exact}");
+    }
+    close(number(&json, "captured_variance"), found.iter().sum::<f64>(), 1e-12);
+}
+
+#[test]
+fn a_hundred_and_one_modes_hold_the_published_share_of_a_square() {
+    for (covariance, length, share) in
+        [("exponential", "0.1m", 0.665), ("squared_exponential", "0.1m", 0.940), ("exponential", "0.2m", 0.839)]
+    {
+        let line = format!(
+            "surface modes --covariance {covariance} --correlation-length {length} --size 1m,1m --points 256,256 \
+             --modes 101 --json"
+        );
+        let json = asperity(&line).json(0);
+        // The published shares have three digits; the midpoint rule adds 5e-4 at 256 points.
+        assert!((number(&json, "captured_variance") - share).abs() < 1e-3, "{covariance} {length}: {json}");
+        assert_eq!(json["eigenvalues"].as_array().unwrap().len(), 101);
+    }
+}
+
+#[test]
+fn modes_that_do_not_exist_are_usage_errors() {
+    let base = "surface modes --covariance exponential --correlation-length 1m --json";
+    for (line, words) in [
+        ("--size 1m --points 8 --modes 9", ["9 modes", "8"]),
+        ("--size 1m,1m --points 8 --modes 4", ["2 sizes", "1 numbers"]),
+        ("--size 1m --points 0 --modes 4", ["--points", "at least 1"]),
+        ("--size 1m --points 8 --modes 0", ["--modes", "at least 1"]),
+        ("--size -1m --points 8 --modes 4", ["--size", "above 0"]),
+        ("--size 1 --points 8 --modes 4", ["--size", "no unit"]),
+    ] {
+        asperity(&format!("{base} {line}")).refuses(2, &words);
+    }
+    asperity("surface modes --covariance exponentil --correlation-length 1m --size 1m --points 8 --modes 1")
+        .refuses(2, &["exponentil", "exponential"]);
+}

@@ -1,0 +1,25 @@
+//! Flags that belong to every command, and what is said when they are wrong.
+
+use crate::support::asperity;
+
+#[test]
+fn help_and_version_are_data_and_name_every_command_and_exit_code() {
+    let help = asperity("--help");
+    assert_eq!((help.code, help.stderr.as_str()), (0, ""));
+    for word in ["surface", "contact", "--threads", "--quiet", "130", "not converged"] {
+        assert!(help.stdout.contains(word), "{word}: {help:?}");
+    }
+    let version = asperity("--version");
+    assert_eq!(version.stdout, format!("asperity {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
+    asperity("").refuses(2, &["Usage"]);
+    asperity("surface").refuses(2, &["Usage"]);
+    asperity("contct").refuses(2, &["contct", "contact"]);
+    asperity("surface convert a.npy").refuses(2, &["OUTPUT"]);
+    asperity("surface convert a.npy b.npy --pixelsize 1um").refuses(2, &["--pixelsize", "--pixel-size"]);
+    asperity("surface convert a.npy b.npy --threads 0").refuses(2, &["--threads", "at least 1"]);
+    asperity("--threads two surface convert a.npy b.npy").refuses(2, &["--threads", "two"]);
+}

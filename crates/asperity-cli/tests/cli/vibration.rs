@@ -1,0 +1,168 @@
+//! `asperity vibration …`: the published numbers through the program.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::{asperity, asperity_in, close, keys, number};
+
+/// The paper's law; periods and displacements are those of a high-precision solver.
+const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
+
+/// Writes a one-dimensional NPY file, spelled out.
+fn record(folder: &Path, values: &[f64]) {
+    let dictionary = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", values.len());
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend(118_u16.to_le_bytes());
+    bytes.extend(format!("{dictionary:<117}\n").as_bytes());
+    bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
+    fs::write(folder.join("m.npy"), bytes).unwrap();
+}
+
+#[test]
+fn the_paper_s_cycle_has_its_period_and_displacements() {
+    let json = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.17 --json")).json(0);
+    assert_eq!(
+        keys(&json),
+        [
+            "displacement_max",
+            "displacement_min",
+            "limit_cycle",
+            "period",
+            "reattachment_displacement",
+            "slip_duration",
+            "velocity_min"
+        ]
+    );
+    assert_eq!(json["limit_cycle"], Value::Bool(true));
+    close(number(&json, "period"), 6.372_163_483_739_709, 1e-12);
+    close(number(&json, "slip_duration"), 5.644_059_891_168_911, 1e-12);
+    close(number(&json, "reattachment_displacement"), 0.096_795_689_222_287_6, 1e-12);
+    close(number(&json, "displacement_min"), 0.095_239_651_620_418_2, 1e-12);
+    close(number(&json, "displacement_max"), 0.101_931_013_749_859_7, 1e-12);
+}
+
+#[test]
+fn a_jump_from_static_to_kinetic_friction_has_its_closed_form() {
+    // Coulomb: T = 2π − 2 atan(Δ/V) + 2Δ/V, X_r = 2μ_k − μ_s.
+    let line = "vibration cycle --static-friction 0.4 --kinetic-friction 0.3 --stribeck 0 --damping-ratio 0 \
+                --belt-velocity 0.05 --json";
+    let json = asperity(line).json(0);
+    close(number(&json, "period"), 8.068_887_871_591_405, 1e-12);
+    close(number(&json, "reattachment_displacement"), 0.2, 1e-12);
+}
+
+#[test]
+fn no_limit_cycle_is_an_answer() {
+    let ended = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
+    let json = ended.json(0);
+    assert_eq!(json["limit_cycle"], Value::Bool(false));
+    for key in keys(&json).into_iter().filter(|key| *key != "limit_cycle") {
+        assert_eq!(json[key], Value::Null, "{key}");
+    }
+    assert!(ended.stderr.contains("no limit cycle"));
+    let table = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --quiet"));
+    assert!(table.stdout.contains("undefined") && table.stderr.is_empty(), "{table:?}");
+}
+
+#[test]
+fn the_critical_damping_is_the_published_one() {
+    let json = asperity(&format!("vibration critical-damping {PAPER} --json")).json(0);
+    assert_eq!(keys(&json), ["critical_damping_ratio", "hopf_damping_ratio"]);
+    close(number(&json, "critical_damping_ratio"), 0.204_830_150_584_523_2, 1e-12);
+    // 2ζ_H = aμ_st/(1 + aV)².
+    close(number(&json, "hopf_damping_ratio"), 0.5 * 4.2 * 0.1 / (1.0 + 4.2 * 0.003_f64).powi(2), 1e-12);
+}
+
+#[test]
+fn forcing_inside_the_locked_region_repeats_with_the_force_and_needs_both_flags() {
+    // The 1:1 locked orbit exists up to ζ = 0.27319 at η = 1.
+    let base = "vibration cycle --static-friction 0.2 --stribeck 4.2 --damping-ratio 0.26 --belt-velocity 0.1";
+    let json = asperity(&format!("{base} --forcing 0.01 --forcing-frequency 1 --json")).json(0);
+    assert_eq!(json["limit_cycle"], Value::Bool(true));
+    close(number(&json, "period"), std::f64::consts::TAU, 1e-9);
+    asperity(&format!("{base} --forcing 0.01 --json")).refuses(2, &["--forcing-frequency"]);
+    asperity(&format!("{base} --forcing-frequency 1 --json")).refuses(2, &["--forcing"]);
+}
+
+#[test]
+fn a_record_of_zeros_repeats_the_deterministic_cycle() {
+    let folder = TempDir::new().unwrap();
+    record(folder.path(), &vec![0.0; 4000]);
+    let line = format!(
+        "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-file m.npy --friction-step 0.0005 \
+         --duration 60 --json"
+    );
+    let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let json = run(&line).json(0);
+    let events = json["events"].as_array().unwrap();
+    let of_kind = |kind: &str| {
+        let found: Vec<f64> = events.iter().filter(|e| e[0] == kind).map(|e| e[1].as_f64().unwrap()).collect();
+        found
+    };
+    let detached = of_kind("D");
+    assert_eq!(detached.len(), 10);
+    for pair in detached.windows(2) {
+        close(pair[1] - pair[0], 6.372_163_483_739_709, 1e-10);
+    }
+    for (event, kind) in events.iter().zip(["D", "R"].iter().cycle()) {
+        assert_eq!(event[0], **kind);
+        assert_eq!(event.as_array().unwrap().len(), 4);
+    }
+    close(events[1][2].as_f64().unwrap(), 0.096_795_689_222_287_6, 1e-10);
+    // From X = μ_st − 2ζV − 1.5 V the belt needs τ = 1.5 to the detachment.
+    let start = 0.1 - 2.0 * 0.17 * 0.003 - 1.5 * 0.003;
+    let json = run(&format!("{line} --start {start}")).json(0);
+    close(json["events"][0][1].as_f64().unwrap(), 1.5, 1e-10);
+}
+
+#[test]
+fn records_that_cannot_carry_a_path_are_unusable_data() {
+    let folder = TempDir::new().unwrap();
+    let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let line = format!(
+        "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-step 0.0005 --duration 600 --json \
+         --friction-file"
+    );
+    run(&format!("{line} gone.npy")).refuses(3, &["gone.npy", "no such file"]);
+    for (values, words) in [
+        (vec![0.0; 40], vec!["m.npy", "ends at"]),
+        (vec![0.0; 1], vec!["m.npy", "at least 2"]),
+        (vec![0.0, f64::NAN, 0.0], vec!["m.npy", "finite"]),
+        (vec![-0.2; 4000], vec!["m.npy", "positive"]),
+    ] {
+        record(folder.path(), &values);
+        run(&format!("{line} m.npy")).refuses(3, &words);
+    }
+    fs::write(folder.path().join("map.txt"), "0 1\n2 3\n").unwrap();
+    run(&format!("{line} map.txt")).refuses(3, &["map.txt", "one-dimensional"]);
+}
+
+#[test]
+fn values_out_of_range_are_usage_errors() {
+    for (line, words) in [
+        (
+            "cycle --static-friction -0.1 --stribeck 4.2 --damping-ratio 0.1 --belt-velocity 1",
+            ["--static-friction", "-0.1"],
+        ),
+        ("cycle --static-friction 0.1 --stribeck -4 --damping-ratio 0.1 --belt-velocity 1", ["--stribeck", "negative"]),
+        (
+            "cycle --static-friction 0.1 --stribeck 4 --damping-ratio nan --belt-velocity 1",
+            ["--damping-ratio", "finite"],
+        ),
+        (
+            "cycle --static-friction 0.1 --stribeck 4 --damping-ratio 0.1 --belt-velocity 0",
+            ["--belt-velocity", "above 0"],
+        ),
+        ("cycle --static-friction 0.1 --stribeck 4 --damping-ratio 0.1", ["--belt-velocity", "required"]),
+        (
+            "cycle --static-friction 0.1 --kinetic-friction 0.2 --stribeck 4 --damping-ratio 0.1 --belt-velocity 1",
+            ["kinetic_friction", "static friction"],
+        ),
+        ("cycle --static-frction 0.1", ["--static-frction", "--static-friction"]),
+    ] {
+        asperity(&format!("vibration {line} --json")).refuses(2, &words);
+    }
+}

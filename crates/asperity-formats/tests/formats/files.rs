@@ -1,0 +1,101 @@
+use std::fs;
+
+use asperity_formats::{Format, FormatError, Scan, read, read_bytes, write};
+use ndarray::array;
+
+use crate::bits;
+use crate::fixtures::{Sur, TEXT, X3p, npy};
+
+fn scan() -> Scan {
+    Scan::new(array![[1e-6, f64::NAN], [3e-6, -4e-6]], Some((2e-6, 3e-6)))
+}
+
+#[test]
+fn the_content_decides_and_not_the_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let array = npy(1, "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1), }", &1e-6_f64.to_le_bytes());
+    for (format, bytes) in [
+        (Format::X3p, X3p::default().bytes()),
+        (Format::Sur, Sur::default().bytes()),
+        (Format::Npy, array),
+        (Format::Text, TEXT.to_vec()),
+    ] {
+        assert_eq!(Format::detect(&bytes), Some(format));
+        let path = folder.path().join("scan.sdf");
+        fs::write(&path, &bytes).unwrap();
+        assert_eq!(bits(&read(&path).unwrap()), bits(&read_bytes(&bytes).unwrap()));
+    }
+}
+
+#[test]
+fn unknown_content_is_shown() {
+    for (bytes, start) in
+        [(&b""[..], "0 bytes that start with ``"), (b"\x00\x01BCR", "5 bytes that start with `\\x00\\x01BCR`")]
+    {
+        assert_eq!(Format::detect(bytes), None);
+        let error = read_bytes(bytes).unwrap_err();
+        assert!(matches!(error, FormatError::Unrecognised { .. }) && error.to_string().contains(start), "{error}");
+    }
+}
+
+#[test]
+fn extensions_choose_what_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, format, keeps_pitch) in [
+        ("a.x3p", Format::X3p, true),
+        ("a.X3P", Format::X3p, true),
+        ("a.npy", Format::Npy, false),
+        ("a.txt", Format::Text, false),
+        ("a.dat", Format::Text, false),
+        ("a.csv", Format::Text, false),
+    ] {
+        let path = folder.path().join(name);
+        write(&scan(), &path).unwrap();
+        let bytes = fs::read(&path).unwrap();
+        assert_eq!(Format::detect(&bytes), Some(format));
+        assert_eq!(Format::from_extension(&name[2..]), Some(format));
+        assert_eq!(format.stores_pitch(), keeps_pitch);
+        let read = read(&path).unwrap();
+        assert_eq!(bits(&read), bits(&scan()));
+        assert_eq!(read.pitch_m, scan().pitch_m.filter(|_| keeps_pitch));
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("a.csv")).unwrap(), "1e-6,nan\n3e-6,-4e-6\n");
+    for name in ["a.sur", "a.xyz", "a"] {
+        let error = write(&scan(), &folder.path().join(name)).unwrap_err();
+        assert!(error.to_string().contains("no format is written as"), "{error}");
+    }
+}
+
+#[test]
+fn a_file_is_replaced_as_a_whole_and_nothing_stays_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.x3p");
+    fs::write(&path, "old").unwrap();
+    let without_pitch = Scan { pitch_m: None, ..scan() };
+    let error = write(&without_pitch, &path).unwrap_err();
+    assert!(
+        matches!(&error, FormatError::File { error, .. } if matches!(**error, FormatError::NoPitch { .. })),
+        "{error}"
+    );
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    write(&scan(), &path).unwrap();
+    assert_eq!(bits(&read(&path).unwrap()), bits(&scan()));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn errors_name_the_path_and_a_missing_file_is_its_own_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("none.x3p");
+    let error = read(&missing).unwrap_err();
+    assert!(error.is_not_found());
+    assert_eq!(error.to_string(), format!("{}: no such file", missing.display()));
+    let error = read(folder.path()).unwrap_err();
+    assert!(matches!(&error, FormatError::Io { path, .. } if path == folder.path()), "{error}");
+    let ragged = folder.path().join("ragged.csv");
+    fs::write(&ragged, "1,2\n3\n").unwrap();
+    let error = read(&ragged).unwrap_err();
+    assert_eq!(error.to_string(), format!("{}: text: line 2 has 1 values; the first row has 2", ragged.display()));
+    let error = write(&scan(), &folder.path().join("no folder/a.npy")).unwrap_err();
+    assert!(error.is_not_found(), "{error}");
+}

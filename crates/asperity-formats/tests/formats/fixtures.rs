@@ -1,0 +1,252 @@
+//! Small files, each assembled field by field from the description of its format.
+
+use md5::{Digest, Md5};
+
+/// CRC-32 of the zip format (polynomial 0xEDB88320), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = u32::MAX;
+    for &byte in bytes {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+        }
+    }
+    !crc
+}
+
+/// A zip archive that stores its files unpacked (PKWARE APPNOTE 4.3.7, 4.3.12, 4.3.16).
+pub(crate) fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
+    for (name, content) in files {
+        let offset = bytes.len() as u32;
+        // Version 2.0, no flags, stored, 1980-01-01 00:00.
+        let mut common: Vec<u8> = vec![20, 0, 0, 0, 0, 0, 0, 0, 0x21, 0];
+        common.extend(crc32(content).to_le_bytes());
+        common.extend((content.len() as u32).to_le_bytes());
+        common.extend((content.len() as u32).to_le_bytes());
+        common.extend((name.len() as u16).to_le_bytes());
+        common.extend([0, 0]);
+        bytes.extend(b"PK\x03\x04");
+        bytes.extend(&common);
+        bytes.extend(name.as_bytes());
+        bytes.extend(*content);
+        directory.extend(b"PK\x01\x02\x14\x00");
+        directory.extend(&common);
+        // No comment, disk 0, no attributes.
+        directory.extend([0; 10]);
+        directory.extend(offset.to_le_bytes());
+        directory.extend(name.as_bytes());
+    }
+    let start = bytes.len() as u32;
+    bytes.extend(&directory);
+    bytes.extend(b"PK\x05\x06\x00\x00\x00\x00");
+    bytes.extend((files.len() as u16).to_le_bytes());
+    bytes.extend((files.len() as u16).to_le_bytes());
+    bytes.extend((directory.len() as u32).to_le_bytes());
+    bytes.extend(start.to_le_bytes());
+    bytes.extend([0, 0]);
+    bytes
+}
+
+pub(crate) fn md5(bytes: &[u8]) -> String {
+    Md5::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What a test says of an X3P file; the rest is as in the samples of openGPS.
+pub(crate) struct X3p {
+    pub(crate) feature: &'static str,
+    pub(crate) x_axis_type: &'static str,
+    pub(crate) z_axis: &'static str,
+    pub(crate) size: (u64, u64, u64),
+    pub(crate) data: Vec<u8>,
+    pub(crate) valid: Option<Vec<u8>>,
+    pub(crate) folder: &'static str,
+}
+
+impl Default for X3p {
+    fn default() -> Self {
+        Self {
+            feature: "SUR",
+            x_axis_type: "I",
+            z_axis: "<AxisType>A</AxisType><DataType>D</DataType>",
+            size: (2, 2, 1),
+            data: [1e-6_f64, 2e-6, 3e-6, 4e-6].iter().flat_map(|z| z.to_le_bytes()).collect(),
+            valid: None,
+            folder: "",
+        }
+    }
+}
+
+impl X3p {
+    pub(crate) fn main_xml(&self) -> String {
+        let valid = self.valid.as_ref().map(|valid| {
+            let md5 = md5(valid).to_uppercase();
+            format!("<ValidPointsLink>bindata/valid.bin</ValidPointsLink><MD5ChecksumValidPoints>{md5}</MD5ChecksumValidPoints>")
+        });
+        format!(
+            r#"<?xml version="1.0" encoding="UTF-8"?>
+<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
+  <Record1>
+    <Revision>ISO5436 - 2000</Revision>
+    <FeatureType>{}</FeatureType>
+    <Axes>
+      <CX><AxisType>{}</AxisType><DataType>D</DataType><Increment>2.5E-0006</Increment><Offset>1e-3</Offset></CX>
+      <CY><AxisType>I</AxisType><DataType>D</DataType><Increment> 5e-6 </Increment><Offset/></CY>
+      <CZ>{}</CZ>
+    </Axes>
+  </Record1>
+  <Record2>
+    <Date>2007-04-30T13:58:02.6+02:00</Date>
+    <Instrument><Manufacturer>Meyer &amp; S&#246;hne</Manufacturer><Model>µSurf</Model></Instrument>
+    <Comment><![CDATA[a < b]]></Comment>
+  </Record2>
+  <Record3>
+    <MatrixDimension><SizeX>{}</SizeX><SizeY>{}</SizeY><SizeZ>{}</SizeZ></MatrixDimension>
+    <DataLink>
+      <PointDataLink>bindata/data.bin</PointDataLink>
+      <MD5ChecksumPointData>{}</MD5ChecksumPointData>{}
+    </DataLink>
+  </Record3>
+  <Record4><ChecksumFile>md5checksum.hex</ChecksumFile></Record4>
+</p:ISO5436_2>
+"#,
+            self.feature,
+            self.x_axis_type,
+            self.z_axis,
+            self.size.0,
+            self.size.1,
+            self.size.2,
+            md5(&self.data).to_uppercase(),
+            valid.unwrap_or_default(),
+        )
+    }
+
+    /// The archive, with any `main.xml` in place of its own.
+    pub(crate) fn with_main(&self, main: &[u8]) -> Vec<u8> {
+        let checksum = format!("{} *main.xml", md5(main));
+        let name = |file: &str| format!("{}{file}", self.folder);
+        let names = [name("main.xml"), name("bindata/data.bin"), name("bindata/valid.bin"), name("md5checksum.hex")];
+        let mut files: Vec<(&str, &[u8])> = vec![(&names[0], main), (&names[1], &self.data)];
+        if let Some(valid) = &self.valid {
+            files.push((&names[2], valid));
+        }
+        files.push((&names[3], checksum.as_bytes()));
+        zip(&files)
+    }
+
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        self.with_main(self.main_xml().as_bytes())
+    }
+}
+
+/// What a test says of a SUR file; the rest is as MountainsMap writes it.
+pub(crate) struct Sur {
+    pub(crate) signature: &'static [u8; 12],
+    pub(crate) object_type: i16,
+    pub(crate) special_points: i16,
+    pub(crate) bits: i16,
+    pub(crate) z_range: (i32, i32),
+    pub(crate) size: (i32, i32),
+    pub(crate) spacing: [f32; 3],
+    pub(crate) units: [&'static [u8]; 3],
+    pub(crate) z_offset: f32,
+    pub(crate) comment: &'static [u8],
+    pub(crate) private: &'static [u8],
+    pub(crate) data: Vec<u8>,
+}
+
+impl Default for Sur {
+    fn default() -> Self {
+        let heights: [i16; 6] = [100, 200, 98, -300, 400, 500];
+        Self {
+            signature: b"DIGITAL SURF",
+            object_type: 2,
+            special_points: 1,
+            bits: 16,
+            z_range: (100, 500),
+            size: (3, 2),
+            spacing: [0.5, 0.25, 2.0],
+            units: [b"\xb5m", b"mm", b"nm"],
+            z_offset: 1000.0,
+            comment: b"hob ground, \xb5 = 0.1",
+            private: b"\x00\x01\x02",
+            data: heights.iter().flat_map(|z| z.to_le_bytes()).collect(),
+        }
+    }
+}
+
+impl Sur {
+    /// The fields of the header one after the other, in the order and with the widths of the published layout.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        fn padded(bytes: &mut Vec<u8>, text: &[u8], width: usize) {
+            bytes.extend(text);
+            bytes.extend(vec![b' '; width - text.len()]);
+        }
+        let mut bytes = self.signature.to_vec();
+        // Format (PC), number of objects, version.
+        bytes.extend([0, 0, 1, 0, 1, 0]);
+        bytes.extend(self.object_type.to_le_bytes());
+        padded(&mut bytes, b"gear 7", 30);
+        padded(&mut bytes, b"A. Operator", 30);
+        // Material code, acquisition type (stylus), range type.
+        bytes.extend([0, 0, 1, 0, 0, 0]);
+        bytes.extend(self.special_points.to_le_bytes());
+        // Absolute heights, gauge resolution, reserved.
+        bytes.extend([1, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+        bytes.extend(self.bits.to_le_bytes());
+        bytes.extend(self.z_range.0.to_le_bytes());
+        bytes.extend(self.z_range.1.to_le_bytes());
+        bytes.extend(self.size.0.to_le_bytes());
+        bytes.extend(self.size.1.to_le_bytes());
+        bytes.extend(self.size.0.wrapping_mul(self.size.1).to_le_bytes());
+        for spacing in self.spacing {
+            bytes.extend(spacing.to_le_bytes());
+        }
+        for name in [b"X", b"Y", b"Z"] {
+            padded(&mut bytes, name, 16);
+        }
+        // Units of steps, then of lengths: the same here, so the ratios are 1.
+        for unit in self.units.iter().chain(&self.units) {
+            padded(&mut bytes, unit, 16);
+        }
+        for _ in 0..3 {
+            bytes.extend(1_f32.to_le_bytes());
+        }
+        // Imprint, inverted, levelled, 12 obsolete bytes.
+        bytes.extend([0; 18]);
+        for time in [59_i16, 30, 14, 1, 12, 2016, 4] {
+            bytes.extend(time.to_le_bytes());
+        }
+        bytes.extend(12.5_f32.to_le_bytes());
+        // Size of compressed data and 6 obsolete bytes.
+        bytes.extend([0; 10]);
+        bytes.extend((self.comment.len() as i16).to_le_bytes());
+        bytes.extend((self.private.len() as i16).to_le_bytes());
+        bytes.extend([0; 128]);
+        for offset in [0.0, 0.0, self.z_offset] {
+            bytes.extend(offset.to_le_bytes());
+        }
+        // Temperature axis: spacing, offset, unit, name.
+        bytes.extend([0; 34]);
+        assert_eq!(bytes.len(), 512);
+        bytes.extend(self.comment);
+        bytes.extend(self.private);
+        bytes.extend(&self.data);
+        bytes
+    }
+}
+
+/// A NumPy file with any version and header text.
+pub(crate) fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY".to_vec();
+    bytes.extend([version, 0]);
+    match version {
+        1 => bytes.extend((header.len() as u16).to_le_bytes()),
+        _ => bytes.extend((header.len() as u32).to_le_bytes()),
+    }
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+pub(crate) const TEXT: &[u8] = b"# instrument: stylus\n1e-6, 2e-6, nan\n-1e-6, , inf % two missing\n";

@@ -1,0 +1,30 @@
+//! Files assembled byte by byte from the descriptions of their formats, read back; round trips of the writers; hostile
+//! bytes.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+mod files;
+mod fixtures;
+mod hostile;
+mod npy;
+mod reference;
+mod round_trip;
+mod sur;
+mod text;
+mod x3p;
+
+use asperity_formats::Scan;
+
+/// The heights in row order as bits, so that NaN compares equal to itself.
+fn bits(scan: &Scan) -> Vec<u64> {
+    scan.heights_m.iter().map(|z| if z.is_nan() { f64::NAN.to_bits() } else { z.to_bits() }).collect()
+}
+
+/// Asserts heights in row order, to one unit in the last place of the largest.
+fn assert_heights(scan: &Scan, wanted: &[f64]) {
+    let found: Vec<f64> = scan.heights_m.iter().copied().collect();
+    let scale = wanted.iter().filter(|z| z.is_finite()).fold(0.0_f64, |scale, z| scale.max(z.abs()));
+    assert_eq!(found.len(), wanted.len());
+    for (z, w) in found.iter().zip(wanted) {
+        assert!(z.is_nan() && w.is_nan() || (z - w).abs() <= scale * f64::EPSILON, "{found:?}, wanted {wanted:?}");
+    }
+}

@@ -1,0 +1,324 @@
+use asperity_formats::{Format, FormatError, MAX_POINTS, read_bytes};
+
+use crate::assert_heights;
+use crate::fixtures::{X3p, md5, zip};
+
+const NAN: f64 = f64::NAN;
+
+fn le<const N: usize>(numbers: impl IntoIterator<Item = [u8; N]>) -> Vec<u8> {
+    numbers.into_iter().flatten().collect()
+}
+
+#[test]
+fn doubles_without_increment_are_metres_in_rows_of_x() {
+    let scan = read_bytes(
+        &X3p {
+            size: (3, 2, 1),
+            data: le([1., 2., 3., 4., 5., 6.].map(|z: f64| (z * 1e-6).to_le_bytes())),
+            ..X3p::default()
+        }
+        .bytes(),
+    )
+    .unwrap();
+    assert_eq!(scan.heights_m.dim(), (2, 3));
+    assert_eq!(scan.heights_m[[1, 0]], 4.0 * 1e-6);
+    assert_eq!(scan.pitch_m, Some((2.5e-6, 5e-6)));
+    assert_eq!(scan.warnings, [] as [String; 0]);
+}
+
+#[test]
+fn int16_is_signed_scaled_shifted_and_masked_from_the_lowest_bit() {
+    let file = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-9</Increment><Offset>5e-9</Offset>",
+        size: (5, 2, 1),
+        data: le([-32768_i16, -1, 0, 1, 32767, 10, 20, 30, 40, 50].map(i16::to_le_bytes)),
+        // Points 3 and 8 are not valid.
+        valid: Some(vec![0b1111_0111, 0b0000_0010]),
+        ..X3p::default()
+    };
+    let scan = read_bytes(&file.bytes()).unwrap();
+    assert_heights(&scan, &[-32763e-9, 4e-9, 5e-9, NAN, 32772e-9, 15e-9, 25e-9, 35e-9, NAN, 55e-9]);
+    assert!(scan.warnings.iter().all(|warning| warning.contains("field of view")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn int32_is_signed_and_scaled() {
+    let file = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>L</DataType><Increment>1e-15</Increment>",
+        data: le([i32::MIN, -1, 0, i32::MAX].map(i32::to_le_bytes)),
+        ..X3p::default()
+    };
+    let scan = read_bytes(&file.bytes()).unwrap();
+    assert_heights(&scan, &[-2147483648e-15, -1e-15, 0.0, 2147483647e-15]);
+}
+
+#[test]
+fn nan_and_infinities_of_floats_are_missing_and_increments_apply() {
+    let file = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>F</DataType><Increment>1E-6</Increment><Offset>1e-6</Offset>",
+        size: (3, 2, 1),
+        data: le([0.5_f32, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -2.0, 4.0].map(f32::to_le_bytes)),
+        ..X3p::default()
+    };
+    assert_heights(&read_bytes(&file.bytes()).unwrap(), &[1.5e-6, NAN, NAN, NAN, -1e-6, 5e-6]);
+}
+
+#[test]
+fn a_validity_file_masks_floats_too() {
+    let scan = read_bytes(&X3p { valid: Some(vec![0b1101]), ..X3p::default() }.bytes()).unwrap();
+    assert_heights(&scan, &[1e-6, NAN, 3e-6, 4e-6]);
+}
+
+#[test]
+fn prefixes_do_not_matter() {
+    let file = X3p::default();
+    let plain = file.main_xml().replace("p:ISO5436_2", "ISO5436").replace("xmlns:p=", "xmlns=");
+    let prefixed = file.main_xml().replace("</p:", "</").replace("<p:", "<");
+    let prefixed = prefixed.replace("</", "<|").replace('<', "<q:").replace("<q:|", "</q:");
+    let prefixed = prefixed.replace("<q:?", "<?").replace("<q:!", "<!").replace("<q: ", "< ");
+    for main in [plain, prefixed] {
+        let scan = read_bytes(&file.with_main(main.as_bytes())).unwrap();
+        assert_heights(&scan, &[1e-6, 2e-6, 3e-6, 4e-6]);
+        assert_eq!(scan.warnings, [] as [String; 0], "{main}");
+        assert_eq!(scan.metadata["Record2/Comment"], "a < b");
+    }
+}
+
+#[test]
+fn main_xml_may_be_utf16_or_latin1() {
+    let file = X3p::default();
+    let main = file.main_xml().replace("UTF-8", "UTF-16");
+    let utf16: Vec<u8> = [0xfeff].into_iter().chain(main.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let latin1: Vec<u8> = file.main_xml().chars().map(|c| u8::try_from(c).unwrap()).collect();
+    for main in [utf16, latin1] {
+        let scan = read_bytes(&file.with_main(&main)).unwrap();
+        assert_heights(&scan, &[1e-6, 2e-6, 3e-6, 4e-6]);
+        assert_eq!(scan.metadata["Record2/Instrument/Model"], "µSurf");
+    }
+}
+
+#[test]
+fn files_may_lie_in_a_folder_beside_what_desktops_leave() {
+    let file = X3p { folder: "land 1/", ..X3p::default() };
+    let main = file.main_xml();
+    let checksum = format!("{} *main.xml", md5(main.as_bytes()));
+    let bytes = zip(&[
+        ("__MACOSX/main.xml", b"\x00\x05\x16\x07"),
+        ("land 1/", b""),
+        ("land 1/bindata\\data.bin", &file.data),
+        ("land 1/md5checksum.hex", checksum.as_bytes()),
+        ("land 1/main.xml", main.as_bytes()),
+        ("land 1/old/main.xml", b"<not this/>"),
+    ]);
+    for bytes in [file.bytes(), bytes] {
+        let scan = read_bytes(&bytes).unwrap();
+        assert_heights(&scan, &[1e-6, 2e-6, 3e-6, 4e-6]);
+        assert_eq!(scan.warnings, [] as [String; 0]);
+    }
+}
+
+#[test]
+fn links_may_start_with_a_dot_or_a_slash() {
+    let file = X3p::default();
+    for link in ["./bindata/data.bin", "/bindata/data.bin", "bindata\\data.bin", "BinData/Data.BIN"] {
+        let main = file.main_xml().replace("bindata/data.bin", link);
+        assert_heights(&read_bytes(&file.with_main(main.as_bytes())).unwrap(), &[1e-6, 2e-6, 3e-6, 4e-6]);
+    }
+}
+
+#[test]
+fn a_wrong_checksum_is_a_warning() {
+    let file = X3p { valid: Some(vec![0b1111]), ..X3p::default() };
+    let main = file.main_xml();
+    for (part, stated) in [("bindata/data.bin", md5(&file.data)), ("bindata/valid.bin", md5(&[0b1111]))] {
+        let main = main.replace(&stated.to_uppercase(), "00112233445566778899AABBCCDDEEFF");
+        let scan = read_bytes(&file.with_main(main.as_bytes())).unwrap();
+        assert!(matches!(scan.warnings.as_slice(), [one] if one.starts_with(part)), "{:?}", scan.warnings);
+        assert_heights(&scan, &[1e-6, 2e-6, 3e-6, 4e-6]);
+    }
+    let changed = main.replace("2007", "2017");
+    let bytes = zip(&[
+        ("main.xml", changed.as_bytes()),
+        ("bindata/data.bin", &file.data),
+        ("bindata/valid.bin", &[0b1111]),
+        ("md5checksum.hex", format!("{} *main.xml", md5(main.as_bytes())).as_bytes()),
+    ]);
+    let scan = read_bytes(&bytes).unwrap();
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.starts_with("main.xml")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn a_missing_checksum_file_is_a_warning() {
+    let file = X3p::default();
+    let bytes = zip(&[("main.xml", file.main_xml().as_bytes()), ("bindata/data.bin", &file.data)]);
+    let scan = read_bytes(&bytes).unwrap();
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("could not be verified")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn the_checksum_file_may_hold_the_sum_alone_or_sums_of_other_files() {
+    let file = X3p::default();
+    let main = file.main_xml();
+    let sum = md5(main.as_bytes());
+    let warnings = |checksum: String| {
+        let files =
+            [("main.xml", main.as_bytes()), ("bindata/data.bin", &file.data), ("md5checksum.hex", checksum.as_bytes())];
+        read_bytes(&zip(&files)).unwrap().warnings
+    };
+    for fits in
+        [sum.clone(), format!("{}\r\n", sum.to_uppercase()), format!("00 *bindata/data.bin\n{sum}  ./main.xml\n")]
+    {
+        assert_eq!(warnings(fits), [] as [String; 0]);
+    }
+    for absent in [String::new(), format!("{} *bindata/data.bin\n", md5(&file.data))] {
+        let found = warnings(absent);
+        assert!(found.iter().any(|one| one.contains("main.xml")), "{found:?}");
+    }
+}
+
+#[test]
+fn of_several_layers_the_first_is_read() {
+    let file = X3p { size: (2, 1, 2), ..X3p::default() };
+    let scan = read_bytes(&file.bytes()).unwrap();
+    assert_heights(&scan, &[1e-6, 2e-6]);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("2 layers")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn a_single_point_is_read() {
+    let scan =
+        read_bytes(&X3p { size: (1, 1, 1), data: 7e-6_f64.to_le_bytes().into(), ..X3p::default() }.bytes()).unwrap();
+    assert_eq!(scan.heights_m.dim(), (1, 1));
+    assert_heights(&scan, &[7e-6]);
+}
+
+#[test]
+fn profiles_point_clouds_and_absolute_axes_are_refused_with_a_reason() {
+    let cases = [
+        (X3p { feature: "PRF", ..X3p::default() }, "profile"),
+        (X3p { feature: "PCL", ..X3p::default() }, "point cloud"),
+        (X3p { x_axis_type: "A", ..X3p::default() }, "CX is absolute"),
+    ];
+    for (file, reason) in cases {
+        match read_bytes(&file.bytes()) {
+            Err(FormatError::Unsupported { format: Format::X3p, found, .. }) => {
+                assert!(found.contains(reason), "{found}")
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_data_list_in_the_description_is_read() {
+    let file = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>0.001</Increment><Offset>-0.5</Offset>",
+        ..X3p::default()
+    };
+    let main = file.main_xml();
+    let (head, rest) = main.split_once("<DataLink>").unwrap();
+    let (_, tail) = rest.split_once("</DataLink>").unwrap();
+    let with_list = |list: &str| file.with_main(format!("{head}<DataList>{list}</DataList>{tail}").as_bytes());
+    let list = "<Datum>986</Datum>\n<Datum> -308 </Datum><Datum/><!-- none --><Datum>1548</Datum>";
+    assert_heights(&read_bytes(&with_list(list)).unwrap(), &[0.486, -0.808, NAN, 1.048]);
+    assert!(matches!(
+        read_bytes(&with_list("<Datum>986</Datum>")),
+        Err(FormatError::Field { field, found, wanted, .. })
+            if field.ends_with("Datum") && found == "1 values" && wanted == "4 values"
+    ));
+    assert!(matches!(
+        read_bytes(&with_list("<Datum>986;1;2</Datum>")),
+        Err(FormatError::Field { found, .. }) if found == "986;1;2"
+    ));
+}
+
+#[test]
+fn data_that_end_early_are_an_error_and_data_that_go_on_a_warning() {
+    match read_bytes(&X3p { size: (3, 2, 1), ..X3p::default() }.bytes()) {
+        Err(FormatError::Truncated { part, found: 32, wanted: 48, .. }) => assert_eq!(part, "the numbers"),
+        other => panic!("{other:?}"),
+    }
+    let scan = read_bytes(&X3p { size: (3, 1, 1), ..X3p::default() }.bytes()).unwrap();
+    assert_heights(&scan, &[1e-6, 2e-6, 3e-6]);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("longer than")), "{:?}", scan.warnings);
+    assert!(matches!(
+        read_bytes(&X3p { valid: Some(Vec::new()), ..X3p::default() }.bytes()),
+        Err(FormatError::Truncated { part, found: 0, wanted: 1, .. }) if part == "the validity bits"
+    ));
+}
+
+#[test]
+fn declared_sizes_are_not_believed() {
+    for size in [(1 << 28, 2, 1), (u64::MAX >> 1, u64::MAX >> 1, 1)] {
+        assert!(matches!(
+            read_bytes(&X3p { size, ..X3p::default() }.bytes()),
+            Err(FormatError::TooLarge { limit: MAX_POINTS, .. })
+        ));
+    }
+    assert!(matches!(
+        read_bytes(&X3p { size: (1 << 14, 1 << 14, 1), ..X3p::default() }.bytes()),
+        Err(FormatError::Truncated { found: 32, .. })
+    ));
+    for size in [(0, 2, 1), (u64::MAX, 1, 1), (2, 2, 0)] {
+        assert!(matches!(
+            read_bytes(&X3p { size, ..X3p::default() }.bytes()),
+            Err(FormatError::Field { field, .. }) if field.contains("MatrixDimension/Size")
+        ));
+    }
+}
+
+#[test]
+fn damaged_descriptions_are_errors_that_name_their_place() {
+    let file = X3p::default();
+    let main = file.main_xml();
+    let damaged = [
+        main.replace("</Record1>", "</Record9>"),
+        main.replace("&amp;", "&lol;"),
+        main[..main.len() / 2].to_owned(),
+        "<a>".repeat(100_000),
+    ];
+    for main in damaged {
+        assert!(matches!(
+            read_bytes(&file.with_main(main.as_bytes())),
+            Err(FormatError::Xml { format: Format::X3p, .. })
+        ));
+    }
+    let error = read_bytes(&file.with_main(main.replace("<SizeX>2<", "<SizeX>two<").as_bytes())).unwrap_err();
+    assert!(error.to_string().starts_with("X3P: Record3/MatrixDimension/SizeX (main.xml, byte "), "{error}");
+    assert!(error.to_string().ends_with("is `two`; wanted a whole number"), "{error}");
+    let error = read_bytes(&file.with_main(main.replace("DataType>D", "DataType>X").as_bytes())).unwrap_err();
+    assert!(error.to_string().contains("Record1/Axes/CZ/DataType") && error.to_string().contains("`X`"), "{error}");
+    let error = read_bytes(&file.with_main(main.replace("bindata/data.bin", "a/b.bin").as_bytes())).unwrap_err();
+    assert!(error.to_string().contains("a/b.bin: no such file"), "{error}");
+}
+
+#[test]
+fn a_zip_archive_of_something_else_is_refused() {
+    let error = read_bytes(&zip(&[("a.npy", b"\x93NUMPY")])).unwrap_err();
+    assert!(matches!(&error, FormatError::Archive { .. }) && error.to_string().contains("no main.xml"), "{error}");
+}
+
+#[test]
+fn metadata_are_kept_by_their_path() {
+    let scan = read_bytes(&X3p::default().bytes()).unwrap();
+    let wanted = [
+        ("Record1/Axes/CX/Offset", "1e-3"),
+        ("Record1/Revision", "ISO5436 - 2000"),
+        ("Record2/Date", "2007-04-30T13:58:02.6+02:00"),
+        ("Record2/Instrument/Manufacturer", "Meyer & Söhne"),
+        ("Record2/Comment", "a < b"),
+    ];
+    for (path, text) in wanted {
+        assert_eq!(scan.metadata.get(path).map(String::as_str), Some(text));
+    }
+    assert!(!scan.metadata.contains_key("Record1/Axes/CY/Offset"));
+}
+
+#[test]
+fn an_axis_without_increment_leaves_the_pitch_out() {
+    let file = X3p::default();
+    let scan =
+        read_bytes(&file.with_main(file.main_xml().replace("<Increment> 5e-6 </Increment>", "").as_bytes())).unwrap();
+    assert_eq!(scan.pitch_m, None);
+    assert_eq!(scan.warnings.len(), 1);
+}

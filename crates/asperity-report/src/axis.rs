@@ -1,0 +1,230 @@
+//! Axes: range, unit, spacing and ticks.
+
+use crate::format::{Unit, fixed, significant, superscript};
+
+/// Distance between equal ratios or equal differences.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Spacing {
+    Linear,
+    Logarithmic,
+}
+
+/// A mark on an axis; the label is empty on minor ticks.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tick {
+    /// Position between 0 (low end) and 1.
+    pub(crate) position: f64,
+    pub(crate) label: String,
+}
+
+/// One axis of a chart over a range in SI units, shown in `unit`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Axis {
+    quantity: String,
+    unit: Unit,
+    spacing: Spacing,
+    low: f64,
+    high: f64,
+}
+
+/// Least and largest finite value.
+pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64)> {
+    values.into_iter().filter(|v| v.is_finite()).fold(None, |range, &v| match range {
+        None => Some((v, v)),
+        Some((low, high)) => Some((v.min(low), v.max(high))),
+    })
+}
+
+impl Axis {
+    /// A linear axis from `low` to `high`, both inside it; an empty range is widened.
+    pub(crate) fn linear(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
+        let (low, high) = if high > low {
+            (low, high)
+        } else {
+            let reach = if low == 0.0 { 0.5 * unit.si } else { 0.1 * low.abs() };
+            (low - reach, low + reach)
+        };
+        Self { quantity: quantity.into(), unit, spacing: Spacing::Linear, low, high }
+    }
+
+    /// A linear axis with a margin of `share` of the range at either end; an end at zero stays there.
+    pub(crate) fn padded(quantity: &str, unit: Unit, range: (f64, f64), share: f64) -> Self {
+        let mut axis = Self::linear(quantity, unit, range);
+        let margin = share * (axis.high - axis.low);
+        axis.low -= if axis.low == 0.0 { 0.0 } else { margin };
+        axis.high += if axis.high == 0.0 { 0.0 } else { margin };
+        axis
+    }
+
+    /// A logarithmic axis; `range` must be positive.
+    pub(crate) fn logarithmic(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
+        let (low, high) = if high > low { (low, high) } else { (low / 2.0, high * 2.0) };
+        Self { quantity: quantity.into(), unit, spacing: Spacing::Logarithmic, low, high }
+    }
+
+    /// Ends of the range in SI units.
+    pub(crate) fn ends(&self) -> (f64, f64) {
+        (self.low, self.high)
+    }
+
+    /// Where a value lies: 0 at the low end, 1 at the high end, outside [0, 1] beyond; `None` where it is undefined.
+    pub(crate) fn position(&self, value: f64) -> Option<f64> {
+        let position = match self.spacing {
+            Spacing::Linear => (value - self.low) / (self.high - self.low),
+            Spacing::Logarithmic if value > 0.0 => (value / self.low).ln() / (self.high / self.low).ln(),
+            Spacing::Logarithmic => return None,
+        };
+        position.is_finite().then_some(position)
+    }
+
+    /// Quantity with its unit, and the power of ten that the tick labels leave out.
+    pub(crate) fn label(&self) -> String {
+        let power = match self.power() {
+            0 => String::new(),
+            power => format!("10{}", superscript(power)),
+        };
+        let unit = [power, self.unit.symbol.clone()].iter().filter(|s| !s.is_empty()).cloned().collect::<Vec<_>>();
+        let offset = self.offset() / self.unit.si;
+        let quantity = if offset == 0.0 {
+            self.quantity.clone()
+        } else {
+            let sign = if offset > 0.0 { '−' } else { '+' };
+            format!("{} {sign} {}", self.quantity, significant(offset.abs(), 12))
+        };
+        if unit.is_empty() { quantity } else { format!("{quantity} ({})", unit.join(" ")) }
+    }
+
+    /// A round number in the middle of a linear axis so narrow that its labels would share their first digits; the
+    /// labels count from there. Zero on other axes.
+    fn offset(&self) -> f64 {
+        let (span, largest) = (self.high - self.low, self.low.abs().max(self.high.abs()));
+        if self.spacing == Spacing::Logarithmic || span >= 2e-3 * largest || span <= 1e-11 * largest {
+            return 0.0;
+        }
+        let quantum = 10f64.powi((span / self.unit.si).log10().floor() as i32);
+        (0.5 * (self.low + self.high) / self.unit.si / quantum).round() * quantum * self.unit.si
+    }
+
+    /// A multiple of three, taken out of the labels of a linear axis whose numbers are very small or large.
+    fn power(&self) -> i32 {
+        let offset = self.offset();
+        let largest = (self.low - offset).abs().max((self.high - offset).abs()) / self.unit.si;
+        match self.spacing {
+            Spacing::Linear if largest > 0.0 && !(0.02..1e4).contains(&largest) => {
+                3 * (largest.log10() / 3.0).floor() as i32
+            }
+            _ => 0,
+        }
+    }
+
+    /// At least `wanted` labelled ticks and fewer than three times as many, on decades at most twice as many; minor ones between.
+    pub(crate) fn ticks(&self, wanted: usize) -> Vec<Tick> {
+        match self.spacing {
+            Spacing::Linear => self.linear_ticks(wanted),
+            Spacing::Logarithmic => self.logarithmic_ticks(wanted),
+        }
+    }
+
+    fn linear_ticks(&self, wanted: usize) -> Vec<Tick> {
+        let scale = self.unit.si * 10f64.powi(self.power());
+        let (low, high) = ((self.low - self.offset()) / scale, (self.high - self.offset()) / scale);
+        let rough = (high - low) / wanted.max(1) as f64;
+        let decade = 10f64.powi(rough.log10().floor() as i32);
+        let step = [5.0, 2.0].into_iter().map(|m| m * decade).find(|s| *s <= 1.001 * rough).unwrap_or(decade);
+        let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+        let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
+        (first..=last)
+            .map(|index| index as f64 * step)
+            .map(|value| Tick { position: (value - low) / (high - low), label: fixed(value, decimals) })
+            .collect()
+    }
+
+    fn logarithmic_ticks(&self, wanted: usize) -> Vec<Tick> {
+        let (low, high) = (self.low / self.unit.si, self.high / self.unit.si);
+        let decades = (high / low).log10();
+        let every = (decades / (2 * wanted.max(1)) as f64).ceil().max(1.0) as i32;
+        let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+        let mut ticks = Vec::new();
+        // Powers and plain numbers are not mixed on one axis.
+        let plain = first >= -2 && last <= 4;
+        for exponent in first..=last {
+            for digit in 1..10 {
+                let value = f64::from(digit) * 10f64.powi(exponent);
+                let position = (value / low).ln() / (high / low).ln();
+                if !(-1e-9..=1.0 + 1e-9).contains(&position) {
+                    continue;
+                }
+                let labelled = match digit {
+                    1 => exponent.rem_euclid(every) == 0,
+                    2 | 5 => decades < 2.0,
+                    _ => decades < 0.6,
+                };
+                if labelled || (digit == 1 || every == 1) {
+                    let label = if labelled { decade_label(digit, exponent, plain) } else { String::new() };
+                    ticks.push(Tick { position, label });
+                }
+            }
+        }
+        ticks
+    }
+}
+
+fn decade_label(digit: i32, exponent: i32, plain: bool) -> String {
+    match (plain, digit) {
+        (true, _) => fixed(f64::from(digit) * 10f64.powi(exponent), (-exponent).max(0) as usize),
+        (false, 1) => format!("10{}", superscript(exponent)),
+        (false, _) => format!("{digit}·10{}", superscript(exponent)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis, wanted: usize) -> Vec<String> {
+        axis.ticks(wanted).into_iter().map(|tick| tick.label).filter(|label| !label.is_empty()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_in_the_unit_of_the_axis() {
+        let axis = Axis::linear("Lag", Unit::new("µm", 1e-6), (0.0, 2e-4));
+        assert_eq!(labels(&axis, 4), ["0", "50", "100", "150", "200"]);
+        assert_eq!(axis.label(), "Lag (µm)");
+        let axis = Axis::linear("μ", Unit::none(), (-0.1, 0.2));
+        assert_eq!(labels(&axis, 3), ["−0.1", "0.0", "0.1", "0.2"]);
+    }
+
+    #[test]
+    fn small_numbers_leave_their_power_to_the_label() {
+        let axis = Axis::linear("Velocity", Unit::none(), (-0.004, 0.003));
+        assert_eq!(axis.label(), "Velocity (10⁻³)");
+        assert_eq!(labels(&axis, 7), ["−4", "−3", "−2", "−1", "0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn a_narrow_range_counts_from_a_round_number() {
+        let axis = Axis::linear("X", Unit::none(), (0.096_795_59, 0.096_796_02));
+        assert_eq!(axis.label(), "X − 0.0967958 (10⁻⁹)");
+        assert_eq!(labels(&axis, 4), ["−200", "−100", "0", "100", "200"]);
+        assert_eq!(Axis::linear("μ", Unit::none(), (0.19, 0.2)).label(), "μ");
+    }
+
+    #[test]
+    fn decades_are_labelled_as_powers_and_equally_spaced() {
+        let axis = Axis::logarithmic("PSD", Unit::none(), (1e-8, 1e-4));
+        assert_eq!(labels(&axis, 3), ["10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴"]);
+        for (exponent, position) in [(-8, 0.0), (-6, 0.5), (-4, 1.0)] {
+            assert!((axis.position(10f64.powi(exponent)).unwrap() - position).abs() < 1e-12);
+        }
+        assert_eq!(axis.position(0.0), None);
+        assert_eq!(labels(&Axis::logarithmic("k", Unit::none(), (1.0, 20.0)), 6), ["1", "2", "5", "10", "20"]);
+    }
+
+    #[test]
+    fn a_range_without_width_is_widened() {
+        let (low, high) = Axis::linear("x", Unit::none(), (3.0, 3.0)).ends();
+        assert!(low < 3.0 && high > 3.0);
+        assert_eq!(range(&[f64::NAN, 2.0, -1.0, f64::INFINITY]), Some((-1.0, 2.0)));
+        assert_eq!(range(&[f64::NAN]), None);
+    }
+}

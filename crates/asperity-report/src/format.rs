@@ -1,0 +1,237 @@
+//! Numbers as a reader wants them: engineering units, an uncertainty that sets the digits, a true minus sign.
+
+/// Keeps a number and its unit or uncertainty on one line.
+const NO_BREAK: char = '\u{a0}';
+
+/// A unit of display: its symbol and its size in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unit {
+    pub(crate) symbol: String,
+    pub(crate) si: f64,
+}
+
+impl Unit {
+    pub(crate) fn new(symbol: impl Into<String>, si: f64) -> Self {
+        Self { symbol: symbol.into(), si }
+    }
+
+    /// A number without dimension.
+    pub(crate) fn none() -> Self {
+        Self::new("", 1.0)
+    }
+
+    /// The reciprocal of this unit, for densities.
+    pub(crate) fn inverse(&self) -> Self {
+        if self.symbol.is_empty() { Self::none() } else { Self::new(format!("1/{}", self.symbol), 1.0 / self.si) }
+    }
+}
+
+/// What a number measures, and so which units fit it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Dimension {
+    None,
+    Length,
+    Pressure,
+    Force,
+    Mass,
+    Wavenumber,
+    AngularFrequency,
+    Velocity,
+    Area,
+    Time,
+    Compliance,
+    Other(&'static str),
+}
+
+/// Suffixes of keys with their dimension; longer suffixes first.
+const SUFFIXES: [(&str, Dimension); 15] = [
+    ("_rad_per_m", Dimension::Wavenumber),
+    ("_rad_per_s", Dimension::AngularFrequency),
+    ("_m_per_pa", Dimension::Compliance),
+    ("_m_per_s", Dimension::Velocity),
+    ("_per_m", Dimension::Other("1/m")),
+    ("_m2", Dimension::Area),
+    ("_m3", Dimension::Other("m³")),
+    ("_ml_per_m2", Dimension::Other("ml/m²")),
+    ("_pa", Dimension::Pressure),
+    ("_kg", Dimension::Mass),
+    ("_n", Dimension::Force),
+    ("_m", Dimension::Length),
+    ("_s", Dimension::Time),
+    ("_rad", Dimension::Other("rad")),
+    ("_deg", Dimension::Other("°")),
+];
+
+impl Dimension {
+    /// The dimension that a key's unit suffix states, and the key without it.
+    pub(crate) fn of_key(key: &str) -> (&str, Self) {
+        SUFFIXES
+            .iter()
+            .find_map(|(suffix, dimension)| Some((key.strip_suffix(suffix)?, *dimension)))
+            .filter(|(name, _)| !name.is_empty())
+            .unwrap_or((key, Self::None))
+    }
+
+    fn units(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Self::None => &[("", 1.0)],
+            Self::Length => &[("pm", 1e-12), ("nm", 1e-9), ("µm", 1e-6), ("mm", 1e-3), ("m", 1.0)],
+            Self::Pressure => &[("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6), ("GPa", 1e9)],
+            Self::Force => &[("µN", 1e-6), ("mN", 1e-3), ("N", 1.0), ("kN", 1e3), ("MN", 1e6)],
+            Self::Mass => &[("g", 1e-3), ("kg", 1.0), ("t", 1e3)],
+            Self::Wavenumber => &[("rad/m", 1.0), ("rad/mm", 1e3), ("rad/µm", 1e6)],
+            Self::AngularFrequency => &[("rad/s", 1.0), ("krad/s", 1e3)],
+            Self::Velocity => &[("µm/s", 1e-6), ("mm/s", 1e-3), ("m/s", 1.0)],
+            Self::Area => &[("µm²", 1e-12), ("mm²", 1e-6), ("m²", 1.0)],
+            Self::Time => &[("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)],
+            Self::Compliance => &[("µm/GPa", 1e-15), ("µm/MPa", 1e-12), ("m/Pa", 1.0)],
+            Self::Other(_) => &[],
+        }
+    }
+
+    /// The unit in which `largest` (SI) has one to three digits before the point, as far as units reach.
+    pub(crate) fn unit(self, largest: f64) -> Unit {
+        if let Self::Other(symbol) = self {
+            return Unit::new(symbol, 1.0);
+        }
+        let units = self.units();
+        let size = largest.abs() * (1.0 + 1e-9);
+        let fitting = units.iter().rev().find(|(_, si)| size >= *si).or(units.first());
+        let zero = units.iter().find(|(_, si)| *si == 1.0);
+        let chosen = if size > 0.0 { fitting } else { zero };
+        chosen.map_or_else(Unit::none, |(symbol, si)| Unit::new(*symbol, *si))
+    }
+
+    /// A value in SI with its engineering unit.
+    pub(crate) fn show(self, value: f64) -> String {
+        let unit = self.unit(value);
+        attach(&significant(value / unit.si, 4), &unit)
+    }
+
+    /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`.
+    pub(crate) fn show_interval(self, value: f64, interval: Option<(f64, f64)>) -> String {
+        let unit = self.unit(value);
+        match interval {
+            Some((low, high)) => {
+                let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
+                let number = match decimals(high - low) {
+                    Some(decimals) => fixed(value, decimals),
+                    None => significant(value, 4),
+                };
+                format!("{} {}", attach(&number, &unit), show_range(low, high))
+            }
+            None => self.show(value),
+        }
+    }
+}
+
+/// Decimals that show two digits of an uncertainty; none where fixed decimals do not suit it.
+fn decimals(uncertainty: f64) -> Option<usize> {
+    let places = 1.0 - uncertainty.log10().floor();
+    (uncertainty > 0.0 && (-4.0..=9.0).contains(&places)).then_some(places.max(0.0) as usize)
+}
+
+/// `[low, high]`, resolved by two digits of its width.
+pub(crate) fn show_range(low: f64, high: f64) -> String {
+    match decimals(high - low) {
+        Some(decimals) => format!("[{},{NO_BREAK}{}]", fixed(low, decimals), fixed(high, decimals)),
+        None => format!("[{},{NO_BREAK}{}]", significant(low, 3), significant(high, 3)),
+    }
+}
+
+fn attach(number: &str, unit: &Unit) -> String {
+    if unit.symbol.is_empty() { number.to_owned() } else { format!("{number}{NO_BREAK}{}", unit.symbol) }
+}
+
+/// Replaces the hyphen before a number by a minus sign.
+fn minus(text: String) -> String {
+    if text.starts_with('-') { text.replacen('-', "−", 1) } else { text }
+}
+
+/// A whole number as a superscript.
+pub(crate) fn superscript(number: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    number.to_string().chars().map(|c| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])).collect()
+}
+
+/// A number with fixed decimals and a true minus sign; −0 is written 0.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+    if zero { text.trim_start_matches('-').to_owned() } else { minus(text) }
+}
+
+/// A number with that many significant digits; very large and small ones as a power of ten; undefined ones as a dash.
+pub(crate) fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    // Rounding may carry to the next power of ten, so the exponent is read from the rounded number.
+    let rounded = format!("{value:.*e}", digits.max(1) - 1);
+    let Some((mantissa, exponent)) = rounded.split_once('e') else { return rounded };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if (-4..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        let text = fixed(value, decimals);
+        return if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text };
+    }
+    minus(format!("{mantissa}·10{}", superscript(exponent)))
+}
+
+/// `value ± error`, the error with two significant digits and the value with as many decimals.
+pub(crate) fn with_error(value: f64, error: f64) -> String {
+    if !(error.is_finite() && error > 0.0) {
+        return significant(value, 4);
+    }
+    match decimals(error) {
+        Some(decimals) => format!("{}{NO_BREAK}±{NO_BREAK}{}", fixed(value, decimals), fixed(error, decimals)),
+        None => format!("{}{NO_BREAK}±{NO_BREAK}{}", significant(value, 4), significant(error, 2)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spaced(text: String) -> String {
+        text.replace(NO_BREAK, " ")
+    }
+
+    #[test]
+    fn engineering_units_are_chosen_by_size() {
+        assert_eq!(spaced(Dimension::Length.show(1.0234e-6)), "1.023 µm");
+        assert_eq!(spaced(Dimension::Length.show(6e-3)), "6 mm");
+        assert_eq!(spaced(Dimension::Length.show(0.0)), "0 m");
+        assert_eq!(spaced(Dimension::Pressure.show(2.1e11)), "210 GPa");
+        assert_eq!(spaced(Dimension::Pressure.show(-3e6)), "−3 MPa");
+        assert_eq!(spaced(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4)))), "250 µm [200, 300]");
+        assert_eq!(spaced(Dimension::None.show_interval(25.9871, Some((23.49, 28.51)))), "26.0 [23.5, 28.5]");
+        assert_eq!(
+            spaced(Dimension::None.show_interval(0.005279, Some((0.00468, 0.00607)))),
+            "0.0053 [0.0047, 0.0061]"
+        );
+    }
+
+    #[test]
+    fn keys_state_their_units() {
+        assert_eq!(Dimension::of_key("penetration_m"), ("penetration", Dimension::Length));
+        assert_eq!(Dimension::of_key("mean_compliance_m_per_pa"), ("mean_compliance", Dimension::Compliance));
+        assert_eq!(Dimension::of_key("belt_velocity_m_per_s"), ("belt_velocity", Dimension::Velocity));
+        assert_eq!(Dimension::of_key("Ssk"), ("Ssk", Dimension::None));
+    }
+
+    #[test]
+    fn digits_follow_the_uncertainty() {
+        assert_eq!(spaced(with_error(0.41234, 0.0221)), "0.412 ± 0.022");
+        assert_eq!(spaced(with_error(69.48, 0.30)), "69.48 ± 0.30");
+        assert_eq!(spaced(with_error(0.5, f64::NAN)), "0.5");
+        assert_eq!(significant(0.999_96, 4), "1");
+        assert_eq!(significant(1.5e-7, 3), "1.50·10⁻⁷");
+        assert_eq!(significant(-0.1705, 4), "−0.1705");
+        assert_eq!(significant(f64::NAN, 4), "–");
+        assert_eq!(fixed(-0.0001, 2), "0.00");
+    }
+}

@@ -1,0 +1,167 @@
+//! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
+
+mod answers;
+mod json;
+mod references;
+mod tables;
+
+use minijinja::{AutoEscape, Environment, Value, context};
+
+use crate::figures::{Plate, Stage};
+use crate::{ReportError, Run};
+
+const TEMPLATE: &str = include_str!("page/report.html");
+
+/// A table of the page: header cells, rows of text, and the file that holds the numbers.
+#[derive(Debug, Clone, Default)]
+struct DataTable {
+    caption: String,
+    headers: Vec<String>,
+    rows: Vec<Vec<String>>,
+    source: String,
+}
+
+impl DataTable {
+    fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>, source: &str) -> Self {
+        let headers = headers.iter().map(|header| (*header).to_owned()).collect();
+        Self { caption: caption.into(), headers, rows, source: source.into() }
+    }
+
+    /// Leaves out columns in which every cell is a dash.
+    fn without_empty_columns(mut self) -> Self {
+        let kept: Vec<bool> =
+            (0..self.headers.len()).map(|c| self.rows.iter().any(|row| row.get(c).is_some_and(|t| t != "–"))).collect();
+        let keep = |row: &Vec<String>| {
+            row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(text, _)| text.clone()).collect::<Vec<_>>()
+        };
+        self.rows = self.rows.iter().map(keep).collect();
+        let mut columns = kept.iter();
+        self.headers.retain(|_| columns.next() == Some(&true));
+        self
+    }
+
+    fn value(&self) -> Value {
+        let rows: Vec<Value> = self.rows.iter().map(|row| Value::from(row.clone())).collect();
+        context! {
+            caption => self.caption.clone(),
+            headers => self.headers.clone(),
+            rows => rows,
+            source => self.source.clone(),
+        }
+    }
+}
+
+/// A method of the pressure's law as a reader calls it.
+pub(crate) fn method_name(method: &str) -> String {
+    match method {
+        "monte_carlo" => "Monte Carlo".into(),
+        "latin_hypercube" => "Latin hypercube".into(),
+        "sobol" => "Sobol’ sequence".into(),
+        "polynomial_chaos" => "polynomial chaos".into(),
+        "polynomial_chaos_log" => "polynomial chaos of log p".into(),
+        "default" => "default of asperity".into(),
+        other => other.replace('_', " "),
+    }
+}
+
+fn section(plates: &[Plate], stage: Stage, id: &str, title: &str, lead: &str, tables: &[DataTable]) -> Option<Value> {
+    let figures: Vec<Value> = plates
+        .iter()
+        .enumerate()
+        .filter(|(_, plate)| plate.stage == stage)
+        .map(|(index, plate)| {
+            context! {
+                number => index + 1,
+                name => plate.name,
+                title => plate.title.clone(),
+                caption => plate.caption.clone(),
+                sources => plate.sources.clone(),
+                svg => Value::from_safe_string(plate.svg.clone()),
+            }
+        })
+        .collect();
+    let tables: Vec<Value> = tables.iter().filter(|table| !table.rows.is_empty()).map(DataTable::value).collect();
+    (!figures.is_empty() || !tables.is_empty())
+        .then(|| context! { id => id, title => title, lead => lead, tables => tables, figures => figures })
+}
+
+/// The page of a run.
+///
+/// # Errors
+/// The template engine's.
+pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
+    let results = &run.results;
+    let sections: Vec<Value> = [
+        section(
+            plates,
+            Stage::Surface,
+            "surface",
+            "Surface",
+            "What the measured map says about heights, and the random surface that stands for it. Every statistic \
+             belongs to the bandwidth between field size and pixel size.",
+            &tables::surface(&results["surface"]),
+        ),
+        section(
+            plates,
+            Stage::Pressure,
+            "pressure",
+            "Contact pressure",
+            "How often a point of the surface is in contact, and how the pressure there is distributed, by independent \
+             methods.",
+            &tables::pressure(&results["pressure"]),
+        ),
+        section(
+            plates,
+            Stage::Friction,
+            "friction",
+            "Friction coefficient",
+            "The friction coefficient of a window that slides over the surface, as a stochastic process.",
+            &tables::friction(&results["friction"]),
+        ),
+        section(
+            plates,
+            Stage::Vibration,
+            "vibration",
+            "Friction-induced vibration",
+            "Whether the machine squeals without roughness, and what the roughness does to it. Displacement and time \
+             are dimensionless: X = xc/N, τ = ω₀t.",
+            &tables::vibration(run),
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let pairs = |rows: Vec<(String, String)>| -> Vec<Value> {
+        rows.into_iter().map(|(key, value)| context! { key => key, value => value }).collect()
+    };
+    let inputs: Vec<Value> = tables::inputs(&run.inputs).iter().map(DataTable::value).collect();
+    let present: Vec<Stage> = [
+        (Stage::Surface, "surface"),
+        (Stage::Pressure, "pressure"),
+        (Stage::Friction, "friction"),
+        (Stage::Vibration, "vibration"),
+    ]
+    .into_iter()
+    .filter(|(stage, key)| results[*key].is_object() || plates.iter().any(|plate| plate.stage == *stage))
+    .map(|(stage, _)| stage)
+    .collect();
+    let answers: Vec<Value> = answers::answers(run)
+        .into_iter()
+        .map(|a| context! { question => a.question, answer => a.answer, detail => a.detail })
+        .collect();
+    let page = context! {
+        name => run.name.clone(),
+        answers => answers,
+        warnings => json::warnings(results),
+        sections => sections,
+        inputs => inputs,
+        assumptions => run.assumptions.clone(),
+        provenance => pairs(json::flattened(&run.provenance)),
+        references => references::references(&present),
+    };
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment
+        .render_named_str("report.html", TEMPLATE, page)
+        .map_err(|error| ReportError::Template { message: format!("{error:#}") })
+}

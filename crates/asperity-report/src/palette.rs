@@ -1,0 +1,102 @@
+//! Colours that survive colour blindness and grey printing.
+
+use plotters::prelude::RGBColor;
+
+use crate::canvas::{Dash, Pen};
+
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 130, 95);
+pub(crate) const PURPLE: RGBColor = RGBColor(170, 68, 140);
+pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const GREY: RGBColor = RGBColor(150, 150, 150);
+pub(crate) const BLACK: RGBColor = RGBColor(20, 20, 20);
+
+/// Pens for curves in order; two neighbours differ in colour, lightness and dash (colours after Okabe & Ito).
+pub(crate) fn pen(index: usize) -> Pen {
+    const PENS: [(RGBColor, Dash); 8] = [
+        (BLUE, Dash::Solid),
+        (VERMILION, Dash::Dashed),
+        (GREEN, Dash::Alternating),
+        (PURPLE, Dash::Dotted),
+        (ORANGE, Dash::Long),
+        (SKY, Dash::Solid),
+        (BLACK, Dash::Dashed),
+        (GREY, Dash::Alternating),
+    ];
+    let (colour, dash) = PENS[index % PENS.len()];
+    Pen::new(colour, 1.8, dash)
+}
+
+/// Colour of missing heights: at its lightness the scale below has the opposite hue.
+pub(crate) const MISSING: RGBColor = VERMILION;
+/// Colour of points without contact.
+pub(crate) const NO_CONTACT: RGBColor = RGBColor(255, 255, 255);
+
+/// The sequential colour scale at `t` in [0, 1]: violet, blue, green, yellow.
+///
+/// A path in Oklab (B. Ottosson, 2020) with linear lightness and linear hue at nearly constant chroma, so that equal
+/// steps of the value look equal, and grey prints keep the order. Chroma gives way where sRGB ends.
+pub(crate) fn colour_scale(t: f64) -> RGBColor {
+    let t = t.clamp(0.0, 1.0);
+    let (lightness, hue) = (0.27 + 0.64 * t, (305.0 - 200.0 * t).to_radians());
+    let mut chroma = 0.105 + 0.06 * t * t;
+    let mut rgb = oklab_to_linear_rgb(lightness, chroma * hue.cos(), chroma * hue.sin());
+    while rgb.iter().any(|c| !(0.0..=1.0).contains(c)) && chroma > 0.0 {
+        chroma -= 0.001;
+        rgb = oklab_to_linear_rgb(lightness, chroma * hue.cos(), chroma * hue.sin());
+    }
+    let [r, g, b] = rgb.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * encoded).round() as u8
+    });
+    RGBColor(r, g, b)
+}
+
+fn oklab_to_linear_rgb(lightness: f64, a: f64, b: f64) -> [f64; 3] {
+    let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548_0 * b).powi(3);
+    [
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// CIE lightness L* of an sRGB colour.
+    fn cie_lightness(colour: RGBColor) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        let y = 0.2126 * linear(colour.0) + 0.7152 * linear(colour.1) + 0.0722 * linear(colour.2);
+        if y > 0.008_856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+    }
+
+    #[test]
+    fn the_colour_scale_grows_evenly_in_lightness() {
+        let lightness: Vec<f64> = (0..=20).map(|i| cie_lightness(colour_scale(f64::from(i) / 20.0))).collect();
+        let mean = (lightness[20] - lightness[0]) / 20.0;
+        assert!(mean > 3.0, "the scale spans {:.0} of 100 units of lightness", 20.0 * mean);
+        for pair in lightness.windows(2) {
+            // Oklab's lightness is not CIE's; within a factor of two every step is visible and none dominates.
+            let step = pair[1] - pair[0];
+            assert!(step > 0.5 * mean && step < 2.0 * mean, "step {step:.2} against the mean {mean:.2}");
+        }
+    }
+
+    #[test]
+    fn neighbouring_pens_differ_in_dash_as_well_as_colour() {
+        for index in 0..7 {
+            let (one, next) = (pen(index), pen(index + 1));
+            assert!(one.colour != next.colour && one.dash != next.dash);
+        }
+    }
+}

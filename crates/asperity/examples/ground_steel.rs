@@ -1,0 +1,111 @@
+//! Makes the synthetic scan of `studies/quickstart.toml`: a ground steel surface with the faults of a real measurement.
+//!
+//! ```text
+//! cargo run --release --example ground_steel -p asperity -- studies/ground_steel.x3p
+//! ```
+//!
+//! Nothing here was measured. The surface is a random field, 512 × 512 points at 1 µm, ground along y: correlation lengths
+//! of 12 µm across and 60 µm along the lay, Sq = 0.6 µm, with heights skewed towards valleys. On it lie a tilt, scratches,
+//! spikes of an optical instrument, and patches without a reading.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::law::Marginal;
+use asperity::map::Grid;
+use asperity::random::{self, Stream};
+use asperity::surface::{RandomSurface, SpectralField};
+use asperity_formats::{Scan, X3pData, write_x3p};
+use ndarray::Array2;
+use rand::RngExt;
+
+const SEED: u64 = 1950;
+const POINTS: usize = 512;
+const PITCH_M: f64 = 1e-6;
+const RMS_M: f64 = 0.6e-6;
+const SCRATCHES: u64 = 14;
+const SPIKES: usize = 90;
+const HOLES: usize = 26;
+
+fn main() -> ExitCode {
+    let Some(path) = std::env::args_os().nth(1).map(PathBuf::from) else {
+        eprintln!("usage: ground_steel OUT.x3p");
+        return ExitCode::from(2);
+    };
+    let written = ground_steel().and_then(|scan| Ok(std::fs::write(&path, write_x3p(&scan, X3pData::Int16)?)?));
+    match written {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{}: {error}", path.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
+    let grid = Grid::new(POINTS, POINTS, PITCH_M, PITCH_M)?;
+    let covariance = Covariance::new(CorrelationModel::Matern { nu: 1.2 }, 1.0, 12e-6, 60e-6)?;
+    let field = SpectralField::free(&covariance, grid)?;
+    let germ = random::standard_normal(&mut random::stream(SEED, "ground steel", 0), field.germ_len());
+    // Grinding leaves plateaus and valleys: a Beta law with its long tail below.
+    let marginal = Marginal::beta(5.0, 2.1, 0.0, 1.0)?;
+    let (mean, std) = (marginal.mean(), marginal.std());
+    let mut heights = field.generate(&germ).heights_m().mapv(|g| (marginal.translate(g) - mean) / std * RMS_M);
+    for index in 0..SCRATCHES {
+        scratch(&mut heights, &mut random::stream(SEED, "ground steel/scratch", index));
+    }
+    heights.indexed_iter_mut().for_each(|((row, column), z)| {
+        let (x, y) = (column as f64 * PITCH_M, row as f64 * PITCH_M);
+        *z += 4e-3 * x - 2.5e-3 * y;
+    });
+    let mut stream = random::stream(SEED, "ground steel/faults", 0);
+    for _ in 0..SPIKES {
+        let (row, column) = (stream.random_range(0..POINTS), stream.random_range(0..POINTS));
+        let sign = if stream.random_bool(0.7) { 1.0 } else { -1.0 };
+        heights[[row, column]] += sign * stream.random_range(7.0..14.0) * RMS_M;
+    }
+    for _ in 0..HOLES {
+        hole(&mut heights, &mut stream);
+    }
+    let mut scan = Scan::new(heights, Some((PITCH_M, PITCH_M)));
+    for (key, value) in [
+        ("Instrument", "none: synthetic scan made by asperity's example ground_steel"),
+        ("Comment", "SYNTHETIC, not measured: ground steel with tilt, scratches, spikes and missing points"),
+    ] {
+        scan.metadata.insert(key.into(), value.into());
+    }
+    Ok(scan)
+}
+
+/// A groove with raised edges, nearly along the lay.
+fn scratch(heights: &mut Array2<f64>, stream: &mut Stream) {
+    let start = stream.random_range(0.0..POINTS as f64);
+    let slope: f64 = stream.random_range(-0.15..0.15);
+    let width = stream.random_range(1.5..4.0);
+    let depth = stream.random_range(0.6..1.8) * RMS_M;
+    let first = stream.random_range(0..POINTS / 2);
+    let last = stream.random_range(POINTS / 2..POINTS);
+    for row in first..last {
+        let centre = start + slope * row as f64;
+        for column in 0..POINTS {
+            let t = (column as f64 - centre) / width;
+            if t.abs() < 4.0 {
+                // Mexican hat: what leaves the groove lies beside it.
+                heights[[row, column]] -= depth * (1.0 - t * t) * (-0.5 * t * t).exp();
+            }
+        }
+    }
+}
+
+/// An elliptic patch without a reading.
+fn hole(heights: &mut Array2<f64>, stream: &mut Stream) {
+    let (row, column) = (stream.random_range(0.0..POINTS as f64), stream.random_range(0.0..POINTS as f64));
+    let (half_height, half_width) = (stream.random_range(1.0..9.0), stream.random_range(1.0..6.0));
+    for ((i, j), z) in heights.indexed_iter_mut() {
+        let (v, u): (f64, f64) = ((i as f64 - row) / half_height, (j as f64 - column) / half_width);
+        if u * u + v * v < 1.0 {
+            *z = f64::NAN;
+        }
+    }
+}

@@ -1,0 +1,322 @@
+//! Stationary random friction processes.
+
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::spectral::Harmonics;
+use super::table::TranslationTable;
+use super::{Fluctuation, ProcessError, positive};
+use crate::law::Marginal;
+use crate::law::translation::Translation;
+use crate::random::{self, Stream};
+
+/// Name of the random stage of friction processes.
+const STAGE: &str = "friction process";
+
+/// How the standard normal process under the translation is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Generator {
+    /// The exact recursion of a sampled Ornstein–Uhlenbeck process, g_{i+1} = φg_i + √(1 − φ²)ξ; endless.
+    #[default]
+    Autoregressive,
+    /// A sum of harmonics with random frequencies and phases, after the paper.
+    Spectral {
+        /// Number of harmonics.
+        harmonics: usize,
+    },
+}
+
+/// Whose correlation is exponential with the given length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Correlation {
+    /// The normal process's; the translation then shortens the correlation of m a little (the paper's way).
+    #[default]
+    Plain,
+    /// The normal process is given the longer length with which the correlation of m is e⁻¹ at the given one.
+    Corrected,
+}
+
+/// What a random friction process is made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProcessModel {
+    /// Shape of the law of m; its location and scale are set by the zero mean and `std`.
+    pub marginal: Marginal,
+    /// Standard deviation σ of the friction coefficient.
+    pub std: f64,
+    /// Correlation length ℓ, in the unit of the sliding distance.
+    pub correlation_length: f64,
+    /// Knots per correlation length.
+    pub steps_per_length: usize,
+    /// How the normal process is made.
+    pub generator: Generator,
+    /// Whose correlation is meant.
+    pub correlation: Correlation,
+    /// Least value of m: lower knots are raised to it and counted. None leaves the process alone.
+    pub least: Option<f64>,
+}
+
+impl ProcessModel {
+    /// An autoregressive process with twenty knots per correlation length, without correction and without clamp.
+    pub fn new(marginal: Marginal, std: f64, correlation_length: f64) -> Self {
+        Self {
+            marginal,
+            std,
+            correlation_length,
+            steps_per_length: 20,
+            generator: Generator::default(),
+            correlation: Correlation::default(),
+            least: None,
+        }
+    }
+}
+
+/// A stationary random process m(s) of zero mean, ready to be sampled.
+#[derive(Debug, Clone)]
+pub struct FrictionProcess {
+    model: ProcessModel,
+    table: TranslationTable,
+    translation: Translation,
+    /// Correlation length of the normal process.
+    normal_length: f64,
+}
+
+impl FrictionProcess {
+    /// Checks a model and tabulates its translation.
+    ///
+    /// Fails if a parameter is not positive, the law is none or has no finite standard deviation, or the clamp is not
+    /// negative.
+    pub fn new(model: ProcessModel) -> Result<Self, ProcessError> {
+        model.marginal.check()?;
+        positive("friction standard deviation", model.std)?;
+        positive("correlation length", model.correlation_length)?;
+        positive("standard deviation of the marginal law", model.marginal.std())?;
+        positive("steps per correlation length", model.steps_per_length as f64)?;
+        if let Generator::Spectral { harmonics } = model.generator {
+            positive("number of harmonics", harmonics as f64)?;
+        }
+        if let Some(value) = model.least.filter(|least| !(*least < 0.0)) {
+            return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
+        }
+        let translation = Translation::new(&model.marginal)?;
+        let normal_length = match model.correlation {
+            Correlation::Plain => model.correlation_length,
+            Correlation::Corrected => {
+                -model.correlation_length / translation.normal_correlation((-1.0_f64).exp())?.ln()
+            }
+        };
+        let table = TranslationTable::new(&model.marginal, model.std);
+        Ok(Self { model, table, translation, normal_length })
+    }
+
+    /// The model it was made of.
+    pub fn model(&self) -> &ProcessModel {
+        &self.model
+    }
+
+    /// Distance between knots, ℓ/N.
+    pub fn step(&self) -> f64 {
+        self.model.correlation_length / self.model.steps_per_length as f64
+    }
+
+    /// Correlation of the normal process from knot to knot, e^{−h/ℓ_G}.
+    pub fn normal_step_correlation(&self) -> f64 {
+        (-self.step() / self.normal_length).exp()
+    }
+
+    /// Correlation of m at two knots a distance `lag` apart, after the translation (without clamp).
+    pub fn correlation_at(&self, lag: f64) -> f64 {
+        self.translation.correlation((-lag.abs() / self.normal_length).exp())
+    }
+
+    /// Lower and upper end of the support of m; infinite for unbounded laws.
+    pub fn support(&self) -> (f64, f64) {
+        (self.table.at_probability(0.0), self.table.at_probability(1.0))
+    }
+
+    /// Error bound of the tabulated translation, in standard deviations.
+    pub fn translation_error(&self) -> f64 {
+        self.table.error()
+    }
+
+    /// Realisation `index` under `seed`.
+    pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
+        let mut rng = random::stream(seed, STAGE, index);
+        let source = match self.model.generator {
+            Generator::Autoregressive => {
+                let coefficient = self.normal_step_correlation();
+                // 1 − φ² without cancellation.
+                let innovation = (-(-2.0 * self.step() / self.normal_length).exp_m1()).sqrt();
+                Source::Autoregressive { g: StandardNormal.sample(&mut rng), coefficient, innovation }
+            }
+            Generator::Spectral { harmonics } => {
+                Source::Spectral(Harmonics::draw(harmonics, self.step() / self.normal_length, &mut rng))
+            }
+        };
+        Path { process: self, rng, source, clamped: 0 }
+    }
+}
+
+/// A realisation of a [`FrictionProcess`], made knot by knot.
+#[derive(Debug, Clone)]
+pub struct Path<'a> {
+    process: &'a FrictionProcess,
+    rng: Stream,
+    source: Source,
+    clamped: u64,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    Autoregressive { g: f64, coefficient: f64, innovation: f64 },
+    Spectral(Harmonics),
+}
+
+impl Path<'_> {
+    /// Knots so far that were raised to the least value.
+    pub fn clamped(&self) -> u64 {
+        self.clamped
+    }
+}
+
+impl Fluctuation for Path<'_> {
+    fn step(&self) -> Option<f64> {
+        Some(self.process.step())
+    }
+
+    #[inline]
+    fn next_knot(&mut self) -> Option<f64> {
+        let normal = match &mut self.source {
+            Source::Autoregressive { g, coefficient, innovation } => {
+                let xi: f64 = StandardNormal.sample(&mut self.rng);
+                std::mem::replace(g, *coefficient * *g + *innovation * xi)
+            }
+            Source::Spectral(harmonics) => harmonics.advance(),
+        };
+        let m = self.process.table.value(normal);
+        match self.process.model.least {
+            Some(least) if m < least => {
+                self.clamped += 1;
+                Some(least)
+            }
+            _ => Some(m),
+        }
+    }
+}
+
+/// Variance of the mean of a process of correlation e^{−|s|/ℓ} over a window W, relative to its variance:
+/// 2(ℓ/W)·[1 − (ℓ/W)(1 − e^{−W/ℓ})].
+pub fn window_variance_factor(correlation_length: f64, window: f64) -> f64 {
+    let share = correlation_length / window;
+    2.0 * share * (1.0 + share * (-1.0 / share).exp_m1())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn beta(std: f64, length: f64) -> ProcessModel {
+        ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)
+    }
+
+    fn knots(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
+        let mut path = process.path(7, index);
+        (0..count).map(|_| path.next_knot().unwrap()).collect()
+    }
+
+    #[test]
+    fn the_autoregression_has_the_published_coefficient() {
+        let model = ProcessModel { steps_per_length: 25, ..ProcessModel::new(Marginal::STANDARD_NORMAL, 1.0, 250.0) };
+        let process = FrictionProcess::new(model).unwrap();
+        assert_eq!(process.step(), 10.0);
+        assert!((process.normal_step_correlation() - 0.960_789_439_2).abs() < 5e-11);
+    }
+
+    #[test]
+    fn the_mean_over_a_window_has_the_published_variance() {
+        assert!((window_variance_factor(250.0, 600.0) - 0.51761).abs() < 5e-6);
+        // A sampled process, averaged by the trapezoidal rule over 60 steps: the rule's own error is (Δ/ℓ)²/6 relative.
+        let model = ProcessModel { steps_per_length: 25, ..ProcessModel::new(Marginal::STANDARD_NORMAL, 1.0, 250.0) };
+        let process = FrictionProcess::new(model).unwrap();
+        let paths = 20_000;
+        let mean_square = (0..paths)
+            .map(|i| {
+                let m = knots(&process, i, 61);
+                let mean = (m.iter().sum::<f64>() - 0.5 * (m[0] + m[60])) / 60.0;
+                mean * mean
+            })
+            .sum::<f64>()
+            / paths as f64;
+        let standard_error = 0.51761 * (2.0 / paths as f64).sqrt();
+        assert!((mean_square - 0.51761).abs() < 4.0 * standard_error + 3e-4, "{mean_square}");
+    }
+
+    #[test]
+    fn knots_have_the_wanted_moments_and_correlation_whatever_the_generator() {
+        for (generator, correlation) in [
+            (Generator::Autoregressive, Correlation::Plain),
+            (Generator::Autoregressive, Correlation::Corrected),
+            (Generator::Spectral { harmonics: 64 }, Correlation::Plain),
+        ] {
+            let process = FrictionProcess::new(ProcessModel { generator, correlation, ..beta(0.002, 3.0) }).unwrap();
+            let paths = 20_000;
+            let lag = process.model().steps_per_length;
+            let (mut sums, mut product, mut product2) = ([0.0; 4], 0.0, 0.0);
+            for i in 0..paths {
+                let m: Vec<f64> = knots(&process, i, lag + 1).iter().map(|m| m / 0.002).collect();
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum += m[0].powi(k as i32 + 1) / paths as f64;
+                }
+                product += m[0] * m[lag] / paths as f64;
+                product2 += (m[0] * m[lag]).powi(2) / paths as f64;
+            }
+            let root_n = (paths as f64).sqrt();
+            // Standard errors of the mean, of the mean square (excess kurtosis −0.17) and of the mean cube.
+            assert!(sums[0].abs() < 4.0 / root_n, "{generator:?} mean {}", sums[0]);
+            assert!((sums[1] - 1.0).abs() < 4.0 * 1.36 / root_n, "{generator:?} variance {}", sums[1]);
+            assert!((sums[2] - 0.5598).abs() < 4.0 * 3.5 / root_n, "{generator:?} skewness {}", sums[2]);
+            let wanted = process.correlation_at(3.0);
+            let standard_error = (product2 - product * product).sqrt() / root_n;
+            assert!((product - wanted).abs() < 4.0 * standard_error, "{generator:?} {product} instead of {wanted}");
+            match correlation {
+                Correlation::Corrected => assert!((wanted - (-1.0_f64).exp()).abs() < 1e-12),
+                Correlation::Plain => assert!(wanted < (-1.0_f64).exp()),
+            }
+        }
+    }
+
+    #[test]
+    fn the_support_of_beta_friction_is_the_published_one() {
+        let (low, high) = FrictionProcess::new(beta(1.0, 1.0)).unwrap().support();
+        assert!((low + 1.844).abs() < 5e-4 && (high - 4.392).abs() < 5e-4);
+    }
+
+    #[test]
+    fn a_clamp_is_counted_and_nothing_falls_below_it() {
+        let model = ProcessModel { least: Some(-1e-3), ..beta(1e-3, 1.0) };
+        let process = FrictionProcess::new(model).unwrap();
+        let mut path = process.path(1, 0);
+        let values: Vec<f64> = (0..2000).map(|_| path.next_knot().unwrap()).collect();
+        let raised = values.iter().filter(|m| **m == -1e-3).count() as u64;
+        assert!(raised > 0 && raised == path.clamped());
+        assert!(values.iter().all(|m| *m >= -1e-3));
+        assert!(FrictionProcess::new(ProcessModel { least: Some(0.1), ..beta(1e-3, 1.0) }).is_err());
+    }
+
+    #[test]
+    fn realisations_depend_on_seed_and_index_alone_and_nonsense_is_refused() {
+        let process = FrictionProcess::new(beta(1e-3, 1.0)).unwrap();
+        assert_eq!(knots(&process, 3, 5), knots(&process, 3, 5));
+        assert_ne!(knots(&process, 3, 5), knots(&process, 4, 5));
+        for model in [
+            beta(0.0, 1.0),
+            beta(1.0, f64::NAN),
+            ProcessModel { steps_per_length: 0, ..beta(1.0, 1.0) },
+            ProcessModel { generator: Generator::Spectral { harmonics: 0 }, ..beta(1.0, 1.0) },
+        ] {
+            assert!(FrictionProcess::new(model).is_err());
+        }
+    }
+}

@@ -1,0 +1,38 @@
+# Recipes of the house. `just check` is what CI runs; .ci/requirements.txt lists the tools it needs.
+
+# Tools that .ci/run installed come first.
+export PATH := justfile_directory() / ".venv" / "bin" + ":" + env("PATH")
+
+# List the recipes.
+default:
+    @just --list
+
+# Everything CI checks.
+check: test lint
+
+# All tests, documentation examples included.
+test:
+    cargo test --workspace
+
+# Everything but the tests.
+lint: fmt clippy doc typos deny
+
+# Formatting, without changing a file.
+fmt:
+    cargo fmt --all --check
+
+# Lints of the compiler and of clippy, warnings denied.
+clippy:
+    cargo clippy --workspace --all-targets -- -D warnings
+
+# Documentation of the library, warnings denied.
+doc:
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
+# Spelling.
+typos:
+    typos
+
+# Licences, banned crates and sources of the dependencies (advisories are left out: fetching them needs a network).
+deny:
+    CARGO="$PWD/.ci/cargo-metadata" cargo-deny --log-level error check bans licenses sources
