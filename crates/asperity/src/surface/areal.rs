@@ -83,6 +83,36 @@ pub struct Parameters {
     pub vvv_m: f64,
 }
 
+impl Parameters {
+    /// Names and values in SI as in tables and JSON; `None` is undefined.
+    pub fn named(&self) -> [(&'static str, Option<f64>); 22] {
+        [
+            ("Sa_m", Some(self.sa_m)),
+            ("Sq_m", Some(self.sq_m)),
+            ("Ssk", Some(self.ssk)),
+            ("Sku", Some(self.sku)),
+            ("Sp_m", Some(self.sp_m)),
+            ("Sv_m", Some(self.sv_m)),
+            ("Sz_m", Some(self.sz_m)),
+            ("Sdq", self.sdq),
+            ("Sdq_7point", self.sdq_7point),
+            ("Sdr", self.sdr),
+            ("Sal_m", self.sal_m),
+            ("Str", self.str_ratio),
+            ("Sk_m", Some(self.sk_m)),
+            ("Spk_m", Some(self.spk_m)),
+            ("Svk_m", Some(self.svk_m)),
+            ("Smrk1", Some(self.smrk1)),
+            ("Smrk2", Some(self.smrk2)),
+            ("Sxp_m", Some(self.sxp_m)),
+            ("Vmp_m", Some(self.vmp_m)),
+            ("Vmc_m", Some(self.vmc_m)),
+            ("Vvc_m", Some(self.vvc_m)),
+            ("Vvv_m", Some(self.vvv_m)),
+        ]
+    }
+}
+
 /// The texture parameters of a map about its mean height.
 ///
 /// # References
