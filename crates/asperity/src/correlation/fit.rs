@@ -1,5 +1,7 @@
 //! Covariance models fitted to the autocorrelation of a map.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -79,6 +81,27 @@ pub enum FitWarning {
         /// [`CovarianceFit::mean_share`] of the best fit.
         share: f64,
     },
+}
+
+impl fmt::Display for FitWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotDecayed { axis, least } => write!(
+                f,
+                "along {axis} the correlation falls only to {least:.2} within half of the map: its length is extrapolated"
+            ),
+            Self::FewLengths { axis, lengths } => write!(
+                f,
+                "along {axis} the map is only {lengths:.1} correlation lengths long: few patches are independent"
+            ),
+            Self::LargeMeanShare { share } => write!(
+                f,
+                "{:.0} % of the surface's variance went with the map's mean, by the fit: form may remain, or the surface has \
+                 no roll-off within the map",
+                100.0 * share
+            ),
+        }
+    }
 }
 
 /// One model fitted to a map.

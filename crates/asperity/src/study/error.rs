@@ -141,7 +141,9 @@ impl StudyError {
             | Self::Friction(FrictionError::TooFewValid { .. })
             | Self::Vibration(VibrationError::TooFewValid { .. })
             | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
-            Self::Friction(FrictionError::NoContact { .. }) | Self::Statistics(_) => FailureKind::NotConverged,
+            Self::Friction(FrictionError::NoContact { .. } | FrictionError::Statistics(_)) | Self::Statistics(_) => {
+                FailureKind::NotConverged
+            }
             Self::Filter(_)
             | Self::Covariance(_)
             | Self::Law(_)

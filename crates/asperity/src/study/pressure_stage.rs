@@ -176,7 +176,8 @@ fn cdf_table(results: &Results) -> Table {
     let column = |law: Option<&StepLaw>| -> Vec<f64> {
         pressures.iter().map(|p| law.map_or(f64::NAN, |law| law.cdf(*p))).collect()
     };
-    let mut columns = vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(Some(reference)))];
+    let mut columns =
+        vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(Some(reference)))];
     for method in Method::ALL {
         let law = results.estimate(method).map(|(estimate, _)| &estimate.law);
         columns.push((method.name().into(), column(law)));

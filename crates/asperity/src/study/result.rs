@@ -291,6 +291,8 @@ pub struct LevelResult {
 /// The vibration stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VibrationResult {
+    /// The study's own damping ratio ζ.
+    pub damping_ratio: f64,
     /// Dimensionless belt velocity V.
     pub belt_velocity: f64,
     /// Mean friction coefficient μ_st.
@@ -359,7 +361,7 @@ pub struct DampingResult {
     /// Damping ratio.
     pub damping_ratio: f64,
     /// Slips that reach a negative velocity, without noise.
-    pub cycles_deterministic: usize,
+    pub cycles_deterministic: u64,
     /// Their mean number with noise.
     pub cycles_mean: f64,
     /// Its standard error.
@@ -373,10 +375,10 @@ pub struct DampingResult {
 }
 
 /// The law of the re-attachment points.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ReattachmentResult {
     /// Number of points.
-    pub count: usize,
+    pub count: u64,
     /// Mean displacement.
     pub mean: Option<f64>,
     /// Standard deviation.

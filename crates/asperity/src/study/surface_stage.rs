@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use asperity_formats::Scan;
 
 use crate::correlation::{
-    Autocorrelation, Axis, CorrelationModel, Covariance, CovarianceFits, fit_covariance, profile_spectrum,
+    Autocorrelation, Axis, CorrelationFamily, CorrelationModel, Covariance, CovarianceFits, fit_covariance,
+    profile_spectrum,
 };
 use crate::law::Marginal;
 use crate::law::fit::{Family, rank_by_aic};
@@ -255,7 +256,7 @@ pub(super) fn run(section: &SurfaceSection, scan: Option<(&str, Scan)>) -> Resul
         ));
         measured = Some(Measured::of(map, outliers)?);
     }
-    let fits = measured.as_ref().map(|m| fit_covariance(&m.correlation));
+    let fits = measured.as_ref().map(|m| fit_covariance(&m.correlation, &CorrelationFamily::ALL));
     let (covariance, misfit) = covariance_of(section, measured.as_ref(), fits.as_ref())?;
     let marginal = marginal_of(section, measured.as_ref(), covariance.std_m())?;
     let fits = fits.and_then(Result::ok);
@@ -380,11 +381,7 @@ impl Measured {
         Ok(Self { map, statistics, correlation })
     }
 
-    fn tables(
-        &self,
-        covariance: &Covariance,
-        marginal: &Marginal,
-    ) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn tables(&self, covariance: &Covariance, marginal: &Marginal) -> Result<Vec<(&'static str, Table)>, StudyError> {
         Ok(vec![
             ("height_pdf", self.pdf_table(marginal)?),
             ("height_acf", self.acf_table(covariance)),
@@ -443,11 +440,8 @@ impl Measured {
     fn psd_table(&self, covariance: &Covariance) -> Table {
         let spectrum = |axis| profile_spectrum(&self.map, axis).ok();
         let (x, y) = (spectrum(Axis::X), spectrum(Axis::Y));
-        let mut wavenumbers: Vec<f64> = [&x, &y]
-            .into_iter()
-            .flatten()
-            .flat_map(|s| s.q_rad_per_m.iter().copied().filter(|q| *q > 0.0))
-            .collect();
+        let mut wavenumbers: Vec<f64> =
+            [&x, &y].into_iter().flatten().flat_map(|s| s.q_rad_per_m.iter().copied().filter(|q| *q > 0.0)).collect();
         wavenumbers.sort_by(f64::total_cmp);
         wavenumbers.dedup();
         let on = |spectrum: &Option<crate::correlation::ProfileSpectrum>| -> Vec<f64> {
