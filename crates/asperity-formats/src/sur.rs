@@ -4,8 +4,8 @@
 //! n = z_min − 2 marks a point that was not measured when the header says that there are such points. Numbers are
 //! little-endian, texts are Latin-1, padded with spaces or zeros.
 //!
-//! The header names three units per axis pair: steps carry their own unit, lengths are shown in another one, and a
-//! ratio connects the two. Only the step's unit gives the scale here; a ratio that contradicts the units is reported.
+//! The header names two units per axis, one for the step and one for lengths, and the ratio between them. Only the
+//! step's unit gives the scale here; a ratio that contradicts the units is reported.
 //!
 //! Some readers measure heights from z_min instead of from zero. That moves the datum and nothing else.
 
