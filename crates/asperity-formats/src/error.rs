@@ -39,8 +39,8 @@ impl fmt::Display for Location {
 
 /// Why a file could not be read or written.
 ///
-/// The message of an error is complete: it includes what an inner error says, so no error has a source to print after it.
-/// Errors of [`read`](crate::read) and [`write`](crate::write) name the path; those of functions on bytes cannot.
+/// The message of an error is complete: it includes what an inner error says, so no error has a source to print after
+/// it. Errors of [`read`](crate::read) and [`write`](crate::write) name the path; those of functions on bytes cannot.
 #[derive(Debug, Error)]
 pub enum FormatError {
     /// The file does not exist.

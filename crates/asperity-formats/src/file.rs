@@ -71,8 +71,8 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
     Ok(scan.checked())
 }
 
-/// Writes a scan in the format of the path's extension: `.x3p` (float64), `.npy`, `.txt` and `.dat` (space separated) or
-/// `.csv` (comma separated). Only X3P keeps the pixel size and the metadata.
+/// Writes a scan in the format of the path's extension: `.x3p` (float64), `.npy`, `.txt` and `.dat` (separated by
+/// spaces) or `.csv` (by commas). Only X3P keeps the pixel size and the metadata.
 ///
 /// The file appears whole or not at all: the bytes go to a temporary file beside it, which then takes its name.
 ///

@@ -7,9 +7,9 @@
 //! | NPY (NumPy) | integers and floats, 2-D | float64 | no |
 //! | text, CSV | matrices of numbers | yes | no |
 //!
-//! Every byte is taken for hostile: sizes that a file declares are believed only as far as its bytes reach, archives are
-//! unpacked through limits, arithmetic on sizes is checked, and no input makes the reader panic. A file is known by its
-//! content; its extension matters only when writing.
+//! Every byte is taken for hostile: sizes that a file declares are believed only as far as its bytes reach, archives
+//! are unpacked through limits, arithmetic on sizes is checked, and no input makes the reader panic. A file is known
+//! by its content; its extension matters only when writing.
 //!
 //! ```
 //! let scan = asperity_formats::read_bytes(b"# a groove\n0 -1e-6 0\n0 -1e-6 0\n")?;

@@ -4,8 +4,8 @@
 //! n = z_min − 2 marks a point that was not measured when the header says that there are such points. Numbers are
 //! little-endian, texts are Latin-1, padded with spaces or zeros.
 //!
-//! The header names three units per axis pair: steps carry their own unit, lengths are shown in another one, and a ratio
-//! connects the two. Only the step's unit gives the scale here; a ratio that contradicts the units is reported.
+//! The header names two units per axis, one for the step and one for lengths, and the ratio between them. Only the
+//! step's unit gives the scale here; a ratio that contradicts the units is reported.
 //!
 //! Some readers measure heights from z_min instead of from zero. That moves the datum and nothing else.
 
@@ -126,8 +126,8 @@ fn object_kind(code: i16) -> Result<&'static str, &'static str> {
 
 /// How often a unit of length goes into a metre, `None` for what is no length.
 ///
-/// Dividing by it is exact to the last place where multiplying by its inverse is not. The micro sign occurs in Latin-1, in
-/// UTF-8 read as Latin-1, and in the DOS code pages.
+/// Dividing by it is exact to the last place where multiplying by its inverse is not. The micro sign occurs in
+/// Latin-1, in UTF-8 read as Latin-1, and in the DOS code pages.
 fn per_metre(unit: &str) -> Option<f64> {
     match unit {
         "m" => Some(1.0),

@@ -87,7 +87,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
             matrix.push(row, index + 1)?;
         }
     }
-    let (heights_m, warnings) = matrix.finish()?;
+    let (heights_m, mut warnings) = matrix.finish()?;
+    warnings.extend(unit_warnings(&metadata));
     Ok(Scan { heights_m, pitch_m: None, metadata, warnings })
 }
 
@@ -102,6 +103,14 @@ fn keep(metadata: &mut BTreeMap<String, String>, comment: &str) {
         }
         kept.push_str(value);
     }
+}
+
+/// Doubts where a comment states a unit other than metre.
+fn unit_warnings(metadata: &BTreeMap<String, String>) -> impl Iterator<Item = String> {
+    let units = metadata.iter().filter(|(key, _)| key.to_lowercase().contains("unit"));
+    units
+        .filter(|(_, unit)| unit.as_str() != "m")
+        .map(|(key, unit)| format!("a comment states `{}: {}`; heights were taken as metre", shown(key), shown(unit)))
 }
 
 /// Rows as they are read.

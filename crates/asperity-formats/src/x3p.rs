@@ -1,8 +1,9 @@
-//! X3P, the open format of ISO 25178-72 (first published as ISO 5436-2): a zip archive of `main.xml`, which describes the
-//! measurement, and binary files with the heights and, where the number type has no NaN, with one validity bit per point.
+//! X3P, the open format of ISO 25178-72 (first published as ISO 5436-2): a zip archive of `main.xml`, which describes
+//! the measurement, and binary files with the heights and, where the number type has no NaN, with one validity bit per
+//! point.
 //!
-//! A stored number n on the z axis is the height n·increment + offset in metre; x varies fastest, then y, then the layer.
-//! Schema and sample files: <https://www.opengps.eu>.
+//! A stored number n on the z axis is the height n·increment + offset in metre; x varies fastest, then y, then the
+//! layer. Schema and sample files: <https://www.opengps.eu>.
 
 mod archive;
 mod document;

@@ -1,6 +1,6 @@
 //! The law of the random contact pressure (paper §3).
 //!
-//! A random surface is pressed against a rigid plane that is fixed in space; the pressure p at one cell is a random
+//! A random surface is pressed against a rigid plane; the pressure p at one cell is a random
 //! variable with an atom at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
 //! [`solve`] evaluates it on a design of germs, and [`Study`] estimates its law by several [`Method`]s from the same
 //! number of contact solutions and compares each with its own Monte Carlo reference.
@@ -11,6 +11,8 @@ mod local;
 mod problem;
 mod sample;
 mod study;
+#[cfg(test)]
+mod testing;
 
 pub use problem::{FailureReason, Observation, Problem};
 pub use sample::{Failure, Samples, solve};

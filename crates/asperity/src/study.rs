@@ -1,13 +1,25 @@
 //! A study: configuration, run, results. The only module that knows the whole chain, and that writes files.
+//!
+//! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`Staging`]
+//! writes the run folder, which appears complete or not at all.
 
 pub mod config;
+mod error;
+mod friction_stage;
 mod parse;
-mod result;
+mod pressure_stage;
+pub mod result;
+mod run;
 mod series;
 mod store;
+mod surface_stage;
+mod vibration_stage;
 
 pub use config::Study;
+pub use error::{FailureKind, StudyError};
 pub use parse::StudyFileError;
-pub use result::*;
+pub use result::{Outcome, Results};
+pub use run::Stage;
 pub use series::{Field, Table, TableError};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
+pub use surface_stage::statistics;

@@ -7,10 +7,14 @@ mod gaussian;
 mod karhunen_loeve;
 pub mod level;
 mod spectral;
+mod translation;
+mod weierstrass_mandelbrot;
 
 pub use gaussian::{GaussianSurface, GeneratorError};
 pub use karhunen_loeve::{KarhunenLoeve, Modes, ModesRoute, ProfileModes, modes, profile_modes};
 pub use spectral::SpectralField;
+pub use translation::{Predistorted, Translated, TranslationError, TranslationReport};
+pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};
 
 use crate::map::{Grid, HeightMap};
 

@@ -21,6 +21,8 @@ mod events;
 mod law;
 mod locked;
 mod motion;
+#[cfg(test)]
+mod oracle;
 mod oscillator;
 mod polynomial;
 mod portrait;

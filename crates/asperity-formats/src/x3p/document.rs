@@ -1,5 +1,5 @@
-//! `main.xml` as a flat table: the path of every element that holds text, by local names, so that namespace prefixes and
-//! their absence do not matter.
+//! `main.xml` as a flat table: the path of every element that holds text, by local names, so that namespace prefixes
+//! and their absence do not matter.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -34,8 +34,8 @@ struct Stored {
 /// The measurement's description (`Record2/…` of the metadata) is kept; what is unknown reads "not available".
 ///
 /// # Errors
-/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with heights
-/// beyond the number type.
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
+/// heights beyond the number type.
 pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
     let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::X3p })?;
     let (ny, nx) = scan.heights_m.dim();

@@ -1,4 +1,4 @@
-//! No input makes the reader panic. Each test would abort on the first panic; what the reader answers is its own affair.
+//! No input makes the reader panic. Each test fails at the first panic; what the reader answers is free.
 
 use asperity_formats::{Scan, X3pData, read_bytes, write_x3p};
 use ndarray::array;

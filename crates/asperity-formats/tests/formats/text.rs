@@ -88,6 +88,14 @@ fn a_list_of_points_is_doubted() {
 }
 
 #[test]
+fn a_comment_with_another_unit_than_metre_is_doubted() {
+    assert_eq!(read_bytes(b"# Width: 10 um\n# Value units: m\n1 2\n").unwrap().warnings, [] as [String; 0]);
+    let scan = read_bytes(b"# Value units: nm\n1 2\n").unwrap();
+    assert_heights(&scan, &[1.0, 2.0]);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("`Value units: nm`")), "{:?}", scan.warnings);
+}
+
+#[test]
 fn a_single_number_is_a_map() {
     assert_heights(&read_bytes(b"-2.5e-6").unwrap(), &[-2.5e-6]);
 }

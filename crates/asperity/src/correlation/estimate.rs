@@ -288,4 +288,54 @@ mod tests {
         assert_eq!(first_crossing(&[1.0, 0.6], 0.5), None);
         assert_eq!(first_crossing(&[1.0, f64::NAN, 0.1], 0.5), None);
     }
+
+    /// Heights less their least-squares plane.
+    fn levelled(map: &HeightMap) -> HeightMap {
+        let (ny, nx) = map.grid().shape();
+        let basis = |row: usize, column: usize| [1.0, column as f64 / nx as f64 - 0.5, row as f64 / ny as f64 - 0.5];
+        let mut normal = faer::Mat::<f64>::zeros(3, 3);
+        let mut right = faer::Mat::<f64>::zeros(3, 1);
+        for ((row, column), z) in map.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan()) {
+            let b = basis(row, column);
+            for i in 0..3 {
+                right[(i, 0)] += b[i] * z;
+                for j in 0..3 {
+                    normal[(i, j)] += b[i] * b[j];
+                }
+            }
+        }
+        use faer::linalg::solvers::Solve;
+        let plane = normal.partial_piv_lu().solve(&right);
+        let mut heights = map.heights_m().clone();
+        for ((row, column), z) in heights.indexed_iter_mut() {
+            *z -= basis(row, column).iter().enumerate().map(|(i, b)| b * plane[(i, 0)]).sum::<f64>();
+        }
+        HeightMap::new(map.grid(), heights).unwrap()
+    }
+
+    #[test]
+    fn correlation_lengths_of_measured_maps_agree_with_independent_ones_when_the_reference_folder_is_named() {
+        let Ok(folder) = std::env::var("ASPERITY_REFERENCE") else { return };
+        let folder = std::path::Path::new(&folder).join("surfaces");
+        let text = std::fs::read_to_string(folder.join("reference.json")).unwrap();
+        let reference: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let mut compared = 0;
+        for name in ["st_x3p-2.x3p", "st_sur-2.sur", "x3ptools_sample-land.x3p"] {
+            let Ok(scan) = asperity_formats::read(&folder.join(name)) else { continue };
+            let found = Autocorrelation::estimate(&levelled(&HeightMap::try_from(scan).unwrap())).unwrap();
+            for (axis, key) in [(Axis::X, "corrlen_x_1/e_m"), (Axis::Y, "corrlen_y_1/e_m")] {
+                let wanted = reference[name]["own_numpy_after_LS_plane"][key].as_f64();
+                let length = found.correlation_length_m(axis);
+                println!("{name} {axis}: {length:?}, reference {wanted:?}");
+                if let (Some(length), Some(wanted)) = (length, wanted) {
+                    assert!(
+                        (length / wanted - 1.0).abs() < 1e-6,
+                        "{name} along {axis}: {length:e}, reference {wanted:e}"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared >= 4);
+    }
 }

@@ -73,7 +73,7 @@ impl CorrelationModel {
                     matern(nu, x)
                 }
             }
-            Self::SelfAffine { hurst } if hurst == 0.5 => (-r).exp(),
+            Self::SelfAffine { hurst: 0.5 } => (-r).exp(),
             Self::SelfAffine { hurst } => matern(hurst, r),
         }
     }

@@ -190,10 +190,7 @@ fn correlogram(map: &HeightMap) -> Result<Vec<f64>, EstimateError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correlation::{CorrelationModel, Covariance};
     use crate::map::Grid;
-    use crate::random;
-    use crate::surface::{RandomSurface, SpectralField};
 
     #[test]
     fn the_power_of_a_cosine_is_half_its_amplitude_squared() {
@@ -221,84 +218,5 @@ mod tests {
             HeightMap::from_function(Grid::new(4, 4, 1.0, 1.0).unwrap(), |x, y| if x == y { f64::NAN } else { x });
         let error = profile_spectrum(&diagonal.unwrap(), Axis::X).unwrap_err();
         assert_eq!(error, EstimateError::NoCompleteProfile { axis: Axis::X, profiles: 4 });
-    }
-
-    /// Mean spectra over realisations of a known covariance, with their standard errors, against the model.
-    fn against_model(missing_share: f64) {
-        let covariance = Covariance::isotropic(CorrelationModel::SelfAffine { hurst: 0.8 }, 2.0, 3.0).unwrap();
-        let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
-        let field = SpectralField::periodic(&covariance, grid);
-        let spectra: Vec<RadialSpectrum> = (0..24)
-            .map(|index| {
-                let mut stream = random::stream(11, "radial", index);
-                let germ = random::standard_normal(&mut stream, field.germ_len());
-                let mask = random::standard_normal(&mut stream, grid.points());
-                let cut = crate::law::standard_normal_quantile(missing_share);
-                let mut heights = field.generate(&germ).heights_m().clone();
-                heights.iter_mut().zip(mask).filter(|(_, m)| *m < cut).for_each(|(z, _)| *z = f64::NAN);
-                radial_spectrum(&HeightMap::new(grid, heights).unwrap()).unwrap()
-            })
-            .collect();
-        let route = if missing_share > 0.0 { SpectrumRoute::MaskedCorrelogram } else { SpectrumRoute::Periodogram };
-        assert!(spectra.iter().all(|s| s.route == route));
-        // Rings where the model is smooth over the window and aliasing is small.
-        for ring in [4, 7, 11, 16] {
-            let values: Vec<f64> = spectra.iter().map(|s| s.psd_m4[ring]).collect();
-            let mean = values.iter().sum::<f64>() / 24.0;
-            let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (23.0 * 24.0)).sqrt();
-            let wanted = covariance.psd_m4(spectra[0].q_rad_per_m[ring], 0.0);
-            // Four standard errors, and 3 % for the curvature within a ring and window, and the folded tail.
-            assert!((mean - wanted).abs() < 4.0 * error + 0.03 * wanted, "ring {ring}: {mean} ± {error}, {wanted}");
-        }
-    }
-
-    #[test]
-    fn the_radial_spectrum_of_a_generated_map_is_the_model() {
-        against_model(0.0);
-    }
-
-    #[test]
-    fn scattered_missing_points_do_not_change_the_radial_spectrum() {
-        against_model(0.1);
-    }
-
-    #[test]
-    fn profile_spectra_tell_the_directions_apart() {
-        let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 4.0, 12.0).unwrap();
-        let field = SpectralField::periodic(&covariance, Grid::new(128, 128, 1.0, 1.0).unwrap());
-        let count = 30;
-        let mut sums = [(0.0, 0.0); 2];
-        let bin = 4;
-        let q = bin as f64 * TAU / 128.0;
-        for index in 0..count {
-            let germ = random::standard_normal(&mut random::stream(12, "profiles", index), field.germ_len());
-            let map = field.generate(&germ);
-            for (sum, axis) in sums.iter_mut().zip([Axis::X, Axis::Y]) {
-                let value = profile_spectrum(&map, axis).unwrap().psd_m3[bin];
-                sum.0 += value;
-                sum.1 += value * value;
-            }
-        }
-        // The expectation of a windowed periodogram: the transform of C times the window's own autocorrelation.
-        let window = hann(128);
-        let square: f64 = window.iter().map(|w| w * w).sum();
-        let expected = |length: f64| -> f64 {
-            (-127_i32..128)
-                .map(|lag| {
-                    let overlap = (0..128_i32).filter(|i| (0..128).contains(&(i + lag)));
-                    let taper: f64 = overlap.map(|i| window[i as usize] * window[(i + lag) as usize]).sum();
-                    let image = f64::from(lag.abs().min(128 - lag.abs()));
-                    (-(image / length).powi(2)).exp() * taper / square * (q * f64::from(lag)).cos()
-                })
-                .sum()
-        };
-        for ((sum, square), length) in sums.into_iter().zip([4.0, 12.0]) {
-            let mean = sum / count as f64;
-            let error = ((square / count as f64 - mean * mean) / (count - 1) as f64).sqrt();
-            let wanted = expected(length);
-            assert!((mean - wanted).abs() < 4.0 * error, "{mean} ± {error}, wanted {wanted}");
-        }
-        // Where the spectrum is smooth over the window that expectation is the model itself.
-        assert!((expected(4.0) / covariance.profile_psd_x_m3(q) - 1.0).abs() < 0.02);
     }
 }

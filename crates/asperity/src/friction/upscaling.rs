@@ -4,29 +4,17 @@
 //! the whole normal force; at a brake pad's nominal pressure that is a pressure of tens of gigapascal. Both readings are
 //! offered, and results state which is which.
 
-/// Mean over a length T of a process with correlation e^{−|s|/ℓ}: its variance over the process's,
-/// γ(T) = 2ℓ/T · [1 − (ℓ/T)(1 − e^{−T/ℓ})], Vanmarcke's variance function. 0 for ℓ = 0.
-///
-/// # References
-/// E. Vanmarcke, *Random Fields: Analysis and Synthesis*, MIT Press (1983), §5.1.
-pub fn variance_function(extent_m: f64, length_m: f64) -> f64 {
-    let t = extent_m / length_m;
-    if !t.is_finite() {
-        return 0.0;
-    }
-    // 2(t − 1 + e^{−t})/t², by its series where that cancels.
-    if t < 1e-3 { 1.0 - t / 3.0 + t * t / 12.0 } else { 2.0 * (t + (-t).exp_m1()) / (t * t) }
-}
+use crate::friction::process::window_variance_factor;
 
 /// Variance of μ over the nominal area, divided by that over one window of `window_m` × `strip_width_m`.
 ///
 /// Along the sliding direction the mean over the side L of a square nominal area has the variance function γ(L)/γ(W) of a
-/// process of correlation length ℓ under the window; ℓ = 0 gives W/L. Across it, strips of the window's width count as
+/// process of correlation length ℓ under the window (Vanmarcke, *Random Fields*, 1983, §5.1); ℓ = 0 gives W/L. Across it, strips of the window's width count as
 /// independent. An area smaller than a window keeps the window's variance.
 pub fn variance_reduction(window_m: f64, strip_width_m: f64, length_m: f64, nominal_area_m2: f64) -> f64 {
     let side_m = nominal_area_m2.sqrt();
     let along = if length_m > 1e-9 * window_m {
-        variance_function(side_m, length_m) / variance_function(window_m, length_m)
+        window_variance_factor(length_m, side_m) / window_variance_factor(length_m, window_m)
     } else {
         window_m / side_m
     };
@@ -37,16 +25,6 @@ pub fn variance_reduction(window_m: f64, strip_width_m: f64, length_m: f64, nomi
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_variance_function_of_an_exponential_process_is_vanmarckes() {
-        assert!((variance_function(600.0, 250.0) - 0.51761).abs() < 5e-6);
-        for t in [0.9e-3, 1.1e-3] {
-            let series = 1.0 - t / 3.0 + t * t / 12.0 - t * t * t / 60.0;
-            assert!((variance_function(t, 1.0) - series).abs() < 1e-10);
-        }
-        assert_eq!(variance_function(1.0, 0.0), 0.0);
-    }
 
     #[test]
     fn uncorrelated_windows_average_as_their_number() {

@@ -169,6 +169,34 @@ impl Marginal {
         }
     }
 
+    /// The law of a + bX with b > 0, where X has this law and a, b are such that the mean and standard deviation become
+    /// those stated.
+    ///
+    /// # Errors
+    /// A standard deviation that is not positive and finite, of this law or of the wanted one.
+    pub fn standardised(&self, mean: f64, std: f64) -> Result<Self, LawError> {
+        let (own_mean, own_std) = (self.mean(), self.std());
+        for value in [own_std, std] {
+            if !(value.is_finite() && value > 0.0) {
+                let (law, parameter, wanted) = (self.name(), "std", "positive and finite");
+                return Err(LawError::Parameter { law, parameter, value, wanted });
+            }
+        }
+        let scale = std / own_std;
+        let at = |x: f64| mean + scale * (x - own_mean);
+        Ok(match self {
+            Self::Normal { .. } => Self::Normal { mean, std },
+            Self::Lognormal { mu, sigma, shift } => {
+                Self::Lognormal { mu: mu + scale.ln(), sigma: *sigma, shift: at(*shift) }
+            }
+            Self::Weibull { shape, scale: own, shift } => {
+                Self::Weibull { shape: *shape, scale: scale * own, shift: at(*shift) }
+            }
+            Self::Beta { a, b, low, high } => Self::Beta { a: *a, b: *b, low: at(*low), high: at(*high) },
+            Self::Empirical { sorted } => Self::Empirical { sorted: sorted.iter().map(|x| at(*x)).collect() },
+        })
+    }
+
     /// Whether every parameter lies in its range.
     ///
     /// # Errors
@@ -350,6 +378,22 @@ pub(super) mod tests {
             Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(),
             Marginal::empirical(vec![3.0, 1.0, 1.5, 2.0, 4.0]).unwrap(),
         ]
+    }
+
+    #[test]
+    fn a_standardised_law_is_shifted_and_stretched() {
+        for text in ["normal:1,2", "lognormal:0.2,0.4,1", "weibull:1.5,2,-1", "beta:2.1,5,0,3"] {
+            let law: Marginal = text.parse().unwrap();
+            let moved = law.standardised(-3.0, 0.5).unwrap();
+            assert!((moved.mean() + 3.0).abs() < 1e-12 && (moved.std() - 0.5).abs() < 1e-12, "{text}");
+            for probability in [0.01, 0.3, 0.5, 0.9] {
+                let wanted = -3.0 + 0.5 * (law.quantile(probability) - law.mean()) / law.std();
+                assert!((moved.quantile(probability) - wanted).abs() < 1e-11, "{text}");
+            }
+        }
+        let sample = Marginal::empirical(vec![0.0, 1.0, 5.0]).unwrap().standardised(0.0, 1.0).unwrap();
+        assert!(sample.mean().abs() < 1e-15 && (sample.std() - 1.0).abs() < 1e-15);
+        assert!(Marginal::STANDARD_NORMAL.standardised(0.0, 0.0).is_err());
     }
 
     #[test]

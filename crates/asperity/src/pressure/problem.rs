@@ -5,16 +5,16 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::contact::{self, ContactError, Control, HalfSpace, Solver, Workspace};
-use crate::map::{HeightMap, MapError};
+use crate::map::MapError;
 use crate::pressure::PressureError;
 use crate::surface::RandomSurface;
 
-/// The pressure at one cell of a random surface under a plane fixed in space.
+/// The pressure at one cell of a random surface under a rigid plane.
 #[derive(Clone, Copy)]
 pub struct Problem<'a> {
     surface: &'a dyn RandomSurface,
     half_space: &'a HalfSpace,
-    plane_m: f64,
+    control: Control,
     hardness_pa: Option<f64>,
     cell: (usize, usize),
     solver: Solver,
@@ -27,6 +27,8 @@ pub struct Observation {
     pub pressure_pa: f64,
     /// Gap in metre; 0 in contact.
     pub gap_m: f64,
+    /// Height of the plane above the mean of the map, in metre.
+    pub separation_m: f64,
 }
 
 /// Why one contact problem has no answer.
@@ -55,7 +57,7 @@ impl fmt::Debug for Problem<'_> {
         f.debug_struct("Problem")
             .field("germ_len", &self.surface.germ_len())
             .field("grid", &self.surface.grid())
-            .field("plane_m", &self.plane_m)
+            .field("control", &self.control)
             .field("hardness_pa", &self.hardness_pa)
             .field("cell", &self.cell)
             .finish_non_exhaustive()
@@ -63,29 +65,29 @@ impl fmt::Debug for Problem<'_> {
 }
 
 impl<'a> Problem<'a> {
-    /// The pressure at the centre cell `[ny/2, nx/2]` under a plane at height `plane_m`; `hardness_pa = None` is
-    /// elastic. A plane that X % of the ensemble's heights exceed lies at the (1 − X/100) quantile of their marginal law.
+    /// The pressure at the centre cell `[ny/2, nx/2]`; `hardness_pa = None` is elastic.
+    ///
+    /// In random studies the plane is fixed in space, [`Control::Plane`]: one that X % of the ensemble's heights exceed lies
+    /// at the (1 − X/100) quantile of their marginal law. Under any other control each map has a plane of its own. A
+    /// control out of range makes every sample fail with its reason.
     ///
     /// # Errors
-    /// The surface and the half-space have different grids, or the plane or the hardness is out of range.
+    /// The surface and the half-space have different grids, or the hardness is not positive.
     pub fn new(
         surface: &'a dyn RandomSurface,
         half_space: &'a HalfSpace,
-        plane_m: f64,
+        control: Control,
         hardness_pa: Option<f64>,
     ) -> Result<Self, PressureError> {
         let grid = surface.grid();
         if grid != half_space.grid() {
             return Err(PressureError::Grid { surface: grid, half_space: half_space.grid() });
         }
-        if !plane_m.is_finite() {
-            return Err(PressureError::Parameter { parameter: "plane height", value: plane_m, wanted: "finite" });
-        }
         if let Some(value) = hardness_pa.filter(|h| !(h.is_finite() && *h > 0.0)) {
             return Err(PressureError::Parameter { parameter: "hardness", value, wanted: "positive" });
         }
         let cell = (grid.ny() / 2, grid.nx() / 2);
-        Ok(Self { surface, half_space, plane_m, hardness_pa, cell, solver: Solver::default() })
+        Ok(Self { surface, half_space, control, hardness_pa, cell, solver: Solver::default() })
     }
 
     /// The same at another cell (row, column).
@@ -115,9 +117,9 @@ impl<'a> Problem<'a> {
         self.half_space
     }
 
-    /// Height of the plane in metre.
-    pub fn plane_m(&self) -> f64 {
-        self.plane_m
+    /// What is prescribed.
+    pub fn control(&self) -> Control {
+        self.control
     }
 
     /// Upper bound of the pressure in pascal, if any.
@@ -135,12 +137,9 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// The map is incomplete or flat, or the solver did not converge.
     pub fn observe(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
-        self.observe_map(&self.surface.generate(germ), workspace)
-    }
-
-    fn observe_map(&self, map: &HeightMap, workspace: &mut Workspace) -> Result<Observation, FailureReason> {
-        let control = Control::Plane { height_m: self.plane_m };
-        let problem = contact::Problem::new(self.half_space, map.complete_heights_m()?, control, self.hardness_pa)?;
+        let map = self.surface.generate(germ);
+        let heights_m = map.complete_heights_m()?;
+        let problem = contact::Problem::new(self.half_space, heights_m, self.control, self.hardness_pa)?;
         let solution = self.solver.solve_with(&problem, workspace)?;
         if !solution.converged() {
             return Err(FailureReason::NotConverged {
@@ -149,6 +148,51 @@ impl<'a> Problem<'a> {
                 tolerance: self.solver.tolerance,
             });
         }
-        Ok(Observation { pressure_pa: solution.pressure_pa()[self.cell], gap_m: solution.gap_m()[self.cell] })
+        Ok(Observation {
+            pressure_pa: solution.pressure_pa()[self.cell],
+            gap_m: solution.gap_m()[self.cell],
+            separation_m: solution.separation_m(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Boundary;
+    use crate::map::Grid;
+    use crate::pressure::testing::Shape;
+
+    #[test]
+    fn the_summit_of_a_lifted_sphere_has_the_pressure_of_hertz() {
+        let (radius_m, modulus_pa) = (1e-3, 2e11);
+        let grid = Grid::covering(65, 65, 65e-6, 65e-6).unwrap();
+        let sphere = Shape::new(grid, 1e-7, |x, y| -((x - 32.5e-6).powi(2) + (y - 32.5e-6).powi(2)) / (2.0 * radius_m));
+        let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free).unwrap();
+        let problem = Problem::new(&sphere, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        for xi in [1.0, 2.0] {
+            let observation = problem.observe(&[xi], &mut half_space.workspace()).unwrap();
+            // p₀ = 2E*/π · √(δ/R) at the approach δ; the contact radius is 10 and 14 cells.
+            let hertz = 2.0 * modulus_pa / std::f64::consts::PI * (xi * 1e-7 / radius_m).sqrt();
+            assert!((observation.pressure_pa / hertz - 1.0).abs() < 0.01, "{} {hertz}", observation.pressure_pa);
+            assert_eq!(observation.gap_m, 0.0);
+        }
+        let apart = problem.observe(&[-1.5], &mut half_space.workspace()).unwrap();
+        assert_eq!(apart.pressure_pa, 0.0);
+        assert!((apart.gap_m - 1.5e-7).abs() < 1e-20);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let grid = Grid::new(4, 4, 1.0, 1.0).unwrap();
+        let shape = Shape::new(grid, 1.0, |x, _| x);
+        let other = HalfSpace::new(Grid::new(5, 4, 1.0, 1.0).unwrap(), 1.0, Boundary::Free).unwrap();
+        let control = Control::Plane { height_m: 0.0 };
+        assert!(matches!(Problem::new(&shape, &other, control, None), Err(PressureError::Grid { .. })));
+        let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+        let hardness = Problem::new(&shape, &half_space, control, Some(0.0));
+        assert!(matches!(hardness, Err(PressureError::Parameter { parameter: "hardness", .. })));
+        let problem = Problem::new(&shape, &half_space, control, None).unwrap();
+        assert!(matches!(problem.at_cell(0, 4), Err(PressureError::Cell { column: 4, .. })));
     }
 }

@@ -152,3 +152,97 @@ impl Samples {
         Ok(StepLaw::empirical(&pressures)?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Boundary, ContactError, Control, HalfSpace};
+    use crate::map::{Grid, HeightMap};
+    use crate::monitor::Silent;
+    use crate::pressure::testing::gaussian_surface;
+    use crate::surface::RandomSurface;
+
+    /// Flat, and therefore refused by the contact solver, whenever ξ < `flat_below`.
+    struct OftenFlat {
+        grid: Grid,
+        flat_below: f64,
+    }
+
+    impl RandomSurface for OftenFlat {
+        fn germ_len(&self) -> usize {
+            1
+        }
+
+        fn grid(&self) -> Grid {
+            self.grid
+        }
+
+        fn generate(&self, germ: &[f64]) -> HeightMap {
+            let amplitude = if germ[0] < self.flat_below { 0.0 } else { 1.0 };
+            HeightMap::from_function(self.grid, |x, y| amplitude * (x + 2.0 * y).sin()).unwrap()
+        }
+    }
+
+    fn solve_often_flat(flat_below: f64, valid_share: f64) -> Result<Samples, PressureError> {
+        let surface = OftenFlat { grid: Grid::new(6, 6, 1.0, 1.0).unwrap(), flat_below };
+        let half_space = HalfSpace::new(surface.grid, 1.0, Boundary::Free).unwrap();
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.5 }, None)?;
+        solve(&problem, SamplingMethod::LatinHypercube, 1, "often_flat", 40, valid_share, &Silent)
+    }
+
+    #[test]
+    fn failed_samples_are_recorded_with_index_and_reason() {
+        // Φ(−1.6449) = 5 %: exactly two of forty strata.
+        let samples = solve_often_flat(-1.644_853_627, 0.95).unwrap();
+        assert_eq!((samples.len(), samples.posed(), samples.failures().len()), (38, 40, 2));
+        for failure in samples.failures() {
+            assert_eq!(failure.reason, FailureReason::Contact(ContactError::Flat));
+            assert!((0..samples.len()).all(|i| samples.indices[i] != failure.index));
+        }
+        assert!((0..samples.len()).all(|i| samples.germ(i)[0] > -1.645));
+    }
+
+    #[test]
+    fn statistics_of_too_few_valid_samples_are_refused() {
+        let error = solve_often_flat(0.0, 0.95).unwrap_err();
+        assert!(matches!(error, PressureError::TooFewValid { valid: 20, samples: 40, .. }), "{error}");
+        assert!(error.to_string().contains("flat"));
+        assert_eq!(solve_often_flat(0.0, 0.5).unwrap().len(), 20);
+    }
+
+    #[test]
+    fn a_cancelled_run_says_so_and_a_watched_one_counts_to_the_end() {
+        struct Watch {
+            cancel: bool,
+            most: AtomicUsize,
+        }
+        impl Monitor for Watch {
+            fn progress(&self, what: &str, done: usize, total: usize) {
+                assert_eq!((what, total), ("watched", 12));
+                self.most.fetch_max(done, Ordering::Relaxed);
+            }
+            fn cancelled(&self) -> bool {
+                self.cancel
+            }
+        }
+        let (surface, half_space) = gaussian_surface(8, 4);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let run = |watch: &Watch| solve(&problem, SamplingMethod::MonteCarlo, 1, "watched", 12, 0.95, watch);
+        let watch = Watch { cancel: false, most: AtomicUsize::new(0) };
+        assert_eq!(run(&watch).unwrap().len(), 12);
+        assert_eq!(watch.most.load(Ordering::Relaxed), 12);
+        let stop = Watch { cancel: true, most: AtomicUsize::new(0) };
+        assert!(matches!(run(&stop), Err(PressureError::Cancelled(_))));
+    }
+
+    #[test]
+    fn one_sample_solved_alone_is_the_same_as_in_its_run() {
+        let (surface, half_space) = gaussian_surface(12, 10);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let samples = solve(&problem, SamplingMethod::Sobol, 3, "alone", 20, 0.95, &Silent).unwrap();
+        let germ = Design::new(SamplingMethod::Sobol, 3, "alone", 20, 10).unwrap().germ(13);
+        assert_eq!(samples.germ(13), germ);
+        let alone = problem.observe(&germ, &mut half_space.workspace()).unwrap();
+        assert_eq!(samples.observations()[13], alone);
+    }
+}

@@ -108,6 +108,14 @@ pub enum MethodError {
         /// Germs evaluated.
         evaluations: usize,
     },
+    /// Too few of the fresh maps are complete.
+    #[error("only {valid} of {maps} fresh maps have local variables")]
+    FreshMaps {
+        /// Maps with local variables.
+        valid: usize,
+        /// Maps generated.
+        maps: usize,
+    },
     /// Neither the pressure nor the gap varies, or too few samples exist to see it.
     #[error("the samples show no variation that an expansion could explain")]
     NoVariation,
@@ -287,17 +295,26 @@ impl Study {
         samples: &Samples,
         monitor: &dyn Monitor,
     ) -> Result<Result<Estimate, MethodError>, PressureError> {
-        let local = LocalVariables::new(problem, self.variables);
+        let separations_m = samples.observations().iter().map(|o| o.separation_m);
+        let mean_separation_m = separations_m.sum::<f64>() / samples.len() as f64;
+        let local = LocalVariables::new(problem, self.variables, mean_separation_m);
         let surface = problem.surface();
         let of_germ = |germ: Vec<f64>| {
             if monitor.cancelled() { Err(Cancelled) } else { Ok(local.of(&surface.generate(&germ))) }
         };
-        let fine: Vec<Vec<f64>> =
+        let rows: Vec<Option<Vec<f64>>> =
             (0..samples.len()).into_par_iter().map(|i| of_germ(samples.germ(i))).collect::<Result<_, _>>()?;
+        let observed = samples.observations().iter().map(|o| (o.pressure_pa, o.gap_m));
+        let (fine, observed): (Vec<Vec<f64>>, Vec<(f64, f64)>) =
+            rows.into_iter().zip(observed).filter_map(|(row, seen)| Some((row?, seen))).unzip();
         let design = self.fresh_design("pressure/local", surface.germ_len())?;
-        let fresh: Vec<Vec<f64>> =
+        let fresh: Vec<Option<Vec<f64>>> =
             (0..design.samples()).into_par_iter().map(|i| of_germ(design.germ(i))).collect::<Result<_, _>>()?;
-        let observed: Vec<(f64, f64)> = samples.observations().iter().map(|o| (o.pressure_pa, o.gap_m)).collect();
+        let fresh: Vec<Vec<f64>> = fresh.into_iter().flatten().collect();
+        let (valid, maps) = (fresh.len(), design.samples());
+        if (valid as f64) < self.valid_share * maps as f64 {
+            return Ok(Err(MethodError::FreshMaps { valid, maps }));
+        }
         Ok(controlled::estimate(&fine, &controlled::latent(&observed), &fresh, self.degree))
     }
 }
@@ -333,5 +350,131 @@ impl Results {
     pub fn common_grid_pa(&self, points: usize) -> Vec<f64> {
         let largest = self.reference.law.quantile(1.0);
         (0..points).map(|i| largest * i as f64 / (points.max(2) - 1) as f64).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chaos::distance::kolmogorov_smirnov_to;
+    use crate::contact::{Boundary, Control, HalfSpace};
+    use crate::law::standard_normal_cdf;
+    use crate::map::Grid;
+    use crate::monitor::Silent;
+    use crate::pressure::testing::{Shape, gaussian_surface};
+
+    fn small_study() -> Study {
+        let study = Study::new(5);
+        Study { fine_solves: 120, reference_samples: 400, variables: 3, degree: 2, surrogate_samples: 2000, ..study }
+    }
+
+    /// A faint wave that rides on a normal mean height is in full contact or in none, and a periodic half-space answers
+    /// its mean overlap by p = (ξσ − d)/K₀: the law of the pressure is known.
+    fn shifted_wave(plane_m: f64, check: impl Fn(&Problem<'_>, &dyn Fn(f64) -> f64)) {
+        let (std_m, compliance) = (2e-6, 4e-15);
+        let grid = Grid::covering(8, 8, 1e-4, 1e-4).unwrap();
+        let wave = Shape::new(grid, std_m, |x, _| 1e-12 * (std::f64::consts::TAU * x / 1e-4).cos());
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };
+        let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
+        let problem = Problem::new(&wave, &half_space, Control::Plane { height_m: plane_m }, None).unwrap();
+        check(&problem, &|p_pa| {
+            if p_pa < 0.0 { 0.0 } else { standard_normal_cdf((plane_m + compliance * p_pa) / std_m) }
+        });
+    }
+
+    #[test]
+    fn every_sampler_finds_the_known_law_of_a_shifted_wave() {
+        shifted_wave(0.7e-6, |problem, cdf| {
+            let results = Study { variables: 1, ..small_study() }.run(problem, &Silent).unwrap();
+            let left = |p: f64| if p <= 0.0 { 0.0 } else { cdf(p) };
+            // 99.99 % point of √n D: 2.23.
+            let distance = kolmogorov_smirnov_to(&results.reference.law, cdf, left);
+            assert!(distance < 2.23 / 400.0_f64.sqrt(), "reference {distance:.4}");
+            for method in [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol, Method::Default] {
+                let (estimate, _) = results.estimate(method).unwrap();
+                let distance = kolmogorov_smirnov_to(&estimate.law, cdf, left);
+                assert!(distance < 2.23 / 120.0_f64.sqrt(), "{} {distance:.4}", method.name());
+                let error = estimate.contact_probability - (1.0 - cdf(0.0));
+                assert!(error.abs() < 4.0 * estimate.contact_probability_se, "{} {error:.4}", method.name());
+            }
+            // In one variable both stratified designs put the atom in its place to within one stratum.
+            for method in [Method::LatinHypercube, Method::Sobol] {
+                let error = results.estimate(method).unwrap().0.contact_probability - (1.0 - cdf(0.0));
+                assert!(error.abs() <= 1.0 / 64.0, "{} {error:.4}", method.name());
+            }
+        });
+    }
+
+    #[test]
+    fn the_papers_expansion_finds_a_linear_pressure_and_counts_its_atom_twice() {
+        shifted_wave(0.7e-6, |problem, cdf| {
+            let study = Study { variables: 1, degree: 1, surrogate_samples: 20_000, ..small_study() };
+            let results = study.run(problem, &Silent).unwrap();
+            let (estimate, _) = results.estimate(Method::PolynomialChaos).unwrap();
+            // In contact p is exactly linear in ξ, up to the faint wave ...
+            assert!(estimate.leave_one_out_error.unwrap() < 1e-8);
+            // ... but germs out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
+            let p = estimate.contact_probability;
+            let wanted = 1.0 - p + p * cdf(0.0);
+            let bound = 4.0 * p * (0.25_f64 / 20_000.0).sqrt() + 1e-3;
+            assert!((estimate.law.cdf(0.0) - wanted).abs() < bound, "{} {wanted}", estimate.law.cdf(0.0));
+        });
+    }
+
+    #[test]
+    fn a_centre_cell_is_in_contact_at_most_half_the_time_at_the_median_plane() {
+        let (surface, half_space) = gaussian_surface(16, 30);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let results = small_study().run(&problem, &Silent).unwrap();
+        let reference = &results.reference;
+        assert!(reference.contact_probability < 0.5 + 4.0 * reference.contact_probability_se);
+        assert!(reference.contact_probability > 0.02);
+        let (controlled, _) = results.estimate(Method::Default).unwrap();
+        let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
+        assert!(controlled.contact_probability_se < 0.8 * plain.contact_probability_se);
+        let error = controlled.contact_probability - reference.contact_probability;
+        let se = controlled.contact_probability_se.hypot(reference.contact_probability_se);
+        assert!(error.abs() < 4.0 * se, "{error:.4} ± {se:.4}");
+        let grid_pa = results.common_grid_pa(11);
+        assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.law.quantile(1.0)));
+    }
+
+    #[test]
+    fn too_few_samples_in_contact_are_a_recorded_reason() {
+        let (surface, half_space) = gaussian_surface(16, 30);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let study = Study { fine_solves: 60, variables: 8, degree: 3, ..small_study() };
+        let results = study.run(&problem, &Silent).unwrap();
+        let latin = results.estimate(Method::LatinHypercube).unwrap();
+        let in_contact = (latin.0.contact_probability * 60.0).round() as usize;
+        for method in [Method::PolynomialChaos, Method::PolynomialChaosLog] {
+            let result = results.methods.iter().find(|r| r.method == method).unwrap();
+            let wanted = RegressionError::TooFewSamples { samples: in_contact, coefficients: 165 };
+            assert_eq!(result.outcome.as_ref().unwrap_err(), &MethodError::Regression(wanted));
+            assert_eq!(result.fine_solves, 60);
+        }
+    }
+
+    #[test]
+    fn a_study_is_the_same_on_one_thread_and_on_two() {
+        let (surface, half_space) = gaussian_surface(16, 30);
+        let control = Control::MeanPressure { pascal: 0.02 };
+        let problem = Problem::new(&surface, &half_space, control, Some(2.0)).unwrap();
+        let study = Study { fine_solves: 60, reference_samples: 60, surrogate_samples: 500, ..small_study() };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| study.run(&problem, &Silent)).unwrap()
+        };
+        assert_eq!(on(1), on(2));
+    }
+
+    #[test]
+    fn sizes_out_of_range_are_refused() {
+        let (surface, half_space) = gaussian_surface(8, 4);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let error = Study { variables: 5, ..small_study() }.run(&problem, &Silent).unwrap_err();
+        assert!(matches!(error, PressureError::Parameter { parameter: "variables", .. }));
+        let error = Study { valid_share: 0.0, ..small_study() }.run(&problem, &Silent).unwrap_err();
+        assert!(matches!(error, PressureError::Parameter { parameter: "valid_share", .. }));
     }
 }

@@ -232,6 +232,21 @@ pub struct FrictionSection {
     pub tolerance: f64,
 }
 
+impl Default for FrictionSection {
+    fn default() -> Self {
+        Self {
+            strip: strip(),
+            points: strip_points(),
+            window: window(),
+            boundary: periodic(),
+            mean_compliance: None,
+            percentiles: percentiles(),
+            realisations: realisations(),
+            tolerance: solve_tolerance(),
+        }
+    }
+}
+
 /// How the scatter of one window becomes that of the nominal area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -106,33 +106,33 @@ pub struct SurfaceStatistics {
     /// Sp + Sv.
     pub Sz_m: f64,
     /// Root mean square gradient by forward differences.
-    pub Sdq: f64,
+    pub Sdq: Option<f64>,
     /// The same by the seven-point stencil.
     pub Sdq_7point: Option<f64>,
     /// Developed interfacial area ratio by triangulation.
-    pub Sdr: f64,
+    pub Sdr: Option<f64>,
     /// Autocorrelation length at 0.2.
     pub Sal_m: Option<f64>,
     /// Texture aspect ratio.
     pub Str: Option<f64>,
     /// Core height.
-    pub Sk_m: Option<f64>,
+    pub Sk_m: f64,
     /// Reduced peak height.
-    pub Spk_m: Option<f64>,
+    pub Spk_m: f64,
     /// Reduced dale depth.
-    pub Svk_m: Option<f64>,
+    pub Svk_m: f64,
     /// Upper material ratio of the core.
-    pub Smrk1: Option<f64>,
+    pub Smrk1: f64,
     /// Lower material ratio of the core.
-    pub Smrk2: Option<f64>,
+    pub Smrk2: f64,
     /// Peak material volume.
-    pub Vmp_m: Option<f64>,
+    pub Vmp_m: f64,
     /// Core material volume.
-    pub Vmc_m: Option<f64>,
+    pub Vmc_m: f64,
     /// Core void volume.
-    pub Vvc_m: Option<f64>,
+    pub Vvc_m: f64,
     /// Dale void volume.
-    pub Vvv_m: Option<f64>,
+    pub Vvv_m: f64,
     /// 1/e correlation length along x.
     pub correlation_length_x_m: Option<f64>,
     /// 1/e correlation length along y.
@@ -291,6 +291,8 @@ pub struct LevelResult {
 /// The vibration stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VibrationResult {
+    /// The study's own damping ratio ζ.
+    pub damping_ratio: f64,
     /// Dimensionless belt velocity V.
     pub belt_velocity: f64,
     /// Mean friction coefficient μ_st.
@@ -359,7 +361,7 @@ pub struct DampingResult {
     /// Damping ratio.
     pub damping_ratio: f64,
     /// Slips that reach a negative velocity, without noise.
-    pub cycles_deterministic: usize,
+    pub cycles_deterministic: u64,
     /// Their mean number with noise.
     pub cycles_mean: f64,
     /// Its standard error.
@@ -373,10 +375,10 @@ pub struct DampingResult {
 }
 
 /// The law of the re-attachment points.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ReattachmentResult {
     /// Number of points.
-    pub count: usize,
+    pub count: u64,
     /// Mean displacement.
     pub mean: Option<f64>,
     /// Standard deviation.

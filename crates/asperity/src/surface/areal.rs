@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::map::HeightMap;
 use crate::stats::Moments;
 
-pub use material::MaterialRatio;
+pub use material::{Core, EquivalentLine, MaterialRatio};
 pub use spatial::{Decay, decay};
 
 /// Why a map has no texture parameters.
@@ -50,8 +50,8 @@ pub struct Parameters {
     /// Root-mean-square gradient Sdq by forward differences, over the points whose right and lower neighbours are
     /// present; `None` when there is no such point.
     pub sdq: Option<f64>,
-    /// Sdq by the seven-point differences of ISO 25178-2, over the points whose three neighbours on every side are present;
-    /// `None` when there is no such point.
+    /// Sdq by the seven-point differences of ISO 25178-2, over the present points whose three neighbours on every side
+    /// are present; `None` when there is no such point.
     pub sdq_7point: Option<f64>,
     /// Developed interfacial area ratio Sdr: the triangulated area over the projected one, less one, over the cells whose
     /// four corners are present; each cell counts the mean of its two triangulations. `None` when there is no such cell.
@@ -61,7 +61,7 @@ pub struct Parameters {
     pub sal_m: Option<f64>,
     /// Texture aspect ratio Str: Sal over the longest such distance; `None` when some direction does not decay.
     pub str_ratio: Option<f64>,
-    /// Core height Sk.
+    /// Core height Sk, by the secant of [`EquivalentLine::Secant`], as the four that follow.
     pub sk_m: f64,
     /// Reduced peak height Spk.
     pub spk_m: f64,
@@ -83,6 +83,36 @@ pub struct Parameters {
     pub vvv_m: f64,
 }
 
+impl Parameters {
+    /// Names and values in SI as in tables and JSON; `None` is undefined.
+    pub fn named(&self) -> [(&'static str, Option<f64>); 22] {
+        [
+            ("Sa_m", Some(self.sa_m)),
+            ("Sq_m", Some(self.sq_m)),
+            ("Ssk", Some(self.ssk)),
+            ("Sku", Some(self.sku)),
+            ("Sp_m", Some(self.sp_m)),
+            ("Sv_m", Some(self.sv_m)),
+            ("Sz_m", Some(self.sz_m)),
+            ("Sdq", self.sdq),
+            ("Sdq_7point", self.sdq_7point),
+            ("Sdr", self.sdr),
+            ("Sal_m", self.sal_m),
+            ("Str", self.str_ratio),
+            ("Sk_m", Some(self.sk_m)),
+            ("Spk_m", Some(self.spk_m)),
+            ("Svk_m", Some(self.svk_m)),
+            ("Smrk1", Some(self.smrk1)),
+            ("Smrk2", Some(self.smrk2)),
+            ("Sxp_m", Some(self.sxp_m)),
+            ("Vmp_m", Some(self.vmp_m)),
+            ("Vmc_m", Some(self.vmc_m)),
+            ("Vvc_m", Some(self.vvc_m)),
+            ("Vvv_m", Some(self.vvv_m)),
+        ]
+    }
+}
+
 /// The texture parameters of a map about its mean height.
 ///
 /// # References
@@ -102,7 +132,7 @@ pub fn parameters(map: &HeightMap) -> Result<Parameters, ArealError> {
     let sv_m = -heights().fold(f64::INFINITY, f64::min);
     let decay = decay(map, 0.2).map_err(|_| flat)?;
     let ratio = MaterialRatio::of(heights());
-    let core = ratio.core();
+    let core = ratio.core(EquivalentLine::Secant);
     let volumes = ratio.volumes(0.1, 0.8);
     Ok(Parameters {
         present: moments.n,

@@ -21,6 +21,8 @@ const SATURATION: f64 = 0.2;
 const SMOOTH: f64 = 0.95;
 /// Largest difference between the exponents of the shorter and the longer half of the lags in one scaling range.
 const LARGEST_BEND: f64 = 0.2;
+/// An exponent that is not known better than this tells nothing about a surface.
+const LARGEST_ERROR: f64 = 0.1;
 
 /// Why a map has no structure function.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -97,7 +99,7 @@ impl StructureFunction {
     ///
     /// `None` when there is no scaling: fewer than 5 lags or less than a factor of 4 between them, an exponent outside
     /// 0 < H < 0.95 (white, or smooth at the pixel), or exponents of the two halves of the range that differ by more than
-    /// 0.2.
+    /// 0.2, or a standard error above 0.1.
     pub fn scaling(&self, low_m: f64, high_m: f64) -> Option<ProfileScaling> {
         // Lags are multiples of the pitch; their rounding must not exclude the ends of the range.
         let inside = |lag_m: f64| lag_m >= low_m * (1.0 - 1e-9) && lag_m <= high_m * (1.0 + 1e-9);
@@ -131,6 +133,9 @@ impl StructureFunction {
         let spread = Moments::of(&without);
         let n = without.len() as f64;
         let hurst_se = (n > 1.0).then(|| (n - 1.0).sqrt() * spread.std).filter(|se| se.is_finite());
+        if hurst_se.is_some_and(|se| se > LARGEST_ERROR) {
+            return None;
+        }
         Some(ProfileScaling { hurst, hurst_se, range_m: (self.lags_m[first], self.lags_m[last]) })
     }
 }
@@ -169,8 +174,8 @@ pub struct Scaling {
 /// `Ok(None)` when neither axis has a scaling range ([`StructureFunction::scaling`]).
 ///
 /// # References
-/// Mandelbrot, *The Fractal Geometry of Nature*, Freeman 1982; Thomas & Thomas, *J. Phys. E* **21** (1988) on structure
-/// functions of profiles.
+/// Sayles & Thomas, *Nature* **271** (1978) 431, <https://doi.org/10.1038/271431a0>; Mandelbrot, *The Fractal Geometry of
+/// Nature*, Freeman 1982.
 ///
 /// # Errors
 /// The heights do not vary, or the range is not positive and ascending.

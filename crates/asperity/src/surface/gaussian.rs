@@ -82,6 +82,30 @@ pub trait GaussianSurface: RandomSurface {
     fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64>;
 }
 
+impl<S: RandomSurface + ?Sized> RandomSurface for Box<S> {
+    fn germ_len(&self) -> usize {
+        (**self).germ_len()
+    }
+
+    fn grid(&self) -> Grid {
+        (**self).grid()
+    }
+
+    fn generate(&self, germ: &[f64]) -> HeightMap {
+        (**self).generate(germ)
+    }
+}
+
+impl<S: GaussianSurface + ?Sized> GaussianSurface for Box<S> {
+    fn pointwise_std_m(&self) -> Array2<f64> {
+        (**self).pointwise_std_m()
+    }
+
+    fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {
+        (**self).covariance_with_m2(row, column)
+    }
+}
+
 /// Checks a germ at the door of a generator.
 pub(super) fn check_germ(germ: &[f64], len: usize) {
     assert_eq!(germ.len(), len, "the germ has the wrong length");

@@ -5,6 +5,7 @@ mod lanczos;
 mod profile;
 
 use ndarray::Array2;
+use serde::{Deserialize, Serialize};
 
 use super::gaussian::{check_germ, map_of};
 use super::spectral::{FourierModes, wrapped_spectrum};
@@ -16,7 +17,8 @@ use crate::map::{Grid, HeightMap};
 pub use profile::{ProfileModes, profile_modes};
 
 /// How the two-dimensional eigenproblem is set, and by that, of which covariance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ModesRoute {
     /// Products of the modes of two profiles. Exact for the squared exponential; any other model is replaced by the
     /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}.

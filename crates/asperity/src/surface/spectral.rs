@@ -1,6 +1,8 @@
 //! Stationary Gaussian surfaces by Fourier synthesis.
 
 mod modes;
+#[cfg(test)]
+mod round_trip;
 
 use ndarray::Array2;
 

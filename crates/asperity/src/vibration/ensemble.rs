@@ -251,7 +251,7 @@ mod tests {
         let refused = Ensemble::simulate(&oscillator(0.17), &process, &strict, &Silent);
         assert!(matches!(refused, Err(VibrationError::TooFewValid { total: 60, .. })));
         // With a stated clamp all are valid, and the clamp is reported.
-        let model = ProcessModel { least: Some(-0.08), ..process.model().clone() };
+        let model = ProcessModel { least: Some(-0.04), ..process.model().clone() };
         let clamped = FrictionProcess::new(model).unwrap();
         let found = Ensemble::simulate(&oscillator(0.17), &clamped, &strict, &Silent).unwrap();
         assert!(found.failures.is_empty() && found.clamped_knots > 0);

@@ -249,7 +249,9 @@ impl<F: Fluctuation> Motion<F> {
     fn slip(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
         let direction = self.phase.direction();
         let remaining = until - self.tau;
-        let (wanted, to_knot) = self.horizon(remaining);
+        let (estimate, to_knot) = self.horizon();
+        // A little more, so that the knot is inside the step.
+        let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         let loading = Loading {
             base: direction - drift_rate(self.drive, self.cell.slope),
             kappa: 1.0 + (self.cell.slope - drift_rate(self.drive, self.cell.slope)),
@@ -270,43 +272,26 @@ impl<F: Fluctuation> Motion<F> {
         if self.drive == Drive::Time {
             crossed = !arrived && h >= to_knot;
         } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
-            h = self.time_of_distance(to_knot, h);
+            h = self.series.time_of_distance(to_knot, h, estimate);
             (crossed, arrived) = (true, false);
         }
         self.finish_slip(h, crossed, arrived, until)
     }
 
-    /// Time at which the scaled distance since the start of the step is `distance`, which is reached before h.
+    /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
     #[inline]
-    fn time_of_distance(&self, distance: f64, h: f64) -> f64 {
-        if distance <= 0.0 {
-            return 0.0;
-        }
-        let straight = distance / self.w;
-        let guess = if straight < h { straight } else { h };
-        let excess = |t| {
-            let (s, w) = self.series.distance(t);
-            (s - distance, w)
-        };
-        bracketed_zero(excess, 0.0, h, false, guess)
-    }
-
-    /// How far the step may go and how far the next knot is: in scaled distance or in time, after [`Drive`].
-    #[inline]
-    fn horizon(&self, remaining: f64) -> (f64, f64) {
+    fn horizon(&self) -> (f64, f64) {
         let left = (self.cell.end - self.coordinate()) / self.velocity;
         if self.drive == Drive::Time {
-            let left = left.max(0.0);
-            return (remaining.min(left), left);
+            return (left.max(0.0), left.max(0.0));
         }
         if left == f64::INFINITY {
-            return (remaining, left);
+            return (left, left);
         }
-        // Time to the knot at constant acceleration; a little more, so that the knot is inside the step.
+        // At constant acceleration.
         let acceleration = self.weakening.acceleration(self.w, self.e);
         let discriminant = self.w * self.w + 2.0 * acceleration * left;
-        let estimate = if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY };
-        (remaining.min(1.15 * estimate), left)
+        (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
     }
 
     #[inline]

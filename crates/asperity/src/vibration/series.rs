@@ -79,12 +79,14 @@ pub(super) struct Series {
     len: usize,
     w: [f64; CAPACITY],
     e: [f64; CAPACITY],
+    /// Coefficients of S(t)/t.
+    s: [f64; CAPACITY],
     scale: f64,
 }
 
 impl Series {
     pub(super) fn new() -> Self {
-        Self { len: 1, w: [0.0; CAPACITY], e: [0.0; CAPACITY], scale: 1.0 }
+        Self { len: 1, w: [0.0; CAPACITY], e: [0.0; CAPACITY], s: [0.0; CAPACITY], scale: 1.0 }
     }
 
     /// Coefficients of W.
@@ -96,32 +98,60 @@ impl Series {
     /// W(t), e(t).
     #[inline]
     pub(super) fn state(&self, t: f64) -> (f64, f64) {
-        let (mut w, mut e) = (0.0, 0.0);
-        for k in (0..self.len).rev() {
-            w = w * t + self.w[k];
-            e = e * t + self.e[k];
-        }
-        (w, e)
+        (polynomial::split_value(self.w(), t), polynomial::split_value(&self.e[..self.len], t))
     }
 
     /// S(t) = ∫₀ᵗ W and W(t).
     #[inline]
     pub(super) fn distance(&self, t: f64) -> (f64, f64) {
-        let (mut s, mut w) = (0.0, 0.0);
-        for k in (0..self.len).rev() {
-            s = s * t + self.w[k] * RECIPROCAL[k + 1];
-            w = w * t + self.w[k];
-        }
-        (s * t, w)
+        (t * polynomial::split_value(&self.s[..self.len], t), polynomial::split_value(self.w(), t))
     }
 
-    /// Expands about (w, e) with the short or the long series, whichever suits a step of about `horizon`.
+    /// Time at which S = `distance`, which is reached before h; `guess` should be close.
+    #[inline]
+    pub(super) fn time_of_distance(&self, distance: f64, h: f64, guess: f64) -> f64 {
+        if distance <= 0.0 {
+            return 0.0;
+        }
+        // Two steps on the leading terms are nearly free and leave one or two on the whole series.
+        let [s0, s1, s2, s3] = [self.s[0], self.s[1], self.s[2], self.s[3]];
+        let mut t = if guess < h { guess } else { h };
+        for _ in 0..2 {
+            let s = t * (s0 + t * (s1 + t * (s2 + t * s3)));
+            t -= (s - distance) / (s0 + t * (2.0 * s1 + t * (3.0 * s2 + t * 4.0 * s3)));
+        }
+        for _ in 0..4 {
+            if !(t > 0.0 && t <= h) {
+                break;
+            }
+            let (s, w) = self.distance(t);
+            let step = (s - distance) / w;
+            t -= step;
+            // Newton's error after a step is about its square times W′/2W.
+            if step.abs() <= 1e-8 * t && step * step * self.scale <= 1e-17 * w {
+                return t.clamp(0.0, h);
+            }
+        }
+        let excess = |t: f64| {
+            let (s, w) = self.distance(t);
+            (s - distance, w)
+        };
+        polynomial::bracketed_zero(excess, 0.0, h, false, 0.5 * h)
+    }
+
+    /// Expands about (w, e) with as many coefficients as a step of the length `horizon` needs.
     #[inline]
     pub(super) fn expand(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64, horizon: f64) {
-        if horizon < 0.12 {
-            self.expand_to::<11>(weakening, loading, w, e);
-        } else if horizon < 0.3 {
+        // Terms fall like (√κ h)ⁿ/n!.
+        let scaled = horizon * loading.kappa.max(1.0).sqrt();
+        if scaled < 0.07 {
+            self.expand_to::<10>(weakening, loading, w, e);
+        } else if scaled < 0.17 {
+            self.expand_to::<12>(weakening, loading, w, e);
+        } else if scaled < 0.33 {
             self.expand_to::<14>(weakening, loading, w, e);
+        } else if scaled < 0.55 {
+            self.expand_to::<16>(weakening, loading, w, e);
         } else {
             self.expand_to::<24>(weakening, loading, w, e);
         }
@@ -140,40 +170,52 @@ impl Series {
                 (s, c) = (c * loading.frequency * RECIPROCAL[n + 1], -s * loading.frequency * RECIPROCAL[n + 1]);
             }
         }
-        let (mut w, mut e, mut r) = ([0.0; N], [0.0; N], [0.0; N]);
-        (w[0], e[0]) = (w0, e0);
+        let (mut w, mut e, mut r, mut s) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
         let quotient = 1.0 / (1.0 + weakening.curvature * w0);
-        r[0] = weakening.gain * w0 * quotient;
-        let mut external_force = weakening.jump;
+        let curvature = weakening.curvature * quotient;
+        (w[0], e[0], r[0], s[0]) = (w0, e0, weakening.gain * w0 * quotient, w0);
+        // r_n = gain′·w_n − curvature′·Σ_{k=1}^{n−1} w_k r_{n−k}: the term w_n r_0 is in gain′.
+        let gain = weakening.gain * quotient - curvature * r[0];
+        let mut jump = weakening.jump;
         for n in 0..N - 1 {
-            let step = RECIPROCAL[n + 1];
-            w[n + 1] = (e[n] + weakening.linear * w[n] + r[n] + external_force) * step;
-            e[n + 1] = (external[n] - loading.kappa * w[n]) * step;
-            external_force = 0.0;
-            let mut convolution = 0.0;
-            for k in 1..=n + 1 {
-                convolution += w[k] * r[n + 1 - k];
+            // Two sums, so that additions need not wait for each other.
+            let (mut inner, mut other) = (0.0, 0.0);
+            let mut k = 1;
+            while k < n {
+                inner += w[k] * r[n + 1 - k];
+                other += w[k + 1] * r[n - k];
+                k += 2;
             }
-            r[n + 1] = (weakening.gain * w[n + 1] - weakening.curvature * convolution) * quotient;
+            if k == n {
+                inner += w[n] * r[1];
+            }
+            w[n + 1] = (e[n] + weakening.linear * w[n] + jump + r[n]) * RECIPROCAL[n + 1];
+            e[n + 1] = (external[n] - loading.kappa * w[n]) * RECIPROCAL[n + 1];
+            r[n + 1] = gain * w[n + 1] - curvature * (inner + other);
+            s[n + 1] = w[n + 1] * RECIPROCAL[n + 2];
+            jump = 0.0;
         }
         self.w[..N].copy_from_slice(&w);
         self.e[..N].copy_from_slice(&e);
+        self.s[..N].copy_from_slice(&s);
         self.len = N;
         self.scale = w0.abs().max(e0.abs()).max(1.0);
     }
 
     /// The longest step ≤ `wanted` on which the dropped terms stay below rounding.
+    ///
+    /// The last term of order n bounds them, and so does the one before times h²/n(n+1), in case the last vanishes.
     #[inline]
     pub(super) fn reach(&self, wanted: f64) -> f64 {
-        let last = self.len - 1;
+        let n = self.len - 1;
         let size = |k: usize| self.w[k].abs().max(self.e[k].abs());
         let allowed = TOLERANCE * self.scale;
-        let power = wanted.powi(last as i32 - 1);
-        if wanted.is_finite() && size(last - 1) * power <= allowed && size(last) * power * wanted <= allowed {
+        let (last, before) = (size(n), size(n - 1) * RECIPROCAL[n] * RECIPROCAL[n + 1]);
+        let power = wanted.powi(n as i32);
+        if wanted.is_finite() && last * power <= allowed && before * power * wanted <= allowed {
             return wanted;
         }
-        let radius = |k: usize| (allowed / size(k)).powf(RECIPROCAL[k]);
-        wanted.min(radius(last - 1)).min(radius(last))
+        wanted.min((allowed / last).powf(RECIPROCAL[n])).min((allowed / before).powf(RECIPROCAL[n + 1]))
     }
 
     /// First time in (0, h] at which W, positive just after 0, is zero.

@@ -96,7 +96,7 @@ pub(super) enum Slipped {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::process::{RecordedProcess, Steady};
+    use crate::friction::process::RecordedProcess;
 
     #[test]
     fn a_frozen_realisation_gives_its_reference_events() {

@@ -241,6 +241,22 @@ mod tests {
     }
 
     #[test]
+    fn free_bounds_are_a_local_maximum_of_the_likelihood() {
+        let values = sample("beta:3,4,-2,6", 1000, 70);
+        let fitted = fit(Family::BetaFreeBounds, &values).unwrap();
+        assert_eq!((fitted.low_end, fitted.high_end), (End::Fitted, End::Fitted));
+        let (a, b, low, high) = parameters(&fitted.law);
+        let direct: f64 = values.iter().map(|x| fitted.law.ln_pdf(*x)).sum();
+        assert!((direct - fitted.log_likelihood).abs() < 1e-8);
+        let neighbours: Vec<Marginal> = [-1e-3, 1e-3]
+            .into_iter()
+            .flat_map(|h| [[h, 0.0, 0.0, 0.0], [0.0, h, 0.0, 0.0], [0.0, 0.0, h, 0.0], [0.0, 0.0, 0.0, h]])
+            .map(|[da, db, dl, dh]| Marginal::beta(a + da, b + db, low + dl, high + dh).unwrap())
+            .collect();
+        assert_most_likely(&fitted, &values, &neighbours);
+    }
+
+    #[test]
     fn a_density_that_jumps_at_its_ends_puts_them_at_the_extremes() {
         for (law, index) in [("beta:0.5,0.6,-2,4", 50), ("beta:0.7,3,-2,4", 51)] {
             let values = sample(law, 2000, index);

@@ -26,7 +26,7 @@ pub(super) fn gradient_seven_points(map: &HeightMap) -> Option<f64> {
         (at(6) - at(0)) / 60.0 - 9.0 * (at(5) - at(1)) / 60.0 + 45.0 * (at(4) - at(2)) / 60.0
     };
     let squares = (3..grid.ny().saturating_sub(3)).flat_map(|row| {
-        (3..grid.nx().saturating_sub(3)).map(move |column| {
+        (3..grid.nx().saturating_sub(3)).filter(move |column| !z[[row, *column]].is_nan()).map(move |column| {
             let along_x = stencil(&|i| z[[row, column + i - 3]]) / grid.dx_m();
             let along_y = stencil(&|i| z[[row + i - 3, column]]) / grid.dy_m();
             along_x * along_x + along_y * along_y

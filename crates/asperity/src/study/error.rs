@@ -1,0 +1,162 @@
+//! Why a study ended early.
+
+use asperity_formats::FormatError;
+use thiserror::Error;
+
+use crate::contact::ContactError;
+use crate::correlation::{CovarianceError, EstimateError, FitError};
+use crate::friction::FrictionError;
+use crate::friction::process::ProcessError;
+use crate::friction::window::WindowError;
+use crate::law::LawError;
+use crate::map::MapError;
+use crate::monitor::Cancelled;
+use crate::pressure::PressureError;
+use crate::stats::StatsError;
+use crate::surface::areal::ArealError;
+use crate::surface::filter::FilterError;
+use crate::surface::fractal::FractalError;
+use crate::surface::level::LevelError;
+use crate::surface::{GeneratorError, TranslationError};
+use crate::vibration::VibrationError;
+
+/// Why a study ended early.
+#[derive(Debug, Error)]
+pub enum StudyError {
+    /// The scan cannot be read.
+    #[error(transparent)]
+    Scan(#[from] FormatError),
+    /// The scan makes no height map.
+    #[error("{file}: {error}")]
+    Map {
+        /// The scan file.
+        file: String,
+        /// What is wrong.
+        error: MapError,
+    },
+    /// The form cannot be removed.
+    #[error("levelling: {0}")]
+    Level(#[from] LevelError),
+    /// Outliers cannot be looked for.
+    #[error("outliers: {0}")]
+    Filter(#[from] FilterError),
+    /// The surface has no texture.
+    #[error("surface: {0}")]
+    Areal(#[from] ArealError),
+    /// The surface has no scaling.
+    #[error("surface: {0}")]
+    Fractal(#[from] FractalError),
+    /// The correlation cannot be estimated.
+    #[error("surface: {0}")]
+    Estimate(#[from] EstimateError),
+    /// The covariance cannot be fitted.
+    #[error("covariance of the scan: {0}; state a covariance in [surface]")]
+    Fit(#[from] FitError),
+    /// The stated covariance is not one.
+    #[error("[surface] covariance: {0}")]
+    Covariance(#[from] CovarianceError),
+    /// A law is not one.
+    #[error("{0}")]
+    Law(#[from] LawError),
+    /// A random surface cannot be made.
+    #[error("random surface: {0}")]
+    Generator(#[from] GeneratorError),
+    /// A random surface cannot be given its marginal law.
+    #[error("random surface: {0}")]
+    Translation(#[from] TranslationError),
+    /// A grid of the study is not one.
+    #[error("[{section}] {error}")]
+    Grid {
+        /// Section of the study.
+        section: &'static str,
+        /// What is wrong.
+        error: MapError,
+    },
+    /// A contact problem cannot be posed.
+    #[error("[{section}] {error}")]
+    Contact {
+        /// Section of the study.
+        section: &'static str,
+        /// What is wrong.
+        error: ContactError,
+    },
+    /// The pressure stage failed.
+    #[error("pressure: {0}")]
+    Pressure(#[from] PressureError),
+    /// The window does not fit.
+    #[error("[friction] {0}")]
+    Window(#[from] WindowError),
+    /// The friction stage failed.
+    #[error("friction: {0}")]
+    Friction(#[from] FrictionError),
+    /// A statistic is undefined.
+    #[error("friction: {0}")]
+    Statistics(#[from] StatsError),
+    /// The friction process cannot be made.
+    #[error("friction process: {0}")]
+    Process(#[from] ProcessError),
+    /// The vibration stage failed.
+    #[error("vibration: {0}")]
+    Vibration(#[from] VibrationError),
+    /// The study lacks the section of a stage that was asked for.
+    #[error("the study has no [{0}] section")]
+    NoStage(&'static str),
+    /// Stopped from outside.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Kinds of failure that a front end tells apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FailureKind {
+    /// A value of the study is out of range.
+    Configuration,
+    /// The scan is missing, corrupt or unusable.
+    Input,
+    /// Not converged, or too few valid samples.
+    NotConverged,
+    /// Stopped from outside.
+    Cancelled,
+    /// Anything else.
+    Runtime,
+}
+
+impl StudyError {
+    /// What kind of failure this is.
+    pub fn kind(&self) -> FailureKind {
+        match self {
+            Self::Scan(_)
+            | Self::Map { .. }
+            | Self::Level(_)
+            | Self::Areal(_)
+            | Self::Fractal(_)
+            | Self::Estimate(_)
+            | Self::Fit(_) => FailureKind::Input,
+            Self::Filter(FilterError::Map(_)) => FailureKind::Input,
+            Self::Cancelled(_)
+            | Self::Pressure(PressureError::Cancelled(_))
+            | Self::Friction(FrictionError::Cancelled(_))
+            | Self::Vibration(VibrationError::Cancelled(_)) => FailureKind::Cancelled,
+            Self::Pressure(PressureError::TooFewValid { .. })
+            | Self::Friction(FrictionError::TooFewValid { .. })
+            | Self::Vibration(VibrationError::TooFewValid { .. })
+            | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
+            Self::Friction(FrictionError::NoContact { .. } | FrictionError::Statistics(_)) | Self::Statistics(_) => {
+                FailureKind::NotConverged
+            }
+            Self::Filter(_)
+            | Self::Covariance(_)
+            | Self::Law(_)
+            | Self::Generator(_)
+            | Self::Translation(_)
+            | Self::Grid { .. }
+            | Self::Contact { .. }
+            | Self::Pressure(_)
+            | Self::Window(_)
+            | Self::Process(_)
+            | Self::NoStage(_) => FailureKind::Configuration,
+            Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,
+            Self::Vibration(_) => FailureKind::Runtime,
+        }
+    }
+}
