@@ -126,7 +126,8 @@ pub struct Levelled {
 /// Removes the least-squares form from the present heights; missing ones stay missing and have no say.
 ///
 /// The monomials, in coordinates that run from −1 to 1 over the present points, are orthonormalised on those points
-/// (modified Gram–Schmidt, twice), so the result does not depend on pitch, offset or mask beyond rounding.
+/// (modified Gram–Schmidt, twice), so the result does not depend on pitch, offset or mask beyond rounding. When all that
+/// is left is the rounding of the heights, it is set to zero: a perfect plane has no roughness.
 ///
 /// # Errors
 /// [`LevelError::Undetermined`] when the present points do not determine the form.
@@ -171,6 +172,11 @@ pub fn remove_form(map: &HeightMap, level: Level) -> Result<Levelled, LevelError
         }
     }
 
+    // What is no larger than the rounding of the heights is not roughness.
+    let rounding_m = 16.0 * f64::EPSILON * points.heights_m.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
+    if level != Level::None && residual.iter().all(|z| z.abs() <= rounding_m) {
+        residual.fill(0.0);
+    }
     let mut left = residual.into_iter();
     let heights_m = map.heights_m().mapv(|z| if z.is_nan() { z } else { left.next().unwrap_or(f64::NAN) });
     let form = points.form(mean_m, coefficients);
@@ -287,8 +293,7 @@ mod tests {
             };
             let map = HeightMap::from_function(grid, |x, y| form.height_m(x, y)).unwrap();
             let levelled = remove_form(&map, Level::Quadratic).unwrap();
-            // Rounding of the heights themselves, 3,000 pitches large, is left.
-            assert!(levelled.map.present_m().all(|z| z.abs() < 1e-11 * pitch_m));
+            assert!(levelled.map.present_m().all(|z| z == 0.0));
             let found = levelled.form;
             for (found, wanted) in [
                 (found.offset_m, form.offset_m),

@@ -132,6 +132,9 @@ fn a_surface_without_roughness_is_an_error_not_nan() {
         let map = HeightMap::new(grid, Array2::from_elem((8, 8), height)).unwrap();
         assert_eq!(parameters(&map), Err(ArealError::Flat { present: 64 }));
     }
+    let tilted = HeightMap::from_function(grid, |x, y| 1e-3 + 0.3 * x - 0.7 * y).unwrap();
+    let levelled = remove_form(&tilted, Level::Plane).unwrap().map;
+    assert_eq!(parameters(&levelled), Err(ArealError::Flat { present: 64 }));
 }
 
 #[test]
