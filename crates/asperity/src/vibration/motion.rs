@@ -43,6 +43,28 @@ pub(super) struct Motion<F> {
     idle_steps: usize,
 }
 
+/// A state of slip or over-slip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SlipState {
+    pub(super) tau: f64,
+    pub(super) phase: Phase,
+    pub(super) w: f64,
+    pub(super) e: f64,
+}
+
+impl SlipState {
+    /// The state right after a detachment into slip.
+    pub(super) fn detached(tau: f64) -> Self {
+        Self { tau, phase: Phase::Slip, w: 0.0, e: 0.0 }
+    }
+
+    /// Whether two states are the same, at any times, within a tolerance relative to their size.
+    pub(super) fn repeats(&self, other: &Self, tolerance: f64) -> bool {
+        let change = (self.w - other.w).abs().max((self.e - other.e).abs());
+        self.phase == other.phase && change < tolerance * self.w.abs().max(self.e.abs()).max(1.0)
+    }
+}
+
 /// The last step, for dense output.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
@@ -114,12 +136,17 @@ impl<F: Fluctuation> Motion<F> {
         Ok(motion)
     }
 
-    /// A mass that detaches at the time τ: W = e = 0.
-    pub(super) fn detaching(oscillator: &Oscillator, fluctuation: F, tau: f64) -> Result<Self, VibrationError> {
+    /// A mass in a given state of slip.
+    pub(super) fn in_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
         let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;
-        motion.tau = tau;
-        (motion.w, motion.e, motion.phase) = (0.0, 0.0, Phase::Slip);
+        (motion.tau, motion.w, motion.e, motion.phase) = (state.tau, state.w, state.e, state.phase);
         Ok(motion)
+    }
+
+    /// The state at the last cut, if the mass slips.
+    pub(super) fn slip_state(&self) -> Option<SlipState> {
+        let state = SlipState { tau: self.tau, phase: self.phase, w: self.w, e: self.e };
+        (self.phase != Phase::Stick).then_some(state)
     }
 
     fn draw(&mut self) -> Result<f64, VibrationError> {
@@ -133,21 +160,6 @@ impl<F: Fluctuation> Motion<F> {
             Drive::Distance => self.sliding_distance,
             Drive::Time => self.velocity * self.tau,
         }
-    }
-
-    /// What the mass does since the last cut.
-    pub(super) fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    /// W at the last cut.
-    pub(super) fn relative_speed(&self) -> f64 {
-        self.w
-    }
-
-    /// e at the last cut.
-    pub(super) fn excess(&self) -> f64 {
-        self.e
     }
 
     /// Displacement X at the last cut.
