@@ -97,7 +97,7 @@ impl FrictionProcess {
         if let Generator::Spectral { harmonics } = model.generator {
             positive("number of harmonics", harmonics as f64)?;
         }
-        if let Some(value) = model.least.filter(|least| !(*least < 0.0)) {
+        if let Some(value) = model.least.filter(|least| least.is_nan() || *least >= 0.0) {
             return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
         }
         let translation = Translation::new(&model.marginal)?;
