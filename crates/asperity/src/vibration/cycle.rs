@@ -115,7 +115,8 @@ impl Turn {
 /// repeats. With forcing the motion is followed from [`Oscillator::default_start`] until the phases of its detachments
 /// repeat, which finds the attracting cycle of that start with up to 32 slips in a period.
 ///
-/// Fails if the friction coefficient does not stay positive.
+/// Fails if the friction coefficient does not stay positive, and if an orbit needs more than a million steps to repeat, as
+/// on a very fast belt without damping, where friction hardly changes the orbit in a period.
 pub fn limit_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
     Ok(locate(oscillator)?.0)
 }
@@ -302,6 +303,24 @@ mod tests {
             assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
         }
         assert!(limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some());
+    }
+
+    #[test]
+    fn extreme_parameters_have_an_answer() {
+        for belt_velocity in [1e-9, 1e-3, 1.0] {
+            for decay in [0.0, 1.0, 1e4] {
+                for damping_ratio in [0.0, 0.01, 1.0, 50.0] {
+                    for kinetic in [0.3, 0.1] {
+                        let law = FrictionLaw::Stribeck { kinetic, decay };
+                        let static_friction = 0.3;
+                        let parameters =
+                            Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
+                        let regime = limit_cycle(&Oscillator::new(parameters).unwrap());
+                        assert!(regime.is_ok(), "{parameters:?}: {regime:?}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]
