@@ -19,7 +19,9 @@ const LARGE_MEAN_SHARE: f64 = 0.25;
 /// A length may reach this many sizes of the map where its axis decays, and where it does not.
 const LONGEST: [f64; 2] = [1.0, 10.0];
 /// A model with one more parameter must lower the misfit by this share to be ranked before.
-const PARSIMONY: f64 = 0.05;
+const PARSIMONY: f64 = 0.25;
+/// Of models that are the same function, as Matérn and self-affine for ν < 1, the one named first in the list is taken.
+const TIE: f64 = 1e-6;
 
 /// Why no covariance could be fitted.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -98,7 +100,8 @@ pub struct CovarianceFit {
 /// All models fitted to a map, the best first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CovarianceFits {
-    /// Ranked by misfit; among misfits within 5 % of each other the model with fewer parameters comes first.
+    /// Ranked by misfit; a model with one more parameter comes first only if it lowers the misfit by a quarter, because a
+    /// free shape always fits part of the sampling noise.
     pub fits: Vec<CovarianceFit>,
     /// Largest lag used along x in metre.
     pub largest_lag_x_m: f64,
@@ -329,10 +332,18 @@ fn mean_correlation(model: CorrelationModel, a: f64, b: f64) -> f64 {
     (4.0 * sum).clamp(0.0, 1.0 - 1e-9)
 }
 
-/// Sorts by misfit, a model with p parameters counting as (1 + 5 %)^p worse.
-fn rank(fits: &mut [CovarianceFit]) {
-    let score = |fit: &CovarianceFit| fit.misfit * (1.0 + PARSIMONY).powi(fit.parameters as i32);
-    fits.sort_by(|a, b| score(a).total_cmp(&score(b)));
+/// Sorts by misfit, a model with p parameters counting as (1 + 25 %)^p worse.
+fn rank(fits: &mut Vec<CovarianceFit>) {
+    let mut scored: Vec<(f64, CovarianceFit)> = fits
+        .drain(..)
+        .enumerate()
+        .map(|(place, fit)| {
+            let score = fit.misfit * (1.0 + PARSIMONY).powi(fit.parameters as i32) * (1.0 + TIE * place as f64);
+            (score, fit)
+        })
+        .collect();
+    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    fits.extend(scored.into_iter().map(|(_, fit)| fit));
 }
 
 #[cfg(test)]

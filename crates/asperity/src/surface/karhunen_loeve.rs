@@ -23,7 +23,8 @@ pub enum ModesRoute {
     /// Products of the modes of two profiles. Exact for the squared exponential; any other model is replaced by the
     /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}.
     Separable,
-    /// The covariance as it stands, by block Lanczos on products with the circulant embedding.
+    /// The covariance as it stands: densely by parity up to about 64 × 64 points, beyond by block Lanczos on products with
+    /// the circulant embedding.
     General,
     /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
     Periodic,
