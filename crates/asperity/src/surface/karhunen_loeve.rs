@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 use super::gaussian::{check_germ, map_of};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
-use crate::correlation::{Covariance, StationaryCovariance};
+use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};
 use crate::fourier::RealFft2;
 use crate::map::{Grid, HeightMap};
 
-pub use profile::{ProfileModes, profile_modes};
+pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
 
 /// How the two-dimensional eigenproblem is set, and by that, of which covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +28,16 @@ pub enum ModesRoute {
     General,
     /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
     Periodic,
+}
+
+impl ModesRoute {
+    /// The cheapest route that leaves the covariance of this model on a map that is not periodic as it is.
+    pub fn exact_for(model: CorrelationModel) -> Self {
+        match model {
+            CorrelationModel::SquaredExponential => Self::Separable,
+            _ => Self::General,
+        }
+    }
 }
 
 /// A truncated Karhunen–Loève surface z = σ Σ_{j≤M} √λ_j φ_j(x) ξ_j with ∫ρ(x − y)φ_j(y)dy = λ_j φ_j(x).

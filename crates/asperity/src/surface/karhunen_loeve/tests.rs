@@ -44,6 +44,22 @@ fn a_hundred_and_one_terms_hold_the_known_share_of_a_two_dimensional_variance() 
 }
 
 #[test]
+fn products_of_the_closed_form_are_the_separable_spectrum() {
+    let line = exponential_eigenvalues_m(0.2, 1.0, 101);
+    let mut wanted: Vec<f64> = line.iter().flat_map(|a| line.iter().map(move |b| a * b)).collect();
+    wanted.sort_by(|a, b| b.total_cmp(a));
+    let covariance = unit(CorrelationModel::Exponential, 0.2, 0.2);
+    let coarse = modes(&covariance, &[1.0, 1.0], &[128, 128], 101, ModesRoute::Separable).unwrap();
+    let fine = modes(&covariance, &[1.0, 1.0], &[256, 256], 101, ModesRoute::Separable).unwrap();
+    for (value, wanted) in fine.eigenvalues.iter().zip(&wanted).take(12) {
+        assert!((value / wanted - 1.0).abs() < 2e-3, "{value} {wanted}");
+    }
+    let share: f64 = wanted[..101].iter().sum();
+    let errors = [coarse, fine].map(|found| (found.captured_variance - share).abs());
+    assert!(errors[1] < 1e-3 && ((errors[0] / errors[1]).log2() - 2.0).abs() < 0.1, "{errors:?}");
+}
+
+#[test]
 fn both_general_methods_give_the_dense_eigenvalues_also_where_they_are_equal() {
     let grids = [Grid::new(16, 16, 1.0, 1.0), Grid::new(20, 11, 0.5, 1.0), Grid::new(9, 13, 1.0, 1.0)];
     for grid in grids.map(Result::unwrap) {
