@@ -27,8 +27,9 @@ const LARGEST_DOMAIN: usize = 1 << 24;
 ///
 /// - [`SpectralField::periodic`]: λ from the covariance wrapped onto the grid. The ensemble covariance on the grid *is*
 ///   the wrapped covariance, with the exact variance; it fails to be one only by [`SpectralField::clipped_variance`].
-/// - [`SpectralField::from_psd`]: λ_q = P(q)/σ² at the grid's wavevectors. The field is band-limited: the variance
-///   beyond the grid's wavevectors is missing and reported by [`SpectralField::captured_variance`].
+/// - [`SpectralField::from_psd`]: λ_q = P(q)/σ² at the grid's wavevectors, never negative. The ensemble covariance is the
+///   model's summed over all periodic images, without what lies beyond the grid's wavevectors. Its variance over σ² is
+///   [`SpectralField::captured_variance`]: below 1 for a coarse grid, above 1 for one of few correlation lengths.
 /// - [`SpectralField::free`]: a crop of a larger periodic domain on which the wrapped covariance is non-negative
 ///   (circulant embedding), so that opposite edges are uncorrelated unless the covariance says so.
 ///
@@ -97,7 +98,7 @@ impl SpectralField {
         Self { grid, std_m: covariance.std_m(), modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
     }
 
-    /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`], where the aliased part is missing.
+    /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].
     pub fn captured_variance(&self) -> f64 {
         self.captured_variance
     }
