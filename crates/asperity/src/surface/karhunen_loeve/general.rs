@@ -90,9 +90,9 @@ pub(super) fn dense_modes(
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     pairs.truncate(modes);
     let mut functions = Array2::zeros((modes, nx * ny));
-    for ((_, vector), mut function) in pairs.iter_mut().zip(functions.rows_mut()) {
-        fix_sign(vector);
-        function.iter_mut().zip(vector.iter()).for_each(|(phi, v)| *phi = v / cell.sqrt());
+    for ((_, vector), mut function) in pairs.iter().zip(functions.rows_mut()) {
+        function.iter_mut().zip(vector).for_each(|(phi, v)| *phi = v / cell.sqrt());
+        fix_sign(function);
     }
     Ok((pairs.into_iter().map(|(value, _)| value).collect(), functions))
 }

@@ -36,8 +36,8 @@ pub(super) fn largest_eigenpairs(
     let block = BLOCK.min(n);
     let capacity = stopping.subspace.clamp(wanted, n);
     let mut stream = random::stream(seed, "karhunen-loeve lanczos", 0);
-    let mut start = Array2::from_shape_vec((block, n), random::standard_normal(&mut stream, block * n))
-        .map_err(|_| GeneratorError::Eigen { points: n })?;
+    let draws = random::standard_normal(&mut stream, block * n);
+    let mut start = Array2::from_shape_fn((block, n), |(i, j)| draws[i * n + j]);
     let mut basis = Array2::<f64>::zeros((0, n));
     orthonormalise(&mut start, &basis, &mut stream);
     let mut projected = Array2::<f64>::zeros((0, 0));
@@ -48,9 +48,13 @@ pub(super) fn largest_eigenpairs(
         let count = start.nrows().min(n - from);
         append_rows(&mut basis, &start.slice(s![..count, ..]).to_owned());
         let size = basis.nrows();
-        let mut image = Array2::<f64>::zeros((count, n));
-        let sources: Vec<_> = (from..size).map(|row| basis.row(row).to_vec()).collect();
-        image.as_slice_mut().unwrap_or_default().par_chunks_mut(n).zip(&sources).for_each(|(out, v)| apply(v, out));
+        let product = |row: usize| {
+            let mut out = vec![0.0; n];
+            apply(&basis.row(row).to_vec(), &mut out);
+            out
+        };
+        let products: Vec<Vec<f64>> = (from..size).into_par_iter().map(product).collect();
+        let mut image = Array2::from_shape_fn((count, n), |(i, j)| products[i][j]);
 
         let columns = basis.dot(&image.t());
         let mut grown = Array2::<f64>::zeros((size, size));
@@ -76,9 +80,7 @@ pub(super) fn largest_eigenpairs(
             let worst = residuals.iter().fold(0.0_f64, |m, r| m.max(*r));
             if size >= n || (size >= wanted && worst <= stopping.tolerance) {
                 let mut found = vectors.slice(s![..wanted, ..]).dot(&basis);
-                for mut vector in found.rows_mut() {
-                    fix_sign(vector.as_slice_mut().unwrap_or_default());
-                }
+                found.rows_mut().into_iter().for_each(fix_sign);
                 return Ok((values[..wanted].to_vec(), found));
             }
             if full {

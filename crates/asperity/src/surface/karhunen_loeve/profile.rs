@@ -1,7 +1,7 @@
 //! The eigenproblem of a stationary covariance on an interval.
 
 use faer::{Mat, Side};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayViewMut1};
 
 use crate::surface::GeneratorError;
 
@@ -57,20 +57,16 @@ pub(super) fn dense_eigenpairs(
     let floor = largest * f64::EPSILON * n as f64;
     let values = (0..n).rev().map(|j| if ascending[j] > floor { ascending[j] } else { 0.0 }).collect();
     let mut vectors = Array2::from_shape_fn((n, n), |(j, i)| eigen.U()[(i, n - 1 - j)]);
-    for mut vector in vectors.rows_mut() {
-        fix_sign(vector.as_slice_mut().unwrap_or_default());
-    }
+    vectors.rows_mut().into_iter().for_each(fix_sign);
     Ok((values, vectors))
 }
 
 /// Turns a vector so that its first value of at least half the largest magnitude is positive.
-pub(super) fn fix_sign(vector: &mut [f64]) {
+pub(super) fn fix_sign(mut vector: ArrayViewMut1<f64>) {
     let largest = vector.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let leading = vector.iter().copied().find(|v| v.abs() >= 0.5 * largest);
     if leading.is_some_and(|v| v < 0.0) {
-        for v in vector {
-            *v = -*v;
-        }
+        vector.mapv_inplace(|v| -v);
     }
 }
 

@@ -198,3 +198,16 @@ fn one_size_is_an_interval_and_wrong_counts_are_refused() {
     let ring = modes(&covariance, &[8.0], &[64], 5, ModesRoute::Periodic).unwrap().eigenvalues;
     assert!((ring[1] - ring[2]).abs() < 1e-12 && (ring[3] - ring[4]).abs() < 1e-12, "cosines and sines come in pairs");
 }
+
+#[test]
+fn modes_do_not_depend_on_the_number_of_threads() {
+    let grid = Grid::new(20, 14, 1.0, 1.0).unwrap();
+    let covariance = unit(CorrelationModel::SelfAffine { hurst: 0.6 }, 5.0, 4.0);
+    for method in [general::dense_modes, general::iterated_modes] {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| method(&covariance, grid, 25).unwrap())
+        };
+        assert!(with(1) == with(3), "not one bit may differ");
+    }
+}
