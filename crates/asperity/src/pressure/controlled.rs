@@ -3,7 +3,7 @@
 //! Out of contact the pressure says nothing about how far from contact the cell is; the gap does. The *latent* pressure
 //! q = p − κ·gap continues the pressure below zero, so that P(p ≤ t) = P(q ≤ t) for t ≥ 0, and it can be regressed on all
 //! samples without truncation. A polynomial s(v) of local variables v predicts it; with the law G of its leave-one-out
-//! errors, h_t(v) = G(t − s(v)) predicts the probability of q ≤ t. The law is then
+//! errors around similar predictions, h_t(v) = G(t − s(v)) predicts the probability of q ≤ t. The law is then
 //!
 //! F(t) = mean_fine 1(q ≤ t) + β [mean_fresh h_t − mean_fine h_t],
 //!
@@ -60,7 +60,7 @@ impl ErrorLaws {
         let laws = (0..groups)
             .map(|group| {
                 let errors: Vec<f64> = pairs[start(group)..start(group + 1)].iter().map(|pair| pair.1).collect();
-                StepLaw::empirical(&errors).map_err(|_| MethodError::NoVariation)
+                StepLaw::empirical(&errors)
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { bounds: (1..groups).map(|group| pairs[start(group)].0).collect(), laws })
@@ -113,7 +113,7 @@ pub(super) fn estimate(
     let scaling = Scaling::of(fine);
     let fine: Vec<Vec<f64>> = fine.iter().map(|row| scaling.apply(row)).collect();
     let fresh: Vec<Vec<f64>> = fresh.iter().map(|row| scaling.apply(row)).collect();
-    let (_, coefficients, leave_one_out_error) = best_fit(&scaling, &fine, latent, degree)?;
+    let whole = Surrogate::fit(&scaling, &fine, latent, degree)?;
     let folds: Vec<FoldModel> =
         (0..FOLDS).map(|fold| fold_model(fold, &scaling, &fine, latent, &fresh, degree)).collect::<Result<_, _>>()?;
     let thresholds = thresholds(latent, &folds);
@@ -146,49 +146,46 @@ pub(super) fn estimate(
     Ok(Estimate {
         contact_probability: 1.0 - law.cdf(0.0),
         contact_probability_se,
-        coefficients: Some(coefficients),
-        leave_one_out_error,
+        coefficients: Some(whole.expansion.coefficients().len()),
+        leave_one_out_error: Some(whole.relative_error),
         law,
     })
 }
 
-/// The expansion of the degree ≤ `degree` with the least leave-one-out error, its size, and that error.
-fn best_fit(
-    scaling: &Scaling,
-    rows: &[Vec<f64>],
-    latent: &[f64],
-    degree: usize,
-) -> Result<(FittedSurrogate, usize, Option<f64>), MethodError> {
-    let variables = scaling.variables();
-    if variables == 0 {
-        return Err(MethodError::NoVariation);
-    }
-    let mut best: Option<(FittedSurrogate, usize, f64)> = None;
-    for degree in 0..=degree {
-        if number_of_terms(variables, degree).is_none_or(|terms| terms >= rows.len()) {
-            break;
-        }
-        let basis = Basis::hermite(variables, degree)?;
-        let terms = basis.len();
-        // A degree whose functions the samples cannot tell apart is no candidate.
-        let (expansion, fit) = match Expansion::fit(basis, rows, latent) {
-            Ok(fitted) => fitted,
-            Err(RegressionError::RankDeficient { .. }) => continue,
-            Err(error) => return Err(error.into()),
-        };
-        let Some(error) = fit.leave_one_out.relative_error else { continue };
-        if best.as_ref().is_none_or(|(_, _, least)| error < *least) {
-            let errors = fit.leave_one_out.errors.into_iter().flatten().collect();
-            best = Some((FittedSurrogate { expansion, errors }, terms, error));
-        }
-    }
-    best.map(|(surrogate, terms, error)| (surrogate, terms, Some(error))).ok_or(MethodError::NoVariation)
-}
-
-struct FittedSurrogate {
+/// An expansion of the latent pressure in the local variables.
+struct Surrogate {
     expansion: Expansion,
     /// Leave-one-out errors.
     errors: Vec<f64>,
+    relative_error: f64,
+}
+
+impl Surrogate {
+    /// The expansion of the degree ≤ `degree` with the least leave-one-out error.
+    fn fit(scaling: &Scaling, rows: &[Vec<f64>], latent: &[f64], degree: usize) -> Result<Self, MethodError> {
+        let variables = scaling.variables();
+        if variables == 0 {
+            return Err(MethodError::NoVariation);
+        }
+        let mut best: Option<Self> = None;
+        for degree in 0..=degree {
+            if number_of_terms(variables, degree).is_none_or(|terms| terms >= rows.len()) {
+                break;
+            }
+            // A degree whose functions the samples cannot tell apart is no candidate.
+            let (expansion, fit) = match Expansion::fit(Basis::hermite(variables, degree)?, rows, latent) {
+                Ok(fitted) => fitted,
+                Err(RegressionError::RankDeficient { .. }) => continue,
+                Err(error) => return Err(error.into()),
+            };
+            let Some(relative_error) = fit.leave_one_out.relative_error else { continue };
+            if best.as_ref().is_none_or(|best| relative_error < best.relative_error) {
+                let errors = fit.leave_one_out.errors.into_iter().flatten().collect();
+                best = Some(Self { expansion, errors, relative_error });
+            }
+        }
+        best.ok_or(MethodError::NoVariation)
+    }
 }
 
 fn fold_model(
@@ -206,7 +203,7 @@ fn fold_model(
         .filter(|(i, _)| i % FOLDS != fold)
         .map(|(_, (row, value))| (row.clone(), *value))
         .unzip();
-    let (surrogate, _, _) = best_fit(scaling, &rows, &values, degree)?;
+    let surrogate = Surrogate::fit(scaling, &rows, &values, degree)?;
     let held_out =
         (0..fine.len()).filter(|i| i % FOLDS == fold).map(|i| (i, surrogate.expansion.evaluate(&fine[i]))).collect();
     let mut fresh = surrogate.expansion.evaluate_many(fresh);
@@ -280,7 +277,7 @@ fn monotone_law(thresholds: &[f64], distribution: Vec<f64>) -> Result<StepLaw, M
     if let Some((_, weight)) = atoms.last_mut() {
         *weight += 1.0 - before;
     }
-    StepLaw::weighted(atoms).map_err(|_| MethodError::NoVariation)
+    Ok(StepLaw::weighted(atoms)?)
 }
 
 #[cfg(test)]
