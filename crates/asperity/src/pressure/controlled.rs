@@ -7,9 +7,9 @@
 //!
 //! F(t) = mean_fine 1(q ≤ t) + β [mean_fresh h_t − mean_fine h_t],
 //!
-//! where `fine` are the contact solutions and `fresh` many maps that need none. Whatever the surrogate is worth the
-//! estimate is unbiased, because each fold of the fine samples is predicted by a fit to the other folds; the better the
-//! surrogate, the smaller its variance.
+//! where `fine` are the contact solutions and `fresh` many maps that need none. Each fold of the fine
+//! samples is predicted by a fit to the other folds, so whatever the surrogate is worth the estimate has no bias beyond the
+//! order 1/n of a β, a κ and scales that come from the same samples; the better the surrogate, the smaller its variance.
 //!
 //! # References
 //! Glynn & Szechtman, in *Monte Carlo and Quasi-Monte Carlo Methods 2000* (2002) 27,
@@ -103,12 +103,14 @@ impl FoldModel {
     }
 }
 
-/// The controlled law of the pressure from `latent` values at the local variables `fine`, and `fresh` local variables.
+/// The controlled law of the pressure from `latent` values at the local variables `fine`, and `fresh` local variables. No
+/// pressure exceeds `hardness_pa`.
 pub(super) fn estimate(
     fine: &[Vec<f64>],
     latent: &[f64],
     fresh: &[Vec<f64>],
     degree: usize,
+    hardness_pa: Option<f64>,
 ) -> Result<Estimate, MethodError> {
     let scaling = Scaling::of(fine);
     let fine: Vec<Vec<f64>> = fine.iter().map(|row| scaling.apply(row)).collect();
@@ -116,7 +118,7 @@ pub(super) fn estimate(
     let whole = Surrogate::fit(&scaling, &fine, latent, degree)?;
     let folds: Vec<FoldModel> =
         (0..FOLDS).map(|fold| fold_model(fold, &scaling, &fine, latent, &fresh, degree)).collect::<Result<_, _>>()?;
-    let thresholds = thresholds(latent, &folds);
+    let thresholds = thresholds(latent, &folds, hardness_pa.unwrap_or(f64::INFINITY));
     let n = latent.len();
     let mut predicted = vec![0.0; n];
     // Per threshold: share of fine samples below, mean prediction of fine and of fresh samples, residual spread.
@@ -213,8 +215,8 @@ fn fold_model(
 }
 
 /// Pressures at which F is evaluated, increasing from 0: those of the fine samples, and quantiles of the surrogate up
-/// to the largest pressure it can predict.
-fn thresholds(latent: &[f64], folds: &[FoldModel]) -> Vec<f64> {
+/// to the largest pressure it can predict, limited to `largest_pa`, where F is 1.
+fn thresholds(latent: &[f64], folds: &[FoldModel], largest_pa: f64) -> Vec<f64> {
     let mut thresholds: Vec<f64> = std::iter::once(0.0).chain(latent.iter().copied().filter(|q| *q > 0.0)).collect();
     for fold in folds {
         let last = fold.fresh.len() - 1;
@@ -225,6 +227,7 @@ fn thresholds(latent: &[f64], folds: &[FoldModel]) -> Vec<f64> {
         thresholds.push(fold.fresh[last] + fold.errors.law(fold.fresh[last]).quantile(1.0));
     }
     thresholds.retain(|t| *t >= 0.0);
+    thresholds.iter_mut().for_each(|t| *t = t.min(largest_pa));
     thresholds.sort_by(f64::total_cmp);
     thresholds.dedup();
     thresholds
@@ -306,7 +309,7 @@ mod tests {
         let scores: Vec<f64> = (0..repeats)
             .map(|repeat| {
                 let (fine, latent, fresh) = linear_world(repeat, 120, 2000);
-                let estimate = estimate(&fine, &latent, &fresh, 2).unwrap();
+                let estimate = estimate(&fine, &latent, &fresh, 2, None).unwrap();
                 (estimate.contact_probability - 0.5) / estimate.contact_probability_se
             })
             .collect();
@@ -325,7 +328,7 @@ mod tests {
         let (mut square, mut controlled, mut plain) = (0.0, 0.0, 0.0);
         for repeat in 100..100 + repeats {
             let (fine, latent, fresh) = linear_world(repeat, fine, fresh);
-            let estimate = estimate(&fine, &latent, &fresh, 2).unwrap();
+            let estimate = estimate(&fine, &latent, &fresh, 2, None).unwrap();
             square += (estimate.contact_probability - 0.5).powi(2) / repeats as f64;
             controlled += kolmogorov_smirnov_to(&estimate.law, truth, left);
             let clipped: Vec<f64> = latent.iter().map(|q| q.max(0.0)).collect();
@@ -345,11 +348,23 @@ mod tests {
         let (fine, latent, fresh) = linear_world(7, 400, 2000);
         let shuffled: Vec<Vec<f64>> = fine.iter().map(|v| vec![v[1]]).collect();
         let fresh: Vec<Vec<f64>> = fresh.iter().map(|v| vec![v[1]]).collect();
-        let law = estimate(&shuffled, &latent, &fresh, 3).unwrap().law;
+        let law = estimate(&shuffled, &latent, &fresh, 3, None).unwrap().law;
         let clipped: Vec<f64> = latent.iter().map(|q| q.max(0.0)).collect();
         let difference = kolmogorov_smirnov(&law, &StepLaw::empirical(&clipped).unwrap());
         // Half the standard error ½/√400 of a probability near ½.
         assert!(difference < 0.0125, "differs by {difference:.4}");
+    }
+
+    #[test]
+    fn no_pressure_exceeds_the_hardness() {
+        let (fine, mut latent, fresh) = linear_world(8, 200, 1000);
+        latent.iter_mut().for_each(|q| *q = q.min(1.2));
+        let law = estimate(&fine, &latent, &fresh, 2, Some(1.2)).unwrap().law;
+        assert_eq!(law.quantile(1.0), 1.2);
+        let capped = latent.iter().filter(|q| **q == 1.2).count() as f64 / 200.0;
+        let atom = 1.0 - law.cdf_left(1.2);
+        // Four standard errors of the share of 200 samples.
+        assert!((atom - capped).abs() < 4.0 * (capped * (1.0 - capped) / 200.0).sqrt(), "{atom} {capped}");
     }
 
     #[test]

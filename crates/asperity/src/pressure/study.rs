@@ -230,7 +230,7 @@ impl Study {
                     (Some(&latin), expansion::estimate(Response::Logarithm, &latin, basis.clone(), &fresh))
                 }
                 Method::Default => {
-                    (Some(&monte_carlo), self.local_variables(problem, &monte_carlo, monitor)?.estimate(self))
+                    (Some(&monte_carlo), self.local_variables(problem, &monte_carlo, monitor)?.estimate(self, problem))
                 }
             };
             methods.push(MethodResult {
@@ -342,12 +342,13 @@ struct Local {
 }
 
 impl Local {
-    fn estimate(&self, study: &Study) -> Result<Estimate, MethodError> {
+    fn estimate(&self, study: &Study, problem: &Problem<'_>) -> Result<Estimate, MethodError> {
         let (valid, maps) = (self.fresh.len(), self.maps);
         if (valid as f64) < study.valid_share * maps as f64 {
             return Err(MethodError::FreshMaps { valid, maps });
         }
-        controlled::estimate(&self.fine, &controlled::latent(&self.observed), &self.fresh, study.degree)
+        let latent = controlled::latent(&self.observed);
+        controlled::estimate(&self.fine, &latent, &self.fresh, study.degree, problem.hardness_pa())
     }
 }
 
@@ -391,9 +392,10 @@ mod tests {
     use crate::chaos::distance::kolmogorov_smirnov_to;
     use crate::contact::{Boundary, Control, HalfSpace};
     use crate::law::standard_normal_cdf;
-    use crate::map::Grid;
+    use crate::map::{Grid, HeightMap};
     use crate::monitor::Silent;
     use crate::pressure::testing::{Shape, gaussian_surface};
+    use crate::surface::RandomSurface;
 
     fn small_study() -> Study {
         let study = Study::new(5);
@@ -498,6 +500,33 @@ mod tests {
             pool.install(|| study.run(&problem, &Silent)).unwrap()
         };
         assert_eq!(on(1), on(2));
+    }
+
+    #[test]
+    fn more_germ_variables_than_sobol_points_have_are_a_recorded_reason() {
+        /// A germ whose tail is idle.
+        struct LongGerm<'a>(&'a dyn RandomSurface);
+        impl RandomSurface for LongGerm<'_> {
+            fn germ_len(&self) -> usize {
+                500
+            }
+            fn grid(&self) -> Grid {
+                self.0.grid()
+            }
+            fn generate(&self, germ: &[f64]) -> HeightMap {
+                self.0.generate(&germ[..self.0.germ_len()])
+            }
+        }
+        let (surface, half_space) = gaussian_surface(8, 6);
+        let surface = LongGerm(&surface);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let sizes = Study { fine_solves: 40, reference_samples: 40, surrogate_samples: 100, ..small_study() };
+        let results = sizes.run(&problem, &Silent).unwrap();
+        let sobol = results.methods.iter().find(|r| r.method == Method::Sobol).unwrap();
+        let wanted = SamplingError::TooManyDimensions { dimensions: 500, limit: 481 };
+        assert_eq!(sobol.outcome, Err(MethodError::Sampling(wanted)));
+        assert_eq!(sobol.fine_solves, 0);
+        assert!(results.estimate(Method::LatinHypercube).is_some());
     }
 
     #[test]
