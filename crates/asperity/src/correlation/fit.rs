@@ -111,6 +111,12 @@ impl fmt::Display for FitWarning {
                  no roll-off within the map",
                 100.0 * share
             ),
+            Self::ObliqueLay { asymmetry } => write!(
+                f,
+                "the lay runs at an angle to the axes (correlations of mirrored lags differ by {:.2} rms), which the models \
+                 average away: rotate the map first",
+                2.0 * asymmetry
+            ),
         }
     }
 }

@@ -338,7 +338,7 @@ fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {
         limit_cycle: cycle.is_some(),
         period: cycle.map(|c| c.period),
         slip_duration: cycle.map(|c| c.slip_duration),
-        reattachment_displacement: cycle.map(|c| c.reattachment_displacement),
+        reattachment_displacement: cycle.and_then(|c| c.reattachment_displacement),
         displacement_min: cycle.map(|c| c.displacement_min),
         displacement_max: cycle.map(|c| c.displacement_max),
         velocity_min: cycle.map(|c| c.velocity_min),
