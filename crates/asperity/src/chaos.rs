@@ -3,6 +3,19 @@
 //! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
 //! to evaluate it, [`Basis`] and [`LeastSquares`] turn the values into an [`Expansion`], and [`StepLaw`] compares the
 //! laws that come out.
+//!
+//! ```
+//! use asperity::chaos::{Basis, Design, Expansion, SamplingMethod};
+//!
+//! let design = Design::new(SamplingMethod::LatinHypercube, 1, "example", 100, 2)?;
+//! let germs: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.germ(i)).collect();
+//! let values: Vec<f64> = germs.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[0] * xi[1]).collect();
+//! let (expansion, _) = Expansion::fit(Basis::hermite(2, 2)?, &germs, &values)?;
+//! assert!((expansion.mean() - 2.0).abs() < 1e-12);
+//! assert!((expansion.variance() - 10.0).abs() < 1e-11);
+//! assert!((expansion.total_indices()[1] - 0.9).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod basis;
 pub mod distance;

@@ -3,13 +3,13 @@
 //! Out of contact the pressure says nothing about how far from contact the cell is; the gap does. The *latent* pressure
 //! q = p − κ·gap continues the pressure below zero, so that P(p ≤ t) = P(q ≤ t) for t ≥ 0, and it can be regressed on all
 //! samples without truncation. A polynomial s(v) of local variables v predicts it; with the law G of its leave-one-out
-//! errors, h_t(v) = G(t − s(v)) predicts the probability of q ≤ t. The law is then
+//! errors around similar predictions, h_t(v) = G(t − s(v)) predicts the probability of q ≤ t. The law is then
 //!
 //! F(t) = mean_fine 1(q ≤ t) + β [mean_fresh h_t − mean_fine h_t],
 //!
-//! where `fine` are the contact solutions and `fresh` many maps that need none. Whatever the surrogate is worth the
-//! estimate is unbiased, because each fold of the fine samples is predicted by a fit to the other folds; the better the
-//! surrogate, the smaller its variance.
+//! where `fine` are the contact solutions and `fresh` many maps that need none. Each fold of the fine
+//! samples is predicted by a fit to the other folds, so whatever the surrogate is worth the estimate has no bias beyond the
+//! order 1/n of a β, a κ and scales that come from the same samples; the better the surrogate, the smaller its variance.
 //!
 //! # References
 //! Glynn & Szechtman, in *Monte Carlo and Quasi-Monte Carlo Methods 2000* (2002) 27,
@@ -60,7 +60,7 @@ impl ErrorLaws {
         let laws = (0..groups)
             .map(|group| {
                 let errors: Vec<f64> = pairs[start(group)..start(group + 1)].iter().map(|pair| pair.1).collect();
-                StepLaw::empirical(&errors).map_err(|_| MethodError::NoVariation)
+                StepLaw::empirical(&errors)
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { bounds: (1..groups).map(|group| pairs[start(group)].0).collect(), laws })
@@ -103,20 +103,22 @@ impl FoldModel {
     }
 }
 
-/// The controlled law of the pressure from `latent` values at the local variables `fine`, and `fresh` local variables.
+/// The controlled law of the pressure from `latent` values at the local variables `fine`, and `fresh` local variables. No
+/// pressure exceeds `hardness_pa`.
 pub(super) fn estimate(
     fine: &[Vec<f64>],
     latent: &[f64],
     fresh: &[Vec<f64>],
     degree: usize,
+    hardness_pa: Option<f64>,
 ) -> Result<Estimate, MethodError> {
     let scaling = Scaling::of(fine);
     let fine: Vec<Vec<f64>> = fine.iter().map(|row| scaling.apply(row)).collect();
     let fresh: Vec<Vec<f64>> = fresh.iter().map(|row| scaling.apply(row)).collect();
-    let (_, coefficients, leave_one_out_error) = best_fit(&scaling, &fine, latent, degree)?;
+    let whole = Surrogate::fit(&scaling, &fine, latent, degree)?;
     let folds: Vec<FoldModel> =
         (0..FOLDS).map(|fold| fold_model(fold, &scaling, &fine, latent, &fresh, degree)).collect::<Result<_, _>>()?;
-    let thresholds = thresholds(latent, &folds);
+    let thresholds = thresholds(latent, &folds, hardness_pa.unwrap_or(f64::INFINITY));
     let n = latent.len();
     let mut predicted = vec![0.0; n];
     // Per threshold: share of fine samples below, mean prediction of fine and of fresh samples, residual spread.
@@ -146,49 +148,46 @@ pub(super) fn estimate(
     Ok(Estimate {
         contact_probability: 1.0 - law.cdf(0.0),
         contact_probability_se,
-        coefficients: Some(coefficients),
-        leave_one_out_error,
+        coefficients: Some(whole.expansion.coefficients().len()),
+        leave_one_out_error: Some(whole.relative_error),
         law,
     })
 }
 
-/// The expansion of the degree ≤ `degree` with the least leave-one-out error, its size, and that error.
-fn best_fit(
-    scaling: &Scaling,
-    rows: &[Vec<f64>],
-    latent: &[f64],
-    degree: usize,
-) -> Result<(FittedSurrogate, usize, Option<f64>), MethodError> {
-    let variables = scaling.variables();
-    if variables == 0 {
-        return Err(MethodError::NoVariation);
-    }
-    let mut best: Option<(FittedSurrogate, usize, f64)> = None;
-    for degree in 0..=degree {
-        if number_of_terms(variables, degree).is_none_or(|terms| terms >= rows.len()) {
-            break;
-        }
-        let basis = Basis::hermite(variables, degree)?;
-        let terms = basis.len();
-        // A degree whose functions the samples cannot tell apart is no candidate.
-        let (expansion, fit) = match Expansion::fit(basis, rows, latent) {
-            Ok(fitted) => fitted,
-            Err(RegressionError::RankDeficient { .. }) => continue,
-            Err(error) => return Err(error.into()),
-        };
-        let Some(error) = fit.leave_one_out.relative_error else { continue };
-        if best.as_ref().is_none_or(|(_, _, least)| error < *least) {
-            let errors = fit.leave_one_out.errors.into_iter().flatten().collect();
-            best = Some((FittedSurrogate { expansion, errors }, terms, error));
-        }
-    }
-    best.map(|(surrogate, terms, error)| (surrogate, terms, Some(error))).ok_or(MethodError::NoVariation)
-}
-
-struct FittedSurrogate {
+/// An expansion of the latent pressure in the local variables.
+struct Surrogate {
     expansion: Expansion,
     /// Leave-one-out errors.
     errors: Vec<f64>,
+    relative_error: f64,
+}
+
+impl Surrogate {
+    /// The expansion of the degree ≤ `degree` with the least leave-one-out error.
+    fn fit(scaling: &Scaling, rows: &[Vec<f64>], latent: &[f64], degree: usize) -> Result<Self, MethodError> {
+        let variables = scaling.variables();
+        if variables == 0 {
+            return Err(MethodError::NoVariation);
+        }
+        let mut best: Option<Self> = None;
+        for degree in 0..=degree {
+            if number_of_terms(variables, degree).is_none_or(|terms| terms >= rows.len()) {
+                break;
+            }
+            // A degree whose functions the samples cannot tell apart is no candidate.
+            let (expansion, fit) = match Expansion::fit(Basis::hermite(variables, degree)?, rows, latent) {
+                Ok(fitted) => fitted,
+                Err(RegressionError::RankDeficient { .. }) => continue,
+                Err(error) => return Err(error.into()),
+            };
+            let Some(relative_error) = fit.leave_one_out.relative_error else { continue };
+            if best.as_ref().is_none_or(|best| relative_error < best.relative_error) {
+                let errors = fit.leave_one_out.errors.into_iter().flatten().collect();
+                best = Some(Self { expansion, errors, relative_error });
+            }
+        }
+        best.ok_or(MethodError::NoVariation)
+    }
 }
 
 fn fold_model(
@@ -206,7 +205,7 @@ fn fold_model(
         .filter(|(i, _)| i % FOLDS != fold)
         .map(|(_, (row, value))| (row.clone(), *value))
         .unzip();
-    let (surrogate, _, _) = best_fit(scaling, &rows, &values, degree)?;
+    let surrogate = Surrogate::fit(scaling, &rows, &values, degree)?;
     let held_out =
         (0..fine.len()).filter(|i| i % FOLDS == fold).map(|i| (i, surrogate.expansion.evaluate(&fine[i]))).collect();
     let mut fresh = surrogate.expansion.evaluate_many(fresh);
@@ -216,8 +215,8 @@ fn fold_model(
 }
 
 /// Pressures at which F is evaluated, increasing from 0: those of the fine samples, and quantiles of the surrogate up
-/// to the largest pressure it can predict.
-fn thresholds(latent: &[f64], folds: &[FoldModel]) -> Vec<f64> {
+/// to the largest pressure it can predict, limited to `largest_pa`, where F is 1.
+fn thresholds(latent: &[f64], folds: &[FoldModel], largest_pa: f64) -> Vec<f64> {
     let mut thresholds: Vec<f64> = std::iter::once(0.0).chain(latent.iter().copied().filter(|q| *q > 0.0)).collect();
     for fold in folds {
         let last = fold.fresh.len() - 1;
@@ -228,6 +227,7 @@ fn thresholds(latent: &[f64], folds: &[FoldModel]) -> Vec<f64> {
         thresholds.push(fold.fresh[last] + fold.errors.law(fold.fresh[last]).quantile(1.0));
     }
     thresholds.retain(|t| *t >= 0.0);
+    thresholds.iter_mut().for_each(|t| *t = t.min(largest_pa));
     thresholds.sort_by(f64::total_cmp);
     thresholds.dedup();
     thresholds
@@ -280,7 +280,7 @@ fn monotone_law(thresholds: &[f64], distribution: Vec<f64>) -> Result<StepLaw, M
     if let Some((_, weight)) = atoms.last_mut() {
         *weight += 1.0 - before;
     }
-    StepLaw::weighted(atoms).map_err(|_| MethodError::NoVariation)
+    Ok(StepLaw::weighted(atoms)?)
 }
 
 #[cfg(test)]
@@ -309,7 +309,7 @@ mod tests {
         let scores: Vec<f64> = (0..repeats)
             .map(|repeat| {
                 let (fine, latent, fresh) = linear_world(repeat, 120, 2000);
-                let estimate = estimate(&fine, &latent, &fresh, 2).unwrap();
+                let estimate = estimate(&fine, &latent, &fresh, 2, None).unwrap();
                 (estimate.contact_probability - 0.5) / estimate.contact_probability_se
             })
             .collect();
@@ -328,7 +328,7 @@ mod tests {
         let (mut square, mut controlled, mut plain) = (0.0, 0.0, 0.0);
         for repeat in 100..100 + repeats {
             let (fine, latent, fresh) = linear_world(repeat, fine, fresh);
-            let estimate = estimate(&fine, &latent, &fresh, 2).unwrap();
+            let estimate = estimate(&fine, &latent, &fresh, 2, None).unwrap();
             square += (estimate.contact_probability - 0.5).powi(2) / repeats as f64;
             controlled += kolmogorov_smirnov_to(&estimate.law, truth, left);
             let clipped: Vec<f64> = latent.iter().map(|q| q.max(0.0)).collect();
@@ -348,11 +348,23 @@ mod tests {
         let (fine, latent, fresh) = linear_world(7, 400, 2000);
         let shuffled: Vec<Vec<f64>> = fine.iter().map(|v| vec![v[1]]).collect();
         let fresh: Vec<Vec<f64>> = fresh.iter().map(|v| vec![v[1]]).collect();
-        let law = estimate(&shuffled, &latent, &fresh, 3).unwrap().law;
+        let law = estimate(&shuffled, &latent, &fresh, 3, None).unwrap().law;
         let clipped: Vec<f64> = latent.iter().map(|q| q.max(0.0)).collect();
         let difference = kolmogorov_smirnov(&law, &StepLaw::empirical(&clipped).unwrap());
         // Half the standard error ½/√400 of a probability near ½.
         assert!(difference < 0.0125, "differs by {difference:.4}");
+    }
+
+    #[test]
+    fn no_pressure_exceeds_the_hardness() {
+        let (fine, mut latent, fresh) = linear_world(8, 200, 1000);
+        latent.iter_mut().for_each(|q| *q = q.min(1.2));
+        let law = estimate(&fine, &latent, &fresh, 2, Some(1.2)).unwrap().law;
+        assert_eq!(law.quantile(1.0), 1.2);
+        let capped = latent.iter().filter(|q| **q == 1.2).count() as f64 / 200.0;
+        let atom = 1.0 - law.cdf_left(1.2);
+        // Four standard errors of the share of 200 samples.
+        assert!((atom - capped).abs() < 4.0 * (capped * (1.0 - capped) / 200.0).sqrt(), "{atom} {capped}");
     }
 
     #[test]

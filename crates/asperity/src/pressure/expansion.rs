@@ -5,7 +5,7 @@
 //! is truncated regression: the law is biased, and the variance of the variables left out is lost.
 
 use crate::chaos::{Basis, Expansion, StepLaw};
-use crate::pressure::{Estimate, MethodError, PressureError, Samples};
+use crate::pressure::{Estimate, MethodError, Samples};
 
 /// Which function of the pressure is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub(super) fn estimate(
     samples: &Samples,
     basis: Basis,
     fresh: &[Vec<f64>],
-) -> Result<Result<Estimate, MethodError>, PressureError> {
+) -> Result<Estimate, MethodError> {
     let (germs, values): (Vec<Vec<f64>>, Vec<f64>) = samples
         .leading_germs(basis.set().variables())
         .into_iter()
@@ -33,21 +33,17 @@ pub(super) fn estimate(
             Response::Logarithm => (germ, observation.pressure_pa.ln()),
         })
         .unzip();
-    let conditional = match conditional_law(response, basis, &germs, &values, fresh) {
-        Ok(conditional) => conditional,
-        Err(reason) => return Ok(Err(reason)),
-    };
+    let (expansion, leave_one_out_error, law) = conditional_law(response, basis, &germs, &values, fresh)?;
     let contact_probability = samples.contact_probability();
-    let (expansion, leave_one_out_error, law) = conditional;
     let atoms = law.atoms().map(|(value, probability)| (value, contact_probability * probability));
     let law = StepLaw::weighted(std::iter::once((0.0, 1.0 - contact_probability)).chain(atoms))?;
-    Ok(Ok(Estimate {
+    Ok(Estimate {
         contact_probability,
         contact_probability_se: samples.contact_probability_se(),
         coefficients: Some(expansion.coefficients().len()),
         leave_one_out_error,
         law,
-    }))
+    })
 }
 
 /// The expansion, its relative leave-one-out error, and the law F_c of the pressure in contact.
@@ -71,8 +67,7 @@ fn conditional_law(
     if overflowed > 0 {
         return Err(MethodError::Overflow { overflowed, evaluations: fresh.len() });
     }
-    let law = StepLaw::empirical(&pressures)
-        .map_err(|_| MethodError::Overflow { overflowed: fresh.len(), evaluations: fresh.len() })?;
+    let law = StepLaw::empirical(&pressures)?;
     Ok((expansion, fit.leave_one_out.relative_error, law))
 }
 

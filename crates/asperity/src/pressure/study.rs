@@ -1,10 +1,12 @@
 //! Several estimates of one law, each from the same number of contact solutions, against their own reference.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
-use crate::chaos::{Basis, BasisError, Design, RegressionError, SamplingError, SamplingMethod, StepLaw};
+use crate::chaos::{Basis, BasisError, Design, DistanceError, RegressionError, SamplingError, SamplingMethod, StepLaw};
 use crate::monitor::{Cancelled, Monitor};
 use crate::pressure::controlled;
 use crate::pressure::expansion::{self, Response};
@@ -100,6 +102,9 @@ pub enum MethodError {
     /// The design does not exist.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
+    /// A law could not be made from its values.
+    #[error(transparent)]
+    Law(#[from] DistanceError),
     /// The expansion of the logarithm exceeds the largest floating-point number.
     #[error("the expansion overflows on {overflowed} of {evaluations} fresh germs")]
     Overflow {
@@ -219,12 +224,14 @@ impl Study {
                     Err(reason) => (None, Err(reason.clone())),
                 },
                 Method::PolynomialChaos => {
-                    (Some(&latin), expansion::estimate(Response::Pressure, &latin, basis.clone(), &fresh)?)
+                    (Some(&latin), expansion::estimate(Response::Pressure, &latin, basis.clone(), &fresh))
                 }
                 Method::PolynomialChaosLog => {
-                    (Some(&latin), expansion::estimate(Response::Logarithm, &latin, basis.clone(), &fresh)?)
+                    (Some(&latin), expansion::estimate(Response::Logarithm, &latin, basis.clone(), &fresh))
                 }
-                Method::Default => (Some(&monte_carlo), self.controlled(problem, &monte_carlo, monitor)?),
+                Method::Default => {
+                    (Some(&monte_carlo), self.local_variables(problem, &monte_carlo, monitor)?.estimate(self, problem))
+                }
             };
             methods.push(MethodResult {
                 method,
@@ -289,33 +296,59 @@ impl Study {
         Ok(Design::new(SamplingMethod::MonteCarlo, self.seed, stage, self.surrogate_samples, variables)?)
     }
 
-    fn controlled(
+    /// Local variables of the solved samples and of fresh maps.
+    fn local_variables(
         &self,
         problem: &Problem<'_>,
         samples: &Samples,
         monitor: &dyn Monitor,
-    ) -> Result<Result<Estimate, MethodError>, PressureError> {
+    ) -> Result<Local, PressureError> {
         let separations_m = samples.observations().iter().map(|o| o.separation_m);
-        let mean_separation_m = separations_m.sum::<f64>() / samples.len() as f64;
-        let local = LocalVariables::new(problem, self.variables, mean_separation_m);
-        let surface = problem.surface();
-        let of_germ = |germ: Vec<f64>| {
-            if monitor.cancelled() { Err(Cancelled) } else { Ok(local.of(&surface.generate(&germ))) }
-        };
-        let rows: Vec<Option<Vec<f64>>> =
-            (0..samples.len()).into_par_iter().map(|i| of_germ(samples.germ(i))).collect::<Result<_, _>>()?;
-        let observed = samples.observations().iter().map(|o| (o.pressure_pa, o.gap_m));
-        let (fine, observed): (Vec<Vec<f64>>, Vec<(f64, f64)>) =
-            rows.into_iter().zip(observed).filter_map(|(row, seen)| Some((row?, seen))).unzip();
-        let design = self.fresh_design("pressure/local", surface.germ_len())?;
-        let fresh: Vec<Option<Vec<f64>>> =
-            (0..design.samples()).into_par_iter().map(|i| of_germ(design.germ(i))).collect::<Result<_, _>>()?;
-        let fresh: Vec<Vec<f64>> = fresh.into_iter().flatten().collect();
-        let (valid, maps) = (fresh.len(), design.samples());
-        if (valid as f64) < self.valid_share * maps as f64 {
-            return Ok(Err(MethodError::FreshMaps { valid, maps }));
+        let local = LocalVariables::new(problem, self.variables, separations_m.sum::<f64>() / samples.len() as f64);
+        let design = self.fresh_design("pressure/local", problem.surface().germ_len())?;
+        let (solved, total) = (samples.len(), samples.len() + design.samples());
+        let done = AtomicUsize::new(0);
+        let rows: Vec<Option<Vec<f64>>> = (0..total)
+            .into_par_iter()
+            .map(|i| {
+                if monitor.cancelled() {
+                    return Err(Cancelled);
+                }
+                let germ = if i < solved { samples.germ(i) } else { design.germ(i - solved) };
+                let row = local.of(&problem.surface().generate(&germ));
+                monitor.progress("pressure/local", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                Ok(row)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let mut rows = rows.into_iter();
+        let (fine, observed) = samples
+            .observations()
+            .iter()
+            .zip(rows.by_ref().take(solved))
+            .filter_map(|(o, row)| Some((row?, (o.pressure_pa, o.gap_m))))
+            .unzip();
+        Ok(Local { fine, observed, fresh: rows.flatten().collect(), maps: design.samples() })
+    }
+}
+
+/// What the default method is estimated from.
+struct Local {
+    fine: Vec<Vec<f64>>,
+    /// (pressure, gap) of each fine sample.
+    observed: Vec<(f64, f64)>,
+    fresh: Vec<Vec<f64>>,
+    /// Fresh maps generated.
+    maps: usize,
+}
+
+impl Local {
+    fn estimate(&self, study: &Study, problem: &Problem<'_>) -> Result<Estimate, MethodError> {
+        let (valid, maps) = (self.fresh.len(), self.maps);
+        if (valid as f64) < study.valid_share * maps as f64 {
+            return Err(MethodError::FreshMaps { valid, maps });
         }
-        Ok(controlled::estimate(&fine, &controlled::latent(&observed), &fresh, self.degree))
+        let latent = controlled::latent(&self.observed);
+        controlled::estimate(&self.fine, &latent, &self.fresh, study.degree, problem.hardness_pa())
     }
 }
 
@@ -359,9 +392,10 @@ mod tests {
     use crate::chaos::distance::kolmogorov_smirnov_to;
     use crate::contact::{Boundary, Control, HalfSpace};
     use crate::law::standard_normal_cdf;
-    use crate::map::Grid;
+    use crate::map::{Grid, HeightMap};
     use crate::monitor::Silent;
     use crate::pressure::testing::{Shape, gaussian_surface};
+    use crate::surface::RandomSurface;
 
     fn small_study() -> Study {
         let study = Study::new(5);
@@ -466,6 +500,33 @@ mod tests {
             pool.install(|| study.run(&problem, &Silent)).unwrap()
         };
         assert_eq!(on(1), on(2));
+    }
+
+    #[test]
+    fn more_germ_variables_than_sobol_points_have_are_a_recorded_reason() {
+        /// A germ whose tail is idle.
+        struct LongGerm<'a>(&'a dyn RandomSurface);
+        impl RandomSurface for LongGerm<'_> {
+            fn germ_len(&self) -> usize {
+                500
+            }
+            fn grid(&self) -> Grid {
+                self.0.grid()
+            }
+            fn generate(&self, germ: &[f64]) -> HeightMap {
+                self.0.generate(&germ[..self.0.germ_len()])
+            }
+        }
+        let (surface, half_space) = gaussian_surface(8, 6);
+        let surface = LongGerm(&surface);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let sizes = Study { fine_solves: 40, reference_samples: 40, surrogate_samples: 100, ..small_study() };
+        let results = sizes.run(&problem, &Silent).unwrap();
+        let sobol = results.methods.iter().find(|r| r.method == Method::Sobol).unwrap();
+        let wanted = SamplingError::TooManyDimensions { dimensions: 500, limit: 481 };
+        assert_eq!(sobol.outcome, Err(MethodError::Sampling(wanted)));
+        assert_eq!(sobol.fine_solves, 0);
+        assert!(results.estimate(Method::LatinHypercube).is_some());
     }
 
     #[test]

@@ -21,7 +21,8 @@ pub(super) fn hash(key: u64, counter: u64) -> u64 {
 /// A pseudo-random permutation of 0 … n−1, by the swap-or-not shuffle.
 ///
 /// In each round the elements x and K − x (mod n) are partners, and a keyed bit of the pair says whether they swap. With
-/// 6⌈log₂ n⌉ + 32 rounds the image of an index is uniform to within 2^{−9} n^{−3/2} or better.
+/// 6⌈log₂ n⌉ + 32 rounds the published bound on telling the image of one index from a uniform one is below 2⁻⁹ for
+/// n ≥ 64.
 ///
 /// # References
 /// Hoang, Morris & Rogaway, *CRYPTO* (2012) 1, <https://doi.org/10.1007/978-3-642-32009-5_1>.
