@@ -198,6 +198,26 @@ fn scaled(value: f64, factor: f64) -> f64 {
     if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-15 { value / inverse } else { value * factor }
 }
 
+/// A text that reads back to the same bits, in the unit that shows the value best: without exponent, from 1 on, in few
+/// digits. Only units of plain ASCII are chosen, so that the text can be typed anywhere.
+fn show(value: f64, dimension: &Dimension) -> String {
+    let candidates = dimension.units.iter().filter(|(unit, _)| unit.is_ascii()).flat_map(|(unit, factor)| {
+        // Both round, differently; reading back decides which one is exact.
+        [value / factor, value * (1.0 / factor).round()].map(|scaled| {
+            let digits = format!("{scaled:?}");
+            (digits.strip_suffix(".0").unwrap_or(&digits).to_owned(), *unit)
+        })
+    });
+    candidates
+        .filter(|(number, unit)| {
+            parse(&format!("{number} {unit}"), dimension).is_ok_and(|back| back.to_bits() == value.to_bits())
+        })
+        .min_by_key(|(number, _)| {
+            (number.contains('e'), number.trim_start_matches('-').starts_with("0."), number.len())
+        })
+        .map_or_else(|| format!("{value:?} {}", dimension.si), |(number, unit)| format!("{number} {unit}"))
+}
+
 macro_rules! quantities {
     ($($(#[$doc:meta])* $name:ident = $dimension:ident;)+) => {$(
         $(#[$doc])*
@@ -214,7 +234,7 @@ macro_rules! quantities {
 
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "{:?} {}", self.0, $dimension.si)
+                f.write_str(&show(self.0, &$dimension))
             }
         }
 
@@ -289,8 +309,37 @@ mod tests {
 
     #[test]
     fn display_parses_back_to_the_same_bits() {
-        for value in [1.0 / 3.0, 2e-5, 6.02e23, 0.1] {
-            assert_eq!(Length(value).to_string().parse(), Ok(Length(value)));
+        for value in [1.0 / 3.0, 2e-5, 6.02e23, 0.1, 0.0, -0.0, -1e-300, 7.3e-6, f64::MAX, f64::MIN_POSITIVE] {
+            let back: Length = Length(value).to_string().parse().unwrap();
+            assert_eq!(back.0.to_bits(), value.to_bits(), "{}", Length(value));
+        }
+    }
+
+    #[test]
+    fn quantities_are_shown_without_exponents_in_few_digits() {
+        for text in [
+            "210 GPa",
+            "500 nm",
+            "20 um",
+            "200 um",
+            "2.5 kN",
+            "833 mm^2",
+            "23.7 mm/s",
+            "316 rad/s",
+            "6 mm",
+            "1 kg",
+            "1 m",
+        ] {
+            let shown = match text.rsplit(' ').next().unwrap() {
+                "GPa" => text.parse::<Pressure>().unwrap().to_string(),
+                "kN" => text.parse::<Force>().unwrap().to_string(),
+                "mm^2" => text.parse::<Area>().unwrap().to_string(),
+                "mm/s" => text.parse::<Velocity>().unwrap().to_string(),
+                "rad/s" => text.parse::<AngularFrequency>().unwrap().to_string(),
+                "kg" => text.parse::<Mass>().unwrap().to_string(),
+                _ => text.parse::<Length>().unwrap().to_string(),
+            };
+            assert_eq!(shown, text);
         }
     }
 }
