@@ -1,6 +1,11 @@
 //! The commands, one per file.
 
+mod check;
 mod contact;
+mod init;
+mod report;
+mod run;
+mod study_file;
 mod surface;
 mod vibration;
 
@@ -12,6 +17,14 @@ use crate::monitor::Terminal;
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Write an annotated study to begin with.
+    Init(init::Init),
+    /// Look at a study without computing anything.
+    Check(check::Check),
+    /// Run a study.
+    Run(run::Run),
+    /// Render the report of a finished run again.
+    Report(report::Report),
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
     Surface(surface::Surface),
@@ -25,6 +38,10 @@ pub(crate) enum Command {
 impl Command {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         match self {
+            Self::Init(init) => init.run(monitor),
+            Self::Check(check) => check.run(monitor),
+            Self::Run(run) => run.run(monitor),
+            Self::Report(report) => report.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
             Self::Contact(contact) => contact.run(monitor),
             Self::Vibration(vibration) => vibration.run(monitor),

@@ -9,6 +9,8 @@ mod input;
 mod monitor;
 mod npz;
 mod output;
+mod page;
+mod provenance;
 
 use std::panic;
 use std::process::ExitCode;

@@ -1,14 +1,12 @@
 //! From a run to its report: the library's results in the shape that the report reads.
 
-use std::path::Path;
-
 use asperity::study::{StoreError, StoredRun};
 use asperity_report::{Field, Input, Report, Run, Table, render};
 
 use crate::failure::{Failure, Kind, chain};
 
-/// Renders the report of a run; `name` is that of its folder.
-pub(crate) fn rendered(run: &StoredRun, name: &str) -> Result<Report, Failure> {
+/// Renders the report of a run.
+pub(crate) fn rendered(run: &StoredRun) -> Result<Report, Failure> {
     let assumptions = run.results["assumptions"].as_array().map_or_else(Vec::new, |sentences| {
         sentences.iter().filter_map(|sentence| sentence.as_str().map(str::to_owned)).collect()
     });
@@ -19,7 +17,7 @@ pub(crate) fn rendered(run: &StoredRun, name: &str) -> Result<Report, Failure> {
         (name.clone(), Field { nx, ny, dx_m: field.dx_m, dy_m: field.dy_m, values })
     });
     render(&Run {
-        name: name.to_owned(),
+        name: run.provenance["study"].as_str().unwrap_or("study").to_owned(),
         results: run.results.clone(),
         tables: tables.collect(),
         fields: fields.collect(),
@@ -47,12 +45,6 @@ fn inputs(study: &str) -> Vec<Input> {
         value.as_table().into_iter().flatten().map(move |(key, value)| input(section, key, value))
     });
     top.chain(below).collect()
-}
-
-/// The name of a folder, for titles.
-pub(crate) fn name_of(dir: &Path) -> String {
-    let resolved = dir.canonicalize().unwrap_or_else(|_| dir.to_owned());
-    resolved.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy().into_owned())
 }
 
 /// A run folder that cannot be read is unusable data; one that cannot be written is a runtime error.

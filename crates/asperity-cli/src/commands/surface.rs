@@ -1,6 +1,7 @@
 //! Rough surfaces: what a map is, and maps like it.
 
 mod convert;
+mod generate;
 mod modes;
 mod stats;
 
@@ -16,6 +17,8 @@ pub(crate) enum Surface {
     Stats(stats::Stats),
     /// Rewrite a file in another format, chosen by the extension.
     Convert(convert::Convert),
+    /// Draw random maps like a specified surface.
+    Generate(generate::Generate),
     /// Karhunen–Loève eigenvalues of a covariance.
     Modes(modes::Modes),
 }
@@ -25,6 +28,7 @@ impl Surface {
         match self {
             Self::Stats(stats) => stats.run(monitor),
             Self::Convert(convert) => convert.run(monitor),
+            Self::Generate(generate) => generate.run(monitor),
             Self::Modes(modes) => modes.run(monitor),
         }
     }

@@ -120,3 +120,77 @@ fn modes_that_do_not_exist_are_usage_errors() {
     asperity("surface modes --covariance exponentil --correlation-length 1m --size 1m --points 8 --modes 1")
         .refuses(2, &["exponentil", "exponential"]);
 }
+
+/// One sine of 1 µm amplitude, ten periods along x, whose parameters have closed forms.
+fn sine() -> Array2<f64> {
+    Array2::from_shape_fn((40, 400), |(_, column)| 1e-6 * (std::f64::consts::TAU * (column as f64 + 0.5) / 40.0).sin())
+}
+
+#[test]
+fn the_parameters_of_a_sine_have_their_closed_forms() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "sine.npy", sine());
+    let json = surface(folder.path(), "stats sine.npy --pixel-size 1um,2um --level mean --json").json(0);
+    for (key, wanted) in [("nx", 400.0), ("ny", 40.0), ("dx_m", 1e-6), ("dy_m", 2e-6), ("missing_points", 0.0)] {
+        assert_eq!(number(&json, key), wanted, "{key}");
+    }
+    // Equally spaced points of a whole period: even moments are exact.
+    close(number(&json, "Sq_m"), 1e-6 / 2.0_f64.sqrt(), 1e-12);
+    close(number(&json, "Sku"), 1.5, 1e-12);
+    assert!(number(&json, "Ssk").abs() < 1e-12);
+    close(number(&json, "Sa_m"), 2e-6 / std::f64::consts::PI, 2e-3);
+    // Forward differences over h: √2πA/P times sinc(h/P), here P = 40 h.
+    let phase = std::f64::consts::PI / 40.0;
+    let slope = 2.0_f64.sqrt() * std::f64::consts::PI * 1e-6 / 40e-6 * phase.sin() / phase;
+    // The last column has no forward neighbour; the others hold all phases but one.
+    close(number(&json, "Sdq"), slope, 2e-3);
+    for key in "Sp_m Sv_m Sz_m Sdq_7point Sdr Sal_m Str Sk_m Spk_m Svk_m Smrk1 Smrk2 correlation_length_x_m \
+         correlation_length_y_m hurst fractal_dimension"
+        .split_whitespace()
+    {
+        assert!(json.get(key).is_some_and(|v| v.is_null() || v.is_f64()), "{key}: {json}");
+    }
+}
+
+#[test]
+fn levelling_takes_the_form_out_and_missing_points_are_counted() {
+    let folder = TempDir::new().unwrap();
+    let mut tilted = sine();
+    for ((row, column), z) in tilted.indexed_iter_mut() {
+        *z += 1e-9 * row as f64 + 2e-9 * column as f64;
+    }
+    tilted[[3, 7]] = f64::NAN;
+    npy(folder.path(), "tilted.npy", tilted);
+    let sq = |level: &str| {
+        let line = format!("stats tilted.npy --pixel-size 1um --level {level} --json");
+        let json = surface(folder.path(), &line).json(0);
+        assert_eq!(number(&json, "missing_points"), 1.0);
+        number(&json, "Sq_m")
+    };
+    // A sine is nearly orthogonal to the plane: 3/(π·10)² of its variance is not.
+    close(sq("plane"), 1e-6 / 2.0_f64.sqrt(), 1e-2);
+    assert!(sq("mean") > 1.02e-6 / 2.0_f64.sqrt());
+    assert!(sq("quadratic") <= sq("plane"));
+    close(sq("mean"), sq("none"), 1e-12);
+    let table = surface(folder.path(), "stats tilted.npy --pixel-size 1um");
+    assert!(table.stdout.contains("µm") && table.stdout.contains("missing points"), "{table:?}");
+}
+
+#[test]
+fn maps_without_statistics_are_unusable_data_and_a_missing_scale_is_a_missing_flag() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "sine.npy", sine());
+    npy(folder.path(), "flat.npy", Array2::from_elem((8, 8), 1e-6));
+    npy(folder.path(), "point.npy", Array2::zeros((1, 1)));
+    npy(folder.path(), "void.npy", Array2::from_elem((8, 8), f64::NAN));
+    for (line, code, words) in [
+        ("stats sine.npy", 2, vec!["sine.npy", "--pixel-size"]),
+        ("stats sine.npy --pixel-size 1um --level cubic", 2, vec!["--level", "cubic", "quadratic"]),
+        ("stats flat.npy --pixel-size 1um", 3, vec!["flat.npy"]),
+        ("stats point.npy --pixel-size 1um", 3, vec!["point.npy", "1 × 1"]),
+        ("stats void.npy --pixel-size 1um", 3, vec!["void.npy", "all 64"]),
+        ("stats gone.npy --pixel-size 1um", 3, vec!["gone.npy", "no such file"]),
+    ] {
+        surface(folder.path(), &format!("{line} --json")).refuses(code, &words);
+    }
+}

@@ -25,6 +25,18 @@ pub enum Stage {
     Vibration,
 }
 
+impl Stage {
+    /// The name of its section.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Pressure => "pressure",
+            Self::Friction => "friction",
+            Self::Vibration => "vibration",
+        }
+    }
+}
+
 impl FromStr for Stage {
     type Err = String;
 

@@ -40,7 +40,7 @@ impl Convert {
     }
 }
 
-fn refused(error: &FormatError) -> Failure {
+pub(super) fn refused(error: &FormatError) -> Failure {
     let cause = match error {
         FormatError::File { error, .. } => error,
         other => other,

@@ -1,0 +1,92 @@
+//! A study, looked at without computing anything.
+
+use std::path::PathBuf;
+
+use asperity::map::HeightMap;
+use asperity::study::{StageEstimate, Study};
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::study_file;
+use crate::failure::{Failure, Kind};
+use crate::input::unreadable;
+use crate::monitor::Terminal;
+use crate::output::{Answer, print};
+
+/// Shows a study with all its values filled in, what it will cost, and what is wrong with it; computes nothing.
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// Study file.
+    study: PathBuf,
+    /// Print one JSON object: study, estimate, problems.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let study = study_file::study(&self.study, None)?;
+        let problems = self.problems(&study)?;
+        let threads = rayon::current_num_threads();
+        let stages = study.estimate(threads);
+        monitor.check()?;
+        if self.json {
+            let resolved = serde_json::to_value(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let estimate: Vec<Value> = stages.iter().map(|stage| as_json(stage, threads)).collect();
+            return Answer::default()
+                .with("study", resolved)
+                .with("estimate", estimate)
+                .with("problems", problems)
+                .print(true);
+        }
+        let resolved = toml::to_string(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+        let mut text = format!("# {} with all its values; a valid study file itself.\n", self.study.display());
+        for stage in &stages {
+            text += &format!("# {}\n", in_words(stage, threads));
+        }
+        for problem in &problems {
+            text += &format!("# problem: {problem}\n");
+        }
+        print(&(text + "\n" + &resolved))
+    }
+
+    /// What is doubtful about the scan. A scan that cannot be used at all is an error.
+    fn problems(&self, study: &Study) -> Result<Vec<String>, Failure> {
+        let Some(path) = study.scan_path(study_file::folder_of(&self.study)) else { return Ok(Vec::new()) };
+        let mut scan = asperity_formats::read(&path).map_err(|e| unreadable(&e))?;
+        let mut problems = std::mem::take(&mut scan.warnings);
+        if let Some([x, y]) = study.surface.as_ref().and_then(|surface| surface.pixel_size) {
+            scan.pitch_m = Some((x.0, y.0));
+        }
+        let map = HeightMap::try_from(scan).map_err(|e| Failure::data(path.display(), &e))?;
+        let (missing, points) = (map.missing_points(), map.grid().points());
+        if missing > 0 {
+            problems.push(format!("{missing} of {points} heights are missing"));
+        }
+        Ok(problems)
+    }
+}
+
+fn as_json(stage: &StageEstimate, threads: usize) -> Value {
+    json!({
+        "stage": stage.stage.name(),
+        "contact_solutions": stage.contact_solutions,
+        "trajectories": stage.trajectories,
+        "core_s": stage.core_seconds,
+        "memory_bytes": stage.memory_bytes,
+        "threads": threads,
+    })
+}
+
+fn in_words(stage: &StageEstimate, threads: usize) -> String {
+    let work = match (stage.contact_solutions, stage.trajectories) {
+        (solutions, 0) => format!("{solutions} contact solutions"),
+        (_, trajectories) => format!("{trajectories} trajectories"),
+    };
+    format!(
+        "{}: {work}, roughly {:.1} s of one core ({threads} threads), {:.0} MB",
+        stage.stage.name(),
+        stage.core_seconds,
+        stage.memory_bytes * 1e-6
+    )
+}

@@ -1,0 +1,146 @@
+//! A study, from its file to a run folder.
+
+use std::path::{Path, PathBuf};
+
+use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, StudyError, json_bytes};
+use clap::{Args, ValueEnum};
+
+use super::study_file;
+use crate::failure::{Failure, Kind};
+use crate::monitor::Terminal;
+use crate::output::{Answer, warn};
+use crate::page::{rendered, store_failure};
+use crate::provenance::Provenance;
+
+/// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance.
+#[derive(Debug, Args)]
+pub(crate) struct Run {
+    /// Study file.
+    study: PathBuf,
+    /// Folder to write, which appears complete or not at all; runs/NAME of the study when left out.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Another seed than the study's.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Only this stage and what it needs.
+    #[arg(long, value_enum, value_name = "STAGE")]
+    only: Option<Only>,
+    /// Replace a folder that is not empty.
+    #[arg(long)]
+    force: bool,
+    /// Print results.json to stdout as well.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Only {
+    /// Statistics and random surfaces.
+    Surface,
+    /// The law of the random pressure.
+    Pressure,
+    /// Friction as a process.
+    Friction,
+    /// Stick-slip.
+    Vibration,
+}
+
+impl From<Only> for Stage {
+    fn from(only: Only) -> Self {
+        match only {
+            Only::Surface => Self::Surface,
+            Only::Pressure => Self::Pressure,
+            Only::Friction => Self::Friction,
+            Only::Vibration => Self::Vibration,
+        }
+    }
+}
+
+impl Run {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let study = study_file::study(&self.study, self.seed)?;
+        let folder = study_file::folder_of(&self.study);
+        let only = self.only.map(Stage::from);
+        let name = self.study.file_stem().unwrap_or_default();
+        let mut provenance = Provenance::begin(
+            name.to_string_lossy().into_owned(),
+            study.seed,
+            only.map(|stage| stage.name().to_owned()),
+        );
+        provenance.input(&self.study)?;
+        if let Some(scan) = study.scan_path(folder) {
+            provenance.input(&scan)?;
+        }
+        let resolved = toml::to_string(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+        let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+        // Before hours are spent: may the folder be written?
+        let staging = Staging::open(&destination, self.force).map_err(|e| store_failure(&e))?;
+        let outcome = study.run(folder, only, monitor).map_err(|e| self.ended(&e))?;
+        for warning in &outcome.results.warnings {
+            warn(warning);
+        }
+        provenance.end(monitor.seconds());
+        let run = stored(&outcome, resolved, &provenance)?;
+        let report = rendered(&run)?;
+        let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
+        staging.write_outcome(&outcome).map_err(|e| store_failure(&e))?;
+        write("study.toml", run.study.as_bytes())?;
+        write("provenance.json", &json_bytes(&run.provenance).map_err(|e| store_failure(&e))?)?;
+        for figure in &report.figures {
+            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        }
+        write("report.html", report.html.as_bytes())?;
+        monitor.check()?;
+        let written = staging.commit().map_err(|e| store_failure(&e))?;
+        monitor.note(&format!("wrote {}", written.join("report.html").display()));
+        let answer = if self.json { Answer::of(&outcome.results)? } else { headline(&run, &written) };
+        answer.print(self.json)
+    }
+
+    /// Tells a study that did not converge in JSON too.
+    fn ended(&self, error: &StudyError) -> Failure {
+        let failure = study_file::ended(&self.study, error);
+        if self.json && failure.kind() == Kind::NotConverged {
+            let told = Answer::default().with("converged", false).with("reason", error.to_string()).print(true);
+            return told.err().unwrap_or(failure);
+        }
+        failure
+    }
+}
+
+/// The outcome in the form in which a finished run is read back.
+fn stored(outcome: &Outcome, study: String, provenance: &Provenance) -> Result<StoredRun, Failure> {
+    let failed = |e: serde_json::Error| Failure::new(Kind::Runtime, e.to_string());
+    let fields = outcome.fields.iter().map(|(name, field)| {
+        let (dx_m, dy_m) = (field.grid.dx_m(), field.grid.dy_m());
+        (name.clone(), StoredField { dx_m, dy_m, unit: field.unit.into(), values: field.values.clone() })
+    });
+    Ok(StoredRun {
+        study,
+        results: serde_json::to_value(&outcome.results).map_err(failed)?,
+        provenance: serde_json::to_value(provenance).map_err(failed)?,
+        tables: outcome.tables.clone(),
+        fields: fields.collect(),
+    })
+}
+
+/// The numbers to look at first, and where the others are.
+fn headline(run: &StoredRun, folder: &Path) -> Answer {
+    let numbers = [
+        ("Sq_m", "/surface/Sq_m"),
+        ("correlation_length_x_m", "/surface/covariance/length_x_m"),
+        ("correlation_length_y_m", "/surface/covariance/length_y_m"),
+        ("contact_probability", "/pressure/contact_probability"),
+        ("friction_mean", "/vibration/static_friction"),
+        ("friction_std", "/vibration/area/friction_std"),
+        ("friction_correlation_length_m", "/vibration/friction_correlation_length_m"),
+        ("critical_damping_ratio", "/vibration/critical_damping_ratio"),
+        ("limit_cycle", "/vibration/cycle/limit_cycle"),
+        ("period", "/vibration/cycle/period"),
+    ];
+    let found = numbers.into_iter().filter_map(|(key, pointer)| Some((key, run.results.pointer(pointer)?)));
+    found
+        .fold(Answer::default(), |answer, (key, value)| answer.with(key, value.clone()))
+        .with("folder", folder.display().to_string())
+}

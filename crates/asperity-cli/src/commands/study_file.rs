@@ -1,0 +1,50 @@
+//! Study files, and why a study ended early.
+
+use std::fs;
+use std::path::Path;
+
+use asperity::study::{FailureKind, Study, StudyError, StudyFileError};
+
+use crate::failure::{Failure, Kind};
+
+/// Reads a study or specification file.
+pub(super) fn read<T>(path: &Path, parse: impl FnOnce(&str, &str) -> Result<T, StudyFileError>) -> Result<T, Failure> {
+    let bytes = fs::read(path).map_err(|e| match e.kind() {
+        std::io::ErrorKind::NotFound => Failure::new(Kind::Data, format!("{}: no such file", path.display())),
+        _ => Failure::io(Kind::Data, path.display(), &e),
+    })?;
+    let text = String::from_utf8(bytes)
+        .map_err(|e| Failure::usage(format_args!("{}: not a text file: {}", path.display(), e.utf8_error())))?;
+    parse(&text, &path.display().to_string()).map_err(Failure::usage)
+}
+
+/// Reads a study, with another seed if one is given.
+pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<Study, Failure> {
+    let mut study = read(path, Study::parse)?;
+    study.seed = seed.unwrap_or(study.seed);
+    Ok(study)
+}
+
+/// The folder of a file, to which its paths are relative.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// A study that ended early; `path` is its file.
+pub(super) fn ended(path: &Path, error: &StudyError) -> Failure {
+    let kind = match error.kind() {
+        FailureKind::Configuration => Kind::Usage,
+        FailureKind::Input => Kind::Data,
+        FailureKind::NotConverged => Kind::NotConverged,
+        FailureKind::Cancelled => return Failure::from(asperity::monitor::Cancelled),
+        FailureKind::Runtime => Kind::Runtime,
+    };
+    // A scan names itself.
+    match error {
+        StudyError::Scan(_) | StudyError::Map { .. } => Failure::new(kind, error.to_string()),
+        _ => Failure::new(kind, format!("{}: {error}", path.display())),
+    }
+}

@@ -1,0 +1,328 @@
+//! `asperity init`, `check`, `run`, `report` and `surface generate`: studies from file to folder.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use asperity_formats::{Scan, X3pData, read, write_x3p};
+use ndarray::Array2;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::{Ended, asperity_in, keys, listing};
+
+/// A small study of every stage but friction, whose process is stated.
+const STUDY: &str = r#"seed = 5
+[surface]
+covariance = "squared_exponential"
+marginal = "normal"
+rms_height = "1 um"
+correlation_length = ["20 um", "20 um"]
+modes = 20
+[material]
+youngs_modulus = "210 GPa"
+hardness = "2 GPa"
+[pressure]
+size = ["100 um", "100 um"]
+points = [16, 16]
+percentile = 50.0
+fine_solves = 40
+reference_samples = 100
+variables = 3
+degree = 1
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.17
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+damping_sweep = [0.1, 0.3, 3]
+trajectories = 8
+duration = 64.0
+static_friction = 0.1
+friction_std = 0.001
+friction_correlation_length = "250 um"
+friction_marginal = "beta:2.1,5"
+"#;
+
+fn run_in(folder: &Path, line: &str) -> Ended {
+    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+}
+
+fn folder_with(text: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("study.toml"), text).unwrap();
+    folder
+}
+
+/// Every file below a folder, by its relative path.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(dir) = open.pop() {
+        for entry in fs::read_dir(dir).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned();
+                found.push((name, fs::read(&path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
+    let folder = TempDir::new().unwrap();
+    for (example, wanted) in
+        [("quickstart", vec!["ground_steel.x3p", "quickstart.toml"]), ("paper", vec!["paper.toml"])]
+    {
+        let ended = run_in(folder.path(), &format!("init {example} --example {example}"));
+        assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
+        assert!(ended.stderr.contains(&format!("asperity run {example}/{example}.toml")), "{ended:?}");
+        assert_eq!(listing(&folder.path().join(example)), wanted);
+        let check = run_in(folder.path(), &format!("check {example}/{example}.toml"));
+        assert_eq!(check.code, 0, "{check:?}");
+        assert!(check.stdout.contains("contact solutions") && check.stdout.contains("MB"), "{check:?}");
+        // What check prints is the same study with nothing left to assume.
+        fs::write(folder.path().join(example).join("resolved.toml"), &check.stdout).unwrap();
+        let again = run_in(folder.path(), &format!("check {example}/resolved.toml --json")).json(0);
+        let first = run_in(folder.path(), &format!("check {example}/{example}.toml --json")).json(0);
+        assert_eq!(again["study"], first["study"]);
+        assert_eq!(keys(&first), ["estimate", "problems", "study"]);
+    }
+    fs::write(folder.path().join("quickstart/quickstart.toml"), "mine").unwrap();
+    fs::remove_file(folder.path().join("quickstart/ground_steel.x3p")).unwrap();
+    run_in(folder.path(), "init quickstart").refuses(2, &["quickstart/quickstart.toml", "exists"]);
+    assert_eq!(listing(&folder.path().join("quickstart")), ["quickstart.toml", "resolved.toml"]);
+    run_in(folder.path(), "init --example papr").refuses(2, &["papr", "paper"]);
+}
+
+#[test]
+fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
+    let folder = folder_with(STUDY);
+    let ended = run_in(folder.path(), "run study.toml --threads 1");
+    assert_eq!(ended.code, 0, "{ended:?}");
+    assert!(ended.stdout.contains("contact probability"), "{ended:?}");
+    let run = folder.path().join("runs/study");
+    let wanted =
+        ["COMPLETE", "fields", "figures", "provenance.json", "report.html", "results.json", "study.toml", "tables"];
+    assert_eq!(listing(&run), wanted);
+    assert_eq!(listing(&folder.path().join("runs")), ["study"]);
+    let results: Value = serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
+    assert_eq!(keys(&results), ["assumptions", "pressure", "seed", "surface", "vibration", "warnings"]);
+    let methods: Vec<&str> =
+        results["pressure"]["methods"].as_array().unwrap().iter().map(|m| m["name"].as_str().unwrap()).collect();
+    for name in ["monte_carlo", "latin_hypercube", "sobol", "polynomial_chaos", "polynomial_chaos_log", "default"] {
+        assert!(methods.contains(&name), "{name} is missing in {methods:?}");
+    }
+    // The printed object is the file, up to the layout.
+    let again = run_in(folder.path(), "run study.toml --out again --threads 2 --quiet --json");
+    assert_eq!(again.json(0), results);
+    let but_provenance = |dir: &Path| {
+        let mut all = files(dir);
+        all.retain(|(name, _)| name != "provenance.json" && name != "report.html");
+        all
+    };
+    let (first, second) = (but_provenance(&run), but_provenance(&folder.path().join("again")));
+    assert!(first.len() > 10);
+    for ((name, bytes), (other, others)) in first.iter().zip(&second) {
+        assert!(name == other && bytes == others, "{name} and {other} differ");
+    }
+    assert_eq!(first.len(), second.len());
+    let provenance: Value = serde_json::from_slice(&fs::read(run.join("provenance.json")).unwrap()).unwrap();
+    assert_eq!(provenance["asperity"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(provenance["inputs"]["study.toml"].as_str().unwrap().len(), 64);
+    // The written study is complete: it runs to the same results.
+    fs::copy(run.join("study.toml"), folder.path().join("resolved.toml")).unwrap();
+    assert_eq!(run_in(folder.path(), "run resolved.toml --quiet --json").json(0), results);
+}
+
+#[test]
+fn a_report_is_rendered_again_to_the_same_bytes_and_leaves_the_numbers_alone() {
+    let folder = folder_with(STUDY);
+    assert_eq!(run_in(folder.path(), "run study.toml --only surface --quiet").code, 0);
+    let run = folder.path().join("runs/study");
+    let before = files(&run);
+    fs::write(run.join("report.html"), "spoiled").unwrap();
+    assert_eq!(run_in(folder.path(), "report runs/study").code, 0);
+    assert_eq!(files(&run), before);
+    fs::remove_file(run.join("COMPLETE")).unwrap();
+    run_in(folder.path(), "report runs/study").refuses(3, &["runs/study", "not a finished run", "COMPLETE"]);
+    run_in(folder.path(), "report nowhere").refuses(3, &["nowhere"]);
+}
+
+#[test]
+fn only_names_a_stage_and_seed_replaces_the_study_s() {
+    let folder = folder_with(STUDY);
+    let run = |line: &str| run_in(folder.path(), &format!("run study.toml --quiet --json {line}"));
+    let surface = run("--only surface --out a").json(0);
+    assert_eq!(keys(&surface), ["assumptions", "seed", "surface", "warnings"]);
+    let vibration = run("--only vibration --out b").json(0);
+    assert!(vibration["vibration"].is_object() && vibration.get("pressure").is_none(), "{vibration}");
+    let other = run("--only vibration --out c --seed 6").json(0);
+    assert_eq!(other["seed"], 6);
+    assert_ne!(other["vibration"]["area"], vibration["vibration"]["area"]);
+    assert!(fs::read_to_string(folder.path().join("c/study.toml")).unwrap().starts_with("seed = 6\n"));
+    run("--only friction --out d").refuses(2, &["study.toml", "[friction]"]);
+    run("--only frction --out d").refuses(2, &["frction", "friction"]);
+    assert_eq!(listing(folder.path()), ["a", "b", "c", "study.toml"]);
+}
+
+#[test]
+fn a_folder_with_content_is_kept_unless_forced() {
+    let folder = folder_with(STUDY);
+    fs::create_dir(folder.path().join("out")).unwrap();
+    fs::write(folder.path().join("out/thesis.tex"), "years of work").unwrap();
+    let line = "run study.toml --only surface --out out";
+    run_in(folder.path(), line).refuses(2, &["out", "not empty", "--force"]);
+    assert_eq!(listing(&folder.path().join("out")), ["thesis.tex"]);
+    run_in(folder.path(), "run study.toml --only surface --out study.toml").refuses(2, &["study.toml"]);
+    assert_eq!(run_in(folder.path(), &format!("{line} --force")).code, 0);
+    assert!(!listing(&folder.path().join("out")).contains(&"thesis.tex".to_owned()));
+    assert_eq!(listing(folder.path()), ["out", "study.toml"]);
+}
+
+#[test]
+fn a_wrong_study_names_file_line_key_and_the_nearest_right_one() {
+    for (from, to, words) in [
+        ("percentile =", "percentil =", vec!["`percentil`", "did you mean `percentile`"]),
+        ("[pressure]", "[presure]", vec!["`presure`", "did you mean `pressure`"]),
+        ("\"1 um\"", "\"1 GPa\"", vec!["`GPa` is not a unit of length"]),
+        ("\"1 um\"", "\"1\"", vec!["no unit"]),
+        ("\"1 um\"", "1e-6", vec!["with its unit"]),
+        ("percentile = 50.0", "percentile = 500.0", vec!["percentile", "500"]),
+        ("percentile = 50.0", "penetration = \"-1 um\"", vec!["penetration", "positive"]),
+        ("percentile = 50.0", "percentile = nan", vec!["percentile", "NaN"]),
+        ("\"squared_exponential\"", "\"gaussian\"", vec!["`gaussian`", "squared_exponential"]),
+        ("seed = 5", "seed = five", vec![]),
+        ("seed = 5", "", vec!["seed"]),
+        ("points = [16, 16]", "points = [16]", vec![]),
+        ("\"beta:2.1,5\"", "\"betta:2.1,5\"", vec!["betta"]),
+    ] {
+        let line = STUDY[..STUDY.find(from).unwrap()].matches('\n').count() + 1;
+        let folder = folder_with(&STUDY.replace(from, to));
+        for command in ["check", "run"] {
+            let ended = run_in(folder.path(), &format!("{command} study.toml"));
+            ended.refuses(2, &[&format!("study.toml:{line}: ")]);
+            ended.refuses(2, &words);
+        }
+        assert_eq!(listing(folder.path()), ["study.toml"]);
+    }
+}
+
+#[test]
+fn a_missing_or_unusable_input_is_data_not_configuration() {
+    let folder = folder_with(&STUDY.replace("covariance =", "file = \"scan.x3p\"\ncovariance ="));
+    run_in(folder.path(), "run gone.toml").refuses(3, &["gone.toml", "no such file"]);
+    fs::write(folder.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
+    run_in(folder.path(), "run binary.toml").refuses(2, &["binary.toml", "not a text file"]);
+    fs::remove_file(folder.path().join("binary.toml")).unwrap();
+    let scan = |heights_m: Array2<f64>| write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6))), X3pData::Float64).unwrap();
+    let whole = scan(Array2::from_shape_fn((16, 16), |(row, column)| 1e-8 * ((row * 7 + column * 3) % 5) as f64));
+    for (bytes, words) in [
+        (None, vec!["scan.x3p"]),
+        (Some(whole[..whole.len() / 2].to_vec()), vec!["scan.x3p"]),
+        (Some(scan(Array2::from_elem((16, 16), f64::NAN))), vec!["scan.x3p", "missing"]),
+        (Some(scan(Array2::from_elem((1, 1), 0.0))), vec!["scan.x3p", "1 × 1"]),
+    ] {
+        if let Some(bytes) = bytes {
+            fs::write(folder.path().join("scan.x3p"), bytes).unwrap();
+        }
+        for command in ["check", "run"] {
+            run_in(folder.path(), &format!("{command} study.toml")).refuses(3, &words);
+        }
+        let _ = fs::remove_file(folder.path().join("scan.x3p"));
+    }
+    fs::write(folder.path().join("scan.x3p"), scan(Array2::from_elem((16, 16), 1e-7))).unwrap();
+    run_in(folder.path(), "run study.toml").refuses(3, &["study.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_ends_with_130_and_leaves_nothing() {
+    let folder = folder_with(&STUDY.replace("reference_samples = 100", "reference_samples = 5000000"));
+    let child = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(["run", "study.toml", "--out", "out"])
+        .current_dir(folder.path())
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The folder in the making appears when the handler is in place and the computation has begun.
+    let began = Instant::now();
+    while listing(folder.path()).len() < 2 {
+        assert!(began.elapsed() < Duration::from_secs(60), "the run does not begin");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let told = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(told.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    assert!(output.stdout.is_empty());
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cancelled"), "{output:?}");
+    assert_eq!(listing(folder.path()), ["study.toml"]);
+}
+
+const SPECIFICATION: &str = r#"seed = 3
+size = ["64 um", "32 um"]
+points = [64, 32]
+[surface]
+covariance = "exponential"
+marginal = "normal"
+rms_height = "1 um"
+correlation_length = ["8 um", "8 um"]
+generator = "spectral"
+"#;
+
+#[test]
+fn generated_maps_are_functions_of_seed_and_index() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();
+    let run = |line: &str| {
+        let ended = run_in(folder.path(), &format!("surface generate spec.toml --quiet {line}"));
+        assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
+    };
+    run("--seed 3 --out one.npy");
+    run("--seed 3 --count 3 --out maps");
+    run("--seed 4 --out other.npy");
+    run("--out same.x3p");
+    assert_eq!(listing(&folder.path().join("maps")), ["map_0000.x3p", "map_0001.x3p", "map_0002.x3p"]);
+    let heights = |name: &str| read(&folder.path().join(name)).unwrap().heights_m;
+    let one = heights("one.npy");
+    assert_eq!(one.dim(), (32, 64));
+    assert_eq!(one, heights("maps/map_0000.x3p"));
+    assert_eq!(one, heights("same.x3p"));
+    assert_ne!(one, heights("maps/map_0001.x3p"));
+    assert_ne!(one, heights("other.npy"));
+    assert_eq!(read(&folder.path().join("same.x3p")).unwrap().pitch_m, Some((1e-6, 1e-6)));
+}
+
+#[test]
+fn a_wrong_specification_or_target_writes_nothing() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();
+    fs::write(folder.path().join("typo.toml"), SPECIFICATION.replace("points", "point")).unwrap();
+    fs::write(folder.path().join("thin.toml"), SPECIFICATION.replace("[64, 32]", "[64, 1]")).unwrap();
+    let before = listing(folder.path());
+    for (line, code, words) in [
+        ("typo.toml --seed 1 --out a.npy", 2, vec!["typo.toml:3:", "did you mean `points`"]),
+        ("thin.toml --seed 1 --out a.npy", 2, vec!["thin.toml", "64 × 1"]),
+        ("gone.toml --seed 1 --out a.npy", 3, vec!["gone.toml", "no such file"]),
+        ("spec.toml --seed 1 --out a.tiff", 2, vec![".tiff"]),
+        ("spec.toml --seed 1 --out nowhere/a.npy", 2, vec!["nowhere"]),
+        ("spec.toml --seed x --out a.npy", 2, vec!["--seed"]),
+        ("spec.toml --seed 1 --count 0 --out a", 2, vec!["--count", "at least 1"]),
+        ("spec.toml --seed 1 --count 2 --out typo.toml", 2, vec!["typo.toml", "folder"]),
+        ("spec.toml --seed 1", 2, vec!["--out"]),
+    ] {
+        run_in(folder.path(), &format!("surface generate {line}")).refuses(code, &words);
+        assert_eq!(listing(folder.path()), before);
+    }
+}
