@@ -1,18 +1,37 @@
 //! Reads and writes files of measured surfaces.
+//!
+//! | format | read | write | pixel size |
+//! |---|---|---|---|
+//! | X3P (ISO 25178-72) | int16, int32, float32, float64, text lists | int16, float32, float64 | yes |
+//! | SUR (Digital Surf) | int16, int32, uncompressed | no | yes |
+//! | NPY (NumPy) | integers and floats, 2-D | float64 | no |
+//! | text, CSV | matrices of numbers | yes | no |
+//!
+//! Every byte is taken for hostile: sizes that a file declares are believed only as far as its bytes reach, archives are
+//! unpacked through limits, arithmetic on sizes is checked, and no input makes the reader panic. A file is known by its
+//! content; its extension matters only when writing.
+//!
+//! ```
+//! let scan = asperity_formats::read_bytes(b"# a groove\n0 -1e-6 0\n0 -1e-6 0\n")?;
+//! assert_eq!(scan.heights_m.dim(), (2, 3));
+//! assert_eq!(scan.pitch_m, None);
+//! # Ok::<(), asperity_formats::FormatError>(())
+//! ```
 
-use std::collections::BTreeMap;
+mod error;
+mod file;
+mod format;
+mod npy;
+mod sample;
+mod scan;
+mod sur;
+mod text;
+mod x3p;
 
-use ndarray::Array2;
-
-/// One measured height map as a file states it.
-#[derive(Debug, Clone)]
-pub struct Scan {
-    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN where the instrument recorded nothing.
-    pub heights_m: Array2<f64>,
-    /// Distance between points along (x, y) in metre, where the file states it.
-    pub pitch_m: Option<(f64, f64)>,
-    /// What else the file says, by its own field names.
-    pub metadata: BTreeMap<String, String>,
-    /// Doubts about the content, in words for the user.
-    pub warnings: Vec<String>,
-}
+pub use error::{FormatError, Location};
+pub use file::{read, read_bytes, write};
+pub use format::Format;
+pub use npy::write_npy;
+pub use scan::{MAX_POINTS, Scan};
+pub use text::{Separator, write_text};
+pub use x3p::{X3pData, write_x3p};

@@ -1,5 +1,16 @@
 //! Correlation: covariance models, and their estimates and fits.
+//!
+//! # Conventions
+//! - A stationary covariance is C(x, y) = E z(s) z(s + (x, y)) of a field without its mean; ρ = C/σ².
+//! - A two-sided power spectral density is P(q) = ∬ C(x) e^{−iq·x} d²x, so C(x) = ∬ P(q) e^{iq·x} d²q/(2π)², in m⁴; that
+//!   of a profile is P₁(q) = ∫ C(x, 0) e^{−iqx} dx, so C(x, 0) = ∫ P₁(q) e^{iqx} dq/2π, in m³. q is in rad/m.
 
+mod bessel;
+mod estimate;
 mod model;
+mod spectrum;
 
-pub use model::{CorrelationModel, Covariance, CovarianceError};
+pub use bessel::bessel_k;
+pub use estimate::{Autocorrelation, Axis, EstimateError};
+pub use model::{CorrelationModel, Covariance, CovarianceError, SeparableCovariance, StationaryCovariance};
+pub use spectrum::{ProfileSpectrum, RadialSpectrum, SpectrumRoute, profile_spectrum, radial_spectrum};

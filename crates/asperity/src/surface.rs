@@ -1,5 +1,17 @@
 //! What a rough surface is, and how to draw maps like it (paper §2).
 
+pub mod areal;
+pub mod filter;
+pub mod fractal;
+mod gaussian;
+mod karhunen_loeve;
+pub mod level;
+mod spectral;
+
+pub use gaussian::{GaussianSurface, GeneratorError};
+pub use karhunen_loeve::{KarhunenLoeve, Modes, ModesRoute, ProfileModes, modes, profile_modes};
+pub use spectral::SpectralField;
+
 use crate::map::{Grid, HeightMap};
 
 /// A random surface: a map that is a deterministic function of a germ, the vector ξ of independent standard normal
@@ -14,6 +26,6 @@ pub trait RandomSurface: Sync {
     /// The map of one germ of [`RandomSurface::germ_len`] values.
     ///
     /// # Panics
-    /// If the germ has another length.
+    /// If the germ has another length or a value that is not finite.
     fn generate(&self, germ: &[f64]) -> HeightMap;
 }

@@ -1,7 +1,12 @@
 //! Stationary covariance models.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
+use statrs::function::gamma::ln_gamma;
 use thiserror::Error;
+
+use super::bessel::matern;
 
 /// Why a covariance could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -40,15 +45,323 @@ pub enum CorrelationModel {
     },
 }
 
+impl CorrelationModel {
+    /// Name as in study files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::SquaredExponential => "squared_exponential",
+            Self::Exponential => "exponential",
+            Self::Matern { .. } => "matern",
+            Self::SelfAffine { .. } => "self_affine",
+        }
+    }
+
+    /// ρ(r) at the scaled distance r ≥ 0; 1 at r = 0.
+    pub fn correlation(&self, r: f64) -> f64 {
+        match *self {
+            Self::SquaredExponential => (-r * r).exp(),
+            Self::Exponential => (-r).exp(),
+            Self::Matern { nu } => {
+                let x = (2.0 * nu).sqrt() * r;
+                if nu == 0.5 {
+                    (-x).exp()
+                } else if nu == 1.5 {
+                    (1.0 + x) * (-x).exp()
+                } else if nu == 2.5 {
+                    (1.0 + x + x * x / 3.0) * (-x).exp()
+                } else {
+                    matern(nu, x)
+                }
+            }
+            Self::SelfAffine { hurst } if hurst == 0.5 => (-r).exp(),
+            Self::SelfAffine { hurst } => matern(hurst, r),
+        }
+    }
+
+    /// Order ν and squared corner κ² of a Matérn spectrum ∝ (κ² + k²)^{−(ν + d/2)}; `None` for the squared exponential.
+    fn order_and_corner(&self) -> Option<(f64, f64)> {
+        match *self {
+            Self::SquaredExponential => None,
+            Self::Exponential => Some((0.5, 1.0)),
+            Self::Matern { nu } => Some((nu, 2.0 * nu)),
+            Self::SelfAffine { hurst } => Some((hurst, 1.0)),
+        }
+    }
+
+    /// ∬ ρ(|x|) e^{−ik·x} d²x at the scaled wavenumber k.
+    fn spectrum_2d(&self, k: f64) -> f64 {
+        match self.order_and_corner() {
+            None => PI * (-k * k / 4.0).exp(),
+            Some((nu, corner)) => 4.0 * PI * nu / corner * (1.0 + k * k / corner).powf(-(nu + 1.0)),
+        }
+    }
+
+    /// ∫ ρ(|x|) e^{−ikx} dx at the scaled wavenumber k.
+    fn spectrum_1d(&self, k: f64) -> f64 {
+        match self.order_and_corner() {
+            None => PI.sqrt() * (-k * k / 4.0).exp(),
+            Some((nu, corner)) => {
+                let gammas = (ln_gamma(nu + 0.5) - ln_gamma(nu)).exp();
+                2.0 * PI.sqrt() * gammas / corner.sqrt() * (1.0 + k * k / corner).powf(-(nu + 0.5))
+            }
+        }
+    }
+
+    fn validate(&self) -> Result<(), CovarianceError> {
+        match *self {
+            // Above ν = 100 a Matérn field is a squared exponential to every digit that a map could show.
+            Self::Matern { nu } if !(nu > 0.0 && nu <= 100.0) => {
+                Err(CovarianceError::Parameter { parameter: "nu", value: nu, wanted: "in (0, 100]" })
+            }
+            Self::SelfAffine { hurst } if !(hurst > 0.0 && hurst < 1.0) => {
+                Err(CovarianceError::Parameter { parameter: "hurst", value: hurst, wanted: "in (0, 1)" })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A stationary covariance of heights, even in x and in y.
+///
+/// Generators ask for no more than this, so a covariance may be a model, a product of profiles, or a table.
+pub trait StationaryCovariance: Sync {
+    /// Standard deviation σ in metre.
+    fn std_m(&self) -> f64;
+
+    /// Correlation ρ at the lag (dx, dy) in metre; 1 at zero.
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64;
+}
+
 /// A stationary covariance C(x, y) = σ² ρ(r), r = √((x/ℓx)² + (y/ℓy)²).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
 pub struct Covariance {
+    model: CorrelationModel,
+    std_m: f64,
+    length_x_m: f64,
+    length_y_m: f64,
+}
+
+/// What a file may say, before it is checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Unchecked {
+    model: CorrelationModel,
+    std_m: f64,
+    length_x_m: f64,
+    length_y_m: f64,
+}
+
+impl TryFrom<Unchecked> for Covariance {
+    type Error = CovarianceError;
+
+    fn try_from(found: Unchecked) -> Result<Self, CovarianceError> {
+        Self::new(found.model, found.std_m, found.length_x_m, found.length_y_m)
+    }
+}
+
+impl Covariance {
+    /// A covariance of standard deviation σ and lengths ℓx, ℓy in metre.
+    ///
+    /// # Errors
+    /// A standard deviation or length that is not positive and finite, ν outside (0, 100], or H outside (0, 1).
+    pub fn new(model: CorrelationModel, std_m: f64, length_x_m: f64, length_y_m: f64) -> Result<Self, CovarianceError> {
+        model.validate()?;
+        for (parameter, value) in [("std_m", std_m), ("length_x_m", length_x_m), ("length_y_m", length_y_m)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(CovarianceError::Parameter { parameter, value, wanted: "positive and finite" });
+            }
+        }
+        Ok(Self { model, std_m, length_x_m, length_y_m })
+    }
+
+    /// A covariance with equal lengths along x and y.
+    ///
+    /// # Errors
+    /// As [`Covariance::new`].
+    pub fn isotropic(model: CorrelationModel, std_m: f64, length_m: f64) -> Result<Self, CovarianceError> {
+        Self::new(model, std_m, length_m, length_m)
+    }
+
     /// Shape of the correlation.
-    pub model: CorrelationModel,
+    pub fn model(&self) -> CorrelationModel {
+        self.model
+    }
+
     /// Standard deviation σ in metre.
-    pub std_m: f64,
-    /// ℓx in metre.
-    pub length_x_m: f64,
-    /// ℓy in metre.
-    pub length_y_m: f64,
+    pub fn std_m(&self) -> f64 {
+        self.std_m
+    }
+
+    /// Length ℓx in metre.
+    pub fn length_x_m(&self) -> f64 {
+        self.length_x_m
+    }
+
+    /// Length ℓy in metre.
+    pub fn length_y_m(&self) -> f64 {
+        self.length_y_m
+    }
+
+    /// Correlation ρ at the lag (dx, dy) in metre.
+    pub fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        self.model.correlation((dx_m / self.length_x_m).hypot(dy_m / self.length_y_m))
+    }
+
+    /// Covariance C = σ²ρ at the lag (dx, dy) in metre, in m².
+    pub fn value_m2(&self, dx_m: f64, dy_m: f64) -> f64 {
+        self.std_m * self.std_m * self.correlation(dx_m, dy_m)
+    }
+
+    /// Two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴, at q in rad/m.
+    pub fn psd_m4(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> f64 {
+        let k = (qx_rad_per_m * self.length_x_m).hypot(qy_rad_per_m * self.length_y_m);
+        self.std_m * self.std_m * self.length_x_m * self.length_y_m * self.model.spectrum_2d(k)
+    }
+
+    /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
+    pub fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
+        self.std_m * self.std_m * self.length_x_m * self.model.spectrum_1d(q_rad_per_m * self.length_x_m)
+    }
+
+    /// Power spectral density of profiles along y in m³, at q in rad/m; see [`Covariance::profile_psd_x_m3`].
+    pub fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
+        self.std_m * self.std_m * self.length_y_m * self.model.spectrum_1d(q_rad_per_m * self.length_y_m)
+    }
+}
+
+impl StationaryCovariance for Covariance {
+    fn std_m(&self) -> f64 {
+        self.std_m
+    }
+
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        Covariance::correlation(self, dx_m, dy_m)
+    }
+}
+
+/// The product C(x, y) = σ² ρ(|x|/ℓx) ρ(|y|/ℓy) of two profile correlations.
+///
+/// For the squared exponential this is the elliptic covariance itself. Any other model is changed: the exponential
+/// becomes e^{−|x|/ℓx−|y|/ℓy}, which is not isotropic even for ℓx = ℓy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeparableCovariance(pub Covariance);
+
+impl StationaryCovariance for SeparableCovariance {
+    fn std_m(&self) -> f64 {
+        self.0.std_m
+    }
+
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        self.0.correlation(dx_m, 0.0) * self.0.correlation(0.0, dy_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODELS: [CorrelationModel; 6] = [
+        CorrelationModel::SquaredExponential,
+        CorrelationModel::Exponential,
+        CorrelationModel::Matern { nu: 1.3 },
+        CorrelationModel::Matern { nu: 2.5 },
+        CorrelationModel::SelfAffine { hurst: 0.8 },
+        CorrelationModel::SelfAffine { hurst: 0.3 },
+    ];
+
+    #[test]
+    fn the_matern_model_of_half_integer_order_is_elementary() {
+        for r in [0.0_f64, 1e-6, 0.2, 1.0, 3.0, 12.0] {
+            let exact = [
+                (0.5, (-r).exp()),
+                (1.5, (1.0 + 3_f64.sqrt() * r) * (-(3_f64.sqrt()) * r).exp()),
+                (2.5, (1.0 + 5_f64.sqrt() * r + 5.0 / 3.0 * r * r) * (-(5_f64.sqrt()) * r).exp()),
+            ];
+            for (nu, value) in exact {
+                // Through the closed form, and through the Bessel function.
+                assert!((CorrelationModel::Matern { nu }.correlation(r) - value).abs() < 1e-14);
+                assert!((matern(nu, (2.0 * nu).sqrt() * r) - value).abs() < 2e-13, "nu {nu} r {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_very_smooth_matern_field_is_nearly_a_squared_exponential() {
+        // ρ → e^{−r²/2} with a deviation of order 1/ν.
+        for r in [0.1_f64, 0.5, 1.0, 2.0] {
+            let difference = CorrelationModel::Matern { nu: 100.0 }.correlation(r) - (-r * r / 2.0).exp();
+            assert!(difference.abs() < 0.01, "r {r}: {difference}");
+        }
+    }
+
+    #[test]
+    fn self_affine_is_matern_with_another_length() {
+        let hurst = 0.7_f64;
+        let rough = Covariance::new(CorrelationModel::SelfAffine { hurst }, 1.0, 2.0, 3.0).unwrap();
+        let scale = (2.0 * hurst).sqrt();
+        let matern = Covariance::new(CorrelationModel::Matern { nu: hurst }, 1.0, 2.0 * scale, 3.0 * scale).unwrap();
+        for (x, y) in [(0.0, 0.1), (1.0, 2.0), (5.0, 1.0)] {
+            assert!((rough.value_m2(x, y) - matern.value_m2(x, y)).abs() < 1e-13);
+            assert!((rough.psd_m4(x, y) / matern.psd_m4(x, y) - 1.0).abs() < 1e-12);
+        }
+        let slope = (rough.psd_m4(2e4, 0.0) / rough.psd_m4(1e4, 0.0)).log2();
+        assert!((slope + 2.0 * (1.0 + hurst)).abs() < 1e-6, "spectral slope {slope}");
+    }
+
+    /// ∫₀^∞ f(u) du by the trapezoidal rule after u = e^{s − e^{−s}}, for smooth f with an algebraic or faster tail.
+    fn half_line(f: impl Fn(f64) -> f64) -> f64 {
+        let step = 1.0 / 64.0;
+        (-320..3200)
+            .map(|i| {
+                let s = i as f64 * step;
+                let u = (s - (-s).exp()).exp();
+                let term = f(u) * u * (1.0 + (-s).exp());
+                if term.is_finite() { term * step } else { 0.0 }
+            })
+            .sum()
+    }
+
+    #[test]
+    fn the_spectrum_integrates_to_the_variance_and_at_zero_to_the_integral_of_the_covariance() {
+        for model in MODELS {
+            // Elliptic: integrate over scaled wavevectors, d²q = 2π k dk/(ℓxℓy).
+            let covariance = Covariance::new(model, 3.0, 2.0, 0.5).unwrap();
+            let variance = half_line(|k| covariance.psd_m4(k / 2.0, 0.0) * k) / (2.0 * PI) / (2.0 * 0.5);
+            assert!((variance / 9.0 - 1.0).abs() < 1e-9, "{model:?}: {variance}");
+            let integral = half_line(|r| covariance.value_m2(2.0 * r, 0.0) * 2.0 * PI * r) * 2.0 * 0.5;
+            assert!((integral / covariance.psd_m4(0.0, 0.0) - 1.0).abs() < 1e-9, "{model:?}: {integral}");
+            // The profile: its variance and its integral.
+            let variance = half_line(|q| covariance.profile_psd_x_m3(q)) / PI;
+            assert!((variance / 9.0 - 1.0).abs() < 1e-9, "{model:?}: {variance}");
+            let integral = 2.0 * half_line(|y| covariance.value_m2(0.0, y));
+            assert!((integral / covariance.profile_psd_y_m3(0.0) - 1.0).abs() < 1e-9, "{model:?}: {integral}");
+        }
+    }
+
+    #[test]
+    fn the_profile_spectrum_is_the_marginal_of_the_two_dimensional_one() {
+        for model in MODELS {
+            let covariance = Covariance::new(model, 1.0, 1.5, 0.7).unwrap();
+            for q in [0.0, 0.4, 3.0] {
+                let marginal = half_line(|qy| covariance.psd_m4(q, qy)) / PI;
+                assert!((marginal / covariance.profile_psd_x_m3(q) - 1.0).abs() < 1e-8, "{model:?} at {q}");
+            }
+        }
+    }
+
+    #[test]
+    fn bad_parameters_are_refused_also_in_a_file() {
+        assert!(Covariance::isotropic(CorrelationModel::Exponential, 1.0, 0.0).is_err());
+        assert!(Covariance::isotropic(CorrelationModel::Exponential, f64::NAN, 1.0).is_err());
+        assert!(Covariance::isotropic(CorrelationModel::SelfAffine { hurst: 1.0 }, 1.0, 1.0).is_err());
+        assert!(Covariance::isotropic(CorrelationModel::Matern { nu: -0.5 }, 1.0, 1.0).is_err());
+        let good = r#"{"model":{"matern":{"nu":1.5}},"std_m":1e-6,"length_x_m":2e-5,"length_y_m":2e-5}"#;
+        let covariance: Covariance = serde_json::from_str(good).unwrap();
+        assert_eq!(
+            serde_json::to_string(&covariance).unwrap().parse::<serde_json::Value>().unwrap(),
+            good.parse::<serde_json::Value>().unwrap()
+        );
+        assert!(serde_json::from_str::<Covariance>(&good.replace("2e-5", "-2e-5")).is_err());
+    }
 }

@@ -1,0 +1,220 @@
+//! Why a file could not be read or written.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::Format;
+
+/// Characters that a message shows of a text from a file.
+const SHOWN_CHARS: usize = 60;
+
+/// Where in a file something was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Location {
+    /// Bytes from the start of the file.
+    Byte(u64),
+    /// Line of a text file, counted from 1.
+    Line(usize),
+    /// Bytes from the start of a file inside an archive.
+    Entry {
+        /// Name inside the archive.
+        entry: String,
+        /// Bytes from its start.
+        offset: u64,
+    },
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Byte(offset) => write!(f, "byte {offset}"),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Entry { entry, offset } => write!(f, "{entry}, byte {offset}"),
+        }
+    }
+}
+
+/// Why a file could not be read or written.
+///
+/// Errors of [`read`](crate::read) and [`write`](crate::write) name the path; those of functions on bytes cannot.
+#[derive(Debug, Error)]
+pub enum FormatError {
+    /// The file does not exist.
+    #[error("{}: no such file", path.display())]
+    NotFound {
+        /// The path that was asked for.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The path that was read or written.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// What went wrong with the content of a file.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The path that was read or written.
+        path: PathBuf,
+        /// What went wrong with it.
+        #[source]
+        error: Box<FormatError>,
+    },
+    /// The content belongs to no known format.
+    #[error("unknown format: {length} bytes that start with {start}; known are X3P, SUR, NPY and text")]
+    Unrecognised {
+        /// Size of the content.
+        length: usize,
+        /// Its first bytes, escaped.
+        start: String,
+    },
+    /// A valid file of a kind that this crate does not read or write.
+    #[error("{}: {found}; wanted {wanted}", format.name())]
+    Unsupported {
+        /// The format.
+        format: Format,
+        /// What the file holds.
+        found: String,
+        /// What can be read.
+        wanted: &'static str,
+    },
+    /// A field has a value that cannot be right.
+    #[error("{}: {field} ({at}) is `{found}`; wanted {wanted}", format.name())]
+    Field {
+        /// The format.
+        format: Format,
+        /// The name of the field in the format's own terms.
+        field: String,
+        /// Where it stands.
+        at: Location,
+        /// Its value.
+        found: String,
+        /// What would be right.
+        wanted: String,
+    },
+    /// A field that the format requires is not there.
+    #[error("{}: {field} is missing ({at}); wanted {wanted}", format.name())]
+    MissingField {
+        /// The format.
+        format: Format,
+        /// The name of the field in the format's own terms.
+        field: String,
+        /// Where it was looked for.
+        at: Location,
+        /// What should be there.
+        wanted: String,
+    },
+    /// Data end before the declared sizes are filled.
+    #[error("{}: {part} ({at}) ends after {found} bytes; wanted {wanted}", format.name())]
+    Truncated {
+        /// The format.
+        format: Format,
+        /// The part of the file that is too short.
+        part: String,
+        /// Where the part starts.
+        at: Location,
+        /// Bytes that are present.
+        found: u64,
+        /// Bytes that the declared sizes need.
+        wanted: u64,
+    },
+    /// A declared size is beyond what this crate takes.
+    #[error("{}: {field} ({at}) is {found}; the limit is {limit}", format.name())]
+    TooLarge {
+        /// The format.
+        format: Format,
+        /// The name of the field in the format's own terms.
+        field: String,
+        /// Where it stands.
+        at: Location,
+        /// The declared size.
+        found: u64,
+        /// The largest size that is taken.
+        limit: u64,
+    },
+    /// The archive around the data is damaged.
+    #[error("{}: {entry}: {reason}", format.name())]
+    Archive {
+        /// The format.
+        format: Format,
+        /// The file inside the archive, or `archive` for the archive as a whole.
+        entry: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The XML description is damaged.
+    #[error("{}: {at}: {reason}", format.name())]
+    Xml {
+        /// The format.
+        format: Format,
+        /// Where the damage is.
+        at: Location,
+        /// What it is.
+        reason: String,
+    },
+    /// The rows of a text matrix differ in length.
+    #[error("text: line {line} has {found} values; the first row has {wanted}")]
+    Ragged {
+        /// The line, counted from 1.
+        line: usize,
+        /// Values in this row.
+        found: usize,
+        /// Values in the first row.
+        wanted: usize,
+    },
+    /// The format needs the distance between points and the scan has none.
+    #[error("{}: the scan carries no pixel size, and the format cannot do without one", format.name())]
+    NoPitch {
+        /// The format.
+        format: Format,
+    },
+    /// The scan holds something that the format cannot store.
+    #[error("{}: {found} cannot be stored; wanted {wanted}", format.name())]
+    NotStorable {
+        /// The format.
+        format: Format,
+        /// What the scan holds.
+        found: String,
+        /// What can be stored.
+        wanted: &'static str,
+    },
+    /// No format is written under this extension.
+    #[error("no format is written as `.{extension}`; wanted .x3p, .npy, .txt, .dat or .csv")]
+    UnknownExtension {
+        /// The extension, empty when there is none.
+        extension: String,
+    },
+}
+
+impl FormatError {
+    /// Whether the file is not there at all.
+    pub fn is_not_found(&self) -> bool {
+        matches!(self, Self::NotFound { .. })
+    }
+
+    /// The same error with the path of its file.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        Self::File { path: path.into(), error: Box::new(self) }
+    }
+
+    /// An error of the operating system with the path of its file.
+    pub(crate) fn io(path: &Path, source: io::Error) -> Self {
+        match source.kind() {
+            io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
+            _ => Self::Io { path: path.into(), source },
+        }
+    }
+}
+
+/// The start of a text from a file, short enough for a message.
+pub(crate) fn shown(text: &str) -> String {
+    match text.char_indices().nth(SHOWN_CHARS) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}

@@ -1,0 +1,173 @@
+//! What a file of a measured surface says.
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
+
+use crate::{Format, FormatError, Location};
+
+/// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
+pub const MAX_POINTS: u64 = 1 << 28;
+
+/// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
+const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
+/// Ratio of the two pitches above which the map is doubted.
+const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
+
+/// One measured height map as a file states it.
+#[derive(Debug, Clone)]
+pub struct Scan {
+    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN where the instrument recorded nothing.
+    pub heights_m: Array2<f64>,
+    /// Distance between points along (x, y) in metre, where the file states it.
+    pub pitch_m: Option<(f64, f64)>,
+    /// What else the file says, by its own field names.
+    pub metadata: BTreeMap<String, String>,
+    /// Doubts about the content, in words for the user.
+    pub warnings: Vec<String>,
+}
+
+impl Scan {
+    /// A scan that says nothing but its heights and pitch.
+    pub fn new(heights_m: Array2<f64>, pitch_m: Option<(f64, f64)>) -> Self {
+        Self { heights_m, pitch_m, metadata: BTreeMap::new(), warnings: Vec::new() }
+    }
+
+    /// Number of heights that are missing.
+    pub fn missing_points(&self) -> usize {
+        self.heights_m.iter().filter(|z| !z.is_finite()).count()
+    }
+
+    /// Lowest and highest height in metre, `None` when all are missing.
+    pub(crate) fn height_range_m(&self) -> Option<(f64, f64)> {
+        let present = self.heights_m.iter().copied().filter(|z| z.is_finite());
+        present.fold(None, |range, z| match range {
+            None => Some((z, z)),
+            Some((low, high)) => Some((z.min(low), z.max(high))),
+        })
+    }
+
+    /// The scan as it leaves a reader: every height that is not finite is NaN, a pitch that is none is left out, and
+    /// implausible sizes are named in the warnings.
+    pub(crate) fn checked(mut self) -> Self {
+        self.heights_m.mapv_inplace(|z| if z.is_finite() { z } else { f64::NAN });
+        let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
+        let Some((dx_m, dy_m)) = self.pitch_m else { return self };
+        if !(is_pitch(dx_m) && is_pitch(dy_m)) {
+            self.warnings.push(format!("the stated pixel size {dx_m:e} × {dy_m:e} m is not positive and was left out"));
+            self.pitch_m = None;
+            return self;
+        }
+        for (axis, pitch) in [("x", dx_m), ("y", dy_m)] {
+            if !PLAUSIBLE_PITCH_M.contains(&pitch) {
+                self.warnings.push(format!("the pixel size along {axis}, {pitch:e} m, is not between 1 pm and 1 m"));
+            }
+        }
+        if dx_m.max(dy_m) > PLAUSIBLE_PITCH_RATIO * dx_m.min(dy_m) {
+            self.warnings.push(format!("the pixels are far from square: {dx_m:e} × {dy_m:e} m"));
+        }
+        let (ny, nx) = self.heights_m.dim();
+        let field_m = (nx as f64 * dx_m).max(ny as f64 * dy_m);
+        if let Some((low, high)) = self.height_range_m()
+            && high - low > field_m
+        {
+            self.warnings.push(format!(
+                "the heights span {:e} m, more than the field of view, {field_m:e} m; check the units",
+                high - low
+            ));
+        }
+        self
+    }
+}
+
+/// Where one declared dimension stands in a file.
+pub(crate) struct Dimension {
+    pub(crate) field: &'static str,
+    pub(crate) at: Location,
+    pub(crate) found: i64,
+}
+
+impl Dimension {
+    /// The dimension as a positive number of points.
+    fn positive(&self, format: Format) -> Result<u64, FormatError> {
+        u64::try_from(self.found).ok().filter(|&points| points > 0).ok_or_else(|| FormatError::Field {
+            format,
+            field: self.field.into(),
+            at: self.at.clone(),
+            found: self.found.to_string(),
+            wanted: "1 or more".into(),
+        })
+    }
+}
+
+/// Checked shape `(rows, columns)` of a map whose dimensions were declared by a file.
+///
+/// # Errors
+/// A dimension below one, or a product above [`MAX_POINTS`].
+pub(crate) fn shape(format: Format, rows: &Dimension, columns: &Dimension) -> Result<(usize, usize), FormatError> {
+    let (ny, nx) = (rows.positive(format)?, columns.positive(format)?);
+    let points = ny.saturating_mul(nx);
+    match (usize::try_from(ny), usize::try_from(nx)) {
+        (Ok(ny), Ok(nx)) if points <= MAX_POINTS => Ok((ny, nx)),
+        _ => Err(FormatError::TooLarge {
+            format,
+            field: format!("the product of {} and {}", columns.field, rows.field),
+            at: columns.at.clone(),
+            found: points,
+            limit: MAX_POINTS,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    fn warnings(heights_m: Array2<f64>, pitch_m: (f64, f64)) -> Vec<String> {
+        Scan::new(heights_m, Some(pitch_m)).checked().warnings
+    }
+
+    #[test]
+    fn a_plausible_scan_has_no_warnings() {
+        assert!(warnings(array![[0.0, 1e-6], [2e-6, f64::NAN]], (1e-6, 2e-6)).is_empty());
+    }
+
+    #[test]
+    fn heights_beyond_the_field_of_view_are_doubted() {
+        let found = warnings(array![[0.0, 5e-6], [0.0, 0.0]], (1e-6, 2e-6));
+        assert!(matches!(found.as_slice(), [one] if one.contains("more than the field of view")), "{found:?}");
+    }
+
+    #[test]
+    fn pitches_beyond_a_picometre_and_a_metre_are_doubted() {
+        for pitch_m in [0.9e-12, 1.1] {
+            let found = warnings(array![[0.0, 0.0]], (pitch_m, pitch_m));
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert!(found[0].contains("between 1 pm and 1 m"));
+        }
+    }
+
+    #[test]
+    fn pixels_far_from_square_are_doubted() {
+        let found = warnings(array![[0.0, 0.0]], (1e-6, 1.1e-5));
+        assert!(matches!(found.as_slice(), [one] if one.contains("far from square")), "{found:?}");
+        assert!(warnings(array![[0.0, 0.0]], (1e-6, 0.9e-5)).is_empty());
+    }
+
+    #[test]
+    fn a_pitch_that_is_none_is_left_out_with_a_warning() {
+        for pitch_m in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
+            let scan = Scan::new(array![[0.0, 0.0]], Some((1e-6, pitch_m))).checked();
+            assert_eq!(scan.pitch_m, None);
+            assert_eq!(scan.warnings.len(), 1);
+        }
+    }
+
+    #[test]
+    fn heights_that_are_not_finite_leave_as_nan() {
+        let scan = Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None).checked();
+        assert_eq!(scan.missing_points(), 3);
+        assert!(scan.heights_m.iter().all(|z| !z.is_infinite()));
+    }
+}

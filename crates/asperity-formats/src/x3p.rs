@@ -1,0 +1,88 @@
+//! X3P, the open format of ISO 25178-72 (first published as ISO 5436-2): a zip archive of `main.xml`, which describes the
+//! measurement, and binary files with the heights and, where the number type has no NaN, with one validity bit per point.
+//!
+//! A stored number n on the z axis is the height n·increment + offset in metre; x varies fastest, then y, then the layer.
+//! Schema and sample files: <https://www.opengps.eu>.
+
+mod archive;
+mod document;
+mod read;
+mod write;
+
+use crate::sample::Sample;
+use crate::{FormatError, Location};
+
+pub(crate) use read::read;
+pub use write::write_x3p;
+
+/// The file of the archive that describes all others.
+const MAIN: &str = "main.xml";
+/// The file with the checksum of `main.xml`, unless `main.xml` names another.
+const CHECKSUM: &str = "md5checksum.hex";
+/// Where heights are written.
+const POINT_DATA: &str = "bindata/data.bin";
+/// Where validity bits are written.
+const VALID_POINTS: &str = "bindata/valid.bin";
+
+/// Paths of elements below the root of `main.xml`, by local names.
+mod path {
+    pub(super) const FEATURE_TYPE: &str = "Record1/FeatureType";
+    pub(super) const AXES: &str = "Record1/Axes";
+    pub(super) const SIZE_X: &str = "Record3/MatrixDimension/SizeX";
+    pub(super) const SIZE_Y: &str = "Record3/MatrixDimension/SizeY";
+    pub(super) const SIZE_Z: &str = "Record3/MatrixDimension/SizeZ";
+    pub(super) const POINT_DATA: &str = "Record3/DataLink/PointDataLink";
+    pub(super) const POINT_DATA_MD5: &str = "Record3/DataLink/MD5ChecksumPointData";
+    pub(super) const VALID_POINTS: &str = "Record3/DataLink/ValidPointsLink";
+    pub(super) const VALID_POINTS_MD5: &str = "Record3/DataLink/MD5ChecksumValidPoints";
+    pub(super) const DATUM: &str = "Record3/DataList/Datum";
+    pub(super) const CHECKSUM_FILE: &str = "Record4/ChecksumFile";
+}
+
+/// How heights are stored in a file that is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum X3pData {
+    /// 32768 steps from the lowest to the highest height, so each is off by at most half a step; missing points in
+    /// `valid.bin`. The stored numbers are 0 to 32767: readers that take this type for unsigned read them rightly too.
+    Int16,
+    /// `f32`, NaN where missing.
+    Float32,
+    /// `f64`, NaN where missing.
+    #[default]
+    Float64,
+}
+
+impl X3pData {
+    /// The letter of the type in `main.xml`.
+    fn letter(self) -> &'static str {
+        match self {
+            Self::Int16 => "I",
+            Self::Float32 => "F",
+            Self::Float64 => "D",
+        }
+    }
+}
+
+/// The number type behind a letter of `main.xml`; both integers are signed.
+fn sample(letter: &str) -> Option<Sample> {
+    match letter {
+        "I" => Some(Sample::I16),
+        "L" => Some(Sample::I32),
+        "F" => Some(Sample::F32),
+        "D" => Some(Sample::F64),
+        _ => None,
+    }
+}
+
+/// An MD5 sum in the usual hexadecimal digits.
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn archive_error(entry: &str, reason: impl ToString) -> FormatError {
+    FormatError::Archive { format: crate::Format::X3p, entry: entry.into(), reason: reason.to_string() }
+}
+
+fn in_main(offset: u64) -> Location {
+    Location::Entry { entry: MAIN.into(), offset }
+}

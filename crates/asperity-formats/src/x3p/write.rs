@@ -1,0 +1,214 @@
+//! From a scan to an archive.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{Cursor, Write as _};
+
+use md5::{Digest, Md5};
+use quick_xml::escape::escape;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, System, ZipWriter};
+
+use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData, archive_error, hexadecimal};
+use crate::{Format, FormatError, Scan};
+
+/// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
+const NAMESPACE: &str = "http://www.opengps.eu/2008/ISO5436_2";
+/// Highest number in a file of 16-bit integers; the lowest is 0.
+const INT16_STEPS: f64 = 32767.0;
+/// Stated where the scan does not know a date; the schema demands one.
+const NO_DATE: &str = "1970-01-01T00:00:00Z";
+/// Stated where the scan does not know a text.
+const UNKNOWN: &str = "not available";
+
+/// Binary files and the z axis that turns their numbers into metre.
+struct Stored {
+    points: Vec<u8>,
+    valid: Option<Vec<u8>>,
+    increment: f64,
+    offset_m: f64,
+}
+
+/// The scan as an X3P file. Equal scans give equal bytes.
+///
+/// The measurement's description (`Record2/…` of the metadata) is kept; what is unknown reads "not available".
+///
+/// # Errors
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with heights
+/// beyond the number type.
+pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
+    let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::X3p })?;
+    let (ny, nx) = scan.heights_m.dim();
+    if ny == 0 || nx == 0 {
+        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
+    }
+    if [pitch_m.0, pitch_m.1].iter().any(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
+        return Err(not_storable(format!("a pixel size of {} × {} m", pitch_m.0, pitch_m.1), "positive numbers"));
+    }
+    let stored = match data {
+        X3pData::Int16 => int16(scan)?,
+        X3pData::Float32 => float32(scan)?,
+        X3pData::Float64 => float64(scan),
+    };
+    let main = main_xml(scan, pitch_m, data, &stored);
+    let checksum = format!("{} *{MAIN}\n", hexadecimal(&Md5::digest(main.as_bytes())));
+    let mut files: Vec<(&str, &[u8])> = vec![(MAIN, main.as_bytes()), (POINT_DATA, &stored.points)];
+    files.extend(stored.valid.as_deref().map(|valid| (VALID_POINTS, valid)));
+    files.push((CHECKSUM, checksum.as_bytes()));
+    archive(&files)
+}
+
+fn not_storable(found: String, wanted: &'static str) -> FormatError {
+    FormatError::NotStorable { format: Format::X3p, found, wanted }
+}
+
+/// A zip archive whose bytes depend on nothing but its files: no clock, no host.
+fn archive(files: &[(&str, &[u8])]) -> Result<Vec<u8>, FormatError> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .system(System::Unix)
+        .unix_permissions(0o644);
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        let large = options.large_file(u32::try_from(bytes.len()).is_err());
+        zip.start_file(*name, large).map_err(|error| archive_error(name, error))?;
+        zip.write_all(bytes).map_err(|error| archive_error(name, error))?;
+    }
+    Ok(zip.finish().map_err(|error| archive_error("archive", error))?.into_inner())
+}
+
+fn float64(scan: &Scan) -> Stored {
+    let number = |&z: &f64| if z.is_finite() { z } else { f64::NAN }.to_le_bytes();
+    Stored { points: scan.heights_m.iter().flat_map(number).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
+}
+
+fn float32(scan: &Scan) -> Result<Stored, FormatError> {
+    let mut points = Vec::with_capacity(4 * scan.heights_m.len());
+    for &z in &scan.heights_m {
+        let narrow = if z.is_finite() { z as f32 } else { f32::NAN };
+        if narrow.is_infinite() {
+            return Err(not_storable(format!("a height of {z:e} m"), "heights within the range of f32"));
+        }
+        points.extend(narrow.to_le_bytes());
+    }
+    Ok(Stored { points, valid: None, increment: 1.0, offset_m: 0.0 })
+}
+
+/// Heights in [`INT16_STEPS`] equal steps from the lowest to the highest.
+fn int16(scan: &Scan) -> Result<Stored, FormatError> {
+    let (low, high) = scan.height_range_m().unwrap_or((0.0, 0.0));
+    let step = (high - low) / INT16_STEPS;
+    if !step.is_finite() {
+        return Err(not_storable(format!("heights from {low:e} to {high:e} m"), "a range that fits f64"));
+    }
+    // A flat map has no step of its own; any will do for numbers that are all zero.
+    let increment = if step > 0.0 { step } else { 1.0 };
+    let mut points = Vec::with_capacity(2 * scan.heights_m.len());
+    let mut valid = vec![0_u8; scan.heights_m.len().div_ceil(8)];
+    for (point, &z) in scan.heights_m.iter().enumerate() {
+        let mut number = 0;
+        if z.is_finite() {
+            // A conversion of floats saturates, so rounding cannot leave the range.
+            number = ((z - low) / increment).round() as i16;
+            valid[point / 8] |= 1 << (point % 8);
+        }
+        points.extend(number.to_le_bytes());
+    }
+    let complete = scan.missing_points() == 0;
+    Ok(Stored { points, valid: (!complete).then_some(valid), increment, offset_m: low })
+}
+
+/// The text of a metadata field as XML content.
+fn known<'a>(metadata: &'a BTreeMap<String, String>, field: &str) -> Option<String> {
+    let value: &'a str = metadata.get(&format!("Record2/{field}"))?;
+    // XML 1.0 has no place for other control characters, not even escaped.
+    let text: String = value.chars().filter(|c| !c.is_control() || matches!(c, '\n' | '\t')).collect();
+    Some(escape(text.as_str()).into_owned())
+}
+
+/// The description, in the order that the schema demands.
+fn main_xml(scan: &Scan, (dx_m, dy_m): (f64, f64), data: X3pData, stored: &Stored) -> String {
+    let (ny, nx) = scan.heights_m.dim();
+    let field = |name: &str| known(&scan.metadata, name);
+    let text = |name: &str| field(name).unwrap_or_else(|| UNKNOWN.into());
+    let date = |name: &str| field(name).unwrap_or_else(|| NO_DATE.into());
+    let kind = field("ProbingSystem/Type")
+        .filter(|kind| matches!(kind.as_str(), "Contacting" | "NonContacting" | "Software"))
+        .unwrap_or_else(|| "Software".into());
+    let optional = |name: &str| field(name).map(|text| format!("    <{name}>{text}</{name}>\n")).unwrap_or_default();
+
+    let mut axes = String::new();
+    let z = (stored.increment, stored.offset_m);
+    for (axis, kind, letter, (increment, offset)) in
+        [("CX", "I", "D", (dx_m, 0.0)), ("CY", "I", "D", (dy_m, 0.0)), ("CZ", "A", data.letter(), z)]
+    {
+        // Writing to a String cannot fail.
+        let _ = write!(
+            axes,
+            "      <{axis}>\n        <AxisType>{kind}</AxisType>\n        <DataType>{letter}</DataType>\n        \
+             <Increment>{increment:e}</Increment>\n        <Offset>{offset:e}</Offset>\n      </{axis}>\n"
+        );
+    }
+    let md5 = |bytes: &[u8]| hexadecimal(&Md5::digest(bytes)).to_uppercase();
+    let mut links = format!(
+        "      <PointDataLink>{POINT_DATA}</PointDataLink>\n      \
+         <MD5ChecksumPointData>{}</MD5ChecksumPointData>\n",
+        md5(&stored.points)
+    );
+    if let Some(valid) = &stored.valid {
+        let _ = write!(
+            links,
+            "      <ValidPointsLink>{VALID_POINTS}</ValidPointsLink>\n      \
+             <MD5ChecksumValidPoints>{}</MD5ChecksumValidPoints>\n",
+            md5(valid)
+        );
+    }
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8" standalone="no"?>
+<p:ISO5436_2 xmlns:p="{NAMESPACE}" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="{NAMESPACE} {NAMESPACE}/ISO5436_2.xsd">
+  <Record1>
+    <Revision>ISO5436 - 2000</Revision>
+    <FeatureType>SUR</FeatureType>
+    <Axes>
+{axes}    </Axes>
+  </Record1>
+  <Record2>
+    <Date>{date}</Date>
+{creator}    <Instrument>
+      <Manufacturer>{manufacturer}</Manufacturer>
+      <Model>{model}</Model>
+      <Serial>{serial}</Serial>
+      <Version>{version}</Version>
+    </Instrument>
+    <CalibrationDate>{calibration}</CalibrationDate>
+    <ProbingSystem>
+      <Type>{kind}</Type>
+      <Identification>{identification}</Identification>
+    </ProbingSystem>
+{comment}  </Record2>
+  <Record3>
+    <MatrixDimension>
+      <SizeX>{nx}</SizeX>
+      <SizeY>{ny}</SizeY>
+      <SizeZ>1</SizeZ>
+    </MatrixDimension>
+    <DataLink>
+{links}    </DataLink>
+  </Record3>
+  <Record4>
+    <ChecksumFile>{CHECKSUM}</ChecksumFile>
+  </Record4>
+</p:ISO5436_2>
+"#,
+        date = date("Date"),
+        creator = optional("Creator"),
+        manufacturer = text("Instrument/Manufacturer"),
+        model = text("Instrument/Model"),
+        serial = text("Instrument/Serial"),
+        version = text("Instrument/Version"),
+        calibration = date("CalibrationDate"),
+        identification = text("ProbingSystem/Identification"),
+        comment = optional("Comment"),
+    )
+}

@@ -1,0 +1,151 @@
+//! The eigenproblem of a stationary covariance on an interval.
+
+use faer::{Mat, Side};
+use ndarray::Array2;
+
+use crate::surface::GeneratorError;
+
+/// Eigenpairs of ∫₀^L ρ(x − y) φ(y) dy = λ φ(x), of unit variance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfileModes {
+    /// Eigenvalues in metre, falling; values below rounding are zero.
+    pub eigenvalues_m: Vec<f64>,
+    /// Eigenfunctions at the cell centres in m^{−1/2}, shape `[modes, points]`, with Σ φ_j² Δ = 1.
+    pub functions: Array2<f64>,
+    /// Share Σλ/L of the variance.
+    pub captured_variance: f64,
+}
+
+/// The first `modes` eigenpairs on `points` cells of `pitch_m`, by Nyström's method with the midpoint rule.
+///
+/// The matrix is ρ(x_i − x_j)Δ at the cell centres, so with all modes the covariance of the map's own points is met
+/// exactly, and eigenvalues converge to those of the interval with order Δ² (for a kernel with a kink or smoother).
+/// Functions have a fixed sign: the first value of at least half the largest magnitude is positive. The dense solver
+/// costs about 10 n³ operations: a second at n = 1,000.
+///
+/// # Errors
+/// No mode or more modes than points; a correlation that is not finite.
+pub fn profile_modes(
+    correlation: impl Fn(f64) -> f64,
+    points: usize,
+    pitch_m: f64,
+    modes: usize,
+) -> Result<ProfileModes, GeneratorError> {
+    if modes == 0 || modes > points {
+        return Err(GeneratorError::Modes { wanted: modes, points });
+    }
+    let row: Vec<f64> = (0..points).map(|lag| pitch_m * correlation(lag as f64 * pitch_m)).collect();
+    if row.iter().any(|value| !value.is_finite()) {
+        return Err(GeneratorError::Eigen { points });
+    }
+    let (values, vectors) = dense_eigenpairs(points, |i, j| row[i.abs_diff(j)])?;
+    let eigenvalues_m: Vec<f64> = values[..modes].to_vec();
+    let functions = Array2::from_shape_fn((modes, points), |(j, i)| vectors[[j, i]] / pitch_m.sqrt());
+    let captured_variance = eigenvalues_m.iter().sum::<f64>() / (points as f64 * pitch_m);
+    Ok(ProfileModes { eigenvalues_m, functions, captured_variance })
+}
+
+/// All eigenpairs of a dense symmetric matrix, falling: values (zero below rounding) and unit vectors as rows.
+pub(super) fn dense_eigenpairs(
+    n: usize,
+    entry: impl Fn(usize, usize) -> f64,
+) -> Result<(Vec<f64>, Array2<f64>), GeneratorError> {
+    let matrix = Mat::from_fn(n, n, &entry);
+    let eigen = matrix.self_adjoint_eigen(Side::Lower).map_err(|_| GeneratorError::Eigen { points: n })?;
+    let ascending = eigen.S();
+    let largest = ascending[n - 1].abs();
+    let floor = largest * f64::EPSILON * n as f64;
+    let values = (0..n).rev().map(|j| if ascending[j] > floor { ascending[j] } else { 0.0 }).collect();
+    let mut vectors = Array2::from_shape_fn((n, n), |(j, i)| eigen.U()[(i, n - 1 - j)]);
+    for mut vector in vectors.rows_mut() {
+        fix_sign(vector.as_slice_mut().unwrap_or_default());
+    }
+    Ok((values, vectors))
+}
+
+/// Turns a vector so that its first value of at least half the largest magnitude is positive.
+pub(super) fn fix_sign(vector: &mut [f64]) {
+    let largest = vector.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let leading = vector.iter().copied().find(|v| v.abs() >= 0.5 * largest);
+    if leading.is_some_and(|v| v < 0.0) {
+        for v in vector {
+            *v = -*v;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eigenvalues 2ℓ/(1 + (ℓω)²) of e^{−|x−y|/ℓ} on [0, 1]: with c = 1/ℓ and a = ½, ω solves c = ω tan(ωa) for even and
+    /// ω = −c tan(ωa) for odd functions (Ghanem & Spanos 1991, §2.3.3), one root in each half period.
+    fn exact(length: f64, count: usize) -> Vec<f64> {
+        let (c, a) = (1.0 / length, 0.5);
+        (0..count)
+            .map(|j| {
+                // Multiplied by cos, both equations are smooth and change sign once in (jπ, (j + 1)π)·½/a.
+                let residual = |omega: f64| {
+                    let (sin, cos) = (omega * a).sin_cos();
+                    if j % 2 == 0 { c * cos - omega * sin } else { omega * cos + c * sin }
+                };
+                let (mut low, mut high) = (j as f64 * std::f64::consts::PI, (j + 1) as f64 * std::f64::consts::PI);
+                if j == 0 {
+                    low = 1e-12;
+                }
+                let sign = residual(low).signum();
+                for _ in 0..200 {
+                    let middle = 0.5 * (low + high);
+                    if residual(middle).signum() == sign { low = middle } else { high = middle }
+                }
+                2.0 * length / (1.0 + (length * low).powi(2))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_closed_form_gives_the_published_eigenvalues() {
+        for (length, published) in [
+            (1.0, [0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]),
+            (0.1, [0.187_082_551_9, 0.156_045_560_2, 0.121_154_351_5, 0.091_324_242_8]),
+        ] {
+            for (root, value) in exact(length, 4).into_iter().zip(published) {
+                assert!((root - value).abs() < 1e-10, "{root} {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn eigenvalues_of_the_exponential_converge_with_order_two() {
+        for length in [1.0, 0.1] {
+            let wanted = exact(length, 4);
+            let errors = [64, 128, 256].map(|points| {
+                let found = profile_modes(|x| (-x / length).exp(), points, 1.0 / points as f64, 4).unwrap();
+                let errors: Vec<f64> =
+                    found.eigenvalues_m.iter().zip(&wanted).map(|(f, w)| (f / w - 1.0).abs()).collect();
+                errors
+            });
+            for mode in 0..4 {
+                assert!(errors[2][mode] < 1e-3, "length {length} mode {mode}: {:e}", errors[2][mode]);
+                let order = (errors[1][mode] / errors[2][mode]).log2();
+                assert!((order - 2.0).abs() < 0.1, "length {length} mode {mode}: observed order {order:.3}");
+            }
+        }
+    }
+
+    #[test]
+    fn functions_are_orthonormal_and_all_of_them_rebuild_the_covariance() {
+        let rho = |x: f64| (-(x / 0.3).powi(2)).exp();
+        let found = profile_modes(rho, 40, 0.025, 40).unwrap();
+        let gram = found.functions.dot(&found.functions.t()) * 0.025;
+        for ((i, j), value) in gram.indexed_iter() {
+            assert!((value - f64::from(u8::from(i == j))).abs() < 1e-12);
+        }
+        for (i, j) in [(0, 0), (3, 17), (39, 20)] {
+            let sum: f64 =
+                (0..40).map(|k| found.eigenvalues_m[k] * found.functions[[k, i]] * found.functions[[k, j]]).sum();
+            assert!((sum - rho(0.025 * (i as f64 - j as f64))).abs() < 1e-12);
+        }
+        assert!((found.captured_variance - 1.0).abs() < 1e-12);
+    }
+}

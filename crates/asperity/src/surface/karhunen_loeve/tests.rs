@@ -1,0 +1,166 @@
+use super::profile::dense_eigenpairs;
+use super::*;
+use crate::correlation::{CorrelationModel, SeparableCovariance};
+use crate::random;
+
+fn unit(model: CorrelationModel, length_x_m: f64, length_y_m: f64) -> Covariance {
+    Covariance::new(model, 1.0, length_x_m, length_y_m).unwrap()
+}
+
+/// Eigenvalues of the full covariance matrix of a small grid times the cell area.
+fn dense(covariance: &dyn StationaryCovariance, grid: Grid) -> Vec<f64> {
+    let place = |i: usize| ((i % grid.nx()) as f64 * grid.dx_m(), (i / grid.nx()) as f64 * grid.dy_m());
+    let entry = |i: usize, j: usize| {
+        let ((xi, yi), (xj, yj)) = (place(i), place(j));
+        grid.cell_area_m2() * covariance.correlation((xi - xj).abs(), (yi - yj).abs())
+    };
+    dense_eigenpairs(grid.points(), entry).unwrap().0
+}
+
+fn assert_orthonormal(surface: &KarhunenLoeve) {
+    let cell = surface.grid().cell_area_m2();
+    let functions: Vec<_> = (0..surface.germ_len()).map(|j| surface.mode_per_m(j)).collect();
+    for (i, a) in functions.iter().enumerate() {
+        for (j, b) in functions.iter().enumerate().take(i + 1) {
+            let product = cell * (a * b).sum();
+            assert!((product - f64::from(u8::from(i == j))).abs() < 1e-10, "modes {i}, {j}: {product}");
+        }
+    }
+}
+
+#[test]
+fn a_hundred_and_one_terms_hold_the_known_share_of_a_two_dimensional_variance() {
+    // The shares of the separable exponential and of the squared exponential on the unit square, to the three digits
+    // in which they are known.
+    for (length, exponential, squared) in [(0.1, 0.665, 0.940), (0.2, 0.839, 0.9999)] {
+        let share = |model| {
+            modes(&unit(model, length, length), &[1.0, 1.0], &[256, 256], 101, ModesRoute::Separable)
+                .unwrap()
+                .captured_variance
+        };
+        assert!((share(CorrelationModel::Exponential) - exponential).abs() < 1e-3);
+        assert!((share(CorrelationModel::SquaredExponential) - squared).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn the_general_route_gives_the_dense_eigenvalues_also_where_they_are_equal() {
+    let square = Grid::new(16, 16, 1.0, 1.0).unwrap();
+    let oblong = Grid::new(20, 11, 0.5, 1.0).unwrap();
+    for grid in [square, oblong] {
+        for covariance in [
+            unit(CorrelationModel::Exponential, 4.0, 4.0),
+            unit(CorrelationModel::Matern { nu: 1.5 }, 3.0, 6.0),
+            unit(CorrelationModel::SelfAffine { hurst: 0.8 }, 5.0, 5.0),
+        ] {
+            let wanted = dense(&covariance, grid);
+            let found = KarhunenLoeve::new(&covariance, grid, 40, ModesRoute::General).unwrap();
+            for (j, (f, w)) in found.eigenvalues_m2().iter().zip(&wanted).enumerate() {
+                assert!((f - w).abs() < 1e-11 * wanted[0], "{covariance:?} mode {j}: {f} {w}");
+            }
+            assert_orthonormal(&found);
+        }
+    }
+}
+
+#[test]
+fn the_general_and_the_separable_route_agree_on_a_separable_covariance() {
+    let grid = Grid::new(24, 18, 1.0, 1.0).unwrap();
+    let covariance = SeparableCovariance(unit(CorrelationModel::Exponential, 6.0, 4.0));
+    let general = KarhunenLoeve::new(&covariance, grid, 30, ModesRoute::General).unwrap();
+    let separable = KarhunenLoeve::new(&covariance, grid, 30, ModesRoute::Separable).unwrap();
+    for (a, b) in general.eigenvalues_m2().iter().zip(separable.eigenvalues_m2()) {
+        assert!((a - b).abs() < 1e-10 * separable.eigenvalues_m2()[0]);
+    }
+    let (a, b) = (general.covariance_with_m2(7, 11), separable.covariance_with_m2(7, 11));
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-7));
+    assert_orthonormal(&separable);
+}
+
+#[test]
+fn the_isotropic_exponential_is_not_the_separable_one() {
+    let covariance = unit(CorrelationModel::Exponential, 0.1, 0.1);
+    let share = |route| modes(&covariance, &[1.0, 1.0], &[48, 48], 101, route).unwrap().captured_variance;
+    assert!(share(ModesRoute::General) > share(ModesRoute::Separable) + 0.02);
+}
+
+#[test]
+fn all_modes_rebuild_the_covariance_on_the_map_exactly() {
+    let grid = Grid::new(9, 8, 1.0, 0.7).unwrap();
+    let covariance = Covariance::new(CorrelationModel::SquaredExponential, 2.5, 3.0, 2.0).unwrap();
+    for route in [ModesRoute::Separable, ModesRoute::General] {
+        let surface = KarhunenLoeve::new(&covariance, grid, grid.points(), route).unwrap();
+        assert!((surface.captured_variance() - 1.0).abs() < 1e-12);
+        let met = surface.covariance_with_m2(2, 6);
+        for ((row, column), value) in met.indexed_iter() {
+            let lag = ((column as f64 - 6.0).abs(), 0.7 * (row as f64 - 2.0).abs());
+            assert!((value - covariance.value_m2(lag.0, lag.1)).abs() < 1e-11, "{route:?}");
+        }
+    }
+}
+
+#[test]
+fn a_map_is_the_sum_of_its_terms_on_every_route() {
+    let grid = Grid::new(14, 10, 1.0, 1.0).unwrap();
+    let covariance = Covariance::new(CorrelationModel::Exponential, 3.0, 4.0, 5.0).unwrap();
+    for route in [ModesRoute::Separable, ModesRoute::General, ModesRoute::Periodic] {
+        let surface = KarhunenLoeve::new(&covariance, grid, 30, route).unwrap();
+        assert_orthonormal(&surface);
+        let germ = random::standard_normal(&mut random::stream(5, "karhunen-loeve", 0), 30);
+        let mut sum = Array2::<f64>::zeros(grid.shape());
+        let mut variance = Array2::<f64>::zeros(grid.shape());
+        let mut with_point = Array2::<f64>::zeros(grid.shape());
+        for (j, xi) in germ.iter().enumerate() {
+            let mode = surface.mode_per_m(j);
+            let value = surface.eigenvalues_m2()[j];
+            sum.scaled_add(3.0 * value.sqrt() * xi, &mode);
+            variance.scaled_add(9.0 * value, &mode.mapv(|v| v * v));
+            with_point.scaled_add(9.0 * value * mode[[3, 4]], &mode);
+        }
+        let close = |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(close(&sum, surface.generate(&germ).heights_m()), "{route:?}");
+        assert!(close(&variance, &surface.pointwise_std_m().mapv(|s| s * s)), "{route:?}");
+        assert!(close(&with_point, &surface.covariance_with_m2(3, 4)), "{route:?}");
+        assert!(surface.eigenvalues_m2().windows(2).all(|pair| pair[0] >= pair[1]));
+    }
+}
+
+#[test]
+fn the_ensemble_has_the_variance_of_its_modes_within_four_standard_errors() {
+    let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
+    let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 2.0, 6.0).unwrap();
+    let surface = KarhunenLoeve::new(&covariance, grid, 40, ModesRoute::Separable).unwrap();
+    let count = 2000;
+    let powers: Vec<f64> = (0..count)
+        .map(|index| {
+            let germ = random::standard_normal(&mut random::stream(9, "ensemble", index), 40);
+            let map = surface.generate(&germ);
+            map.present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
+        })
+        .collect();
+    let mean = powers.iter().sum::<f64>() / count as f64;
+    let spread = powers.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / (count - 1) as f64;
+    let wanted = 4.0 * surface.captured_variance();
+    assert!((mean - wanted).abs() < 4.0 * (spread / count as f64).sqrt(), "{mean} {wanted}");
+}
+
+#[test]
+fn one_size_is_an_interval_and_wrong_counts_are_refused() {
+    let covariance = unit(CorrelationModel::Exponential, 1.0, 1.0);
+    let found = modes(&covariance, &[1.0], &[256], 4, ModesRoute::Separable).unwrap();
+    for (value, wanted) in
+        found.eigenvalues.iter().zip([0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3])
+    {
+        assert!((value / wanted - 1.0).abs() < 1e-3);
+    }
+    assert!(matches!(
+        modes(&covariance, &[1.0], &[8, 8], 4, ModesRoute::General),
+        Err(GeneratorError::Dimensions { sizes: 1, points: 2 })
+    ));
+    assert!(matches!(
+        modes(&covariance, &[1.0], &[8], 9, ModesRoute::General),
+        Err(GeneratorError::Modes { wanted: 9, points: 8 })
+    ));
+    let ring = modes(&covariance, &[8.0], &[64], 5, ModesRoute::Periodic).unwrap().eigenvalues;
+    assert!((ring[1] - ring[2]).abs() < 1e-12 && (ring[3] - ring[4]).abs() < 1e-12, "cosines and sines come in pairs");
+}
