@@ -1,9 +1,9 @@
 //! Progress and Ctrl-C: bars on a terminal, a line every ten seconds elsewhere, nothing when quiet.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity::monitor::{Cancelled, Monitor};
@@ -15,22 +15,58 @@ use crate::output::talk;
 /// Time between two lines when stderr is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Shows progress on stderr and learns of Ctrl-C.
+/// Shows progress on stderr, takes the time of every task, and learns of Ctrl-C.
 pub(crate) struct Terminal {
     display: Display,
+    tasks: Mutex<BTreeMap<String, Task>>,
     cancelled: Arc<AtomicBool>,
 }
 
 enum Display {
     Nothing,
-    Bars { all: MultiProgress, tasks: Mutex<HashMap<String, ProgressBar>> },
-    Lines(Mutex<HashMap<String, Task>>),
+    Bars(MultiProgress),
+    Lines,
 }
 
 struct Task {
     started: Instant,
     last_line: Instant,
+    /// Time of finished rounds.
+    spent: Duration,
     done: usize,
+    total: usize,
+    bar: Option<ProgressBar>,
+}
+
+impl Task {
+    fn new() -> Self {
+        let now = Instant::now();
+        Self { started: now, last_line: now, spent: Duration::ZERO, done: 0, total: usize::MAX, bar: None }
+    }
+
+    fn finished(&self) -> bool {
+        self.done >= self.total
+    }
+
+    /// Takes a report, which may come late. Returns whether something new is known.
+    fn advance(&mut self, done: usize, total: usize) -> bool {
+        if self.finished() {
+            // The same task again, as for every damping ratio of a sweep; late reports lie near the end.
+            if done > total / 2 {
+                return false;
+            }
+            *self = Self { spent: self.spent, ..Self::new() };
+        }
+        (self.done, self.total) = (self.done.max(done), total);
+        if self.finished() {
+            self.spent += self.started.elapsed();
+        }
+        true
+    }
+
+    fn time(&self) -> Duration {
+        if self.finished() { self.spent } else { self.spent + self.started.elapsed() }
+    }
 }
 
 impl Terminal {
@@ -48,11 +84,11 @@ impl Terminal {
         let display = if quiet {
             Display::Nothing
         } else if io::stderr().is_terminal() {
-            Display::Bars { all: MultiProgress::new(), tasks: Mutex::default() }
+            Display::Bars(MultiProgress::new())
         } else {
-            Display::Lines(Mutex::default())
+            Display::Lines
         };
-        Ok(Self { display, cancelled })
+        Ok(Self { display, tasks: Mutex::default(), cancelled })
     }
 
     /// Tells something that is neither data nor a warning, unless quiet.
@@ -64,10 +100,8 @@ impl Terminal {
 
     /// Takes the bars off the screen.
     pub(crate) fn finish(&self) {
-        if let Display::Bars { tasks, .. } = &self.display {
-            for bar in tasks.lock().unwrap_or_else(PoisonError::into_inner).values() {
-                bar.finish_and_clear();
-            }
+        for bar in self.tasks().values().filter_map(|task| task.bar.as_ref()) {
+            bar.finish_and_clear();
         }
     }
 
@@ -75,16 +109,34 @@ impl Terminal {
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.cancelled() { Err(Cancelled) } else { Ok(()) }
     }
+
+    /// Seconds that each task took so far.
+    pub(crate) fn seconds(&self) -> BTreeMap<String, f64> {
+        self.tasks().iter().map(|(what, task)| (what.clone(), task.time().as_secs_f64())).collect()
+    }
+
+    fn tasks(&self) -> MutexGuard<'_, BTreeMap<String, Task>> {
+        self.tasks.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Monitor for Terminal {
     fn progress(&self, what: &str, done: usize, total: usize) {
+        let mut tasks = self.tasks();
+        let task = tasks.entry(what.to_owned()).or_insert_with(Task::new);
+        if !task.advance(done, total) {
+            return;
+        }
         match &self.display {
             Display::Nothing => {}
-            Display::Bars { all, tasks } => {
-                let mut tasks = tasks.lock().unwrap_or_else(PoisonError::into_inner);
-                let bar = tasks.entry(what.to_owned()).or_insert_with(|| {
-                    let bar = all.add(ProgressBar::new(total as u64));
+            Display::Bars(_) if task.finished() => {
+                if let Some(bar) = task.bar.take() {
+                    bar.finish_and_clear();
+                }
+            }
+            Display::Bars(all) => {
+                let bar = task.bar.get_or_insert_with(|| {
+                    let bar = all.add(ProgressBar::new(0));
                     if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {eta:>4} left") {
                         bar.set_style(style);
                     }
@@ -92,20 +144,12 @@ impl Monitor for Terminal {
                     bar
                 });
                 bar.set_length(total as u64);
-                bar.set_position(bar.position().max(done as u64));
-                if done >= total {
-                    bar.finish_and_clear();
-                    tasks.remove(what);
-                }
+                bar.set_position(task.done as u64);
             }
-            Display::Lines(tasks) => {
-                let mut tasks = tasks.lock().unwrap_or_else(PoisonError::into_inner);
-                let now = Instant::now();
-                let task = tasks.entry(what.to_owned()).or_insert(Task { started: now, last_line: now, done: 0 });
-                task.done = task.done.max(done);
-                if now - task.last_line >= LINE_EVERY && task.done < total {
-                    task.last_line = now;
-                    talk(&line(what, task.done, total, now - task.started));
+            Display::Lines => {
+                if task.last_line.elapsed() >= LINE_EVERY && !task.finished() {
+                    task.last_line = Instant::now();
+                    talk(&line(what, task.done, total, task.started.elapsed()));
                 }
             }
         }
@@ -135,6 +179,19 @@ fn duration(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn late_reports_change_nothing_and_a_second_round_begins_again() {
+        let mut task = Task::new();
+        assert!(task.advance(1, 10) && task.advance(10, 10));
+        let first = task.time();
+        assert!(!task.advance(9, 10) && task.finished());
+        assert_eq!(task.time(), first);
+        assert!(task.advance(1, 10) && !task.finished());
+        assert!(task.advance(3, 10) && task.advance(2, 10));
+        assert_eq!(task.done, 3);
+        assert!(task.time() >= first);
+    }
 
     #[test]
     fn the_time_left_is_that_of_the_blocks_left() {

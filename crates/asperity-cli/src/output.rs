@@ -1,11 +1,12 @@
 //! What a command says: an answer as JSON or as a table on stdout, talk on stderr, files replaced in one step.
 
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use serde::{Serialize, Serializer};
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
@@ -29,6 +30,12 @@ impl Answer {
     pub(crate) fn with(mut self, key: &str, value: impl Into<Value>) -> Self {
         self.0.push((key.to_owned(), value.into()));
         self
+    }
+
+    /// The fields of a result of the library, in their order.
+    pub(crate) fn of(result: &impl Serialize) -> Result<Self, Failure> {
+        let text = serde_json::to_string(result);
+        text.and_then(|text| serde_json::from_str(&text)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))
     }
 
     /// Prints the answer to stdout: one JSON object, or an aligned table with units.
@@ -55,6 +62,29 @@ impl Answer {
 impl Serialize for Answer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|(key, value)| (key, value)))
+    }
+}
+
+impl<'de> Deserialize<'de> for Answer {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        /// Keeps the order of the keys.
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Answer;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Answer, A::Error> {
+                let mut answer = Answer::default();
+                while let Some(entry) = map.next_entry()? {
+                    answer.0.push(entry);
+                }
+                Ok(answer)
+            }
+        }
+        deserializer.deserialize_map(InOrder)
     }
 }
 

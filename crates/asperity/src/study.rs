@@ -5,21 +5,25 @@
 
 pub mod config;
 mod error;
+mod estimate;
 mod friction_stage;
 mod parse;
 mod pressure_stage;
 pub mod result;
 mod run;
 mod series;
+mod specimen;
 mod store;
 mod surface_stage;
 mod vibration_stage;
 
 pub use config::Study;
 pub use error::{FailureKind, StudyError};
+pub use estimate::StageEstimate;
 pub use parse::StudyFileError;
 pub use result::{Outcome, Results};
 pub use run::Stage;
 pub use series::{Field, Table, TableError};
+pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use surface_stage::statistics;

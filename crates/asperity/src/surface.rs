@@ -11,7 +11,9 @@ mod translation;
 mod weierstrass_mandelbrot;
 
 pub use gaussian::{GaussianSurface, GeneratorError};
-pub use karhunen_loeve::{KarhunenLoeve, Modes, ModesRoute, ProfileModes, modes, profile_modes};
+pub use karhunen_loeve::{
+    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, profile_modes,
+};
 pub use spectral::SpectralField;
 pub use translation::{Predistorted, Translated, TranslationError, TranslationReport};
 pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};

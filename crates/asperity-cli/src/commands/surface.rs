@@ -2,6 +2,7 @@
 
 mod convert;
 mod modes;
+mod stats;
 
 use clap::Subcommand;
 
@@ -11,6 +12,8 @@ use crate::monitor::Terminal;
 /// Commands of the surface stage.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Surface {
+    /// ISO 25178-2 parameters, correlation lengths and fractal dimension of a map.
+    Stats(stats::Stats),
     /// Rewrite a file in another format, chosen by the extension.
     Convert(convert::Convert),
     /// Karhunen–Loève eigenvalues of a covariance.
@@ -20,6 +23,7 @@ pub(crate) enum Surface {
 impl Surface {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         match self {
+            Self::Stats(stats) => stats.run(monitor),
             Self::Convert(convert) => convert.run(monitor),
             Self::Modes(modes) => modes.run(monitor),
         }

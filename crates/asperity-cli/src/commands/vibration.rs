@@ -2,6 +2,7 @@
 
 mod critical_damping;
 mod cycle;
+mod ensemble;
 mod trajectory;
 
 use asperity::vibration::{Forcing, FrictionLaw, Oscillator, Parameters, VibrationError};
@@ -20,6 +21,8 @@ pub(crate) enum Vibration {
     CriticalDamping(critical_damping::CriticalDamping),
     /// The events of one path over a recorded friction fluctuation.
     Trajectory(trajectory::Trajectory),
+    /// Many paths over a random friction fluctuation.
+    Ensemble(ensemble::Ensemble),
 }
 
 impl Vibration {
@@ -28,6 +31,7 @@ impl Vibration {
             Self::Cycle(cycle) => cycle.run(monitor),
             Self::CriticalDamping(critical) => critical.run(monitor),
             Self::Trajectory(trajectory) => trajectory.run(monitor),
+            Self::Ensemble(ensemble) => ensemble.run(monitor),
         }
     }
 }

@@ -33,7 +33,12 @@ pub struct HalfSpace {
     stiffness_fft: RealFft2,
     /// E*|q|/2 in Pa/m on the unpadded grid: the inverse of the compliance, used as preconditioner.
     stiffness: Vec<f64>,
+    /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
+    coarse: Option<Box<HalfSpace>>,
 }
+
+/// Cells along either side of the coarsest grid.
+const COARSEST: usize = 8;
 
 /// Scratch memory of one thread for one [`HalfSpace`].
 #[derive(Debug, Clone)]
@@ -94,7 +99,14 @@ impl HalfSpace {
                 (stiffness_fft.clone(), compliance)
             }
         };
-        Ok(Self { grid, modulus_pa, boundary, fft, compliance, stiffness_fft, stiffness })
+        let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
+        let coarse = if halved(nx) && halved(ny) {
+            let grid = Grid::new(nx / 2, ny / 2, 2.0 * grid.dx_m(), 2.0 * grid.dy_m()).ok();
+            grid.map(|grid| Self::new(grid, modulus_pa, boundary).map(Box::new)).transpose()?
+        } else {
+            None
+        };
+        Ok(Self { grid, modulus_pa, boundary, fft, compliance, stiffness_fft, stiffness, coarse })
     }
 
     /// The customary mean compliance of a periodic half-space, 2/(E* q_min) = max(L)/(πE*), in m/Pa: that of its
@@ -116,6 +128,11 @@ impl HalfSpace {
     /// What lies beyond the edge of the grid.
     pub fn boundary(&self) -> Boundary {
         self.boundary
+    }
+
+    /// The same half-space on cells twice as wide.
+    pub(super) fn coarse(&self) -> Option<&Self> {
+        self.coarse.as_deref()
     }
 
     /// Scratch memory for one thread.

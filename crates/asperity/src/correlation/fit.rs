@@ -20,8 +20,13 @@ const PLANE_LAGS: usize = 10;
 const LARGE_MEAN_SHARE: f64 = 0.25;
 /// A length may reach this many sizes of the map where its axis decays, and where it does not.
 const LONGEST: [f64; 2] = [1.0, 10.0];
+/// Sizes of a map in lengths below which it is called short, and the asymmetry from which its lay is called oblique.
+const FEW_LENGTHS: f64 = 10.0;
+const OBLIQUE: f64 = 0.1;
 /// A model with one more parameter must lower the misfit by this share to be ranked before.
-const PARSIMONY: f64 = 0.05;
+const PARSIMONY: f64 = 0.25;
+/// Of models that are the same function, as Matérn and self-affine for ν < 1, the one named first in the list is taken.
+const TIE: f64 = 1e-6;
 
 /// Why no covariance could be fitted.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -68,7 +73,7 @@ pub enum FitWarning {
         /// Least correlation within half of the map.
         least: f64,
     },
-    /// The map is fewer than ten correlation lengths long, so its correlation rests on few independent patches.
+    /// The map is fewer than ten fitted lengths long, so its correlation rests on few independent patches.
     FewLengths {
         /// Axis along which it happens.
         axis: Axis,
@@ -80,6 +85,12 @@ pub enum FitWarning {
     LargeMeanShare {
         /// [`CovarianceFit::mean_share`] of the best fit.
         share: f64,
+    },
+    /// The correlation at (x, y) and (−x, y) differs: the lay runs at an angle to the axes, which the models, even in x and
+    /// y, average away. Rotate the map first.
+    ObliqueLay {
+        /// Root mean square of half the difference over the lags used.
+        asymmetry: f64,
     },
 }
 
@@ -99,6 +110,12 @@ impl fmt::Display for FitWarning {
                 "{:.0} % of the surface's variance went with the map's mean, by the fit: form may remain, or the surface has \
                  no roll-off within the map",
                 100.0 * share
+            ),
+            Self::ObliqueLay { asymmetry } => write!(
+                f,
+                "the lay runs at an angle to the axes (correlations of mirrored lags differ by {:.2} rms), which the models \
+                 average away: rotate the map first",
+                2.0 * asymmetry
             ),
         }
     }
@@ -121,7 +138,8 @@ pub struct CovarianceFit {
 /// All models fitted to a map, the best first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CovarianceFits {
-    /// Ranked by misfit; among misfits within 5 % of each other the model with fewer parameters comes first.
+    /// Ranked by misfit; a model with one more parameter comes first only if it lowers the misfit by a quarter, because a
+    /// free shape always fits part of the sampling noise.
     pub fits: Vec<CovarianceFit>,
     /// Largest lag used along x in metre.
     pub largest_lag_x_m: f64,
@@ -207,86 +225,129 @@ pub fn fit_covariance(estimate: &Autocorrelation, families: &[CorrelationFamily]
     if families.is_empty() {
         return Err(FitError::NoFamily);
     }
-    let grid = estimate.grid();
-    let sides = [(Axis::X, grid.nx(), grid.dx_m()), (Axis::Y, grid.ny(), grid.dy_m())];
-    let mut reach = [0; 2];
-    let mut start = [0.0; 2];
-    let mut least = [0.0; 2];
-    let mut longest = [LONGEST[0]; 2];
-    let mut warnings = Vec::new();
-    for (side, (axis, points, pitch_m)) in sides.into_iter().enumerate() {
+    let sides = [Side::survey(estimate, Axis::X)?, Side::survey(estimate, Axis::Y)?];
+    if sides.iter().all(|side| !side.decayed) {
+        return Err(FitError::NotDecayed { least_x: sides[0].least, least_y: sides[1].least });
+    }
+    let (lags, asymmetry) = collect_lags(estimate, &sides);
+    let mut fits = Vec::new();
+    for family in families {
+        fits.push(fit_family(*family, &sides, &lags, estimate.variance_m2())?);
+    }
+    rank(&mut fits);
+    Ok(CovarianceFits {
+        warnings: warnings(&sides, &fits[0], asymmetry),
+        fits,
+        largest_lag_x_m: sides[0].reach as f64 * sides[0].pitch_m,
+        largest_lag_y_m: sides[1].reach as f64 * sides[1].pitch_m,
+        lags: lags.len(),
+    })
+}
+
+/// What the correlation along one axis says before any fit.
+struct Side {
+    axis: Axis,
+    pitch_m: f64,
+    size_m: f64,
+    /// Whether it falls to 1/e within half of the map.
+    decayed: bool,
+    /// Least correlation within half of the map.
+    least: f64,
+    /// Lags that enter the fit.
+    reach: usize,
+    /// First guess of the length in metre.
+    start_m: f64,
+}
+
+impl Side {
+    fn survey(estimate: &Autocorrelation, axis: Axis) -> Result<Self, FitError> {
+        let grid = estimate.grid();
+        let (points, pitch_m) = match axis {
+            Axis::X => (grid.nx(), grid.dx_m()),
+            Axis::Y => (grid.ny(), grid.dy_m()),
+        };
         let profile = estimate.along(axis);
         if profile[1].is_nan() || profile[1] < (-1.0_f64).exp() {
             return Err(FitError::Unresolved { axis, correlation: profile[1], pitch_m });
         }
         let half = &profile[..points.div_ceil(2).max(2)];
-        least[side] = half.iter().copied().filter(|v| !v.is_nan()).fold(1.0, f64::min);
+        let least = half.iter().copied().filter(|v| !v.is_nan()).fold(1.0, f64::min);
         let length = first_crossing(half, (-1.0_f64).exp());
-        if length.is_none() {
-            warnings.push(FitWarning::NotDecayed { axis, least: least[side] });
-            longest[side] = LONGEST[1];
-        }
         // A correlation that only falls to c at the half has ℓ ≈ half/ln(1/c) if exponential.
-        let guess = length.unwrap_or((half.len() - 1) as f64 / -(least[side].min(0.999).ln()));
-        start[side] = guess * pitch_m;
-        let decayed = half.iter().position(|v| *v < LEAST_CORRELATION).unwrap_or(usize::MAX);
+        let guess = length.unwrap_or((half.len() - 1) as f64 / -(least.min(0.999).ln()));
+        let faded = half.iter().position(|v| *v < LEAST_CORRELATION).unwrap_or(usize::MAX);
         let share = (LARGEST_LAG_SHARE * points as f64).ceil() as usize;
-        reach[side] = decayed.min(share).clamp(2.min(points - 1), points - 1);
+        Ok(Self {
+            axis,
+            pitch_m,
+            size_m: points as f64 * pitch_m,
+            decayed: length.is_some(),
+            least,
+            reach: faded.min(share).clamp(2.min(points - 1), points - 1),
+            start_m: guess * pitch_m,
+        })
     }
-    if warnings.len() == 2 {
-        return Err(FitError::NotDecayed { least_x: least[0], least_y: least[1] });
-    }
-    let lags = collect_lags(estimate, reach);
-    let field_m = [grid.width_m(), grid.height_m()];
-    let ranges = [0, 1].map(|side| Range { low: 0.1 * sides[side].2, high: longest[side] * field_m[side] });
 
-    let mut fits = Vec::new();
-    for family in families {
-        let mut from = start.to_vec();
-        let mut within = ranges.to_vec();
-        if let Some((range, value)) = family.shape() {
-            from.push(value);
-            within.push(range);
-        }
-        let residuals = |p: &[f64]| {
-            let model = family.model(p);
-            let beta = mean_correlation(model, field_m[0] / p[0], field_m[1] / p[1]);
-            lags.iter()
-                .map(|lag| {
-                    let rho = model.correlation((lag.x_m / p[0]).hypot(lag.y_m / p[1]));
-                    lag.weight * ((rho - beta) / (1.0 - beta) - lag.correlation)
-                })
-                .collect::<Vec<f64>>()
-        };
-        let (found, sum) = minimise(&residuals, &from, &within);
-        let model = family.model(&found);
-        let mean_share = mean_correlation(model, field_m[0] / found[0], field_m[1] / found[1]);
-        let std_m = (estimate.variance_m2() / (1.0 - mean_share)).sqrt();
-        fits.push(CovarianceFit {
-            covariance: Covariance::new(model, std_m, found[0], found[1])?,
-            misfit: sum.sqrt(),
-            parameters: found.len(),
-            mean_share,
-        });
+    fn range(&self) -> Range {
+        let longest = if self.decayed { LONGEST[0] } else { LONGEST[1] };
+        Range { low: 0.1 * self.pitch_m, high: longest * self.size_m }
     }
-    rank(&mut fits);
-    let best = fits[0].covariance;
-    if fits[0].mean_share > LARGE_MEAN_SHARE {
-        warnings.push(FitWarning::LargeMeanShare { share: fits[0].mean_share });
+}
+
+fn fit_family(
+    family: CorrelationFamily,
+    sides: &[Side; 2],
+    lags: &[Lag],
+    variance_m2: f64,
+) -> Result<CovarianceFit, FitError> {
+    let mut start: Vec<f64> = sides.iter().map(|side| side.start_m).collect();
+    let mut ranges: Vec<Range> = sides.iter().map(Side::range).collect();
+    if let Some((range, value)) = family.shape() {
+        start.push(value);
+        ranges.push(range);
     }
-    for (side, (axis, ..)) in sides.into_iter().enumerate() {
-        let length = [best.length_x_m(), best.length_y_m()][side];
-        if field_m[side] < 10.0 * length {
-            warnings.push(FitWarning::FewLengths { axis, lengths: field_m[side] / length });
-        }
-    }
-    Ok(CovarianceFits {
-        fits,
-        largest_lag_x_m: reach[0] as f64 * grid.dx_m(),
-        largest_lag_y_m: reach[1] as f64 * grid.dy_m(),
-        lags: lags.len(),
-        warnings,
+    let mean_share =
+        |model: CorrelationModel, p: &[f64]| mean_correlation(model, sides[0].size_m / p[0], sides[1].size_m / p[1]);
+    let residuals = |p: &[f64]| {
+        let model = family.model(p);
+        let beta = mean_share(model, p);
+        lags.iter()
+            .map(|lag| {
+                let rho = model.correlation((lag.x_m / p[0]).hypot(lag.y_m / p[1]));
+                lag.weight * ((rho - beta) / (1.0 - beta) - lag.correlation)
+            })
+            .collect::<Vec<f64>>()
+    };
+    let (found, sum) = minimise(&residuals, &start, &ranges);
+    let model = family.model(&found);
+    let mean_share = mean_share(model, &found);
+    let std_m = (variance_m2 / (1.0 - mean_share)).sqrt();
+    Ok(CovarianceFit {
+        covariance: Covariance::new(model, std_m, found[0], found[1])?,
+        misfit: sum.sqrt(),
+        parameters: found.len(),
+        mean_share,
     })
+}
+
+fn warnings(sides: &[Side; 2], best: &CovarianceFit, asymmetry: f64) -> Vec<FitWarning> {
+    let mut warnings = Vec::new();
+    let lengths = [best.covariance.length_x_m(), best.covariance.length_y_m()];
+    for (side, length_m) in sides.iter().zip(lengths) {
+        if !side.decayed {
+            warnings.push(FitWarning::NotDecayed { axis: side.axis, least: side.least });
+        }
+        if side.size_m < FEW_LENGTHS * length_m {
+            warnings.push(FitWarning::FewLengths { axis: side.axis, lengths: side.size_m / length_m });
+        }
+    }
+    if best.mean_share > LARGE_MEAN_SHARE {
+        warnings.push(FitWarning::LargeMeanShare { share: best.mean_share });
+    }
+    if asymmetry > OBLIQUE {
+        warnings.push(FitWarning::ObliqueLay { asymmetry });
+    }
+    warnings
 }
 
 /// Lags 1 … `reach`, at most `most` of them, evenly spread.
@@ -297,8 +358,10 @@ fn spread(reach: usize, most: usize) -> Vec<isize> {
     lags
 }
 
-fn collect_lags(estimate: &Autocorrelation, reach: [usize; 2]) -> Vec<Lag> {
+/// The lags that enter the fit, and the root mean square of half the difference between (x, y) and (−x, y).
+fn collect_lags(estimate: &Autocorrelation, sides: &[Side; 2]) -> (Vec<Lag>, f64) {
     let grid = estimate.grid();
+    let reach = [sides[0].reach, sides[1].reach];
     let mut places: Vec<(isize, isize)> = Vec::new();
     places.extend(spread(reach[0], AXIS_LAGS).into_iter().map(|lag| (lag, 0)));
     places.extend(spread(reach[1], AXIS_LAGS).into_iter().map(|lag| (0, lag)));
@@ -310,8 +373,8 @@ fn collect_lags(estimate: &Autocorrelation, reach: [usize; 2]) -> Vec<Lag> {
         }
     }
     let mut lags: Vec<Lag> = places
-        .into_iter()
-        .filter_map(|(x, y)| {
+        .iter()
+        .filter_map(|&(x, y)| {
             let (right, left) = (estimate.pairs(x, y), estimate.pairs(-x, y));
             let sum = |pairs: f64, value: f64| if pairs > 0.0 { pairs * value } else { 0.0 };
             let total = sum(right, estimate.correlation(x, y)) + sum(left, estimate.correlation(-x, y));
@@ -324,11 +387,20 @@ fn collect_lags(estimate: &Autocorrelation, reach: [usize; 2]) -> Vec<Lag> {
             })
         })
         .collect();
+    let (mut squares, mut compared) = (0.0, 0.0);
+    for (x, y) in places.into_iter().filter(|(x, y)| *x > 0 && *y > 0) {
+        let difference = 0.5 * (estimate.correlation(x, y) - estimate.correlation(-x, y));
+        if !difference.is_nan() {
+            squares += difference * difference;
+            compared += 1.0;
+        }
+    }
+    let asymmetry = if compared > 0.0 { (squares / compared).sqrt() } else { 0.0 };
     let all: f64 = lags.iter().map(|lag| lag.weight).sum();
     for lag in &mut lags {
         lag.weight = (lag.weight / all).sqrt();
     }
-    lags
+    (lags, asymmetry)
 }
 
 /// Mean of ρ over all pairs of points of a rectangle of `a` × `b` scaled lengths: the variance share of the mean.
@@ -352,10 +424,18 @@ fn mean_correlation(model: CorrelationModel, a: f64, b: f64) -> f64 {
     (4.0 * sum).clamp(0.0, 1.0 - 1e-9)
 }
 
-/// Sorts by misfit, a model with p parameters counting as (1 + 5 %)^p worse.
-fn rank(fits: &mut [CovarianceFit]) {
-    let score = |fit: &CovarianceFit| fit.misfit * (1.0 + PARSIMONY).powi(fit.parameters as i32);
-    fits.sort_by(|a, b| score(a).total_cmp(&score(b)));
+/// Sorts by misfit, a model with p parameters counting as (1 + 25 %)^p worse.
+fn rank(fits: &mut Vec<CovarianceFit>) {
+    let mut scored: Vec<(f64, CovarianceFit)> = fits
+        .drain(..)
+        .enumerate()
+        .map(|(place, fit)| {
+            let score = fit.misfit * (1.0 + PARSIMONY).powi(fit.parameters as i32) * (1.0 + TIE * place as f64);
+            (score, fit)
+        })
+        .collect();
+    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    fits.extend(scored.into_iter().map(|(_, fit)| fit));
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::contact::{Control, HalfSpace, Problem, Solver, Workspace};
 use crate::friction::FrictionError;
 use crate::friction::bowden_tabor::BowdenTabor;
-use crate::friction::window::Window;
+use crate::friction::window::{Window, WindowContact};
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
 use crate::surface::RandomSurface;
@@ -43,6 +43,34 @@ pub struct Record {
     pub friction: Vec<f64>,
     /// Contact cells in the window.
     pub contact_cells: Vec<f64>,
+    /// Friction force of the window in newton, 0 where it carries no load.
+    pub friction_force_n: Vec<f64>,
+    /// Load of the window in newton.
+    pub load_n: Vec<f64>,
+}
+
+impl Record {
+    /// The records of a level as one process under constant load: μ̄ + (F − μ̄N)/N̄, with F and N the friction force and load
+    /// of a window, N̄ the mean load and μ̄ = ΣF/ΣN.
+    ///
+    /// It is F/N linearised about the mean load, and what a body feels that rests on many windows: a window that hardly
+    /// carries anything hardly counts, while its own quotient F/N may be huge. Where windows share the load evenly the two
+    /// agree. Returns μ̄ and the records; a window without load has μ̄.
+    pub fn at_mean_load(records: &[Self]) -> (f64, Vec<Self>) {
+        let windows = records.iter().map(|record| record.load_n.len()).sum::<usize>() as f64;
+        let force_n: f64 = records.iter().flat_map(|record| &record.friction_force_n).sum();
+        let load_n: f64 = records.iter().flat_map(|record| &record.load_n).sum();
+        let (mean, mean_load_n) = (force_n / load_n, load_n / windows);
+        let linearised = records
+            .iter()
+            .map(|record| {
+                let of = |(force_n, load_n): (&f64, &f64)| mean + (force_n - mean * load_n) / mean_load_n;
+                let friction = record.friction_force_n.iter().zip(&record.load_n).map(of).collect();
+                Self { friction, ..record.clone() }
+            })
+            .collect();
+        (mean, linearised)
+    }
 }
 
 /// A strip without an answer.
@@ -141,10 +169,14 @@ impl Strips<'_> {
             return Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"));
         }
         let windows = self.window.slide(&solution);
+        let friction: Vec<f64> = windows.iter().map(|w| self.friction.coefficient(w).unwrap_or(f64::NAN)).collect();
+        let force_n = |(mu, w): (&f64, &WindowContact)| if mu.is_nan() { 0.0 } else { mu * w.load_n };
         let record = Record {
             position_m: windows.iter().map(|w| w.position_m).collect(),
-            friction: windows.iter().map(|w| self.friction.coefficient(w).unwrap_or(f64::NAN)).collect(),
             contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
+            friction_force_n: friction.iter().zip(&windows).map(force_n).collect(),
+            load_n: windows.iter().map(|w| w.load_n).collect(),
+            friction,
         };
         let points = heights_m.len() as f64;
         Ok(StripResult {

@@ -45,7 +45,8 @@ impl Window {
         if !(cells >= 2.0) {
             return Err(WindowError::TooShort { window_m: length_m, cell_m: grid.dx_m() });
         }
-        if cells * 10.0 > grid.nx() as f64 * (1.0 + 1e-9) {
+        // Rounding to whole cells may cost a fraction of the tenth window.
+        if 10.0 * length_m > grid.width_m() * (1.0 + 1e-9) {
             return Err(WindowError::TooLong { window_m: length_m, strip_m: grid.width_m() });
         }
         let cells = cells as usize;

@@ -28,6 +28,7 @@ pub(super) struct SolvedLevel {
 /// What the friction stage hands on.
 pub(super) struct FrictionStage {
     pub(super) window_m: f64,
+    pub(super) step_m: f64,
     pub(super) strip_width_m: f64,
     pub(super) levels: Vec<SolvedLevel>,
     pub(super) result: FrictionResult,
@@ -94,6 +95,7 @@ pub(super) fn run(
     let assumptions = vec![sentence(section, &strips, mean_compliance_m_per_pa)];
     Ok(FrictionStage {
         window_m: window.length_m(),
+        step_m: window.step_m(),
         strip_width_m: grid.height_m(),
         levels,
         result,

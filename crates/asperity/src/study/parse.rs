@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use crate::law::Marginal;
@@ -25,16 +26,28 @@ impl Study {
     /// # Errors
     /// The first thing that is wrong with it, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        let study: Self = toml::from_str(text).map_err(|error| {
-            let line = error.span().map_or(1, |span| line_at(text, span.start));
-            StudyFileError { file: file.into(), line, message: explain(error.message()) }
-        })?;
-        study.check().map_err(|problem| StudyFileError {
+        let study: Self = StudyFileError::read(text, file)?;
+        study.validated(text, file)?;
+        Ok(study)
+    }
+
+    /// Checks the values of a study that was read from `text`.
+    pub(super) fn validated(&self, text: &str, file: &str) -> Result<(), StudyFileError> {
+        self.check().map_err(|problem| StudyFileError {
             file: file.into(),
             line: line_of_key(text, problem.section, problem.key),
             message: problem.to_string(),
-        })?;
-        Ok(study)
+        })
+    }
+}
+
+impl StudyFileError {
+    /// Reads TOML into a section or a whole file; unknown keys and wrong units point at their line.
+    pub(super) fn read<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Self> {
+        toml::from_str(text).map_err(|error| {
+            let line = error.span().map_or(1, |span| line_at(text, span.start));
+            Self { file: file.into(), line, message: explain(error.message()) }
+        })
     }
 }
 

@@ -1,6 +1,8 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
 use crate::friction::process::{FrictionProcess, ProcessModel, Steady};
+use crate::friction::record::FrictionStatistics;
+use crate::friction::strip::Record;
 use crate::friction::upscaling::variance_reduction;
 use crate::law::Marginal;
 use crate::monitor::Monitor;
@@ -34,6 +36,23 @@ struct WindowFriction {
     origin: String,
 }
 
+/// Windows above which their mean counts as normal, whatever the law of one.
+const MANY_WINDOWS: f64 = 30.0;
+
+impl WindowFriction {
+    /// Law of the mean over the nominal area: normal where that holds many windows, by the central limit theorem.
+    fn area_marginal(&self) -> Marginal {
+        if self.variance_reduction * MANY_WINDOWS < 1.0 { Marginal::STANDARD_NORMAL } else { self.marginal.clone() }
+    }
+}
+
+/// The fluctuation of friction under one upscaling.
+struct Scatter {
+    name: &'static str,
+    std: f64,
+    marginal: Marginal,
+}
+
 /// What the vibration stage hands on.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
@@ -54,27 +73,29 @@ pub(super) fn run(
         (None, value) => value.unwrap_or(f64::NAN),
     };
     let window = match friction {
-        Some(stage) => from_stage(section, stage)?,
+        Some(stage) => from_stage(section, stage, seed)?,
         None => stated(section)?,
     };
     let oscillator = Oscillator::stribeck(window.mean, section.stribeck, section.damping_ratio, belt_velocity)?;
     let correlation_length = window.length_m / scales.length_m();
     let ensembles = Ensembles { section, oscillator, window: &window, correlation_length, seed };
     let mut warnings = Vec::new();
-    let (paper, paper_lead) = ensembles.run(window.std, "paper", monitor, &mut warnings)?;
+    let paper_scatter = Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() };
     let area_std = window.std * window.variance_reduction.sqrt();
-    let (area, area_lead) = ensembles.run(area_std, "area", monitor, &mut warnings)?;
+    let area_scatter = Scatter { name: "area", std: area_std, marginal: window.area_marginal() };
+    let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
+    let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
     let critical = match critical_damping(&oscillator) {
         Ok(found) => Some(found),
         Err(VibrationError::NotFound { .. }) => None,
         Err(error) => return Err(error.into()),
     };
-    let (lead_std, upscaling) = match section.upscaling {
-        Upscaling::Area => (area_std, "area"),
-        Upscaling::Paper => (window.std, "paper"),
+    let lead = match section.upscaling {
+        Upscaling::Area => &area_scatter,
+        Upscaling::Paper => &paper_scatter,
     };
     let mut tables = vec![("cycles_over_damping", damping_table(&paper, &area))];
-    tables.extend(ensembles.portraits(lead_std)?);
+    tables.extend(ensembles.portraits(lead)?);
     for (name, lead) in [("reattachment_paper", &paper_lead), ("reattachment_area", &area_lead)] {
         if let Some(table) = lead.as_ref().and_then(reattachment_table) {
             tables.push((name, table));
@@ -94,7 +115,7 @@ pub(super) fn run(
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
         cycle: cycle_result(&oscillator)?,
-        upscaling: upscaling.into(),
+        upscaling: lead.name.into(),
         paper,
         area,
     };
@@ -102,11 +123,12 @@ pub(super) fn run(
 }
 
 /// The friction of the level that the study names, or of the one at the nominal pressure.
-fn from_stage(section: &VibrationSection, stage: &FrictionStage) -> Result<WindowFriction, StudyError> {
+fn from_stage(section: &VibrationSection, stage: &FrictionStage, seed: u64) -> Result<WindowFriction, StudyError> {
     let solved: &SolvedLevel =
         stage.levels.iter().find(|level| level.percentile == section.level).ok_or(StudyError::NoStage("friction"))?;
-    let statistics = &solved.statistics;
-    let (mean, std) = (statistics.moments.mean, statistics.moments.std);
+    let (mean, records) = Record::at_mean_load(&solved.level.records);
+    let statistics = FrictionStatistics::of(&records, stage.window_m, stage.step_m, seed)?;
+    let std = statistics.moments.std;
     // Constant friction has no correlation and no law; any will do, since nothing is drawn.
     let correlation = statistics.correlation.as_ref().ok();
     let length_m = correlation.map_or(stage.window_m, |c| c.exponential.length_m);
@@ -160,12 +182,12 @@ struct Ensembles<'a> {
 }
 
 impl Ensembles<'_> {
-    /// The process of scatter `std`; `None` where friction is constant.
-    fn process(&self, std: f64) -> Result<Option<FrictionProcess>, StudyError> {
-        if std < NO_SCATTER {
+    /// The process of a scatter; `None` where friction is constant.
+    fn process(&self, scatter: &Scatter) -> Result<Option<FrictionProcess>, StudyError> {
+        if scatter.std < NO_SCATTER {
             return Ok(None);
         }
-        let mut model = ProcessModel::new(self.window.marginal.clone(), std, self.correlation_length);
+        let mut model = ProcessModel::new(scatter.marginal.clone(), scatter.std, self.correlation_length);
         model.least = Some(self.least());
         Ok(Some(FrictionProcess::new(model)?))
     }
@@ -188,15 +210,15 @@ impl Ensembles<'_> {
     /// Ensembles over the sweep, and the one at the study's own damping ratio.
     fn run(
         &self,
-        std: f64,
-        name: &str,
+        scatter: &Scatter,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.section.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
-        let Some(process) = self.process(std)? else {
-            return Ok((self.without_scatter(std, ratios)?, None));
+        let name = scatter.name;
+        let Some(process) = self.process(scatter)? else {
+            return Ok((self.without_scatter(scatter.std, ratios)?, None));
         };
         let mut damping = Vec::with_capacity(count);
         let mut clamped = 0;
@@ -227,7 +249,7 @@ impl Ensembles<'_> {
             excess_kurtosis: finite(points.excess_kurtosis),
             normality_p: points.normality_p,
         };
-        Ok((EnsembleResult { friction_std: std, damping, reattachment }, Some(lead)))
+        Ok((EnsembleResult { friction_std: scatter.std, damping, reattachment }, Some(lead)))
     }
 
     /// The same of constant friction: every trajectory is the deterministic one.
@@ -251,7 +273,7 @@ impl Ensembles<'_> {
     }
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, std: f64) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn portraits(&self, scatter: &Scatter) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let table = |points: Vec<crate::vibration::PhasePoint>| {
             Table::new([
                 ("tau", points.iter().map(|p| p.tau).collect()),
@@ -263,7 +285,7 @@ impl Ensembles<'_> {
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", table(points)));
         }
-        if let Some(process) = self.process(std)? {
+        if let Some(process) = self.process(scatter)? {
             let settings = self.followed();
             let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
             let path = process.path(self.seed, 0);
@@ -278,8 +300,9 @@ impl Ensembles<'_> {
             "The oscillator slides with μ_st/(1 + a|v|) + μ_s, a = {} per unit of dimensionless velocity, at V = \
              {belt_velocity:.4e}. Friction is {}: mean {:.4}, standard deviation {:.3e} for one window, correlation length \
              {:.3e} m (λ = {correlation_length:.3e}). Paper: one window carries the whole normal force. Area: windows \
-             average over the nominal area of {}, whose scatter is {area_std:.3e}. Both keep the same correlation length and \
-             marginal law, as a function of the sliding distance. Cycles are slips that reach a negative velocity within τ = \
+             average over the nominal area of {}, whose scatter is {area_std:.3e} and normal where it holds many windows. Both \
+             keep the same correlation length, over the sliding distance. Window values are taken at the mean load, \
+             μ̄ + (F − μ̄N)/N̄. Cycles are slips that reach a negative velocity within τ = \
              {}, starting in stick.",
             self.section.stribeck,
             self.window.origin,
@@ -315,7 +338,7 @@ fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {
         limit_cycle: cycle.is_some(),
         period: cycle.map(|c| c.period),
         slip_duration: cycle.map(|c| c.slip_duration),
-        reattachment_displacement: cycle.map(|c| c.reattachment_displacement),
+        reattachment_displacement: cycle.and_then(|c| c.reattachment_displacement),
         displacement_min: cycle.map(|c| c.displacement_min),
         displacement_max: cycle.map(|c| c.displacement_max),
         velocity_min: cycle.map(|c| c.velocity_min),

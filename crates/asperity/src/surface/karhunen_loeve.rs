@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 use super::gaussian::{check_germ, map_of};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
-use crate::correlation::{Covariance, StationaryCovariance};
+use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};
 use crate::fourier::RealFft2;
 use crate::map::{Grid, HeightMap};
 
-pub use profile::{ProfileModes, profile_modes};
+pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
 
 /// How the two-dimensional eigenproblem is set, and by that, of which covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,10 +23,21 @@ pub enum ModesRoute {
     /// Products of the modes of two profiles. Exact for the squared exponential; any other model is replaced by the
     /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}.
     Separable,
-    /// The covariance as it stands, by block Lanczos on products with the circulant embedding.
+    /// The covariance as it stands: densely by parity up to about 64 × 64 points, beyond by block Lanczos on products with
+    /// the circulant embedding.
     General,
     /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
     Periodic,
+}
+
+impl ModesRoute {
+    /// The cheapest route that leaves the covariance of this model on a map that is not periodic as it is.
+    pub fn exact_for(model: CorrelationModel) -> Self {
+        match model {
+            CorrelationModel::SquaredExponential => Self::Separable,
+            _ => Self::General,
+        }
+    }
 }
 
 /// A truncated Karhunen–Loève surface z = σ Σ_{j≤M} √λ_j φ_j(x) ξ_j with ∫ρ(x − y)φ_j(y)dy = λ_j φ_j(x).

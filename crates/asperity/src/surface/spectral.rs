@@ -16,8 +16,9 @@ pub(super) use modes::{FourierModes, wrapped_eigenvalues_m2, wrapped_spectrum};
 
 /// Share of negative circulant variance that counts as rounding.
 const NEGLIGIBLE: f64 = 1e-12;
-/// An embedding domain is doubled from 2 up to this many times the grid.
-const LARGEST_EMBEDDING: usize = 8;
+/// Largest side of an embedding domain over that of the grid, and its largest number of points.
+const LARGEST_FACTOR: usize = 64;
+const LARGEST_DOMAIN: usize = 1 << 24;
 
 /// A stationary Gaussian surface z = σ Σ_q √(λ_q/A) (…) over the Fourier modes of a periodic domain of area A.
 ///
@@ -26,8 +27,9 @@ const LARGEST_EMBEDDING: usize = 8;
 ///
 /// - [`SpectralField::periodic`]: λ from the covariance wrapped onto the grid. The ensemble covariance on the grid *is*
 ///   the wrapped covariance, with the exact variance; it fails to be one only by [`SpectralField::clipped_variance`].
-/// - [`SpectralField::from_psd`]: λ_q = P(q)/σ² at the grid's wavevectors. The field is band-limited: the variance
-///   beyond the grid's wavevectors is missing and reported by [`SpectralField::captured_variance`].
+/// - [`SpectralField::from_psd`]: λ_q = P(q)/σ² at the grid's wavevectors, never negative. The ensemble covariance is the
+///   model's summed over all periodic images, without what lies beyond the grid's wavevectors. Its variance over σ² is
+///   [`SpectralField::captured_variance`]: below 1 for a coarse grid, above 1 for one of few correlation lengths.
 /// - [`SpectralField::free`]: a crop of a larger periodic domain on which the wrapped covariance is non-negative
 ///   (circulant embedding), so that opposite edges are uncorrelated unless the covariance says so.
 ///
@@ -66,20 +68,26 @@ impl SpectralField {
 
     /// A field that is not periodic on `grid`, with the exact covariance where the embedding is non-negative.
     ///
-    /// The domain starts at twice the grid and is doubled, up to eight times, until negative eigenvalues hold less than
-    /// 1e−12 of the variance; what they still hold on the largest domain is clipped and reported.
+    /// The domain starts at twice the grid. Until negative eigenvalues hold less than 1e−12 of the variance, the side across
+    /// which the covariance has decayed less is doubled, up to 64 times the grid or 2²⁴ points; what the negative
+    /// eigenvalues still hold then is clipped and reported.
     ///
     /// # Errors
     /// Never for a valid grid, except when the padded one is not.
     pub fn free(covariance: &dyn StationaryCovariance, grid: Grid) -> Result<Self, GeneratorError> {
-        let mut factor = 2;
+        let (mut factor_x, mut factor_y) = (2, 2);
         loop {
-            let (nx, ny) = (good_length(factor * grid.nx()), good_length(factor * grid.ny()));
-            let field = Self::on_domain(covariance, grid, Grid::new(nx, ny, grid.dx_m(), grid.dy_m())?);
-            if field.clipped_variance < NEGLIGIBLE || factor >= LARGEST_EMBEDDING {
+            let (nx, ny) = (good_length(factor_x * grid.nx()), good_length(factor_y * grid.ny()));
+            let domain = Grid::new(nx, ny, grid.dx_m(), grid.dy_m())?;
+            let field = Self::on_domain(covariance, grid, domain);
+            let across_x = covariance.correlation(0.5 * domain.width_m(), 0.0).abs();
+            let across_y = covariance.correlation(0.0, 0.5 * domain.height_m()).abs();
+            let factor = if across_x > across_y { &mut factor_x } else { &mut factor_y };
+            if field.clipped_variance < NEGLIGIBLE || *factor >= LARGEST_FACTOR || 2 * domain.points() > LARGEST_DOMAIN
+            {
                 return Ok(field);
             }
-            factor *= 2;
+            *factor *= 2;
         }
     }
 
@@ -90,7 +98,7 @@ impl SpectralField {
         Self { grid, std_m: covariance.std_m(), modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
     }
 
-    /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`], where the aliased part is missing.
+    /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].
     pub fn captured_variance(&self) -> f64 {
         self.captured_variance
     }
@@ -201,6 +209,17 @@ mod tests {
                 assert!(error < 1e-8, "{kind:?} at ({row},{column}): {error:e}");
             }
         }
+    }
+
+    #[test]
+    fn a_narrow_strip_is_padded_across_and_not_along() {
+        let covariance = model(CorrelationModel::SquaredExponential, 12.0, 12.0);
+        let field = SpectralField::free(&covariance, Grid::new(256, 8, 1.0, 1.0).unwrap()).unwrap();
+        assert!(field.clipped_variance() < 1e-12);
+        // The wrap across must reach e^{−(L/2ℓ)²} ≲ 1e−13, L ≥ 11ℓ = 131: 8 × 16 points; along, twice the strip does.
+        assert_eq!(field.germ_len(), 512 * 128);
+        let met = field.covariance_with_m2(0, 0);
+        assert!((met[[7, 20]] - covariance.value_m2(20.0, 7.0)).abs() < 1e-11);
     }
 
     #[test]

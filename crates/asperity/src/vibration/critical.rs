@@ -55,7 +55,9 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vibration::{FrictionLaw, Parameters};
+    use crate::law::standard_normal_cdf;
+    use crate::random;
+    use crate::vibration::{FrictionLaw, Parameters, limit_cycle};
 
     #[test]
     fn the_paper_s_law_ends_at_the_published_damping() {
@@ -70,6 +72,10 @@ mod tests {
             let hopf = 0.5 * 4.2 * friction / (1.0 + 4.2 * velocity).powi(2);
             assert!((found.hopf_damping_ratio - hopf).abs() < 1e-15);
             assert!(found.hopf_damping_ratio < found.critical_damping_ratio);
+            // First-order averaging, good to the order of the friction coefficient squared.
+            let speed: f64 = 4.2 * velocity;
+            let averaged = friction / (speed * velocity) * ((1.0 + speed) / (1.0 + 2.0 * speed).sqrt() - 1.0);
+            assert!((found.critical_damping_ratio / averaged - 1.0).abs() < friction * friction, "{averaged}");
         }
     }
 
@@ -82,6 +88,28 @@ mod tests {
             let found = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap();
             assert!((found.critical_damping_ratio - 0.5 * slope).abs() < 1e-12, "{found:?}");
             assert!((found.hopf_damping_ratio - 0.5 * slope).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_cycle_exists_exactly_below_the_critical_damping_of_any_oscillator() {
+        let rng = &mut random::stream(5, "test", 0);
+        for _ in 0..300 {
+            let g = random::standard_normal(rng, 5);
+            let static_friction = 0.2 * g[0].exp();
+            let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
+            let law = FrictionLaw::Stribeck { kinetic, decay: 3.0 * (1.5 * g[2]).exp() };
+            let belt_velocity = 0.05 * (1.5 * g[3]).exp();
+            let of = |damping_ratio| {
+                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+                    .unwrap()
+            };
+            let critical = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
+            for (factor, exists) in [(0.3, true), (1.0 - 1e-7, true), (1.0 + 1e-7, false), (1.7, false)] {
+                let regime =
+                    limit_cycle(&of(factor * critical)).unwrap_or_else(|e| panic!("{e} {factor} {:?}", of(critical)));
+                assert_eq!(regime.cycle().is_some(), exists, "{factor} of {critical}: {:?}", of(0.0));
+            }
         }
     }
 
@@ -101,7 +129,7 @@ mod tests {
             let damping_ratio = with_jump * factor;
             let parameters =
                 Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None };
-            let regime = crate::vibration::limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap();
+            let regime = limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap();
             assert_eq!(regime.cycle().is_some(), exists);
         }
     }

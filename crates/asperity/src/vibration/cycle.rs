@@ -4,14 +4,16 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::motion::Motion;
-use super::{EventKind, Oscillator, VibrationError};
+use super::motion::{Motion, SlipState};
+use super::{Drive, EventKind, Oscillator, Phase, VibrationError};
 use crate::friction::process::Steady;
 
 /// W and W′ closer than this to steady sliding never return to stick.
 const SETTLED: f64 = 1e-9;
 /// Difference of detachment phases that counts as a repetition.
 const PHASE_TOLERANCE: f64 = 1e-12;
+/// Relative difference of states that counts as a repetition.
+const STATE_TOLERANCE: f64 = 1e-12;
 /// Largest number of slips in one period of a forced cycle that is looked for.
 const MAX_MULTIPLICITY: usize = 32;
 /// Slips, and forcing periods without stick, after which a forced motion counts as irregular.
@@ -19,22 +21,23 @@ const MAX_PERIODS: usize = 20_000;
 /// Steps of one slip phase without forcing.
 const MAX_STEPS: usize = 1_000_000;
 
-/// One period of the stick-slip limit cycle.
+/// One period of the limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LimitCycle {
     /// Period in τ.
     pub period: f64,
     /// Time in a period that the mass slips.
     pub slip_duration: f64,
-    /// Displacement X at the (last) re-attachment of the period.
-    pub reattachment_displacement: f64,
+    /// Displacement X at the (last) re-attachment of the period; none if the mass only passes the belt velocity, in
+    /// over-slip and back, and never sticks.
+    pub reattachment_displacement: Option<f64>,
     /// Least X.
     pub displacement_min: f64,
     /// Largest X.
     pub displacement_max: f64,
     /// Least X′.
     pub velocity_min: f64,
-    /// Detachments in a period: 1 without forcing.
+    /// Detachments in a period: 1 without forcing, 0 of a cycle without stick.
     pub slips: usize,
 }
 
@@ -42,11 +45,11 @@ pub struct LimitCycle {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
-    /// It repeats itself, with stick.
+    /// It repeats itself and reaches the belt velocity.
     Cycle(LimitCycle),
-    /// The mass slides for ever: no stick-slip cycle exists, or under forcing none was reached from the start.
+    /// The mass stays slower than the belt: no stick-slip cycle exists, or under forcing none was reached from the start.
     Sliding,
-    /// Forced motion with stick that did not repeat itself within 20,000 slips.
+    /// Forced motion that reaches the belt velocity and did not repeat itself within 20,000 slips.
     Irregular,
 }
 
@@ -65,7 +68,7 @@ impl Regime {
 struct Turn {
     duration: f64,
     slip: f64,
-    reattachment: f64,
+    reattachment: Option<f64>,
     lowest: f64,
     highest: f64,
     slowest: f64,
@@ -75,7 +78,7 @@ impl Turn {
     const EMPTY: Self = Self {
         duration: 0.0,
         slip: 0.0,
-        reattachment: f64::NAN,
+        reattachment: None,
         lowest: f64::INFINITY,
         highest: f64::NEG_INFINITY,
         slowest: f64::INFINITY,
@@ -95,54 +98,67 @@ impl Turn {
         LimitCycle {
             period: turns.iter().map(|t| t.duration).sum(),
             slip_duration: turns.iter().map(|t| t.slip).sum(),
-            reattachment_displacement: turns.last().map_or(f64::NAN, |t| t.reattachment),
+            reattachment_displacement: turns.last().and_then(|t| t.reattachment),
             displacement_min: fold(f64::min, |t| t.lowest),
             displacement_max: fold(f64::max, |t| t.highest),
             velocity_min: fold(f64::min, |t| t.slowest),
-            slips: turns.len(),
+            slips: turns.iter().filter(|t| t.reattachment.is_some()).count(),
         }
     }
 }
 
-/// The stick-slip limit cycle of an oscillator without fluctuation.
+/// The limit cycle of an oscillator without fluctuation.
 ///
 /// Without forcing every detachment is the same state, so one turn is the cycle, exactly; if the slip orbit from a
-/// detachment turns back before the belt velocity, planar orbits cannot cross and no stick-slip cycle exists. With forcing
-/// the motion is followed from [`Oscillator::default_start`] until the phases of its detachments repeat, which finds the
-/// attracting cycle of that start with up to 32 slips in a period.
+/// detachment turns back before the belt velocity, planar orbits cannot cross and no stick-slip cycle exists. With little
+/// damping on a fast belt the mass may end in a cycle of slip and over-slip without stick, which is followed until it
+/// repeats. With forcing the motion is followed from [`Oscillator::default_start`] until the phases of its detachments
+/// repeat, which finds the attracting cycle of that start with up to 32 slips in a period.
 ///
-/// Fails if the friction coefficient does not stay positive.
+/// Fails if the friction coefficient does not stay positive, and if an orbit needs more than a million steps to repeat, as
+/// on a very fast belt without damping, where friction hardly changes the orbit in a period.
 pub fn limit_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
     Ok(locate(oscillator)?.0)
 }
 
-/// The regime, and a time (a phase of the forcing) at which its cycle detaches.
-pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, f64), VibrationError> {
+/// The regime, and a state on its cycle.
+pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationError> {
     match oscillator.forcing() {
-        None => Ok((free_cycle(oscillator)?, 0.0)),
+        None => free_cycle(oscillator),
         Some(forcing) => forced_cycle(oscillator, TAU / forcing.frequency),
     }
 }
 
-fn free_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
-    let mut motion = Motion::detaching(oscillator, Steady, 0.0)?;
-    let mut turn = Turn::EMPTY;
+fn free_cycle(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationError> {
+    let start = SlipState::detached(0.0);
+    let mut motion = Motion::in_slip(oscillator, Steady, start)?;
+    // A turn begins at a detachment, a lap at a return from over-slip.
+    let (mut turn, mut lap) = (Turn::EMPTY, Turn::EMPTY);
+    let mut returned: Option<SlipState> = None;
     for _ in 0..MAX_STEPS {
         let event = motion.step(f64::INFINITY)?;
         turn.include(&motion);
+        lap.include(&motion);
         match event.map(|e| e.kind) {
             Some(EventKind::Detach) => {
                 turn.duration = motion.tau;
-                return Ok(Regime::Cycle(Turn::cycle(&[turn])));
+                return Ok((Regime::Cycle(Turn::cycle(&[turn])), start));
             }
             Some(EventKind::Restick) => {
                 turn.slip = motion.tau;
-                turn.reattachment = motion.displacement();
+                turn.reattachment = Some(motion.displacement());
             }
-            Some(EventKind::Reverse) => {}
+            Some(EventKind::Reverse) => {
+                let Some(state) = motion.slip_state().filter(|state| state.phase == Phase::Slip) else { continue };
+                if let Some(before) = returned.filter(|before| state.repeats(before, STATE_TOLERANCE)) {
+                    (lap.duration, lap.slip) = (state.tau - before.tau, state.tau - before.tau);
+                    return Ok((Regime::Cycle(Turn::cycle(&[lap])), state));
+                }
+                (returned, lap) = (Some(state), Turn::EMPTY);
+            }
             None => {
                 if motion.passed_minimum() || motion.has_settled(SETTLED) {
-                    return Ok(Regime::Sliding);
+                    return Ok((Regime::Sliding, start));
                 }
             }
         }
@@ -150,55 +166,58 @@ fn free_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
     Err(VibrationError::NotFound { what: "limit cycle", reason: "the slip phase did not end within a million steps" })
 }
 
-fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime, f64), VibrationError> {
-    let mut motion = Motion::new(oscillator, Steady, super::Drive::Distance, oscillator.default_start())?;
+fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime, SlipState), VibrationError> {
+    let mut motion = Motion::new(oscillator, Steady, Drive::Distance, oscillator.default_start())?;
     let mut turns: Vec<Turn> = Vec::new();
     let mut phases: Vec<f64> = Vec::new();
-    let mut turn = Turn::EMPTY;
+    // A turn begins at a detachment, a stroke with each forcing period.
+    let (mut turn, mut stroke) = (Turn::EMPTY, Turn::EMPTY);
     // Time counts from the last whole forcing period, so that phases keep their digits.
     let (mut detached_at, mut slides_since) = (0.0, 0.0);
-    let mut last_stroke = None;
-    let mut strokes_without_stick = 0;
+    let mut last_state: Option<SlipState> = None;
+    let (mut strokes_without_stick, mut reversals) = (0, 0);
     while turns.len() < MAX_PERIODS && strokes_without_stick < MAX_PERIODS {
         let event = motion.step(forcing_period)?;
         turn.include(&motion);
+        stroke.include(&motion);
         match event.map(|e| e.kind) {
             Some(EventKind::Detach) => {
                 turn.duration = motion.tau - detached_at;
                 turns.push(turn);
                 turn = Turn::EMPTY;
                 (detached_at, slides_since) = (motion.tau, motion.tau);
-                phases.push(motion.tau);
+                // Detachments into over-slip never repeat one into slip.
+                let forward = motion.slip_state().filter(|state| state.phase == Phase::Slip);
+                phases.push(forward.map_or(f64::NAN, |state| state.tau));
                 if let Some(period) = repetition(&phases, forcing_period) {
                     let cycle = Turn::cycle(&turns[turns.len() - period..]);
-                    return Ok((Regime::Cycle(cycle), motion.tau));
+                    return Ok((Regime::Cycle(cycle), SlipState::detached(motion.tau)));
                 }
             }
             Some(EventKind::Restick) => {
                 turn.slip += motion.tau - slides_since;
-                turn.reattachment = motion.displacement();
-                (strokes_without_stick, last_stroke) = (0, None);
+                turn.reattachment = Some(motion.displacement());
+                (strokes_without_stick, last_state) = (0, None);
             }
-            Some(EventKind::Reverse) | None => {}
+            Some(EventKind::Reverse) => reversals += 1,
+            None => {}
         }
         if motion.tau >= forcing_period {
             motion.tau -= forcing_period;
             (detached_at, slides_since) = (detached_at - forcing_period, slides_since - forcing_period);
-            if motion.phase() != super::Phase::Stick {
-                let state = (motion.relative_speed(), motion.excess());
-                let repeats = last_stroke.is_some_and(|(w, e): (f64, f64)| {
-                    let change = (state.0 - w).abs().max((state.1 - e).abs());
-                    change < PHASE_TOLERANCE * state.0.abs().max(state.1.abs()).max(1.0)
-                });
-                if repeats {
-                    return Ok((Regime::Sliding, 0.0));
+            if let Some(state) = motion.slip_state() {
+                if last_state.is_some_and(|last| state.repeats(&last, STATE_TOLERANCE)) {
+                    (stroke.duration, stroke.slip) = (forcing_period, forcing_period);
+                    let cycle = Turn::cycle(&[stroke]);
+                    return Ok((if reversals == 0 { Regime::Sliding } else { Regime::Cycle(cycle) }, state));
                 }
-                last_stroke = Some(state);
-                strokes_without_stick += 1;
+                last_state = Some(state);
             }
+            strokes_without_stick += 1;
+            (stroke, reversals) = (Turn::EMPTY, 0);
         }
     }
-    Ok((Regime::Irregular, 0.0))
+    Ok((Regime::Irregular, SlipState::detached(0.0)))
 }
 
 /// Number of slips after which the phases repeat: the last one and the one before agree with those a period earlier.
@@ -216,7 +235,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::vibration::{Forcing, FrictionLaw, Parameters};
+    use crate::vibration::{Forcing, FrictionLaw, Parameters, PhasePoint, cycle_portrait};
 
     fn cycle_of(parameters: Parameters) -> LimitCycle {
         *limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap().cycle().unwrap()
@@ -234,7 +253,7 @@ mod tests {
         let ratio: f64 = 0.1 / 0.05;
         close(cycle.period, TAU - 2.0 * ratio.atan() + 2.0 * ratio, 1e-14);
         close(cycle.period, 8.068_887_871_591_405, 1e-14);
-        close(cycle.reattachment_displacement, 2.0 * 0.3 - 0.4, 1e-13);
+        close(cycle.reattachment_displacement.unwrap(), 2.0 * 0.3 - 0.4, 1e-13);
         close(cycle.slip_duration, cycle.period - 2.0 * ratio, 1e-14);
         // Slip is the circle X = μ_k + A cos: its extremes are μ_k ± √(Δ² + V²).
         let amplitude = 0.1_f64.hypot(0.05);
@@ -249,7 +268,7 @@ mod tests {
         let cycle =
             cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None });
         close(cycle.period, 6.439_474_890_105_244, 1e-13);
-        close(cycle.reattachment_displacement, 0.288_933_000_910_998, 1e-13);
+        close(cycle.reattachment_displacement.unwrap(), 0.288_933_000_910_998, 1e-13);
     }
 
     #[test]
@@ -257,7 +276,7 @@ mod tests {
         let cycle = *limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap()).unwrap().cycle().unwrap();
         close(cycle.period, 6.372_163_483_739_709, 1e-13);
         close(cycle.slip_duration, 5.644_059_891_168_911, 1e-13);
-        close(cycle.reattachment_displacement, 0.096_795_689_222_287_6, 1e-13);
+        close(cycle.reattachment_displacement.unwrap(), 0.096_795_689_222_287_6, 1e-13);
         close(cycle.displacement_min, 0.095_239_651_620_418_2, 1e-13);
         close(cycle.displacement_max, 0.101_931_013_749_859_67, 1e-13);
     }
@@ -269,7 +288,7 @@ mod tests {
         for (found, wanted, digit) in [
             (cycle.period, 12.001_031, 5e-7),
             (cycle.slip_duration, 4.296_00, 5e-6),
-            (cycle.reattachment_displacement, -0.541_006, 5e-7),
+            (cycle.reattachment_displacement.unwrap(), -0.541_006, 5e-7),
             (cycle.displacement_max, 1.133_945, 5e-7),
             (cycle.velocity_min, -0.839_902, 5e-7),
         ] {
@@ -284,6 +303,52 @@ mod tests {
             assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
         }
         assert!(limit_cycle(&Oscillator::stribeck(0.1, 4.2, 0.2048301, 0.003).unwrap()).unwrap().cycle().is_some());
+    }
+
+    #[test]
+    fn extreme_parameters_have_an_answer() {
+        for belt_velocity in [1e-9, 1e-3, 1.0] {
+            for decay in [0.0, 1.0, 1e4] {
+                for damping_ratio in [0.0, 0.01, 1.0, 50.0] {
+                    for kinetic in [0.3, 0.1] {
+                        let law = FrictionLaw::Stribeck { kinetic, decay };
+                        let static_friction = 0.3;
+                        let parameters =
+                            Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
+                        let regime = limit_cycle(&Oscillator::new(parameters).unwrap());
+                        assert!(regime.is_ok(), "{parameters:?}: {regime:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_fast_belt_may_end_in_slip_and_over_slip_without_stick() {
+        let oscillator = |forcing| {
+            let law = FrictionLaw::Stribeck { kinetic: 0.1415, decay: 4.98 };
+            let static_friction = 0.1688;
+            Oscillator::new(Parameters { static_friction, law, damping_ratio: 0.003, belt_velocity: 1.732, forcing })
+                .unwrap()
+        };
+        let cycle = *limit_cycle(&oscillator(None)).unwrap().cycle().unwrap();
+        assert_eq!((cycle.reattachment_displacement, cycle.slips), (None, 0));
+        // The energy that friction feeds in slip balances damping and over-slip, which reaches beyond the belt's velocity.
+        let portrait = cycle_portrait(&oscillator(None), 100_001).unwrap().unwrap();
+        let law = oscillator(None).law();
+        let power = |p: &PhasePoint| {
+            let relative = 1.732 - p.velocity;
+            (relative.signum() * law.coefficient(relative.abs()) - 0.006 * p.velocity) * p.velocity
+        };
+        let mean: f64 = portrait[1..].iter().map(power).sum::<f64>() / 100_000.0;
+        let size: f64 = portrait[1..].iter().map(|p| power(p).abs()).sum::<f64>() / 100_000.0;
+        // Two jumps of the friction force cost a step of the sum each.
+        assert!(mean.abs() < 1e-4 * size, "{mean} of {size}");
+        assert!(portrait.iter().any(|p| p.velocity > 1.732));
+        // Driven at resonance it follows the force, again without stick.
+        let forced = oscillator(Some(Forcing { amplitude: 0.3, frequency: 1.0 }));
+        let driven = *limit_cycle(&forced).unwrap().cycle().unwrap();
+        assert_eq!((driven.slips, driven.period), (0, TAU));
     }
 
     #[test]

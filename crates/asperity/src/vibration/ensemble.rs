@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::reattachment::{Gathering, PowerSums, Reattachments};
+use super::reattachment::{Gathering, Reattachments, RunningMoments};
 use super::trajectory::{Slipped, follow};
 use super::{Drive, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
 use crate::friction::process::{FrictionProcess, Steady};
 use crate::monitor::{Cancelled, Monitor};
 
 /// Trajectories computed before their results are added up; bounds the memory.
-const BLOCK: usize = 1024;
+const BLOCK: usize = 256;
 
 /// How an ensemble is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -61,7 +61,7 @@ pub struct Count {
 }
 
 impl Count {
-    fn of(sums: &PowerSums) -> Self {
+    fn of(sums: &RunningMoments) -> Self {
         Self { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
     }
 }
@@ -106,7 +106,7 @@ struct Outcome {
 impl Ensemble {
     /// Follows many trajectories in parallel.
     ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks of 1024 and added up in
+    /// The result does not depend on the number of threads: trajectories are computed in blocks of 256 and added up in
     /// their order. Memory is bounded by the points of one block and `sample_capacity`.
     ///
     /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are valid,
@@ -129,7 +129,7 @@ impl Ensemble {
         let EnsembleSettings { duration, start, drive, .. } = *settings;
         let followed = TrajectorySettings { duration, start, drive };
         let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
-        let (mut cycles, mut micro_slips) = (PowerSums::EMPTY, PowerSums::EMPTY);
+        let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut gathering = Gathering::new(settings.sample_capacity);
         let mut clamped_knots = 0;
         let mut failures = Vec::new();

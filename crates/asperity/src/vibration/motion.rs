@@ -1,16 +1,16 @@
 //! One trajectory: steps of the Taylor series cut at events.
 
-use super::polynomial::{self, bracketed_zero};
-use super::series::{Loading, Series, Weakening};
+mod dense;
+mod slip;
+mod stick;
+
+use super::series::{Series, Weakening};
 use super::sway::Sway;
 use super::{Drive, Event, EventKind, FrictionLaw, Oscillator, Phase, VibrationError};
 use crate::friction::process::Fluctuation;
 
 /// Steps in a row that may leave the time where it is (an arrival and a release at one time are two).
 const MAX_IDLE_STEPS: usize = 100;
-
-/// Points at which the friction coefficient is checked when a bound does not settle its sign.
-const POSITIVITY_POINTS: usize = 32;
 
 /// The state of the mass while it is followed.
 ///
@@ -41,6 +41,28 @@ pub(super) struct Motion<F> {
     series: Series,
     segment: Segment,
     idle_steps: usize,
+}
+
+/// A state of slip or over-slip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SlipState {
+    pub(super) tau: f64,
+    pub(super) phase: Phase,
+    pub(super) w: f64,
+    pub(super) e: f64,
+}
+
+impl SlipState {
+    /// The state right after a detachment into slip.
+    pub(super) fn detached(tau: f64) -> Self {
+        Self { tau, phase: Phase::Slip, w: 0.0, e: 0.0 }
+    }
+
+    /// Whether two states are the same, at any times, within a tolerance relative to their size.
+    pub(super) fn repeats(&self, other: &Self, tolerance: f64) -> bool {
+        let change = (self.w - other.w).abs().max((self.e - other.e).abs());
+        self.phase == other.phase && change < tolerance * self.w.abs().max(self.e.abs()).max(1.0)
+    }
 }
 
 /// The last step, for dense output.
@@ -114,12 +136,17 @@ impl<F: Fluctuation> Motion<F> {
         Ok(motion)
     }
 
-    /// A mass that detaches at the time τ: W = e = 0.
-    pub(super) fn detaching(oscillator: &Oscillator, fluctuation: F, tau: f64) -> Result<Self, VibrationError> {
+    /// A mass in a given state of slip.
+    pub(super) fn in_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
         let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;
-        motion.tau = tau;
-        (motion.w, motion.e, motion.phase) = (0.0, 0.0, Phase::Slip);
+        (motion.tau, motion.w, motion.e, motion.phase) = (state.tau, state.w, state.e, state.phase);
         Ok(motion)
+    }
+
+    /// The state at the last cut, if the mass slips.
+    pub(super) fn slip_state(&self) -> Option<SlipState> {
+        let state = SlipState { tau: self.tau, phase: self.phase, w: self.w, e: self.e };
+        (self.phase != Phase::Stick).then_some(state)
     }
 
     fn draw(&mut self) -> Result<f64, VibrationError> {
@@ -135,21 +162,6 @@ impl<F: Fluctuation> Motion<F> {
         }
     }
 
-    /// What the mass does since the last cut.
-    pub(super) fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    /// W at the last cut.
-    pub(super) fn relative_speed(&self) -> f64 {
-        self.w
-    }
-
-    /// e at the last cut.
-    pub(super) fn excess(&self) -> f64 {
-        self.e
-    }
-
     /// Displacement X at the last cut.
     pub(super) fn displacement(&self) -> f64 {
         self.displacement_of(self.tau, self.phase, self.e, self.m)
@@ -158,67 +170,6 @@ impl<F: Fluctuation> Motion<F> {
     fn displacement_of(&self, tau: f64, phase: Phase, e: f64, m: f64) -> f64 {
         let force = (self.velocity * e + m + self.static_friction) * phase.direction();
         force - 2.0 * self.damping * self.velocity + self.velocity * self.sway.force(tau)
-    }
-
-    /// (X, X′) at a time inside the last step.
-    pub(super) fn sample(&self, tau: f64) -> (f64, f64) {
-        let Segment { tau: start, phase, m, slope, e, .. } = self.segment;
-        let t = tau - start;
-        if phase == Phase::Stick {
-            let drift = match self.drive {
-                Drive::Distance => 0.0,
-                Drive::Time => slope * self.velocity * t,
-            };
-            let excess = e + self.sway.growth(1.0, 1.0 - drift_rate(self.drive, slope), start, t);
-            return (self.displacement_of(tau, phase, excess, m + drift), self.velocity);
-        }
-        let (w, e) = self.series.state(t);
-        let moved = match self.drive {
-            Drive::Distance => self.series.distance(t).0,
-            Drive::Time => t,
-        };
-        let m = m + slope * self.velocity * moved;
-        (self.displacement_of(tau, phase, e, m), self.velocity * (1.0 - phase.direction() * w))
-    }
-
-    /// Times in the last step at which X′ = 0 or W is extreme, and its ends: where displacement and velocity are extreme.
-    pub(super) fn turning_times(&self) -> Vec<f64> {
-        let Segment { tau, duration, phase, .. } = self.segment;
-        let mut cuts = vec![0.0];
-        if phase == Phase::Slip {
-            cuts.extend(self.series.first_extremum(duration));
-            cuts.push(duration);
-            // W is monotonic between the cuts and passes 1, where X′ = 0, at most once in each.
-            for i in 1..cuts.len() {
-                let (low, high) = (cuts[i - 1], cuts[i]);
-                let excess = |t| {
-                    let (w, slope) = polynomial::value_and_slope(self.series.w(), t);
-                    (w - 1.0, slope)
-                };
-                let (first, last) = (excess(low).0, excess(high).0);
-                if first * last < 0.0 {
-                    cuts.push(bracketed_zero(excess, low, high, first > 0.0, 0.5 * (low + high)));
-                }
-            }
-        } else {
-            cuts.push(duration);
-        }
-        cuts.into_iter().map(|t| tau + t).collect()
-    }
-
-    /// Whether W passed a minimum above zero in the last step: it fell at its beginning and rises at its end.
-    pub(super) fn passed_minimum(&self) -> bool {
-        self.segment.phase == Phase::Slip
-            && self.phase == Phase::Slip
-            && self.series.w()[1] < 0.0
-            && self.weakening.acceleration(self.w, self.e) > 0.0
-    }
-
-    /// Whether the mass is at rest in space but for the tolerance: W = 1, W′ = 0.
-    pub(super) fn has_settled(&self, tolerance: f64) -> bool {
-        self.phase == Phase::Slip
-            && (self.w - 1.0).abs() < tolerance
-            && self.weakening.acceleration(self.w, self.e).abs() < tolerance
     }
 
     /// Advances to the next cut, at most to `until`; says so if the cut is an event.
@@ -244,92 +195,6 @@ impl<F: Fluctuation> Motion<F> {
         Some(Event { kind, tau: self.tau, displacement: self.displacement(), sliding_distance: self.sliding_distance })
     }
 
-    // ---- slip ----
-
-    fn slip(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
-        let direction = self.phase.direction();
-        let remaining = until - self.tau;
-        let (estimate, to_knot) = self.horizon();
-        // A little more, so that the knot is inside the step.
-        let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
-        let loading = Loading {
-            base: direction - drift_rate(self.drive, self.cell.slope),
-            kappa: 1.0 + (self.cell.slope - drift_rate(self.drive, self.cell.slope)),
-            swing: direction * self.sway.amplitude * self.sway.frequency,
-            frequency: self.sway.frequency,
-            phase: self.sway.frequency * self.tau,
-        };
-        self.segment =
-            Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
-        self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
-        let mut h = self.series.reach(wanted);
-        // First the arrival, then the knot: past an arrival the distance would run backwards.
-        let mut arrived = false;
-        if let Some(t) = self.series.first_arrival(h) {
-            (h, arrived) = (t, true);
-        }
-        let mut crossed = false;
-        if self.drive == Drive::Time {
-            crossed = !arrived && h >= to_knot;
-        } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
-            h = self.series.time_of_distance(to_knot, h, estimate);
-            (crossed, arrived) = (true, false);
-        }
-        self.finish_slip(h, crossed, arrived, until)
-    }
-
-    /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
-    #[inline]
-    fn horizon(&self) -> (f64, f64) {
-        let left = (self.cell.end - self.coordinate()) / self.velocity;
-        if self.drive == Drive::Time {
-            return (left.max(0.0), left.max(0.0));
-        }
-        if left == f64::INFINITY {
-            return (left, left);
-        }
-        // At constant acceleration.
-        let acceleration = self.weakening.acceleration(self.w, self.e);
-        let discriminant = self.w * self.w + 2.0 * acceleration * left;
-        (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
-    }
-
-    #[inline]
-    fn finish_slip(
-        &mut self,
-        h: f64,
-        crossed: bool,
-        arrived: bool,
-        until: f64,
-    ) -> Result<Option<Event>, VibrationError> {
-        let (before, rising) = (self.w, self.series.w()[1] > 0.0 || self.series.w()[0] == 0.0);
-        let m_before = self.m;
-        let (w, e) = self.series.state(h);
-        self.segment.duration = h;
-        self.tau = if h == until - self.tau { until } else { self.tau + h };
-        self.e = e;
-        self.w = if arrived { 0.0 } else { w.max(0.0) };
-        if crossed && self.drive == Drive::Distance {
-            self.sliding_distance = self.cell.end;
-        } else {
-            self.sliding_distance += self.velocity * self.series.distance(h).0;
-        }
-        if crossed {
-            self.next_cell()?;
-        } else if self.cell.end.is_finite() {
-            self.m = self.cell.left + self.cell.slope * (self.coordinate() - self.cell.start);
-        }
-        let turns = rising && (arrived || self.weakening.acceleration(self.w, self.e) < 0.0);
-        if self.phase == Phase::Slip && !self.reached_backward {
-            self.reached_backward = self.w > 1.0
-                || (turns
-                    && self.series.ceiling(h) > 1.0
-                    && self.series.first_extremum(h).is_some_and(|t| self.series.state(t).0 > 1.0));
-        }
-        self.check_friction(before, m_before, h, turns)?;
-        if arrived { self.arrive() } else { Ok(None) }
-    }
-
     /// Moves into the next cell of the friction process.
     fn next_cell(&mut self) -> Result<(), VibrationError> {
         let Some(step) = self.fluctuation.step() else { return Ok(()) };
@@ -340,47 +205,6 @@ impl<F: Fluctuation> Motion<F> {
         self.cell = Cell { index, left, right, slope: (right - left) / step, start, end };
         self.m = left;
         Ok(())
-    }
-
-    /// Refuses a friction coefficient that is not positive somewhere in the last step.
-    #[inline]
-    fn check_friction(&self, w_before: f64, m_before: f64, h: f64, turns: bool) -> Result<(), VibrationError> {
-        let fastest = if turns { self.series.ceiling(h) } else { w_before.max(self.w) };
-        if self.law.coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
-            return Ok(());
-        }
-        for i in 0..=POSITIVITY_POINTS {
-            let share = i as f64 / POSITIVITY_POINTS as f64;
-            let w = self.series.state(share * h).0;
-            let moved = match self.drive {
-                Drive::Distance => self.series.distance(share * h).0 / self.series.distance(h).0.max(f64::MIN_POSITIVE),
-                Drive::Time => share,
-            };
-            let coefficient = self.law.coefficient(self.velocity * w.max(0.0)) + m_before + moved * (self.m - m_before);
-            if coefficient <= 0.0 {
-                return Err(VibrationError::FrictionNotPositive {
-                    coefficient,
-                    tau: self.segment.tau + share * h,
-                    sliding_distance: self.sliding_distance,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// The relative speed is zero: stick if the force is within the limit, else slip on.
-    fn arrive(&mut self) -> Result<Option<Event>, VibrationError> {
-        // An arrival has W′ = e + jump ≤ 0; anything else is rounding at a grazing arrival.
-        self.e = self.e.min(-self.weakening.jump);
-        let arrived_from = self.phase;
-        if arrived_from == Phase::OverSlip {
-            self.e = self.opposite_excess();
-        }
-        self.phase = self.phase_at_rest()?;
-        if self.phase == Phase::OverSlip {
-            self.e = self.opposite_excess();
-        }
-        if self.phase == Phase::Stick { Ok(self.event(EventKind::Restick)) } else { Ok(self.event(EventKind::Reverse)) }
     }
 
     /// Excess over the stick limit of the other direction.
@@ -402,46 +226,6 @@ impl<F: Fluctuation> Motion<F> {
         } else {
             Phase::Stick
         })
-    }
-
-    // ---- stick ----
-
-    fn stick(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
-        let rate = drift_rate(self.drive, self.cell.slope);
-        self.segment =
-            Segment { tau: self.tau, duration: 0.0, phase: Phase::Stick, m: self.m, slope: self.cell.slope, e: self.e };
-        let to_knot = match self.drive {
-            Drive::Distance => f64::INFINITY,
-            Drive::Time => ((self.cell.end - self.coordinate()) / self.velocity).max(0.0),
-        };
-        let limit = (until - self.tau).min(to_knot);
-        let forward = self.sway.release(1.0, 1.0 - rate, self.e, self.tau, limit);
-        let backward = self.sway.release(-1.0, -1.0 - rate, self.opposite_excess(), self.tau, forward.unwrap_or(limit));
-        let (h, released) = match (forward, backward) {
-            (_, Some(t)) => (t, Some(Phase::OverSlip)),
-            (Some(t), None) => (t, Some(Phase::Slip)),
-            (None, None) => (limit, None),
-        };
-        self.e += self.sway.growth(1.0, 1.0 - rate, self.tau, h);
-        self.segment.duration = h;
-        self.tau = if h == until - self.tau { until } else { self.tau + h };
-        if self.drive == Drive::Time {
-            if h >= to_knot && released.is_none() {
-                self.next_cell()?;
-            } else if self.cell.end.is_finite() {
-                self.m = self.cell.left + self.cell.slope * (self.coordinate() - self.cell.start);
-            }
-            let coefficient = self.static_friction + self.m;
-            if coefficient <= 0.0 {
-                let (tau, sliding_distance) = (self.tau, self.sliding_distance);
-                return Err(VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance });
-            }
-        }
-        let Some(phase) = released else { return Ok(None) };
-        // At the release the excess is zero by definition.
-        (self.w, self.e, self.phase) = (0.0, 0.0, phase);
-        self.reached_backward = false;
-        Ok(self.event(EventKind::Detach))
     }
 }
 

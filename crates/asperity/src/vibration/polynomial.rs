@@ -32,11 +32,6 @@ pub(super) fn value_and_slope(c: &[f64], t: f64) -> (f64, f64) {
     c.iter().rev().fold((0.0, 0.0), |(sum, slope), coefficient| (sum * t + coefficient, slope * t + sum))
 }
 
-/// p′(t).
-pub(super) fn slope(c: &[f64], t: f64) -> f64 {
-    value_and_slope(c, t).1
-}
-
 /// Coefficients of p′.
 pub(super) fn derivative(c: &[f64]) -> [f64; CAPACITY] {
     let mut d = [0.0; CAPACITY];
@@ -122,7 +117,8 @@ pub(super) fn bracketed_zero(
 fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
     let mut s = [0.0; CAPACITY];
     s[..c.len()].copy_from_slice(c);
-    for i in 0..c.len() {
+    let rows = if a == 0.0 { 0 } else { c.len() };
+    for i in 0..rows {
         for k in (i..c.len() - 1).rev() {
             s[k] += a * s[k + 1];
         }
@@ -141,7 +137,7 @@ pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
     let n = c.len();
     let (mut a, mut width) = (0.0, h);
     while a < h {
-        let local = if a == 0.0 { shifted(c, 0.0) } else { shifted(c, a) };
+        let local = shifted(c, a);
         let local = &local[..n];
         width = f64::min(width, h - a);
         loop {
@@ -194,7 +190,7 @@ mod tests {
             let c = from_roots(roots);
             let found = first_zero(&c, 1.0).unwrap();
             // A zero of a polynomial moves by (rounding of its value)/slope.
-            assert!((found - roots[0]).abs() < 1e-14 / slope(&c, roots[0]).abs(), "{roots:?}: {found}");
+            assert!((found - roots[0]).abs() < 1e-14 / value_and_slope(&c, roots[0]).1.abs(), "{roots:?}: {found}");
         }
         assert_eq!(first_zero(&from_roots(&[1.5, 2.0]), 1.0), None);
         // Lifted above the axis by 1e-9: touches nothing.
@@ -212,7 +208,7 @@ mod tests {
             for i in 0..=100 {
                 let t = h * f64::from(i) / 100.0;
                 assert!(lower_bound(&c, h) <= value(&c, t) && value(&c, t) <= upper_bound(&c, h));
-                assert!(slope(&c, t) <= slope_upper_bound(&c, h));
+                assert!(value_and_slope(&c, t).1 <= slope_upper_bound(&c, h));
             }
             // The bounds are the sums over the negative or positive coefficients.
             let parts = |keep: fn(f64) -> f64| c[0] + (1..len).map(|k| keep(c[k]) * h.powi(k as i32)).sum::<f64>();
@@ -227,7 +223,7 @@ mod tests {
             (0..CAPACITY).scan(1.0, |f, k| Some(*f / (1..=k).product::<usize>().max(1) as f64)).take(18).collect();
         assert!((value(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-15);
         assert!((split_value(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-15);
-        assert!((slope(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-14);
+        assert!((value_and_slope(&c, 0.5).1 - 0.5_f64.exp()).abs() < 1e-14);
         assert!((value(&derivative(&c)[..17], 0.5) - 0.5_f64.exp()).abs() < 1e-14);
         assert!((value(&shifted(&c, 0.25)[..18], 0.25) - 0.5_f64.exp()).abs() < 1e-14);
     }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cycle::locate;
 use super::motion::Motion;
+use super::trajectory::started;
 use super::{Oscillator, Regime, TrajectorySettings, VibrationError};
 use crate::friction::process::{Fluctuation, Steady};
 
@@ -18,11 +19,11 @@ pub struct PhasePoint {
     pub velocity: f64,
 }
 
-/// One period of the limit cycle at `points` ≥ 2 equal times from detachment to detachment; none without a cycle.
+/// One period of the limit cycle at `points` ≥ 2 equal times, from detachment to detachment if it sticks; none without a cycle.
 pub fn cycle_portrait(oscillator: &Oscillator, points: usize) -> Result<Option<Vec<PhasePoint>>, VibrationError> {
-    let (Regime::Cycle(cycle), detachment) = locate(oscillator)? else { return Ok(None) };
-    let motion = Motion::detaching(oscillator, Steady, detachment)?;
-    sampled(motion, detachment, detachment + cycle.period, points).map(Some)
+    let (Regime::Cycle(cycle), state) = locate(oscillator)? else { return Ok(None) };
+    let motion = Motion::in_slip(oscillator, Steady, state)?;
+    sampled(motion, state.tau, state.tau + cycle.period, points).map(Some)
 }
 
 /// One trajectory at `points` ≥ 2 equal times from τ = `from` to the end.
@@ -38,9 +39,7 @@ pub fn trajectory_portrait(
     if !(from >= 0.0 && from < settings.duration && settings.duration.is_finite()) {
         return Err(VibrationError::Parameter { parameter: "from", value: from, wanted: "between 0 and the duration" });
     }
-    let start = settings.start.unwrap_or_else(|| oscillator.default_start());
-    let motion = Motion::new(oscillator, fluctuation, settings.drive, start)?;
-    sampled(motion, from, settings.duration, points)
+    sampled(started(oscillator, fluctuation, settings)?, from, settings.duration, points)
 }
 
 fn sampled<F: Fluctuation>(

@@ -28,16 +28,16 @@ pub struct Reattachments {
     pub sample: Vec<f64>,
 }
 
-/// Sums of powers about a fixed origin, which add exactly in any order of blocks.
+/// Count, mean and central sums of powers, updated value by value.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PowerSums {
+pub(super) struct RunningMoments {
     count: u64,
     mean: f64,
     /// Σ(x − mean)², Σ(x − mean)³, Σ(x − mean)⁴.
     central: [f64; 3],
 }
 
-impl PowerSums {
+impl RunningMoments {
     pub(super) const EMPTY: Self = Self { count: 0, mean: 0.0, central: [0.0; 3] };
 
     /// Adds one value.
@@ -124,13 +124,13 @@ fn mix(number: u64) -> u64 {
 /// Gathers [`Reattachments`].
 #[derive(Debug, Clone)]
 pub(super) struct Gathering {
-    sums: PowerSums,
+    sums: RunningMoments,
     reservoir: Reservoir,
 }
 
 impl Gathering {
     pub(super) fn new(capacity: usize) -> Self {
-        Self { sums: PowerSums::EMPTY, reservoir: Reservoir { capacity, kept: BinaryHeap::new() } }
+        Self { sums: RunningMoments::EMPTY, reservoir: Reservoir { capacity, kept: BinaryHeap::new() } }
     }
 
     pub(super) fn add(&mut self, x: f64) {

@@ -38,10 +38,8 @@ pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<
         };
         series.expand(&weakening, &loading, w, e, f64::INFINITY);
         let h = series.reach(f64::INFINITY);
-        if falling {
-            if let Some(t) = series.first_extremum(h) {
-                return Ok(Some(Minimum { time: time + t, w: series.state(t).0 }));
-            }
+        if falling && let Some(t) = series.first_extremum(h) {
+            return Ok(Some(Minimum { time: time + t, w: series.state(t).0 }));
         }
         (w, e) = series.state(h);
         time += h;

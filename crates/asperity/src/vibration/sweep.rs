@@ -59,7 +59,7 @@ pub fn damping_sweep(
     settings: &EnsembleSettings,
     monitor: &dyn Monitor,
 ) -> Result<DampingSweep, VibrationError> {
-    if let Some(pair) = damping_ratios.windows(2).find(|pair| !(pair[0] < pair[1])) {
+    if let Some(pair) = damping_ratios.windows(2).find(|pair| pair[0] >= pair[1]) {
         return Err(VibrationError::Parameter { parameter: "damping sweep", value: pair[1], wanted: "rising" });
     }
     let mut ensembles = Vec::with_capacity(damping_ratios.len());

@@ -51,6 +51,20 @@ impl Trajectory {
     }
 }
 
+/// The mass at τ = 0.
+pub(super) fn started<F: Fluctuation>(
+    oscillator: &Oscillator,
+    fluctuation: F,
+    settings: &TrajectorySettings,
+) -> Result<Motion<F>, VibrationError> {
+    positive("duration", settings.duration)?;
+    let start = settings.start.unwrap_or_else(|| oscillator.default_start());
+    if !start.is_finite() {
+        return Err(VibrationError::Parameter { parameter: "start", value: start, wanted: "finite" });
+    }
+    Motion::new(oscillator, fluctuation, settings.drive, start)
+}
+
 /// Follows a mass and shows every event with the counts so far.
 pub(super) fn follow(
     oscillator: &Oscillator,
@@ -58,9 +72,7 @@ pub(super) fn follow(
     settings: &TrajectorySettings,
     mut show: impl FnMut(Event, Slipped),
 ) -> Result<Slips, VibrationError> {
-    positive("duration", settings.duration)?;
-    let start = settings.start.unwrap_or_else(|| oscillator.default_start());
-    let mut motion = Motion::new(oscillator, fluctuation, settings.drive, start)?;
+    let mut motion = started(oscillator, fluctuation, settings)?;
     let mut slips = Slips::default();
     if let Some(event) = motion.first_event() {
         show(event, Slipped::Not);
@@ -96,7 +108,8 @@ pub(super) enum Slipped {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::process::RecordedProcess;
+    use crate::friction::process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
+    use crate::vibration::{FrictionLaw, Parameters, limit_cycle, trajectory_portrait};
 
     #[test]
     fn a_frozen_realisation_gives_its_reference_events() {
@@ -126,6 +139,53 @@ mod tests {
         assert_eq!(Some(found.slips.cycles), reference["counts"]["macro_slips_Vmin_negative"].as_u64());
         let sticks = found.events.iter().filter(|e| e.kind == EventKind::Restick).count() as u64;
         assert_eq!(Some(sticks), reference["counts"]["reattachments"].as_u64());
+    }
+
+    fn noisy(std: f64, index: u64) -> RecordedProcess {
+        let model = ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01);
+        let process = FrictionProcess::new(model).unwrap();
+        let mut path = process.path(21, index);
+        RecordedProcess::new(process.step(), (0..8000).map(|_| path.next_knot().unwrap()).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_slip_is_a_cycle_if_the_mass_moves_backwards_in_it() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let process = noisy(0.006, 0);
+        for drive in [Drive::Distance, Drive::Time] {
+            let settings = TrajectorySettings { duration: 300.0, start: None, drive };
+            let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
+            let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, 300_001).unwrap();
+            let mut counted = Slips::default();
+            for pair in trajectory.events.windows(2).filter(|pair| pair[1].kind == EventKind::Restick) {
+                let inside = portrait.iter().filter(|p| p.tau > pair[0].tau && p.tau < pair[1].tau);
+                let slowest = inside.map(|p| p.velocity).fold(f64::INFINITY, f64::min);
+                if slowest < 0.0 { counted.cycles += 1 } else { counted.micro_slips += 1 }
+            }
+            assert_eq!(trajectory.slips, counted);
+            assert!(counted.cycles > 10 && counted.micro_slips > 0, "{drive:?}: {counted:?}");
+        }
+    }
+
+    #[test]
+    fn a_record_that_ends_and_friction_without_sign_are_errors() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
+        let run = |values: Vec<f64>| {
+            Trajectory::simulate(&oscillator, RecordedProcess::new(0.01, values).unwrap().path(), &settings)
+        };
+        assert!(matches!(run(vec![0.0; 4]), Err(VibrationError::ProcessTooShort { .. })));
+        assert!(matches!(run(vec![-0.11; 60]), Err(VibrationError::FrictionNotPositive { tau: 0.0, .. })));
+        let falling = (0..60).map(|i| -0.005 * f64::from(i)).collect();
+        assert!(matches!(run(falling), Err(VibrationError::FrictionNotPositive { tau, .. }) if tau > 1.0));
+        let nowhere = TrajectorySettings { start: Some(f64::NAN), ..settings };
+        assert!(Trajectory::simulate(&oscillator, Steady, &nowhere).is_err());
+        // A linear law has no positive value at the speed of the mass.
+        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
+        let fast = limit_cycle(&Oscillator::new(parameters).unwrap());
+        assert!(matches!(fast, Err(VibrationError::FrictionNotPositive { .. })));
     }
 
     /// Little-endian doubles of a one-dimensional .npy file.

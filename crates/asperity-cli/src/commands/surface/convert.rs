@@ -47,8 +47,8 @@ fn refused(error: &FormatError) -> Failure {
     };
     match cause {
         FormatError::UnknownExtension { .. } | FormatError::NoPitch { .. } => Failure::usage(chain(error)),
-        FormatError::Io { path, source } => {
-            Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), source)
+        FormatError::Io { path, error } => {
+            Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), error)
         }
         FormatError::NotStorable { .. } => Failure::new(Kind::Data, chain(error)),
         _ => Failure::new(Kind::Runtime, chain(error)),

@@ -97,7 +97,7 @@ impl FrictionProcess {
         if let Generator::Spectral { harmonics } = model.generator {
             positive("number of harmonics", harmonics as f64)?;
         }
-        if let Some(value) = model.least.filter(|least| !(*least < 0.0)) {
+        if let Some(value) = model.least.filter(|least| least.is_nan() || *least >= 0.0) {
             return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
         }
         let translation = Translation::new(&model.marginal)?;
@@ -216,6 +216,7 @@ pub fn window_variance_factor(correlation_length: f64, window: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stats::Moments;
 
     fn beta(std: f64, length: f64) -> ProcessModel {
         ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)
@@ -261,30 +262,33 @@ mod tests {
             (Generator::Spectral { harmonics: 64 }, Correlation::Plain),
         ] {
             let process = FrictionProcess::new(ProcessModel { generator, correlation, ..beta(0.002, 3.0) }).unwrap();
-            let paths = 20_000;
-            let lag = process.model().steps_per_length;
-            let (mut sums, mut product, mut product2) = ([0.0; 4], 0.0, 0.0);
-            for i in 0..paths {
-                let m: Vec<f64> = knots(&process, i, lag + 1).iter().map(|m| m / 0.002).collect();
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    *sum += m[0].powi(k as i32 + 1) / paths as f64;
-                }
-                product += m[0] * m[lag] / paths as f64;
-                product2 += (m[0] * m[lag]).powi(2) / paths as f64;
+            let paths: Vec<Vec<f64>> = (0..20_000).map(|i| knots(&process, i, 41)).collect();
+            let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
+                let values: Vec<f64> = paths.iter().map(|m| f(m)).collect();
+                let moments = Moments::of(&values);
+                (moments.mean, 4.0 * moments.standard_error())
+            };
+            for (power, wanted) in [(1, 0.0), (2, 1.0), (3, 0.5598)] {
+                let (found, margin) = mean_of(&|m| (m[40] / 0.002).powi(power));
+                assert!((found - wanted).abs() < margin, "{generator:?}: mean of m^{power} is {found}");
             }
-            let root_n = (paths as f64).sqrt();
-            // Standard errors of the mean, of the mean square (excess kurtosis −0.17) and of the mean cube.
-            assert!(sums[0].abs() < 4.0 / root_n, "{generator:?} mean {}", sums[0]);
-            assert!((sums[1] - 1.0).abs() < 4.0 * 1.36 / root_n, "{generator:?} variance {}", sums[1]);
-            assert!((sums[2] - 0.5598).abs() < 4.0 * 3.5 / root_n, "{generator:?} skewness {}", sums[2]);
-            let wanted = process.correlation_at(3.0);
-            let standard_error = (product2 - product * product).sqrt() / root_n;
-            assert!((product - wanted).abs() < 4.0 * standard_error, "{generator:?} {product} instead of {wanted}");
-            match correlation {
-                Correlation::Corrected => assert!((wanted - (-1.0_f64).exp()).abs() < 1e-12),
-                Correlation::Plain => assert!(wanted < (-1.0_f64).exp()),
+            for lag in [1, 10, 20, 40] {
+                let wanted = process.correlation_at(lag as f64 * process.step());
+                let (found, margin) = mean_of(&|m| m[0] * m[lag] / 0.002_f64.powi(2));
+                assert!((found - wanted).abs() < margin, "{generator:?}: {found} at {lag}, not {wanted}");
             }
         }
+    }
+
+    #[test]
+    fn the_correction_meets_the_length_and_the_plain_translation_shortens_it() {
+        let plain = FrictionProcess::new(beta(1.0, 2.0)).unwrap();
+        let model = ProcessModel { correlation: Correlation::Corrected, ..beta(1.0, 2.0) };
+        let corrected = FrictionProcess::new(model).unwrap();
+        assert!((corrected.normal_step_correlation().powi(20) - 0.375_013_83).abs() < 5e-9);
+        assert!((corrected.correlation_at(2.0) - (-1.0_f64).exp()).abs() < 1e-12);
+        assert!((plain.normal_step_correlation() - (-0.05_f64).exp()).abs() < 1e-15);
+        assert!(plain.correlation_at(2.0) < corrected.correlation_at(2.0));
     }
 
     #[test]

@@ -69,3 +69,26 @@ impl Fluctuation for RecordedPath<'_> {
         self.rest.next().copied()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_is_read_once_and_then_ends() {
+        let record = RecordedProcess::new(0.5, vec![1.0, -2.0]).unwrap();
+        let mut path = record.path();
+        assert_eq!(path.step(), Some(0.5));
+        assert_eq!([path.next_knot(), path.next_knot(), path.next_knot()], [Some(1.0), Some(-2.0), None]);
+        assert_eq!((Steady.step(), Steady.next_knot()), (None, None));
+    }
+
+    #[test]
+    fn records_that_are_none_are_refused() {
+        for (step, values) in
+            [(0.0, vec![1.0, 2.0]), (1.0, vec![1.0]), (1.0, vec![1.0, f64::NAN]), (f64::NAN, vec![1.0; 3])]
+        {
+            assert!(RecordedProcess::new(step, values).is_err());
+        }
+    }
+}

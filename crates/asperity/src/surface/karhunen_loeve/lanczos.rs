@@ -36,8 +36,8 @@ pub(super) fn largest_eigenpairs(
     let block = BLOCK.min(n);
     let capacity = stopping.subspace.clamp(wanted, n);
     let mut stream = random::stream(seed, "karhunen-loeve lanczos", 0);
-    let mut start = Array2::from_shape_vec((block, n), random::standard_normal(&mut stream, block * n))
-        .map_err(|_| GeneratorError::Eigen { points: n })?;
+    let draws = random::standard_normal(&mut stream, block * n);
+    let mut start = Array2::from_shape_fn((block, n), |(i, j)| draws[i * n + j]);
     let mut basis = Array2::<f64>::zeros((0, n));
     orthonormalise(&mut start, &basis, &mut stream);
     let mut projected = Array2::<f64>::zeros((0, 0));
@@ -48,9 +48,13 @@ pub(super) fn largest_eigenpairs(
         let count = start.nrows().min(n - from);
         append_rows(&mut basis, &start.slice(s![..count, ..]).to_owned());
         let size = basis.nrows();
-        let mut image = Array2::<f64>::zeros((count, n));
-        let sources: Vec<_> = (from..size).map(|row| basis.row(row).to_vec()).collect();
-        image.as_slice_mut().unwrap_or_default().par_chunks_mut(n).zip(&sources).for_each(|(out, v)| apply(v, out));
+        let product = |row: usize| {
+            let mut out = vec![0.0; n];
+            apply(&basis.row(row).to_vec(), &mut out);
+            out
+        };
+        let products: Vec<Vec<f64>> = (from..size).into_par_iter().map(product).collect();
+        let mut image = Array2::from_shape_fn((count, n), |(i, j)| products[i][j]);
 
         let columns = basis.dot(&image.t());
         let mut grown = Array2::<f64>::zeros((size, size));
@@ -76,9 +80,7 @@ pub(super) fn largest_eigenpairs(
             let worst = residuals.iter().fold(0.0_f64, |m, r| m.max(*r));
             if size >= n || (size >= wanted && worst <= stopping.tolerance) {
                 let mut found = vectors.slice(s![..wanted, ..]).dot(&basis);
-                for mut vector in found.rows_mut() {
-                    fix_sign(vector.as_slice_mut().unwrap_or_default());
-                }
+                found.rows_mut().into_iter().for_each(fix_sign);
                 return Ok((values[..wanted].to_vec(), found));
             }
             if full {
@@ -100,47 +102,54 @@ pub(super) fn largest_eigenpairs(
 /// A row that vanishes, because the subspace is invariant, is replaced by a random one with zero coupling.
 fn orthonormalise(block: &mut Array2<f64>, basis: &Array2<f64>, stream: &mut random::Stream) -> Array2<f64> {
     let (rows, n) = block.dim();
-    let mut coupling = Array2::<f64>::zeros((rows, rows));
-    let before: Vec<f64> = block.rows().into_iter().map(|row| row.dot(&row).sqrt()).collect();
-    let largest = before.iter().fold(0.0_f64, |m, v| m.max(*v));
+    let largest = block.rows().into_iter().fold(0.0_f64, |m, row| m.max(row.dot(&row).sqrt()));
+    project_out(block, basis);
+    let mut coupling = within_block(block, f64::EPSILON * largest);
     for i in 0..rows {
-        let mut replaced = false;
-        // Twice is enough; a replaced row starts again.
-        let mut pass = 0;
-        let mut attempts = 0;
-        while pass < 2 {
-            let mut row = block.row(i).to_owned();
-            let start = row.dot(&row).sqrt();
-            if basis.nrows() > 0 {
-                let overlap = basis.dot(&row);
-                row -= &overlap.dot(basis);
-            }
-            for j in 0..i {
+        if coupling[[i, i]] == 0.0 {
+            let fresh = random::standard_normal(stream, n);
+            block.row_mut(i).iter_mut().zip(fresh).for_each(|(out, value)| *out = value);
+        }
+    }
+    // Once more: the first pass leaves what rounding brought in, and the random rows.
+    project_out(block, basis);
+    let second = within_block(block, 0.0);
+    for i in 0..rows {
+        if coupling[[i, i]] == 0.0 {
+            coupling.row_mut(i).fill(0.0);
+        }
+    }
+    second.dot(&coupling)
+}
+
+/// Subtracts the part of each row that lies in the span of the orthonormal `basis`.
+fn project_out(block: &mut Array2<f64>, basis: &Array2<f64>) {
+    if basis.nrows() > 0 {
+        let overlap = block.dot(&basis.t());
+        *block -= &overlap.dot(basis);
+    }
+}
+
+/// Modified Gram–Schmidt among the rows; rows of length up to `vanishing` get zero on the diagonal of R and stay.
+fn within_block(block: &mut Array2<f64>, vanishing: f64) -> Array2<f64> {
+    let rows = block.nrows();
+    let mut coupling = Array2::<f64>::zeros((rows, rows));
+    for i in 0..rows {
+        let mut row = block.row(i).to_owned();
+        let start = row.dot(&row).sqrt();
+        for j in 0..i {
+            if coupling[[j, j]] > 0.0 {
                 let overlap = block.row(j).dot(&row);
                 row.scaled_add(-overlap, &block.row(j));
-                if !replaced {
-                    coupling[[j, i]] += overlap;
-                }
+                coupling[[j, i]] = overlap;
             }
-            let norm = row.dot(&row).sqrt();
-            let lost = norm <= 1e-13 * start || norm <= f64::EPSILON * largest;
-            if lost && attempts < 3 {
-                attempts += 1;
-                replaced = true;
-                pass = 0;
-                let fresh = random::standard_normal(stream, n);
-                block.row_mut(i).iter_mut().zip(fresh).for_each(|(out, value)| *out = value);
-                continue;
-            }
-            if pass == 1 {
-                if !replaced {
-                    coupling[[i, i]] = norm;
-                }
-                row /= norm.max(f64::MIN_POSITIVE);
-            }
-            block.row_mut(i).assign(&row);
-            pass += 1;
         }
+        let norm = row.dot(&row).sqrt();
+        if norm > vanishing && norm > 1e-13 * start {
+            coupling[[i, i]] = norm;
+            row /= norm;
+        }
+        block.row_mut(i).assign(&row);
     }
     coupling
 }

@@ -1,7 +1,7 @@
 //! The eigenproblem of a stationary covariance on an interval.
 
 use faer::{Mat, Side};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayViewMut1};
 
 use crate::surface::GeneratorError;
 
@@ -57,51 +57,56 @@ pub(super) fn dense_eigenpairs(
     let floor = largest * f64::EPSILON * n as f64;
     let values = (0..n).rev().map(|j| if ascending[j] > floor { ascending[j] } else { 0.0 }).collect();
     let mut vectors = Array2::from_shape_fn((n, n), |(j, i)| eigen.U()[(i, n - 1 - j)]);
-    for mut vector in vectors.rows_mut() {
-        fix_sign(vector.as_slice_mut().unwrap_or_default());
-    }
+    vectors.rows_mut().into_iter().for_each(fix_sign);
     Ok((values, vectors))
 }
 
 /// Turns a vector so that its first value of at least half the largest magnitude is positive.
-pub(super) fn fix_sign(vector: &mut [f64]) {
+pub(super) fn fix_sign(mut vector: ArrayViewMut1<f64>) {
     let largest = vector.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let leading = vector.iter().copied().find(|v| v.abs() >= 0.5 * largest);
     if leading.is_some_and(|v| v < 0.0) {
-        for v in vector {
-            *v = -*v;
-        }
+        vector.mapv_inplace(|v| -v);
     }
+}
+
+/// Closed-form eigenvalues of e^{−|x−y|/ℓ} on an interval of `size_m`, in metre, falling.
+///
+/// λ = 2ℓ/(1 + (ℓω)²), where with half length a, ω solves 1/ℓ = ω tan ωa (even functions) or ω = −tan(ωa)/ℓ (odd ones),
+/// one root in each half period (Ghanem & Spanos 1991, §2.3.3).
+///
+/// # Panics
+/// If a length is not positive.
+pub fn exponential_eigenvalues_m(correlation_length_m: f64, size_m: f64, count: usize) -> Vec<f64> {
+    assert!(correlation_length_m > 0.0 && size_m > 0.0, "lengths {correlation_length_m} m, {size_m} m");
+    let half = 0.5 * size_m / correlation_length_m;
+    (0..count)
+        .map(|j| {
+            // With u = ωa both equations, multiplied by cos u, are smooth with one sign change in (j, j + 1)·π/2.
+            let residual = |u: f64| {
+                let (sin, cos) = u.sin_cos();
+                if j % 2 == 0 { half * cos - u * sin } else { u * cos + half * sin }
+            };
+            let quarter = std::f64::consts::FRAC_PI_2;
+            let (mut low, mut high) = (j as f64 * quarter, (j + 1) as f64 * quarter);
+            // The residual leaves each interval's start with the sign of the middle of its first part.
+            let sign = residual(low + 1e-9 * quarter).signum();
+            for _ in 0..100 {
+                let middle = 0.5 * (low + high);
+                if residual(middle).signum() == sign {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            2.0 * correlation_length_m / (1.0 + (low / half).powi(2))
+        })
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Eigenvalues 2ℓ/(1 + (ℓω)²) of e^{−|x−y|/ℓ} on [0, 1]: with c = 1/ℓ and a = ½, ω solves c = ω tan(ωa) for even and
-    /// ω = −c tan(ωa) for odd functions (Ghanem & Spanos 1991, §2.3.3), one root in each half period.
-    fn exact(length: f64, count: usize) -> Vec<f64> {
-        let (c, a) = (1.0 / length, 0.5);
-        (0..count)
-            .map(|j| {
-                // Multiplied by cos, both equations are smooth and change sign once in (jπ, (j + 1)π)·½/a.
-                let residual = |omega: f64| {
-                    let (sin, cos) = (omega * a).sin_cos();
-                    if j % 2 == 0 { c * cos - omega * sin } else { omega * cos + c * sin }
-                };
-                let (mut low, mut high) = (j as f64 * std::f64::consts::PI, (j + 1) as f64 * std::f64::consts::PI);
-                if j == 0 {
-                    low = 1e-12;
-                }
-                let sign = residual(low).signum();
-                for _ in 0..200 {
-                    let middle = 0.5 * (low + high);
-                    if residual(middle).signum() == sign { low = middle } else { high = middle }
-                }
-                2.0 * length / (1.0 + (length * low).powi(2))
-            })
-            .collect()
-    }
 
     #[test]
     fn the_closed_form_gives_the_published_eigenvalues() {
@@ -109,16 +114,26 @@ mod tests {
             (1.0, [0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]),
             (0.1, [0.187_082_551_9, 0.156_045_560_2, 0.121_154_351_5, 0.091_324_242_8]),
         ] {
-            for (root, value) in exact(length, 4).into_iter().zip(published) {
+            for (root, value) in exponential_eigenvalues_m(length, 1.0, 4).into_iter().zip(published) {
                 assert!((root - value).abs() < 1e-10, "{root} {value}");
             }
         }
     }
 
     #[test]
+    fn the_closed_form_eigenvalues_sum_to_the_length_and_scale_with_it() {
+        let sum: f64 = exponential_eigenvalues_m(0.3, 2.0, 20_000).iter().sum();
+        // The rest is the tail of 2ℓ/(ℓω)² with ω = jπ/L.
+        let tail = 2.0 * 4.0 / (0.3 * std::f64::consts::PI.powi(2) * 20_000.0);
+        assert!((sum + tail - 2.0).abs() < 1e-6, "{sum}");
+        let (small, large) = (exponential_eigenvalues_m(0.3, 2.0, 5), exponential_eigenvalues_m(3.0, 20.0, 5));
+        assert!(small.iter().zip(large).all(|(s, l)| (l / s - 10.0).abs() < 1e-9));
+    }
+
+    #[test]
     fn eigenvalues_of_the_exponential_converge_with_order_two() {
         for length in [1.0, 0.1] {
-            let wanted = exact(length, 4);
+            let wanted = exponential_eigenvalues_m(length, 1.0, 4);
             let errors = [64, 128, 256].map(|points| {
                 let found = profile_modes(|x| (-x / length).exp(), points, 1.0 / points as f64, 4).unwrap();
                 let errors: Vec<f64> =

@@ -44,23 +44,57 @@ fn a_hundred_and_one_terms_hold_the_known_share_of_a_two_dimensional_variance() 
 }
 
 #[test]
-fn the_general_route_gives_the_dense_eigenvalues_also_where_they_are_equal() {
-    let square = Grid::new(16, 16, 1.0, 1.0).unwrap();
-    let oblong = Grid::new(20, 11, 0.5, 1.0).unwrap();
-    for grid in [square, oblong] {
+fn products_of_the_closed_form_are_the_separable_spectrum() {
+    let line = exponential_eigenvalues_m(0.2, 1.0, 101);
+    let mut wanted: Vec<f64> = line.iter().flat_map(|a| line.iter().map(move |b| a * b)).collect();
+    wanted.sort_by(|a, b| b.total_cmp(a));
+    let covariance = unit(CorrelationModel::Exponential, 0.2, 0.2);
+    let coarse = modes(&covariance, &[1.0, 1.0], &[128, 128], 101, ModesRoute::Separable).unwrap();
+    let fine = modes(&covariance, &[1.0, 1.0], &[256, 256], 101, ModesRoute::Separable).unwrap();
+    for (value, wanted) in fine.eigenvalues.iter().zip(&wanted).take(12) {
+        assert!((value / wanted - 1.0).abs() < 2e-3, "{value} {wanted}");
+    }
+    let share: f64 = wanted[..101].iter().sum();
+    let errors = [coarse, fine].map(|found| (found.captured_variance - share).abs());
+    assert!(errors[1] < 1e-3 && ((errors[0] / errors[1]).log2() - 2.0).abs() < 0.1, "{errors:?}");
+}
+
+#[test]
+fn both_general_methods_give_the_dense_eigenvalues_also_where_they_are_equal() {
+    let grids = [Grid::new(16, 16, 1.0, 1.0), Grid::new(20, 11, 0.5, 1.0), Grid::new(9, 13, 1.0, 1.0)];
+    for grid in grids.map(Result::unwrap) {
         for covariance in [
             unit(CorrelationModel::Exponential, 4.0, 4.0),
             unit(CorrelationModel::Matern { nu: 1.5 }, 3.0, 6.0),
             unit(CorrelationModel::SelfAffine { hurst: 0.8 }, 5.0, 5.0),
         ] {
             let wanted = dense(&covariance, grid);
-            let found = KarhunenLoeve::new(&covariance, grid, 40, ModesRoute::General).unwrap();
-            for (j, (f, w)) in found.eigenvalues_m2().iter().zip(&wanted).enumerate() {
-                assert!((f - w).abs() < 1e-11 * wanted[0], "{covariance:?} mode {j}: {f} {w}");
+            for method in [general::dense_modes, general::iterated_modes] {
+                let (values, vectors) = method(&covariance, grid, 40).unwrap();
+                for (j, (f, w)) in values.iter().zip(&wanted).enumerate() {
+                    assert!((f - w).abs() < 1e-11 * wanted[0], "{covariance:?} mode {j}: {f} {w}");
+                }
+                let gram = vectors.dot(&vectors.t()) * grid.cell_area_m2();
+                assert!(gram.indexed_iter().all(|((i, j), v)| (v - f64::from(u8::from(i == j))).abs() < 1e-11));
             }
-            assert_orthonormal(&found);
         }
     }
+}
+
+#[test]
+fn both_general_methods_span_the_same_field() {
+    // Cut where eigenvalues are apart, the covariance does not depend on how equal modes are rotated.
+    let grid = Grid::new(18, 18, 1.0, 1.0).unwrap();
+    let covariance = unit(CorrelationModel::Matern { nu: 0.8 }, 5.0, 5.0);
+    let all = dense(&covariance, grid);
+    let count = (25..45).find(|&m| all[m - 1] - all[m] > 1e-4 * all[0]).unwrap();
+    let field = |(values, vectors): (Vec<f64>, Array2<f64>)| {
+        let weighted = Array2::from_shape_fn(vectors.dim(), |(j, i)| values[j] * vectors[[j, i]]);
+        vectors.t().dot(&weighted)
+    };
+    let a = field(general::dense_modes(&covariance, grid, count).unwrap());
+    let b = field(general::iterated_modes(&covariance, grid, count).unwrap());
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-6));
 }
 
 #[test]
@@ -163,4 +197,17 @@ fn one_size_is_an_interval_and_wrong_counts_are_refused() {
     ));
     let ring = modes(&covariance, &[8.0], &[64], 5, ModesRoute::Periodic).unwrap().eigenvalues;
     assert!((ring[1] - ring[2]).abs() < 1e-12 && (ring[3] - ring[4]).abs() < 1e-12, "cosines and sines come in pairs");
+}
+
+#[test]
+fn modes_do_not_depend_on_the_number_of_threads() {
+    let grid = Grid::new(20, 14, 1.0, 1.0).unwrap();
+    let covariance = unit(CorrelationModel::SelfAffine { hurst: 0.6 }, 5.0, 4.0);
+    for method in [general::dense_modes, general::iterated_modes] {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| method(&covariance, grid, 25).unwrap())
+        };
+        assert!(with(1) == with(3), "not one bit may differ");
+    }
 }

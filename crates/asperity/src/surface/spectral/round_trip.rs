@@ -190,3 +190,32 @@ fn profile_spectra_tell_the_directions_apart() {
     // Where the spectrum is smooth over the window that expectation is the model itself.
     assert!((expected(4.0) / covariance.profile_psd_x_m3(q) - 1.0).abs() < 0.02);
 }
+
+#[test]
+fn an_oblique_lay_is_a_warning_and_a_straight_one_is_not() {
+    let oblique = |angle: f64| {
+        // Random noise drawn out along ridges at an angle: a sum of plane waves normal to them.
+        let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
+        let mut stream = random::stream(41, "lay", 0);
+        let amplitudes = random::standard_normal(&mut stream, 400);
+        let map = HeightMap::from_function(grid, |x, y| {
+            let (across, along) = (x * angle.cos() + y * angle.sin(), y * angle.cos() - x * angle.sin());
+            (0..200)
+                .map(|k| {
+                    let (q, p) = (0.002 * f64::from(k), 0.02 * f64::from(k % 7 - 3));
+                    let phase = q * across + p * along;
+                    let k = 2 * k as usize;
+                    (amplitudes[k] * phase.cos() + amplitudes[k + 1] * phase.sin()) * (-(4.0 * q).powi(2) / 8.0).exp()
+                })
+                .sum()
+        })
+        .unwrap();
+        let fits = fit_covariance(&Autocorrelation::estimate(&map).unwrap(), &[CorrelationFamily::SquaredExponential]);
+        fits.unwrap().warnings.iter().any(|w| matches!(w, FitWarning::ObliqueLay { .. }))
+    };
+    assert!(oblique(PI / 4.0));
+    let straight = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 8.0).unwrap();
+    let map = sample(&straight, Grid::new(128, 128, 1.0, 1.0).unwrap(), 0.0, 50);
+    let fits = fit_covariance(&Autocorrelation::estimate(&map).unwrap(), &CorrelationFamily::ALL).unwrap();
+    assert!(!fits.warnings.iter().any(|w| matches!(w, FitWarning::ObliqueLay { .. })), "{:?}", fits.warnings);
+}

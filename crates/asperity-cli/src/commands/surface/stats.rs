@@ -1,0 +1,55 @@
+//! What a measured surface is.
+
+use std::path::PathBuf;
+
+use asperity::study::statistics;
+use asperity::surface::level::{Level, remove_form};
+use clap::{Args, ValueEnum};
+
+use crate::failure::Failure;
+use crate::input::{self, PixelSize};
+use crate::monitor::Terminal;
+use crate::output::Answer;
+
+/// Computes ISO 25178-2 parameters, correlation lengths and the fractal dimension of a map.
+#[derive(Debug, Args)]
+pub(crate) struct Stats {
+    /// Measured or generated heights: X3P, SUR, NPY or text.
+    file: PathBuf,
+    /// Form that is removed by least squares.
+    #[arg(long, value_enum, default_value = "plane")]
+    level: Form,
+    #[command(flatten)]
+    pixel_size: PixelSize,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Form {
+    /// Nothing.
+    None,
+    /// The mean height.
+    Mean,
+    /// The least-squares plane.
+    Plane,
+    /// The least-squares quadratic.
+    Quadratic,
+}
+
+impl Stats {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let map = input::map(&self.file, self.pixel_size)?;
+        let level = match self.level {
+            Form::None => Level::None,
+            Form::Mean => Level::Mean,
+            Form::Plane => Level::Plane,
+            Form::Quadratic => Level::Quadratic,
+        };
+        let levelled = remove_form(&map, level).map_err(|e| Failure::data(self.file.display(), &e))?;
+        let statistics = statistics(&levelled.map, 0).map_err(|e| Failure::data(self.file.display(), &e))?;
+        monitor.check()?;
+        Answer::of(&statistics)?.print(self.json)
+    }
+}

@@ -1,0 +1,116 @@
+//! What a study will cost, roughly, before it is run.
+
+use crate::study::config::BoundaryChoice;
+use crate::study::{Stage, Study};
+
+/// Iterations of an ordinary contact solution at the tolerance of a study.
+const ITERATIONS: f64 = 30.0;
+/// Seconds per cell and iteration on one core of a desktop computer; the free boundary pads its transforms.
+const PERIODIC_SECONDS: f64 = 20e-9;
+const FREE_SECONDS: f64 = 40e-9;
+/// Seconds per unit of dimensionless time of a trajectory.
+const TRAJECTORY_SECONDS: f64 = 10e-6;
+/// Bytes per cell of a contact problem and its workspace.
+const CONTACT_BYTES: f64 = 250.0;
+/// Bytes of a double.
+const DOUBLE_BYTES: f64 = 8.0;
+
+/// The rough cost of one stage. Times hold within a factor of a few.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StageEstimate {
+    /// The stage.
+    pub stage: Stage,
+    /// Contact problems to solve.
+    pub contact_solutions: usize,
+    /// Trajectories to follow.
+    pub trajectories: usize,
+    /// Time on one core in second.
+    pub core_seconds: f64,
+    /// Memory in byte with the given number of threads.
+    pub memory_bytes: f64,
+}
+
+impl Study {
+    /// The rough cost of every stage that the study has, with `threads` threads. Nothing is read or computed.
+    pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
+        let contact = |stage, solutions: usize, points: [usize; 2], boundary, germ: usize| {
+            let cells = points[0] as f64 * points[1] as f64;
+            let per_cell = if boundary == BoundaryChoice::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
+            StageEstimate {
+                stage,
+                contact_solutions: solutions,
+                trajectories: 0,
+                core_seconds: solutions as f64 * cells * ITERATIONS * per_cell,
+                memory_bytes: threads as f64 * cells * CONTACT_BYTES
+                    + DOUBLE_BYTES * germ as f64 * (cells + solutions as f64),
+            }
+        };
+        let mut stages = Vec::new();
+        if let Some(p) = &self.pressure {
+            let modes = self.surface.as_ref().map_or(0, |surface| surface.modes);
+            // The reference, and three samplers that the other methods share.
+            let solutions = p.reference_samples + 3 * p.fine_solves;
+            stages.push(contact(Stage::Pressure, solutions, p.points, p.boundary, modes));
+        }
+        if let Some(f) = &self.friction {
+            let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
+            let solutions = (f.percentiles.len() + usize::from(nominal)) * f.realisations;
+            stages.push(contact(Stage::Friction, solutions, f.points, f.boundary, 0));
+        }
+        if let Some(v) = &self.vibration {
+            // Both upscalings.
+            let trajectories = 2 * v.damping_sweep.2 * v.trajectories;
+            stages.push(StageEstimate {
+                stage: Stage::Vibration,
+                contact_solutions: 0,
+                trajectories,
+                core_seconds: trajectories as f64 * v.duration * TRAJECTORY_SECONDS,
+                memory_bytes: v.trajectories as f64 * v.duration * DOUBLE_BYTES,
+            });
+        }
+        stages
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_estimate_counts_every_contact_problem_and_trajectory() {
+        let text = r#"
+seed = 1
+[surface]
+covariance = "exponential"
+marginal = "normal"
+rms_height = "1 um"
+correlation_length = ["20 um", "20 um"]
+[material]
+youngs_modulus = "210 GPa"
+shear_strength = "385 MPa"
+[pressure]
+size = ["200 um", "200 um"]
+points = [64, 64]
+percentile = 50.0
+fine_solves = 100
+reference_samples = 1000
+[friction]
+percentiles = [5.0, 50.0]
+realisations = 20
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.17
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+belt_velocity = "23.7 mm/s"
+damping_sweep = [0.05, 0.30, 11]
+trajectories = 50
+"#;
+        let stages = Study::parse(text, "study.toml").unwrap().estimate(2);
+        // Two stated levels and the one at N/A_nom.
+        assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
+        assert_eq!(stages[2].trajectories, 1100);
+        assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
+    }
+}

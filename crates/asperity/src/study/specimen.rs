@@ -1,0 +1,142 @@
+//! Maps drawn from a model: what `[surface]` of a study describes, on any grid.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::map::{Grid, HeightMap};
+use crate::quantity::Length;
+use crate::random;
+use crate::study::config::{BoundaryChoice, SurfaceSection};
+use crate::study::{Study, StudyError, StudyFileError, surface_stage};
+use crate::surface::RandomSurface;
+
+/// Name of the random stage of drawn maps.
+const STAGE: &str = "specimen";
+
+/// Random maps: a surface, its size and its points. The file has the keys `seed`, `size`, `points`, `boundary` and the
+/// section `[surface]` of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Specimen {
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// Size (x, y) of a map.
+    pub size: [Length; 2],
+    /// Points (x, y) of a map.
+    pub points: [usize; 2],
+    /// Whether a map continues periodically beyond its edge.
+    #[serde(default = "free")]
+    pub boundary: BoundaryChoice,
+    /// The surface.
+    pub surface: SurfaceSection,
+}
+
+fn free() -> BoundaryChoice {
+    BoundaryChoice::Free
+}
+
+impl Specimen {
+    /// Reads the text of a specification; `file` names it in errors.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, with its line.
+    pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
+        let specimen: Self = StudyFileError::read(text, file)?;
+        let study = Study {
+            seed: specimen.seed,
+            surface: Some(specimen.surface.clone()),
+            material: None,
+            pressure: None,
+            friction: None,
+            vibration: None,
+        };
+        study.validated(text, file)?;
+        Ok(specimen)
+    }
+
+    /// Makes the generator of the maps. `folder` is that of the specification, for a scan that it names.
+    ///
+    /// # Errors
+    /// The scan cannot be read or has no texture, the model is not valid, or the grid is not one.
+    pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
+        let [width, height] = self.size;
+        let grid = Grid::covering(self.points[0], self.points[1], width.0, height.0)
+            .map_err(|error| StudyError::Grid { section: "size and points", error })?;
+        let file = self.surface.file.as_ref();
+        let scan = file.map(|file| asperity_formats::read(&folder.join(file))).transpose()?;
+        let name = file.map(|file| file.to_string_lossy());
+        let stage = surface_stage::run(&self.surface, name.as_deref().zip(scan))?;
+        let generated = stage.model.patch(grid, self.boundary == BoundaryChoice::Periodic)?;
+        let warnings = stage.warnings.into_iter().chain(generated.warnings).collect();
+        Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
+    }
+}
+
+/// Draws the maps of a [`Specimen`].
+pub struct Sampler {
+    seed: u64,
+    surface: Box<dyn RandomSurface>,
+    warnings: Vec<String>,
+}
+
+impl Sampler {
+    /// Map number `index`, the same whichever maps are drawn beside it.
+    pub fn draw(&self, index: u64) -> HeightMap {
+        let mut stream = random::stream(self.seed, STAGE, index);
+        self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
+    }
+
+    /// What to be wary of, in sentences.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPECIFICATION: &str = r#"
+seed = 3
+size = ["64 um", "32 um"]
+points = [64, 32]
+[surface]
+covariance = "exponential"
+marginal = "normal"
+rms_height = "1 um"
+correlation_length = ["8 um", "8 um"]
+generator = "spectral"
+"#;
+
+    #[test]
+    fn drawn_maps_have_the_stated_rms_height_and_differ() {
+        let sampler = Specimen::parse(SPECIFICATION, "spec.toml").unwrap().sampler(Path::new(".")).unwrap();
+        let maps: Vec<HeightMap> = (0..64).map(|index| sampler.draw(index)).collect();
+        assert_eq!((maps[0].grid().nx(), maps[0].grid().ny(), maps[0].grid().dx_m()), (64, 32, 1e-6));
+        assert_ne!(maps[0], maps[1]);
+        assert_eq!(sampler.draw(1), maps[1]);
+        let squares: Vec<f64> =
+            maps.iter().map(|map| map.present_m().map(|z| z * z).sum::<f64>() / map.grid().points() as f64).collect();
+        let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (squares.len() - 1) as f64;
+        let se = (variance / squares.len() as f64).sqrt();
+        assert!((mean - 1e-12).abs() < 4.0 * se, "{mean} ± {se}");
+    }
+
+    #[test]
+    fn a_wrong_specification_points_at_its_line() {
+        for (from, to, line, wanted) in [
+            ("size =", "siz =", 3, "did you mean `size`?"),
+            ("\"1 um\"", "\"1 GPa\"", 8, "length"),
+            ("rms_height = \"1 um\"", "", 5, "rms_height"),
+            ("seed = 3", "", 1, "seed"),
+        ] {
+            let error = Specimen::parse(&SPECIFICATION.replace(from, to), "spec.toml").unwrap_err();
+            assert_eq!((error.line, error.file.as_str()), (line, "spec.toml"), "{error}");
+            assert!(error.message.contains(wanted), "{error}");
+        }
+        let flat = SPECIFICATION.replace("[64, 32]", "[1, 32]");
+        assert!(Specimen::parse(&flat, "spec.toml").unwrap().sampler(Path::new(".")).is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! What lies inside the last step.
+
+use super::super::polynomial::{self, bracketed_zero};
+use super::super::{Drive, Phase};
+use super::{Motion, Segment, drift_rate};
+use crate::friction::process::Fluctuation;
+
+impl<F: Fluctuation> Motion<F> {
+    /// (X, X′) at a time inside the last step.
+    pub(in crate::vibration) fn sample(&self, tau: f64) -> (f64, f64) {
+        let Segment { tau: start, phase, m, slope, e, .. } = self.segment;
+        let t = tau - start;
+        if phase == Phase::Stick {
+            let drift = match self.drive {
+                Drive::Distance => 0.0,
+                Drive::Time => slope * self.velocity * t,
+            };
+            let excess = e + self.sway.growth(1.0, 1.0 - drift_rate(self.drive, slope), start, t);
+            return (self.displacement_of(tau, phase, excess, m + drift), self.velocity);
+        }
+        let (w, e) = self.series.state(t);
+        let moved = match self.drive {
+            Drive::Distance => self.series.distance(t).0,
+            Drive::Time => t,
+        };
+        let m = m + slope * self.velocity * moved;
+        (self.displacement_of(tau, phase, e, m), self.velocity * (1.0 - phase.direction() * w))
+    }
+
+    /// Times in the last step at which X′ = 0 or W is extreme, and its ends: where displacement and velocity are extreme.
+    pub(in crate::vibration) fn turning_times(&self) -> Vec<f64> {
+        let Segment { tau, duration, phase, .. } = self.segment;
+        let mut cuts = vec![0.0];
+        if phase == Phase::Slip {
+            cuts.extend(self.series.first_extremum(duration));
+            cuts.push(duration);
+            // W is monotonic between the cuts and passes 1, where X′ = 0, at most once in each.
+            for i in 1..cuts.len() {
+                let (low, high) = (cuts[i - 1], cuts[i]);
+                let excess = |t| {
+                    let (w, slope) = polynomial::value_and_slope(self.series.w(), t);
+                    (w - 1.0, slope)
+                };
+                let (first, last) = (excess(low).0, excess(high).0);
+                if first * last < 0.0 {
+                    cuts.push(bracketed_zero(excess, low, high, first > 0.0, 0.5 * (low + high)));
+                }
+            }
+        } else {
+            cuts.push(duration);
+        }
+        cuts.into_iter().map(|t| tau + t).collect()
+    }
+
+    /// Whether W passed a minimum above zero in the last step: it fell at its beginning and rises at its end.
+    pub(in crate::vibration) fn passed_minimum(&self) -> bool {
+        self.segment.phase == Phase::Slip
+            && self.phase == Phase::Slip
+            && self.series.w()[1] < 0.0
+            && self.weakening.acceleration(self.w, self.e) > 0.0
+    }
+
+    /// Whether the mass is at rest in space but for the tolerance: W = 1, W′ = 0.
+    pub(in crate::vibration) fn has_settled(&self, tolerance: f64) -> bool {
+        self.phase == Phase::Slip
+            && (self.w - 1.0).abs() < tolerance
+            && self.weakening.acceleration(self.w, self.e).abs() < tolerance
+    }
+}
