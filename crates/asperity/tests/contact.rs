@@ -290,6 +290,28 @@ fn at_the_median_the_free_boundary_touches_at_most_half() {
 }
 
 #[test]
+fn a_rigid_plastic_solid_under_load_yields_at_its_highest_points() {
+    // H/E* → 0: elastic displacement vanishes, and the plane cuts off as many points as carry the load.
+    let n = 32;
+    let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
+    let heights = random::standard_normal(&mut random::stream(7, "plastic", 0), n * n);
+    let heights = Array2::from_shape_vec((n, n), heights).unwrap();
+    for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }] {
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        for hardness in [1e-4, 1e-6, 1e-10] {
+            let control = Control::MeanPressure { pascal: 0.06 * hardness };
+            let solution = solve(&heights, &half_space, control, Some(hardness));
+            let carrying = 0.06 * (n * n) as f64;
+            assert!((solution.plastic_fraction() * (n * n) as f64 - carrying).abs() <= 1.0);
+            let mut sorted: Vec<f64> = heights.iter().copied().collect();
+            sorted.sort_by(|a, b| b.total_cmp(a));
+            let lowest = heights.iter().zip(solution.pressure_pa()).filter(|(_, p)| **p == hardness).map(|(z, _)| *z);
+            assert!(lowest.fold(f64::INFINITY, f64::min) >= sorted[carrying as usize]);
+        }
+    }
+}
+
+#[test]
 fn rough_contact_lies_between_persson_and_the_asperity_models() {
     let n = 256;
     let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();

@@ -30,7 +30,8 @@ pub(super) fn bound(p: f64, upper: f64) -> Bound {
 pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut lambda = start;
-    for _ in 0..100 {
+    let mut last_sum = f64::INFINITY;
+    for _ in 0..200 {
         let (mut sum, mut slope) = (0.0, 0.0);
         for (p, v) in p.iter().zip(v) {
             let g = v - lambda;
@@ -53,11 +54,10 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
             high = lambda;
         }
         let newton = lambda + sum / slope;
-        let next = if newton > low && newton < high || !(low.is_finite() && high.is_finite()) {
-            newton
-        } else {
-            0.5 * (low + high)
-        };
+        let bracketed = low.is_finite() && high.is_finite();
+        let trusted = newton > low && newton < high && sum.abs() <= 0.5 * last_sum;
+        let next = if trusted || !bracketed { newton } else { 0.5 * (low + high) };
+        last_sum = sum.abs();
         if (next - lambda).abs() <= 1e-15 * lambda.abs() || next == low || next == high {
             return next;
         }
@@ -68,10 +68,30 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
 
 /// Shifts the members of `trial` marked in `working` by one scalar and clips them to [0, upper], so that they sum to
 /// `target`: the Euclidean projection on the box and the plane of the prescribed sum.
+///
+/// The sum rises with the shift, piecewise linearly and flat at both ends, so Newton's step is taken only while it at least
+/// halves the miss, and the bracket is halved otherwise. When the bracket is as narrow as the numbers allow, the sums at its
+/// ends may still straddle the target (a hardness far below the trial values); the result is then interpolated between
+/// them, which meets the sum within the bounds.
+///
+/// # Panics
+/// If `target` lies outside what the bounds allow.
 pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, target: f64) {
-    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    let mut shift = 0.0;
-    for _ in 0..100 {
+    let (mut least, mut largest, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+    for (t, _) in trial.iter().zip(working).filter(|(_, w)| **w) {
+        least = least.min(*t);
+        largest = largest.max(*t);
+        count += 1.0;
+    }
+    if count == 0.0 {
+        return;
+    }
+    let ceiling = upper.min(target);
+    assert!(target >= 0.0 && target <= count * upper * (1.0 + 1e-12), "the sum lies outside the bounds");
+    let (mut low, mut high) = (-largest, ceiling - least);
+    let mut shift = 0.0_f64.clamp(low, high);
+    let mut last_miss = f64::INFINITY;
+    for _ in 0..200 {
         let (mut sum, mut slope) = (0.0, 0.0);
         for (t, working) in trial.iter().zip(working) {
             if *working {
@@ -88,38 +108,27 @@ pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, ta
         } else {
             high = shift;
         }
-        if miss.abs() <= 1e-15 * target.abs() {
+        if miss.abs() <= 1e-15 * target {
+            (low, high) = (shift, shift);
             break;
         }
         let newton = shift + miss / slope;
-        let next = if slope > 0.0 && newton > low && newton < high {
-            newton
-        } else if low.is_finite() && high.is_finite() {
-            0.5 * (low + high)
-        } else {
-            // No free cell: reach for the nearest kink in the direction that is missing.
-            let kink = trial
-                .iter()
-                .zip(working)
-                .filter(|(_, working)| **working)
-                .map(|(t, _)| if miss > 0.0 { -t } else { upper - t })
-                .filter(|kink| if miss > 0.0 { *kink > shift } else { *kink < shift })
-                .fold(f64::NAN, |best: f64, kink| if miss > 0.0 { best.min(kink) } else { best.max(kink) });
-            if kink.is_nan() {
-                break;
-            }
-            // A step past the kink by the mean deficit frees at least one cell.
-            kink + miss / trial.len() as f64
-        };
-        if next == shift {
+        let trusted = slope > 0.0 && newton > low && newton < high && miss.abs() <= 0.5 * last_miss;
+        let next = if trusted { newton } else { 0.5 * (low + high) };
+        if next <= low || next >= high {
             break;
         }
+        last_miss = miss.abs();
         shift = next;
     }
-    for (t, working) in trial.iter_mut().zip(working) {
-        if *working {
-            *t = (*t + shift).clamp(0.0, upper);
-        }
+    let sum_at = |shift: f64| -> f64 {
+        trial.iter().zip(working).filter(|(_, w)| **w).map(|(t, _)| (t + shift).clamp(0.0, upper)).sum()
+    };
+    let (sum_low, sum_high) = (sum_at(low), sum_at(high));
+    let share = if sum_high > sum_low { ((target - sum_low) / (sum_high - sum_low)).clamp(0.0, 1.0) } else { 0.0 };
+    for (t, _) in trial.iter_mut().zip(working).filter(|(_, w)| **w) {
+        let (at_low, at_high) = ((*t + low).clamp(0.0, upper), (*t + high).clamp(0.0, upper));
+        *t = at_low + share * (at_high - at_low);
     }
 }
 
@@ -145,6 +154,22 @@ mod tests {
                 .collect();
             assert!(shifts.iter().all(|s| (s - shifts[0]).abs() < 1e-12));
             assert!((0..50).filter(|&i| !working[i]).all(|i| trial[i] == before[i]));
+        }
+    }
+
+    #[test]
+    fn a_bound_far_below_the_trial_values_is_met_all_the_same() {
+        for upper in [1e-4, 1e-8, 1e-12] {
+            let mut trial = random::standard_normal(&mut random::stream(3, "projection", 1000), 500);
+            let before = trial.clone();
+            let target = 37.3 * upper;
+            project_to_sum(&mut trial, &[true; 500], upper, target);
+            assert!((trial.iter().sum::<f64>() / target - 1.0).abs() < 1e-12);
+            assert!(trial.iter().all(|t| (0.0..=upper).contains(t)));
+            // The largest 37 are at the bound, and one holds the rest.
+            let mut order: Vec<usize> = (0..500).collect();
+            order.sort_by(|a, b| before[*b].total_cmp(&before[*a]));
+            assert!(order[..37].iter().all(|i| trial[*i] == upper) && order[38..].iter().all(|i| trial[*i] == 0.0));
         }
     }
 

@@ -1,8 +1,9 @@
 //! A Monte Carlo law corrected by a surrogate: a chaos expansion as control variate.
 //!
-//! Out of contact the pressure says nothing about how far from contact the cell is; the gap does. The *latent* pressure
-//! q = p − κ·gap continues the pressure below zero, so that P(p ≤ t) = P(q ≤ t) for t ≥ 0, and it can be regressed on all
-//! samples without truncation. A polynomial s(v) of local variables v predicts it; with the law G of its leave-one-out
+//! Out of contact the pressure says nothing about how far from contact the cell is; the gap does. At the hardness H it says
+//! nothing about how far the cell yields; the plastic displacement does. The *latent* pressure q = p + κ(plastic
+//! displacement − gap) continues the pressure below zero and above H, so that P(p ≤ t) = P(q ≤ t) for 0 ≤ t < H, and it can
+//! be regressed on all samples without truncation. A polynomial s(v) of local variables v predicts it; with the law G of its leave-one-out
 //! errors around similar predictions, h_t(v) = G(t − s(v)) predicts the probability of q ≤ t. The law is then
 //!
 //! F(t) = mean_fine 1(q ≤ t) + β [mean_fresh h_t − mean_fine h_t],
@@ -18,7 +19,7 @@
 
 use crate::chaos::{Basis, Expansion, RegressionError, StepLaw, number_of_terms};
 use crate::pressure::local::Scaling;
-use crate::pressure::{Estimate, MethodError};
+use crate::pressure::{Estimate, MethodError, Observation};
 
 /// Parts into which the fine samples are split for cross-fitting.
 const FOLDS: usize = 5;
@@ -27,13 +28,16 @@ const GROUP: usize = 50;
 /// Quantiles of the surrogate's law at which F is evaluated besides the fine pressures.
 const MODEL_QUANTILES: usize = 1000;
 
-/// Pressures and gaps as one latent variable: p in contact, −κ·gap out of it, κ the ratio of their spreads.
-pub(super) fn latent(observations: &[(f64, f64)]) -> Vec<f64> {
-    let spread = |values: Vec<f64>| StepLaw::empirical(&values).map_or(0.0, |law| law.std());
-    let pressure = spread(observations.iter().map(|o| o.0).filter(|p| *p > 0.0).collect());
-    let gap = spread(observations.iter().filter(|o| o.0 == 0.0).map(|o| o.1).collect());
-    let kappa = if pressure > 0.0 && gap > 0.0 { pressure / gap } else { 1.0 };
-    observations.iter().map(|&(pressure, gap)| if pressure > 0.0 { pressure } else { -kappa * gap }).collect()
+/// Pressures, gaps and plastic displacements as one latent variable p + κ(plastic displacement − gap), κ the ratio of the
+/// spreads of the pressures in contact and of the gaps out of it.
+pub(super) fn latent(observations: &[Observation]) -> Vec<f64> {
+    let spread = |in_contact: bool, quantity: fn(&Observation) -> f64| {
+        let chosen = observations.iter().filter(|o| (o.pressure_pa > 0.0) == in_contact).map(|o| (quantity(o), 1.0));
+        StepLaw::weighted(chosen).map_or(0.0, |law| law.std())
+    };
+    let (pressure_pa, gap_m) = (spread(true, |o| o.pressure_pa), spread(false, |o| o.gap_m));
+    let kappa = if pressure_pa > 0.0 && gap_m > 0.0 { pressure_pa / gap_m } else { 1.0 };
+    observations.iter().map(|o| o.pressure_pa + kappa * (o.plastic_displacement_m - o.gap_m)).collect()
 }
 
 /// The surrogate of one fold: predictions of the fine samples held out, of the fresh ones, and the laws of the errors.
@@ -356,15 +360,15 @@ mod tests {
     }
 
     #[test]
-    fn no_pressure_exceeds_the_hardness() {
-        let (fine, mut latent, fresh) = linear_world(8, 200, 1000);
-        latent.iter_mut().for_each(|q| *q = q.min(1.2));
-        let law = estimate(&fine, &latent, &fresh, 2, Some(1.2)).unwrap().law;
-        assert_eq!(law.quantile(1.0), 1.2);
-        let capped = latent.iter().filter(|q| **q == 1.2).count() as f64 / 200.0;
-        let atom = 1.0 - law.cdf_left(1.2);
-        // Four standard errors of the share of 200 samples.
-        assert!((atom - capped).abs() < 4.0 * (capped * (1.0 - capped) / 200.0).sqrt(), "{atom} {capped}");
+    fn no_pressure_exceeds_the_hardness_and_the_atom_there_is_right() {
+        let hardness = 1.2;
+        let (fine, latent, fresh) = linear_world(8, 200, 1000);
+        let law = estimate(&fine, &latent, &fresh, 2, Some(hardness)).unwrap().law;
+        assert_eq!(law.quantile(1.0), hardness);
+        let atom = 1.0 - law.cdf_left(hardness);
+        let wanted = 1.0 - standard_normal_cdf(hardness / (1.0 + NOISE * NOISE).sqrt());
+        // Four standard errors of a share of 200 samples.
+        assert!((atom - wanted).abs() < 4.0 * (wanted * (1.0 - wanted) / 200.0).sqrt(), "{atom:.4} {wanted:.4}");
     }
 
     #[test]
@@ -377,10 +381,17 @@ mod tests {
     }
 
     #[test]
-    fn the_latent_pressure_keeps_pressures_and_orders_gaps() {
-        let q = latent(&[(5.0, 0.0), (1.0, 0.0), (0.0, 0.5), (0.0, 0.1)]);
-        assert_eq!(q[..2], [5.0, 1.0]);
+    fn the_latent_pressure_orders_gaps_pressures_and_plastic_displacements() {
+        let seen = |pressure_pa: f64, gap_m: f64, plastic_displacement_m: f64| Observation {
+            pressure_pa,
+            gap_m,
+            plastic_displacement_m,
+            separation_m: 0.0,
+        };
         // Spreads 2 and 0.2: κ = 10.
-        assert!((q[2] + 5.0).abs() < 1e-12 && (q[3] + 1.0).abs() < 1e-12);
+        let found = latent(&[seen(1.0, 0.0, 0.0), seen(5.0, 0.0, 0.3), seen(0.0, 0.5, 0.0), seen(0.0, 0.1, 0.0)]);
+        for (q, wanted) in found.iter().zip([1.0, 8.0, -5.0, -1.0]) {
+            assert!((q - wanted).abs() < 1e-12, "{found:?}");
+        }
     }
 }

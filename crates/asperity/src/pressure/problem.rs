@@ -27,6 +27,8 @@ pub struct Observation {
     pub pressure_pa: f64,
     /// Gap in metre; 0 in contact.
     pub gap_m: f64,
+    /// Plastic displacement in metre; 0 where the pressure is below the hardness.
+    pub plastic_displacement_m: f64,
     /// Height of the plane above the mean of the map, in metre.
     pub separation_m: f64,
 }
@@ -151,6 +153,7 @@ impl<'a> Problem<'a> {
         Ok(Observation {
             pressure_pa: solution.pressure_pa()[self.cell],
             gap_m: solution.gap_m()[self.cell],
+            plastic_displacement_m: solution.plastic_displacement_m()[self.cell],
             separation_m: solution.separation_m(),
         })
     }

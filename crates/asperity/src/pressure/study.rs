@@ -11,7 +11,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::pressure::controlled;
 use crate::pressure::expansion::{self, Response};
 use crate::pressure::local::LocalVariables;
-use crate::pressure::{Failure, PressureError, Problem, Samples, solve};
+use crate::pressure::{Failure, Observation, PressureError, Problem, Samples, solve};
 
 /// How the law of the pressure is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -325,7 +325,7 @@ impl Study {
             .observations()
             .iter()
             .zip(rows.by_ref().take(solved))
-            .filter_map(|(o, row)| Some((row?, (o.pressure_pa, o.gap_m))))
+            .filter_map(|(observation, row)| Some((row?, *observation)))
             .unzip();
         Ok(Local { fine, observed, fresh: rows.flatten().collect(), maps: design.samples() })
     }
@@ -334,8 +334,7 @@ impl Study {
 /// What the default method is estimated from.
 struct Local {
     fine: Vec<Vec<f64>>,
-    /// (pressure, gap) of each fine sample.
-    observed: Vec<(f64, f64)>,
+    observed: Vec<Observation>,
     fresh: Vec<Vec<f64>>,
     /// Fresh maps generated.
     maps: usize,

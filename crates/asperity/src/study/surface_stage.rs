@@ -319,7 +319,9 @@ fn covariance_of(
                 None => return Err(StudyError::NoStage("surface")),
             };
             let best = fits.best();
-            let std_m = section.rms_height.map_or(best.std_m(), |rms| rms.0);
+            // The fit's own variance is extrapolated beyond the scan's field; the scan's Sq is what was measured.
+            let sq_m = measured.map_or(best.std_m(), |m| m.statistics.Sq_m);
+            let std_m = section.rms_height.map_or(sq_m, |rms| rms.0);
             let covariance = Covariance::new(best.model(), std_m, best.length_x_m(), best.length_y_m())?;
             return Ok((covariance, Some(fits.fits[0].misfit)));
         }

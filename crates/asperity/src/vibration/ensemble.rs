@@ -199,6 +199,7 @@ mod tests {
     use super::*;
     use crate::friction::process::ProcessModel;
     use crate::monitor::Silent;
+    use crate::vibration::{Forcing, FrictionLaw, Parameters};
 
     fn paper_process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -255,6 +256,37 @@ mod tests {
         let clamped = FrictionProcess::new(model).unwrap();
         let found = Ensemble::simulate(&oscillator(0.17), &clamped, &strict, &Silent).unwrap();
         assert!(found.failures.is_empty() && found.clamped_knots > 0);
+    }
+
+    #[test]
+    fn rough_noise_and_strong_forcing_neither_stall_nor_fail() {
+        // Slopes dm/ds far beyond one make many short slips; a clamp keeps friction positive.
+        let model =
+            ProcessModel { least: Some(-0.01), ..ProcessModel::new("beta:0.6,2".parse().unwrap(), 0.02, 0.002) };
+        let process = FrictionProcess::new(model).unwrap();
+        for drive in [Drive::Distance, Drive::Time] {
+            for law in [
+                FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+                FrictionLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
+                FrictionLaw::Coulomb { kinetic: 0.1 },
+            ] {
+                for amplitude in [0.0, 0.02, 0.3] {
+                    let parameters = Parameters {
+                        static_friction: 0.1,
+                        law,
+                        damping_ratio: 0.1,
+                        belt_velocity: 0.01,
+                        forcing: Some(Forcing { amplitude, frequency: 0.9 }),
+                    };
+                    let oscillator = Oscillator::new(parameters).unwrap();
+                    let settings = EnsembleSettings { drive, ..EnsembleSettings::new(6, 60.0, 4) };
+                    let found = Ensemble::simulate(&oscillator, &process, &settings, &Silent).unwrap();
+                    assert!(found.failures.is_empty(), "{parameters:?}: {:?}", found.failures[0]);
+                    // A strong force carries the mass through the belt velocity without stick: no slip ends.
+                    assert!(found.cycles.mean > 3.0 || amplitude > 0.1, "{parameters:?}: {:?}", found.cycles);
+                }
+            }
+        }
     }
 
     #[test]

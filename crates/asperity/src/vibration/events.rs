@@ -60,6 +60,13 @@ pub struct Event {
     pub sliding_distance: f64,
 }
 
+impl Event {
+    /// (letter, τ, X, s), a row of a table.
+    pub fn row(&self) -> (&'static str, f64, f64, f64) {
+        (self.kind.code(), self.tau, self.displacement, self.sliding_distance)
+    }
+}
+
 /// What the friction process is a function of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
