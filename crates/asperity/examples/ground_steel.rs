@@ -8,6 +8,8 @@
 //! of 12 µm across and 60 µm along the lay, Sq = 0.6 µm, with heights skewed towards valleys. On it lie a tilt, scratches,
 //! spikes of an optical instrument, and patches without a reading.
 
+#![expect(clippy::print_stderr, reason = "this is a program, and it talks to its user")]
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 

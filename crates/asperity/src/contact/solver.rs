@@ -340,7 +340,7 @@ impl<'a> State<'a> {
             // cancellation.
             let slope: f64 = (0..self.p.len()).map(|i| (self.v[i] - lambda) * self.trial[i]).sum();
             let steepest = norm(&self.gradient) * norm(&self.trial);
-            if slope < 0.0 && -slope >= LEAST_SLOPE * steepest || direction == Direction::Projection && slope < 0.0 {
+            if slope < 0.0 && (-slope >= LEAST_SLOPE * steepest || direction == Direction::Projection) {
                 return self.take(slope, clipped);
             }
         }

@@ -42,7 +42,7 @@ impl Window {
     /// The window holds fewer than two cells, or the strip fewer than ten windows.
     pub fn new(length_m: f64, grid: Grid) -> Result<Self, WindowError> {
         let cells = (length_m / grid.dx_m()).round();
-        if !(cells >= 2.0) {
+        if cells.is_nan() || cells < 2.0 {
             return Err(WindowError::TooShort { window_m: length_m, cell_m: grid.dx_m() });
         }
         // Rounding to whole cells may cost a fraction of the tenth window.
