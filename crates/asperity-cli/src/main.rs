@@ -11,6 +11,7 @@ mod npz;
 mod output;
 mod page;
 mod provenance;
+mod resources;
 
 use std::panic;
 use std::process::ExitCode;

@@ -48,6 +48,12 @@ pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
     youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
 }
 
+/// Memory in byte that a contact problem of so many cells needs with its workspace and solution, roughly.
+pub fn memory_bytes(cells: usize) -> f64 {
+    const BYTES_PER_CELL: f64 = 250.0;
+    BYTES_PER_CELL * cells as f64
+}
+
 /// Why a contact problem could not be posed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContactError {

@@ -12,7 +12,7 @@ mod weierstrass_mandelbrot;
 
 pub use gaussian::{GaussianSurface, GeneratorError};
 pub use karhunen_loeve::{
-    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, profile_modes,
+    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_memory_bytes, profile_modes,
 };
 pub use spectral::SpectralField;
 pub use translation::{Predistorted, Translated, TranslationError, TranslationReport};

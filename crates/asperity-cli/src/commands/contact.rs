@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use asperity::contact::{
-    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, contact_modulus_pa,
+    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, contact_modulus_pa, memory_bytes,
 };
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
@@ -13,6 +13,7 @@ use crate::failure::{Failure, Kind};
 use crate::input::{self, PixelSize};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target};
+use crate::resources::require_memory;
 use crate::{args, npz};
 
 /// Presses a rough surface against a rigid flat.
@@ -100,6 +101,7 @@ impl Contact {
             check_target(out)?;
         }
         let map = input::map(&self.file, self.pixel_size)?;
+        require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
         let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
         let boundary = self.boundary(map.grid(), modulus_pa)?;
         let refused = |e: ContactError| self.refused(&e);

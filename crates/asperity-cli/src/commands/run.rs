@@ -11,6 +11,7 @@ use crate::monitor::Terminal;
 use crate::output::{Answer, warn};
 use crate::page::{rendered, store_failure};
 use crate::provenance::Provenance;
+use crate::resources::require_memory;
 
 /// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance.
 #[derive(Debug, Args)]
@@ -62,6 +63,9 @@ impl Run {
         let study = study_file::study(&self.study, self.seed)?;
         let folder = study_file::folder_of(&self.study);
         let only = self.only.map(Stage::from);
+        for stage in study.estimate(rayon::current_num_threads()) {
+            require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name()))?;
+        }
         let name = self.study.file_stem().unwrap_or_default();
         let mut provenance = Provenance::begin(
             name.to_string_lossy().into_owned(),

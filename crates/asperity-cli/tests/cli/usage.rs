@@ -6,7 +6,19 @@ use crate::support::asperity;
 fn help_and_version_are_data_and_name_every_command_and_exit_code() {
     let help = asperity("--help");
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));
-    for word in ["surface", "contact", "--threads", "--quiet", "130", "not converged"] {
+    for word in [
+        "init",
+        "check",
+        "run",
+        "report",
+        "surface",
+        "contact",
+        "vibration",
+        "--threads",
+        "--quiet",
+        "130",
+        "not converged",
+    ] {
         assert!(help.stdout.contains(word), "{word}: {help:?}");
     }
     let version = asperity("--version");
@@ -22,4 +34,24 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
     asperity("surface convert a.npy b.npy --pixelsize 1um").refuses(2, &["--pixelsize", "--pixel-size"]);
     asperity("surface convert a.npy b.npy --threads 0").refuses(2, &["--threads", "at least 1"]);
     asperity("--threads two surface convert a.npy b.npy").refuses(2, &["--threads", "two"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_the_memory_cannot_hold_is_refused_before_it_is_begun() {
+    let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 20000000 --modes 2";
+    asperity(line).refuses(5, &["eigenproblem", "GB of memory are free"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_a_lack_of_resources() {
+    // /dev/full answers every write with "no space left".
+    let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 8 --modes 2 --json";
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(line.split_whitespace())
+        .stdout(std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(5), "{output:?}");
 }

@@ -1,5 +1,6 @@
 //! What a study will cost, roughly, before it is run.
 
+use crate::contact::memory_bytes;
 use crate::study::config::BoundaryChoice;
 use crate::study::{Stage, Study};
 
@@ -10,8 +11,6 @@ const PERIODIC_SECONDS: f64 = 20e-9;
 const FREE_SECONDS: f64 = 40e-9;
 /// Seconds per unit of dimensionless time of a trajectory.
 const TRAJECTORY_SECONDS: f64 = 10e-6;
-/// Bytes per cell of a contact problem and its workspace.
-const CONTACT_BYTES: f64 = 250.0;
 /// Bytes of a double.
 const DOUBLE_BYTES: f64 = 8.0;
 
@@ -41,7 +40,7 @@ impl Study {
                 contact_solutions: solutions,
                 trajectories: 0,
                 core_seconds: solutions as f64 * cells * ITERATIONS * per_cell,
-                memory_bytes: threads as f64 * cells * CONTACT_BYTES
+                memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
                     + DOUBLE_BYTES * germ as f64 * (cells + solutions as f64),
             }
         };

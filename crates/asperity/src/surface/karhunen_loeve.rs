@@ -304,5 +304,21 @@ pub fn modes(
     }
 }
 
+/// Memory in byte that [`modes`] needs, roughly: dense matrices of each interval, or the vectors of the rectangle.
+pub fn modes_memory_bytes(points: &[usize], modes: usize, route: ModesRoute) -> f64 {
+    const DOUBLE_BYTES: f64 = 8.0;
+    // The matrix, its vectors and the work of the dense solver; for the general route the subspace and its images.
+    const COPIES: f64 = 4.0;
+    let sides: Vec<f64> = points.iter().map(|n| *n as f64).collect();
+    let dense = sides.iter().map(|n| n * n).fold(0.0, f64::max);
+    let vectors = sides.iter().product::<f64>() * modes as f64;
+    let numbers = match (route, sides.len()) {
+        (ModesRoute::General, 2) => vectors,
+        (ModesRoute::Periodic, 2) => sides.iter().product(),
+        _ => dense,
+    };
+    DOUBLE_BYTES * COPIES * numbers
+}
+
 #[cfg(test)]
 mod tests;

@@ -14,6 +14,7 @@ use crate::commands::study_file;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::{check_target, warn};
+use crate::resources::require_memory;
 
 /// Draws random maps like the surface of a specification: seed, size, points and a [surface] section.
 #[derive(Debug, Args)]
@@ -42,6 +43,7 @@ impl Generate {
         }
         let mut specimen = study_file::read(&self.spec, Specimen::parse)?;
         specimen.seed = self.seed.unwrap_or(specimen.seed);
+        require_memory(specimen.memory_bytes(), "a map of this size")?;
         let sampler =
             specimen.sampler(study_file::folder_of(&self.spec)).map_err(|e| study_file::ended(&self.spec, &e))?;
         for warning in sampler.warnings() {

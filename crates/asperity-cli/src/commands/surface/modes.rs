@@ -2,13 +2,14 @@
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::quantity::Length;
-use asperity::surface::{GeneratorError, ModesRoute, modes};
+use asperity::surface::{GeneratorError, ModesRoute, modes, modes_memory_bytes};
 use clap::{Args, ValueEnum};
 
 use crate::args::{self, OneOrTwo};
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
+use crate::resources::require_memory;
 
 /// Computes eigenvalues of a correlation on an interval (one size) or a rectangle (two).
 #[derive(Debug, Args)]
@@ -75,7 +76,9 @@ impl Modes {
         let (length_x, length_y) = self.correlation_length.both();
         let covariance = Covariance::new(model, 1.0, length_x.0, length_y.0).map_err(Failure::usage)?;
         let sizes_m: Vec<f64> = self.size.given().into_iter().map(|size| size.0).collect();
-        let found = modes(&covariance, &sizes_m, &self.points.given(), self.modes, route).map_err(|e| refused(&e))?;
+        let points = self.points.given();
+        require_memory(modes_memory_bytes(&points, self.modes, route), "the eigenproblem")?;
+        let found = modes(&covariance, &sizes_m, &points, self.modes, route).map_err(|e| refused(&e))?;
         monitor.check()?;
         Answer::default()
             .with("eigenvalues", found.eigenvalues)
