@@ -110,6 +110,15 @@ pub(crate) fn count(text: &str) -> Result<usize, Refusal> {
     }
 }
 
+/// A number of threads that a machine can have.
+pub(crate) fn threads(text: &str) -> Result<usize, Refusal> {
+    const MOST: usize = 4096;
+    match count(text)? {
+        n if n <= MOST => Ok(n),
+        n => Err(format!("{n} is out of range: it must be at most {MOST}").into()),
+    }
+}
+
 fn finite(text: &str) -> Result<f64, Refusal> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),

@@ -6,6 +6,8 @@ use std::io;
 
 use asperity::monitor::Cancelled;
 
+use crate::output::Answer;
+
 /// The kind of an early end; its number is the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -66,6 +68,14 @@ impl Failure {
             _ => kind,
         };
         Self::new(kind, format!("{what}: {cause}"))
+    }
+
+    /// The same failure; if something did not converge, `answer` is printed with `converged: false` first.
+    pub(crate) fn told(self, answer: Answer, json: bool) -> Result<Self, Self> {
+        if self.kind == Kind::NotConverged {
+            answer.with("converged", false).print(json)?;
+        }
+        Ok(self)
     }
 
     pub(crate) fn kind(&self) -> Kind {

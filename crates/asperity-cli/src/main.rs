@@ -39,7 +39,7 @@ Exit codes:
   130  cancelled")]
 struct Cli {
     /// Worker threads; all cores when left out. Results do not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = args::count, help_heading = "Everywhere")]
+    #[arg(long, global = true, value_name = "N", value_parser = args::threads, help_heading = "Everywhere")]
     threads: Option<usize>,
 
     /// No progress on stderr.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, StudyError, json_bytes};
+use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, json_bytes};
 use clap::{Args, ValueEnum};
 
 use super::study_file;
@@ -80,7 +80,10 @@ impl Run {
         let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
         // Before hours are spent: may the folder be written?
         let staging = Staging::open(&destination, self.force).map_err(|e| store_failure(&e))?;
-        let outcome = study.run(folder, only, monitor).map_err(|e| self.ended(&e))?;
+        let outcome = study.run(folder, only, monitor).or_else(|e| {
+            let reason = Answer::default().with("reason", e.to_string());
+            Err(study_file::ended(&self.study, &e).told(reason, self.json)?)
+        })?;
         for warning in &outcome.results.warnings {
             warn(warning);
         }
@@ -100,16 +103,6 @@ impl Run {
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
         let answer = if self.json { Answer::of(&outcome.results)? } else { headline(&run, &written) };
         answer.print(self.json)
-    }
-
-    /// Tells a study that did not converge in JSON too.
-    fn ended(&self, error: &StudyError) -> Failure {
-        let failure = study_file::ended(&self.study, error);
-        if self.json && failure.kind() == Kind::NotConverged {
-            let told = Answer::default().with("converged", false).with("reason", error.to_string()).print(true);
-            return told.err().unwrap_or(failure);
-        }
-        failure
     }
 }
 

@@ -33,6 +33,7 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
     asperity("surface convert a.npy").refuses(2, &["OUTPUT"]);
     asperity("surface convert a.npy b.npy --pixelsize 1um").refuses(2, &["--pixelsize", "--pixel-size"]);
     asperity("surface convert a.npy b.npy --threads 0").refuses(2, &["--threads", "at least 1"]);
+    asperity("--threads 1000000000 surface convert a.npy b.npy").refuses(2, &["--threads", "at most"]);
     asperity("--threads two surface convert a.npy b.npy").refuses(2, &["--threads", "two"]);
 }
 

@@ -2,7 +2,7 @@
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::quantity::Length;
-use asperity::surface::{GeneratorError, ModesRoute, modes, modes_memory_bytes};
+use asperity::surface::{self, GeneratorError, ModesRoute, modes, modes_memory_bytes};
 use clap::{Args, ValueEnum};
 
 use crate::args::{self, OneOrTwo};
@@ -78,13 +78,17 @@ impl Modes {
         let sizes_m: Vec<f64> = self.size.given().into_iter().map(|size| size.0).collect();
         let points = self.points.given();
         require_memory(modes_memory_bytes(&points, self.modes, route), "the eigenproblem")?;
-        let found = modes(&covariance, &sizes_m, &points, self.modes, route).map_err(|e| refused(&e))?;
+        let found = modes(&covariance, &sizes_m, &points, self.modes, route)
+            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
         monitor.check()?;
-        Answer::default()
-            .with("eigenvalues", found.eigenvalues)
-            .with("captured_variance", found.captured_variance)
-            .print(self.json)
+        answer(Some(&found)).print(self.json)
     }
+}
+
+fn answer(found: Option<&surface::Modes>) -> Answer {
+    Answer::default()
+        .with("eigenvalues", found.map(|f| f.eigenvalues.clone()))
+        .with("captured_variance", found.map(|f| f.captured_variance))
 }
 
 fn refused(error: &GeneratorError) -> Failure {

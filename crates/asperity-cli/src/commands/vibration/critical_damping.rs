@@ -1,6 +1,6 @@
 //! The damping at which stick-slip ends.
 
-use asperity::vibration::critical_damping;
+use asperity::vibration::{self, critical_damping};
 use clap::Args;
 
 use super::{Machine, refused};
@@ -31,11 +31,14 @@ impl CriticalDamping {
             warn("the forcing is left aside: the damping ratios are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(0.0)?;
-        let critical = critical_damping(&oscillator).map_err(|e| refused(&e))?;
+        let critical = critical_damping(&oscillator).or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
         monitor.check()?;
-        Answer::default()
-            .with("critical_damping_ratio", critical.critical_damping_ratio)
-            .with("hopf_damping_ratio", critical.hopf_damping_ratio)
-            .print(self.json)
+        answer(Some(&critical)).print(self.json)
     }
+}
+
+fn answer(critical: Option<&vibration::CriticalDamping>) -> Answer {
+    Answer::default()
+        .with("critical_damping_ratio", critical.map(|c| c.critical_damping_ratio))
+        .with("hopf_damping_ratio", critical.map(|c| c.hopf_damping_ratio))
 }

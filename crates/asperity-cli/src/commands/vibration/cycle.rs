@@ -1,6 +1,6 @@
 //! The stick-slip limit cycle.
 
-use asperity::vibration::{Regime, limit_cycle};
+use asperity::vibration::{LimitCycle, Regime, limit_cycle};
 use clap::Args;
 
 use super::{Damping, Machine, refused};
@@ -23,22 +23,24 @@ pub(crate) struct Cycle {
 impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let regime = limit_cycle(&oscillator).map_err(|e| refused(&e))?;
+        let regime = limit_cycle(&oscillator).or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         monitor.check()?;
         match regime {
             Regime::Cycle(_) => {}
             Regime::Sliding => monitor.note("no limit cycle: the mass slides for ever"),
             Regime::Irregular => monitor.note("no limit cycle: the forced motion does not repeat itself"),
         }
-        let cycle = regime.cycle();
-        Answer::default()
-            .with("limit_cycle", cycle.is_some())
-            .with("period", cycle.map(|c| c.period))
-            .with("slip_duration", cycle.map(|c| c.slip_duration))
-            .with("reattachment_displacement", cycle.map(|c| c.reattachment_displacement))
-            .with("displacement_min", cycle.map(|c| c.displacement_min))
-            .with("displacement_max", cycle.map(|c| c.displacement_max))
-            .with("velocity_min", cycle.map(|c| c.velocity_min))
-            .print(self.json)
+        answer(Some(regime.cycle().is_some()), regime.cycle()).print(self.json)
     }
+}
+
+fn answer(found: Option<bool>, cycle: Option<&LimitCycle>) -> Answer {
+    Answer::default()
+        .with("limit_cycle", found)
+        .with("period", cycle.map(|c| c.period))
+        .with("slip_duration", cycle.map(|c| c.slip_duration))
+        .with("reattachment_displacement", cycle.map(|c| c.reattachment_displacement))
+        .with("displacement_min", cycle.map(|c| c.displacement_min))
+        .with("displacement_max", cycle.map(|c| c.displacement_max))
+        .with("velocity_min", cycle.map(|c| c.velocity_min))
 }

@@ -2,7 +2,7 @@
 
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::law::Marginal;
-use asperity::vibration::{self, EnsembleSettings, VibrationError};
+use asperity::vibration::{self, EnsembleSettings};
 use clap::{Args, ValueEnum};
 
 use super::{Damping, Machine, refused};
@@ -70,20 +70,13 @@ impl Ensemble {
             },
             ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
         };
-        match vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor) {
-            Ok(ensemble) => {
-                if let Some(first) = ensemble.failures.first() {
-                    let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
-                    warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
-                }
-                answer(Some(&ensemble)).print(self.json)
-            }
-            Err(error @ VibrationError::TooFewValid { .. }) => {
-                answer(None).with("converged", false).print(self.json)?;
-                Err(refused(&error))
-            }
-            Err(error) => Err(refused(&error)),
+        let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
+            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
+        if let Some(first) = ensemble.failures.first() {
+            let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
+            warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
         }
+        answer(Some(&ensemble)).print(self.json)
     }
 }
 
