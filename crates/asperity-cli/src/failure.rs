@@ -84,7 +84,7 @@ impl fmt::Display for Failure {
 
 impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
-        Self::new(Kind::Cancelled, "cancelled; nothing was written")
+        Self::new(Kind::Cancelled, "cancelled")
     }
 }
 

@@ -15,6 +15,7 @@ mod resources;
 
 use std::panic;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::Parser;
 
@@ -38,20 +39,26 @@ Exit codes:
   130  cancelled")]
 struct Cli {
     /// Worker threads; all cores when left out. Results do not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = args::count)]
+    #[arg(long, global = true, value_name = "N", value_parser = args::count, help_heading = "Everywhere")]
     threads: Option<usize>,
 
     /// No progress on stderr.
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, help_heading = "Everywhere")]
     quiet: bool,
 
     #[command(subcommand)]
     command: Command,
 }
 
+/// Where the first panic was.
+static DEFECT: OnceLock<String> = OnceLock::new();
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    panic::set_hook(Box::new(|_| {})); // a defect ends in one message, below
+    // A defect ends in one message, below, and not in a trace of the stack.
+    panic::set_hook(Box::new(|info| {
+        DEFECT.get_or_init(|| info.location().map_or_else(String::new, |at| format!(" ({}:{})", at.file(), at.line())));
+    }));
     let kind = match panic::catch_unwind(|| run(&cli)) {
         Ok(Ok(())) => return ExitCode::SUCCESS,
         Ok(Err(failure)) => {
@@ -64,9 +71,8 @@ fn main() -> ExitCode {
                 .map(String::as_str)
                 .or_else(|| payload.downcast_ref::<&str>().copied())
                 .unwrap_or("no message");
-            output::talk(&format!(
-                "error: asperity met a defect of its own: {what}\nPlease report it with the command."
-            ));
+            let place = DEFECT.get().map_or("", String::as_str);
+            output::talk(&format!("error: asperity met a defect of its own: {what}{place}; please report it"));
             Kind::Runtime
         }
     };

@@ -34,10 +34,7 @@ fn inputs(study: &str) -> Vec<Input> {
     let input = |section: &str, key: &str, value: &toml::Value| Input {
         section: section.to_owned(),
         key: key.to_owned(),
-        value: match value {
-            toml::Value::String(text) => text.clone(),
-            other => other.to_string(),
-        },
+        value: in_words(value),
     };
     let (sections, plain): (Vec<_>, Vec<_>) = document.iter().partition(|(_, value)| value.is_table());
     let top = plain.into_iter().map(|(key, value)| input("study", key, value));
@@ -45,6 +42,14 @@ fn inputs(study: &str) -> Vec<Input> {
         value.as_table().into_iter().flatten().map(move |(key, value)| input(section, key, value))
     });
     top.chain(below).collect()
+}
+
+fn in_words(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        toml::Value::Array(items) => items.iter().map(in_words).collect::<Vec<_>>().join(", "),
+        other => other.to_string(),
+    }
 }
 
 /// A run folder that cannot be read is unusable data; one that cannot be written is a runtime error.
@@ -65,9 +70,6 @@ mod tests {
     fn inputs_keep_their_section_and_unit() {
         let found = inputs("seed = 7\n[pressure]\nsize = [\"200 um\", \"100 um\"]\npercentile = 50.0\n");
         let as_text: Vec<String> = found.iter().map(|i| format!("{}.{} = {}", i.section, i.key, i.value)).collect();
-        assert_eq!(
-            as_text,
-            ["study.seed = 7", "pressure.percentile = 50.0", "pressure.size = [\"200 um\", \"100 um\"]"]
-        );
+        assert_eq!(as_text, ["study.seed = 7", "pressure.percentile = 50.0", "pressure.size = 200 um, 100 um"]);
     }
 }

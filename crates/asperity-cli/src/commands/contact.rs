@@ -32,7 +32,8 @@ pub(crate) struct Contact {
     /// What lies beyond the edge of the map.
     #[arg(long, value_enum)]
     boundary: Edge,
-    /// Displacement of the mean plane per mean pressure of a periodic surface; max(L)/(πE*) when left out.
+    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*) where the
+    /// position of the flat is prescribed; 0, so that displacements have mean zero, elsewhere.
     #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
     mean_compliance: Option<Compliance>,
     #[command(flatten)]
@@ -103,7 +104,7 @@ impl Contact {
         let map = input::map(&self.file, self.pixel_size)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
         let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
-        let boundary = self.boundary(map.grid(), modulus_pa)?;
+        let boundary = self.boundary(map.grid(), modulus_pa, control)?;
         let refused = |e: ContactError| self.refused(&e);
         let half_space = HalfSpace::new(map.grid(), modulus_pa, boundary).map_err(refused)?;
         let hardness_pa = self.hardness.map(|q| q.0);
@@ -142,16 +143,17 @@ impl Contact {
         ))
     }
 
-    fn boundary(&self, grid: Grid, modulus_pa: f64) -> Result<Boundary, Failure> {
+    fn boundary(&self, grid: Grid, modulus_pa: f64, control: Control) -> Result<Boundary, Failure> {
         match (self.boundary, self.mean_compliance) {
             (Edge::Free, None) => Ok(Boundary::Free),
             (Edge::Free, Some(_)) => {
                 Err(Failure::usage("--mean-compliance belongs to --boundary periodic; a free surface has its own"))
             }
-            (Edge::Periodic, given) => Ok(Boundary::Periodic {
-                mean_compliance_m_per_pa: given
-                    .map_or_else(|| HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa), |q| q.0),
+            (Edge::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
+            (Edge::Periodic, None) if control.prescribes_plane() => Ok(Boundary::Periodic {
+                mean_compliance_m_per_pa: HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa),
             }),
+            (Edge::Periodic, None) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }),
         }
     }
 

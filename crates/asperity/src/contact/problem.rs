@@ -39,6 +39,14 @@ pub enum Control {
     },
 }
 
+impl Control {
+    /// Whether the position of the plane is prescribed. Only then does the pressure on a periodic half-space depend on its
+    /// mean compliance; otherwise that shifts the separation alone, and zero counts displacements from their mean.
+    pub fn prescribes_plane(&self) -> bool {
+        matches!(self, Self::Plane { .. } | Self::Penetration { .. } | Self::Percentile { .. })
+    }
+}
+
 /// A contact problem: heights, a half-space, what is prescribed, and the hardness.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<'a> {
