@@ -32,18 +32,26 @@ pub(super) fn answers(run: &Run) -> Vec<Answer> {
 }
 
 fn contact(pressure: &Value) -> Option<Answer> {
-    let methods = list(&pressure["methods"]);
-    let known = |method: &&Value| method["contact_probability"].is_number();
-    let named = |name: &str| methods.iter().filter(known).find(|method| method["name"] == name);
-    let method = named("reference").or(named("monte_carlo")).or(methods.iter().find(known))?;
-    let probability = method["contact_probability"].as_f64()?;
-    let error = method["contact_probability_se"].as_f64().unwrap_or(f64::NAN);
-    let solves = method["fine_solves"].as_u64().map_or(String::new(), |n| format!(", {n} contact solutions"));
-    let name = method_name(method["name"].as_str().unwrap_or("unnamed"));
+    let known = |entry: &&Value| entry["contact_probability"].is_number();
+    let solves =
+        |entry: &Value, key: &str| entry[key].as_u64().map_or(String::new(), |n| format!(", {n} contact solutions"));
+    // The reference run stands in the stage itself; without it, the first method that has an answer.
+    let (entry, origin) = match Some(pressure).filter(known) {
+        Some(stage) => (stage, format!("Reference run by Monte Carlo{}", solves(stage, "reference_samples"))),
+        None => {
+            let methods = list(&pressure["methods"]);
+            let named = |name: &str| methods.iter().filter(known).find(|method| method["name"] == name);
+            let method = named("reference").or(named("monte_carlo")).or(methods.iter().find(known))?;
+            let name = method_name(method["name"].as_str().unwrap_or("unnamed"));
+            (method, format!("Method: {name}{}", solves(method, "fine_solves")))
+        }
+    };
+    let probability = entry["contact_probability"].as_f64()?;
+    let error = entry["contact_probability_se"].as_f64().unwrap_or(f64::NAN);
     Some(Answer {
         question: "How likely is contact at a point?",
         answer: format!("P(contact) = {}", with_error(probability, error)),
-        detail: format!("Method: {name}{solves}; ± is one standard error."),
+        detail: format!("{origin}; ± is one standard error."),
     })
 }
 

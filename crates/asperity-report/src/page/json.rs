@@ -32,6 +32,9 @@ pub(super) fn plain(value: &Value) -> String {
         Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, |v| significant(v, 5)),
         Value::Number(number) => number.to_string(),
         Value::String(text) => text.clone(),
+        Value::Array(items) if items.len() <= 12 && items.iter().any(Value::is_object) => {
+            items.iter().map(plain).collect::<Vec<_>>().join("; ")
+        }
         Value::Array(items) if items.len() <= 12 => items.iter().map(plain).collect::<Vec<_>>().join(", "),
         Value::Array(items) => format!("{} values", items.len()),
         Value::Object(_) => flattened(value).iter().map(|(k, v)| format!("{k} = {v}")).collect::<Vec<_>>().join(", "),

@@ -8,7 +8,7 @@ use crate::format::{Dimension, significant, with_error};
 use crate::{Input, Run};
 
 /// Surface parameters in the order of the table: key, symbol, meaning.
-const PARAMETERS: [(&str, &str, &str); 27] = [
+const PARAMETERS: [(&str, &str, &str); 32] = [
     ("Sa_m", "Sa", "arithmetic mean height"),
     ("Sq_m", "Sq", "root mean square height"),
     ("Ssk", "Ssk", "skewness of heights"),
@@ -26,6 +26,10 @@ const PARAMETERS: [(&str, &str, &str); 27] = [
     ("Svk_m", "Svk", "reduced dale height"),
     ("Smrk1", "Smrk1", "material ratio of the peaks"),
     ("Smrk2", "Smrk2", "material ratio of the dales"),
+    ("Vmp_m", "Vmp", "peak material volume per area"),
+    ("Vmc_m", "Vmc", "core material volume per area"),
+    ("Vvc_m", "Vvc", "core void volume per area"),
+    ("Vvv_m", "Vvv", "dale void volume per area"),
     ("correlation_length_x_m", "ℓx", "correlation length along x, to 1/e"),
     ("correlation_length_y_m", "ℓy", "correlation length along y, to 1/e"),
     ("hurst", "H", "Hurst exponent"),
@@ -34,7 +38,8 @@ const PARAMETERS: [(&str, &str, &str); 27] = [
     ("ny", "ny", "points along y"),
     ("dx_m", "Δx", "pixel size along x"),
     ("dy_m", "Δy", "pixel size along y"),
-    ("missing_points", "", "missing points"),
+    ("missing_points", "", "missing points, rejected outliers included"),
+    ("outliers", "", "points rejected as outliers"),
     ("missing_fraction", "", "share of missing points"),
 ];
 

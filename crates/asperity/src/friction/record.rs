@@ -3,7 +3,7 @@
 use crate::correlation::{EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
-use crate::law::fit::{Family, Fit, Ranking, rank_by_aic};
+use crate::law::fit::{End, Family, Fit, Ranking, rank_by_aic};
 use crate::stats::{Bootstrap, Interval, Moments, Resampling, correlation_time};
 
 /// Statistics of μ(s), pooled over the records of independent strips.
@@ -80,6 +80,15 @@ impl FrictionStatistics {
             beta,
             correlation: correlate(records, window_m, step_m),
         })
+    }
+}
+
+impl FrictionStatistics {
+    /// The marginal law to go on with: the first of the ranking whose ends the sample sees. A fitted end far outside the
+    /// sample makes a law of four parameters that is hardly different from a simpler one.
+    pub fn marginal(&self) -> Option<&Fit> {
+        let seen = |fit: &&Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
+        self.marginals.fits.iter().find(seen).or(self.marginals.fits.first())
     }
 }
 

@@ -90,7 +90,7 @@ impl Window {
 /// What a window sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowContact {
-    /// Position of the start of the window in metre.
+    /// Position of the centre of the window in metre.
     pub position_m: f64,
     /// Cells with p > 0.
     pub contact_cells: f64,
@@ -148,7 +148,7 @@ impl ColumnSums {
             edges += self.edges_within[column] + 0.5 * (self.edges_to_next[column] + self.edges_to_next[previous]);
         }
         WindowContact {
-            position_m: start as f64 * grid.dx_m(),
+            position_m: (start as f64 + 0.5 * cells as f64) * grid.dx_m(),
             contact_cells: contact,
             area_m2: (contact - PERIMETER_WEIGHT * edges) * grid.cell_area_m2(),
             load_n: pressure_pa * grid.cell_area_m2(),

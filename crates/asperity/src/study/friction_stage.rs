@@ -38,12 +38,23 @@ pub(super) struct FrictionStage {
     pub(super) warnings: Vec<String>,
 }
 
-/// Solves the strips at the percentiles of the section and, where the study knows it, at the nominal pressure.
+/// Which level leads: is shown in full, and handed to the vibration stage.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Lead {
+    /// The deepest percentile: there is no vibration stage.
+    Deepest,
+    /// The percentile that the study names.
+    Percentile(f64),
+    /// One more level, at this mean pressure in pascal.
+    NominalPressure(f64),
+}
+
+/// Solves the strips at the percentiles of the section and, where it leads, at the nominal pressure.
 pub(super) fn run(
     section: &FrictionSection,
     material: &MaterialSection,
     model: &SurfaceModel,
-    nominal_pressure_pa: Option<f64>,
+    lead: Lead,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
@@ -70,7 +81,7 @@ pub(super) fn run(
     };
     let mut names: Vec<Option<f64>> = section.percentiles.iter().copied().map(Some).collect();
     let mut controls: Vec<Control> = section.percentiles.iter().map(|p| plane(&model.marginal, *p)).collect();
-    if let Some(pascal) = nominal_pressure_pa {
+    if let Lead::NominalPressure(pascal) = lead {
         names.push(None);
         controls.push(Control::MeanPressure { pascal });
     }
@@ -81,14 +92,15 @@ pub(super) fn run(
         warnings.extend(level_warnings(percentile, &statistics, &level));
         levels.push(SolvedLevel { percentile, level, statistics });
     }
+    let lead = leading(&levels, lead);
     let result = FrictionResult {
         window_m: window.length_m(),
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
         realisations: section.realisations,
-        levels: levels.iter().map(level_result).collect(),
+        levels: levels.iter().enumerate().map(|(index, level)| level_result(level, index == lead)).collect(),
     };
-    let lead = leading(&levels);
+    let lead = &levels[lead];
     let mut tables = vec![("friction_levels", levels_table(&levels)), ("friction_trace", trace_table(&levels))];
     tables.extend(lead_tables(lead)?);
     let pressure_strip = Field { grid, unit: "Pa", values: lead.level.sample_pressure_pa.clone() };
@@ -106,10 +118,14 @@ pub(super) fn run(
     })
 }
 
-/// The level whose process is shown and, unless the study names another, handed to the vibration stage: that at the nominal
-/// pressure, or the last percentile.
-fn leading(levels: &[SolvedLevel]) -> &SolvedLevel {
-    levels.iter().find(|level| level.percentile.is_none()).unwrap_or(&levels[levels.len() - 1])
+/// Index of the level that leads.
+fn leading(levels: &[SolvedLevel], lead: Lead) -> usize {
+    let wanted = match lead {
+        Lead::Deepest => None,
+        Lead::Percentile(percentile) => levels.iter().position(|level| level.percentile == Some(percentile)),
+        Lead::NominalPressure(_) => levels.iter().position(|level| level.percentile.is_none()),
+    };
+    wanted.unwrap_or(levels.len() - 1)
 }
 
 fn sentence(section: &FrictionSection, strips: &Strips<'_>, mean_compliance_m_per_pa: Option<f64>) -> String {
@@ -137,25 +153,26 @@ fn level_warnings(percentile: Option<f64>, statistics: &FrictionStatistics, leve
     let mut warnings = Vec::new();
     if percentile.is_none() && statistics.contact_cells < WANTED_CONTACT_CELLS {
         warnings.push(format!(
-            "at {name} a window holds {:.1} contact cells on average, fewer than {WANTED_CONTACT_CELLS}: the grid is too \
+            "at {name}, a window holds {:.1} contact cells on average, fewer than {WANTED_CONTACT_CELLS}: the grid is too \
              coarse for that load, and the scatter of μ is partly the grid's",
             statistics.contact_cells
         ));
     }
     if statistics.empty_windows > 0 {
         let empty = statistics.empty_windows;
-        warnings.push(format!("at {name} {empty} windows carry no load and were left out"));
+        warnings.push(format!("at {name}, {empty} windows carry no load and were left out"));
     }
     if !level.failures.is_empty() {
-        warnings.push(format!("at {name} {} strips did not converge and were left out", level.failures.len()));
+        warnings.push(format!("at {name}, {} strips did not converge and were left out", level.failures.len()));
     }
     warnings
 }
 
-fn level_result(solved: &SolvedLevel) -> LevelResult {
+fn level_result(solved: &SolvedLevel, leading: bool) -> LevelResult {
     let (level, statistics) = (&solved.level, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     LevelResult {
+        leading,
         percentile: solved.percentile,
         penetration_m: level.penetration_m,
         mean_pressure_pa: level.mean_pressure_pa,
@@ -170,7 +187,7 @@ fn level_result(solved: &SolvedLevel) -> LevelResult {
         excess_kurtosis: statistics.moments.excess_kurtosis,
         correlation_length_m: correlation.map(|c| c.exponential.length_m),
         correlation_length_without_window_m: correlation.map(|c| c.windowed.length_m),
-        marginal: statistics.marginals.fits.first().map(|fit| law_result(&fit.law)),
+        marginal: statistics.marginal().map(|fit| law_result(&fit.law)),
         beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
         empty_windows: statistics.empty_windows,
         contact_cells_per_window: statistics.contact_cells,
@@ -223,7 +240,7 @@ fn lead_tables(lead: &SolvedLevel) -> Result<Vec<(&'static str, Table)>, StudyEr
             centres.iter().map(|mu| law.map_or(f64::NAN, |law| law.pdf(*mu))).collect()
         };
         let beta = lead.statistics.beta.as_ref().map(|fit| &fit.law);
-        let best = lead.statistics.marginals.fits.first().map(|fit| &fit.law);
+        let best = lead.statistics.marginal().map(|fit| &fit.law);
         tables.push((
             "friction_histogram",
             Table::new([

@@ -246,6 +246,8 @@ pub struct FrictionResult {
 /// One level of the friction stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelResult {
+    /// Whether this is the level that is shown in full and handed to the vibration stage.
+    pub leading: bool,
     /// Percentage of the heights above the plane; `null` for the level solved at a mean pressure.
     pub percentile: Option<f64>,
     /// Mean depth of the plane below the highest point of each strip.

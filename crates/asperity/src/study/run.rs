@@ -9,6 +9,7 @@ use asperity_formats::Scan;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::study::config::BoundaryChoice;
+use crate::study::friction_stage::Lead;
 use crate::study::result::{Outcome, Results};
 use crate::study::{Field, Study, StudyError, Table, friction_stage, pressure_stage, surface_stage, vibration_stage};
 
@@ -113,12 +114,12 @@ impl Study {
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.friction, &self.material, &surface, wants_friction)
         {
-            let nominal_pa = self
-                .vibration
-                .as_ref()
-                .filter(|vibration| vibration.level.is_none())
-                .map(|vibration| vibration.normal_force.0 / vibration.nominal_area.0);
-            let mut stage = friction_stage::run(section, material, &surface.model, nominal_pa, self.seed, monitor)?;
+            let lead = match self.vibration.as_ref().map(|v| (v.level, v.normal_force.0 / v.nominal_area.0)) {
+                None => Lead::Deepest,
+                Some((Some(percentile), _)) => Lead::Percentile(percentile),
+                Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
+            };
+            let mut stage = friction_stage::run(section, material, &surface.model, lead, self.seed, monitor)?;
             gathered.add(
                 std::mem::take(&mut stage.tables),
                 std::mem::take(&mut stage.fields),

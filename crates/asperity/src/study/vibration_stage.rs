@@ -133,7 +133,7 @@ fn from_stage(section: &VibrationSection, stage: &FrictionStage, seed: u64) -> R
     let correlation = statistics.correlation.as_ref().ok();
     let length_m = correlation.map_or(stage.window_m, |c| c.exponential.length_m);
     let without_window_m = correlation.map_or(0.0, |c| c.windowed.length_m);
-    let marginal = statistics.marginals.fits.first().map_or(Marginal::STANDARD_NORMAL, |fit| fit.law.clone());
+    let marginal = statistics.marginal().map_or(Marginal::STANDARD_NORMAL, |fit| fit.law.clone());
     let origin = solved.percentile.map_or_else(
         || format!("at the mean pressure {:.3e} Pa of the nominal area", solved.level.mean_pressure_pa),
         |percentile| format!("at percentile {percentile}"),
