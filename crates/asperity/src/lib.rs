@@ -29,3 +29,7 @@ pub mod stats;
 pub mod study;
 pub mod surface;
 pub mod vibration;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
