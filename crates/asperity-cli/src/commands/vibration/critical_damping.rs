@@ -7,7 +7,7 @@ use super::{Machine, refused};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
-use crate::output::{Answer, warn};
+use crate::output::Answer;
 
 /// Finds the damping ratio above which no limit cycle exists, and the one above which steady sliding is stable.
 #[derive(Debug, Args)]
@@ -25,10 +25,10 @@ pub(crate) struct CriticalDamping {
 impl CriticalDamping {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         if self.damping_ratio.is_some() {
-            warn("--damping-ratio is left aside: the damping ratio is what is sought");
+            monitor.note("--damping-ratio is left aside: the damping ratio is what is sought");
         }
         if self.machine.forcing.is_some() {
-            warn("the forcing is left aside: the damping ratios are those of the unforced machine");
+            monitor.note("the forcing is left aside: the damping ratios are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(0.0)?;
         let critical = critical_damping(&oscillator).or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
