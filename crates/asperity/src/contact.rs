@@ -30,8 +30,11 @@
 use thiserror::Error;
 
 pub mod area;
+mod coarse_start;
+mod descent;
 pub mod exact;
 mod half_space;
+mod mean_gap;
 mod problem;
 mod projection;
 mod solution;

@@ -66,8 +66,14 @@ fn compare(folder: &Path, case: &Value) -> bool {
     let rms = problem.rms_height_m();
     let cells = |fraction: f64| fraction * grid.points() as f64;
     let area_cells = cells(solution.contact_fraction() - number("area_fraction"));
-    assert!(area_cells.abs() <= if hardness.is_some() { 1.001 } else { 1e-6 }, "{name}: area off by {area_cells} cells");
-    assert!((solution.separation_m() - number("separation_d") + mean(&heights)).abs() <= 1e-8 * rms, "{name}: separation");
+    assert!(
+        area_cells.abs() <= if hardness.is_some() { 1.001 } else { 1e-6 },
+        "{name}: area off by {area_cells} cells"
+    );
+    assert!(
+        (solution.separation_m() - number("separation_d") + mean(&heights)).abs() <= 1e-8 * rms,
+        "{name}: separation"
+    );
     if let Some(mean_gap) = case["mean_gap"].as_f64() {
         assert!((solution.mean_gap_m() - mean_gap).abs() <= 1e-8 * rms, "{name}: mean gap");
         assert!((solution.max_pressure_pa() / number("max_pressure") - 1.0).abs() <= 1e-7, "{name}: max pressure");

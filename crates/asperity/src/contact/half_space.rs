@@ -37,6 +37,13 @@ pub struct HalfSpace {
     coarse: Option<Box<HalfSpace>>,
 }
 
+/// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MeanMode {
+    compliance: f64,
+    stiffness: f64,
+}
+
 /// Cells along either side of the coarsest grid.
 const COARSEST: usize = 8;
 
@@ -92,8 +99,7 @@ impl HalfSpace {
                         wanted: "zero or positive",
                     });
                 }
-                let softest = 10.0 * modulus_pa / longest_m;
-                stiffness[0] = if mean_compliance_m_per_pa > 0.0 { 1.0 / mean_compliance_m_per_pa } else { softest };
+                stiffness[0] = mean_stiffness_pa_per_m(grid, modulus_pa, mean_compliance_m_per_pa);
                 let mut compliance: Vec<f64> = wavenumber.iter().map(|q| 2.0 / (modulus_pa * q)).collect();
                 compliance[0] = mean_compliance_m_per_pa;
                 (stiffness_fft.clone(), compliance)
@@ -150,23 +156,65 @@ impl HalfSpace {
     /// # Panics
     /// If a slice or the workspace does not fit the grid.
     pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+        self.displace_as(self.mean_mode(None), pressure_pa, displacement_m, workspace);
+    }
+
+    /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic
+    /// boundary leaves open. The free boundary has its own alone.
+    pub(super) fn mean_mode(&self, mean_compliance_m_per_pa: Option<f64>) -> MeanMode {
+        match (self.boundary, mean_compliance_m_per_pa) {
+            (Boundary::Periodic { .. }, Some(compliance)) => {
+                MeanMode { compliance, stiffness: mean_stiffness_pa_per_m(self.grid, self.modulus_pa, compliance) }
+            }
+            _ => MeanMode { compliance: self.compliance[0], stiffness: self.stiffness[0] },
+        }
+    }
+
+    /// As [`HalfSpace::displace`] with the response `mean` to the mean pressure.
+    pub(super) fn displace_as(
+        &self,
+        mean: MeanMode,
+        pressure_pa: &[f64],
+        displacement_m: &mut [f64],
+        workspace: &mut Workspace,
+    ) {
         let (rows, columns) = self.grid.shape();
         let Workspace { spectrum, work, .. } = workspace;
         self.fft.forward_padded(pressure_pa, rows, columns, spectrum, work);
+        let constant = spectrum[0] * mean.compliance;
         for (value, compliance) in spectrum.iter_mut().zip(&self.compliance) {
             *value *= *compliance;
         }
+        spectrum[0] = constant;
         self.fft.inverse_cropped(spectrum, displacement_m, rows, columns, work);
     }
 
     /// Multiplies a displacement by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
-    pub(super) fn stiffen(&self, displacement_m: &[f64], pressure_pa: &mut [f64], workspace: &mut Workspace) {
+    pub(super) fn stiffen(
+        &self,
+        mean: MeanMode,
+        displacement_m: &[f64],
+        pressure_pa: &mut [f64],
+        workspace: &mut Workspace,
+    ) {
         let Workspace { stiffness_spectrum, stiffness_work, .. } = workspace;
         self.stiffness_fft.forward(displacement_m, stiffness_spectrum, stiffness_work);
+        let constant = stiffness_spectrum[0] * mean.stiffness;
         for (value, stiffness) in stiffness_spectrum.iter_mut().zip(&self.stiffness) {
             *value *= *stiffness;
         }
+        stiffness_spectrum[0] = constant;
         self.stiffness_fft.inverse(stiffness_spectrum, pressure_pa, stiffness_work);
+    }
+}
+
+/// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
+/// about three times the stiffness of the longest wave serves.
+fn mean_stiffness_pa_per_m(grid: Grid, modulus_pa: f64, mean_compliance_m_per_pa: f64) -> f64 {
+    if mean_compliance_m_per_pa > 0.0 {
+        1.0 / mean_compliance_m_per_pa
+    } else {
+        10.0 * modulus_pa / grid.width_m().max(grid.height_m())
     }
 }
 

@@ -74,8 +74,8 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
 /// ends may still straddle the target (a hardness far below the trial values); the result is then interpolated between
 /// them, which meets the sum within the bounds.
 ///
-/// # Panics
-/// If `target` lies outside what the bounds allow.
+/// A target beyond what the bounds allow, as rounding of sums makes it when all members are about to reach a bound, is
+/// replaced by the nearest that they do allow.
 pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, target: f64) {
     let (mut least, mut largest, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
     for (t, _) in trial.iter().zip(working).filter(|(_, w)| **w) {
@@ -86,8 +86,8 @@ pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, ta
     if count == 0.0 {
         return;
     }
+    let target = target.clamp(0.0, count * upper);
     let ceiling = upper.min(target);
-    assert!(target >= 0.0 && target <= count * upper * (1.0 + 1e-12), "the sum lies outside the bounds");
     let (mut low, mut high) = (-largest, ceiling - least);
     let mut shift = 0.0_f64.clamp(low, high);
     let mut last_miss = f64::INFINITY;

@@ -2,7 +2,8 @@
 
 use ndarray::Array2;
 
-use crate::contact::{Boundary, Control, Problem};
+use crate::contact::solver::Closure;
+use crate::contact::{Boundary, Problem};
 use crate::map::Grid;
 
 /// Why a solver stopped.
@@ -31,9 +32,10 @@ pub struct Residual {
 }
 
 impl Residual {
-    /// The largest of the three.
+    /// The largest of the three; NaN if one is.
     pub fn worst(&self) -> f64 {
-        self.frank_wolfe.max(self.overlap).max(self.load)
+        let worse = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        worse(self.frank_wolfe, worse(self.overlap, self.load))
     }
 }
 
@@ -164,8 +166,9 @@ impl Solution {
     }
 }
 
-/// Plane height and residuals of the pressure `p` with v = S p − z, from the definitions.
-pub(super) fn certify(problem: &Problem<'_>, p: &[f64], v: &[f64], prescribed_plane_m: Option<f64>) -> (f64, Residual) {
+/// Height of the plane above the mean height and residuals of the pressure `p`, from the definitions, with v = S p − z and
+/// z counted from the mean height.
+pub(super) fn certify(problem: &Problem<'_>, closure: Closure, p: &[f64], v: &[f64]) -> (f64, Residual) {
     let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let rms_height_m = problem.rms_height_m();
     let (mut sum_p, mut sum_free, mut sum_free_v) = (0.0, 0.0, 0.0);
@@ -179,21 +182,25 @@ pub(super) fn certify(problem: &Problem<'_>, p: &[f64], v: &[f64], prescribed_pl
         }
     }
     // The plane is known, or rests on the elastic contact; without any, on the cell that touches next.
-    let plane_m = prescribed_plane_m.unwrap_or(if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v });
-    let lambda = if prescribed_plane_m.is_some() { -plane_m } else { least_v };
-    let (mut work, mut overlap) = (0.0, 0.0_f64);
+    let resting_m = if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v };
+    let plane_m = closure.plane_m().unwrap_or(resting_m);
+    let lambda = if closure.plane_m().is_some() { -plane_m } else { least_v };
+    let (mut work, mut overlap, mut gap_sum) = (0.0, 0.0_f64, 0.0);
     for (&p, &v) in p.iter().zip(v) {
         if p > 0.0 {
             work += p * (v - lambda).max(0.0);
+        } else {
+            gap_sum += (v + plane_m).max(0.0);
         }
         if p < upper {
             overlap = overlap.max(-(v + plane_m));
         }
     }
     let frank_wolfe = if sum_p > 0.0 { work / (sum_p * rms_height_m) } else { 0.0 };
-    let load = match problem.control() {
-        Control::MeanGap { .. } => 0.0,
-        _ => problem.mean_pressure_pa().map_or(0.0, |wanted| (sum_p / p.len() as f64 / wanted - 1.0).abs()),
+    let load = match closure {
+        Closure::Plane { .. } => 0.0,
+        Closure::Gap { metre } => (gap_sum / p.len() as f64 / metre - 1.0).abs(),
+        Closure::Sum { pascal } => (sum_p / pascal - 1.0).abs(),
     };
     (plane_m, Residual { frank_wolfe, overlap: overlap / rms_height_m, load })
 }
