@@ -12,6 +12,8 @@ use crate::contact::{Boundary, Problem, Solution, StopReason, Workspace};
 const GRADIENT_PROJECTION_PERIOD: usize = 32;
 /// A clipped step is taken whole when its optimal length is at least this share of it.
 const WHOLE_STEP_FROM: f64 = 0.7;
+/// Under a prescribed sum no step is lengthened more than this, for the sum of a step is zero up to rounding only.
+const LONGEST_STEP: f64 = 1e6;
 /// A direction counts as descent when its slope is at least this share of the steepest one's.
 const LEAST_SLOPE: f64 = 1e-4;
 
@@ -87,9 +89,18 @@ impl<'a> Descent<'a> {
         descent
     }
 
-    /// Recomputes v = S p − z, whose recurrence drifts by rounding, and forgets the last step.
+    /// Undoes the drift of rounding in the recurrences: restores the prescribed sum by a common shift of the cells between
+    /// the bounds, recomputes v = S p − z, and forgets the last step.
     fn refresh(&mut self) {
         self.has_history = false;
+        if let Closure::Sum { pascal } = self.closure {
+            let mut elsewhere = 0.0;
+            for (p, working) in self.p.iter().zip(&mut self.working) {
+                *working = bound(*p, self.upper) == Bound::Free;
+                elsewhere += if *working { 0.0 } else { *p };
+            }
+            project_to_sum(&mut self.p, &self.working, self.upper, pascal - elsewhere);
+        }
         if self.p.iter().all(|p| *p == 0.0) {
             self.v.fill(0.0);
         } else {
@@ -178,14 +189,21 @@ impl<'a> Descent<'a> {
             (false, true) => &[Direction::Conjugate, Direction::Preconditioned, Direction::Gradient][..],
             (false, false) => &[Direction::Preconditioned, Direction::Gradient][..],
         };
-        for &direction in attempts {
-            let clipped = self.propose(direction, lambda);
-            // Slope of the energy along the step; with a fixed sum the multiplier drops out, but keeping it avoids
-            // cancellation.
-            let slope: f64 = (0..self.p.len()).map(|i| (self.v[i] - lambda) * self.trial[i]).sum();
-            let steepest = norm(&self.gradient) * norm(&self.trial);
-            if slope < 0.0 && (-slope >= LEAST_SLOPE * steepest || direction == Direction::Projection) {
-                return self.take(slope, clipped);
+        // A length that served where the bounds cut most of the steps may be out of all proportion later on.
+        let lengths = [self.step_length, 1.0];
+        for &length in if self.step_length == 1.0 { &lengths[..1] } else { &lengths[..] } {
+            self.step_length = length;
+            for &direction in attempts {
+                let clipped = self.propose(direction, lambda);
+                // Slope of the energy along the step; with a fixed sum the multiplier drops out, but keeping it avoids
+                // cancellation.
+                let slope: f64 = (0..self.p.len()).map(|i| (self.v[i] - lambda) * self.trial[i]).sum();
+                let is_projected_gradient = matches!(direction, Direction::Gradient | Direction::Projection);
+                let steepest = norm(&self.gradient) * norm(&self.trial);
+                // The projected gradient is a descent direction whatever its angle with the gradient.
+                if slope < 0.0 && (is_projected_gradient || -slope >= LEAST_SLOPE * steepest) {
+                    return self.take(slope, clipped);
+                }
             }
         }
         false
@@ -301,7 +319,8 @@ impl<'a> Descent<'a> {
         let length = if clipped {
             if optimal >= WHOLE_STEP_FROM { 1.0 } else { optimal }
         } else {
-            optimal.min(self.longest_feasible())
+            let longest = if self.closure.plane_m().is_some() { f64::INFINITY } else { LONGEST_STEP };
+            optimal.min(self.longest_feasible()).min(longest)
         };
         let mut moved = false;
         for i in 0..self.p.len() {

@@ -10,6 +10,12 @@ use crate::contact::{Boundary, HalfSpace, Problem, Solution, Solver, StopReason,
 
 /// Planes tried before giving up.
 const MOST_PLANES: usize = 200;
+/// Tolerance of the first look at the contact under a plane.
+const COARSEST_TOLERANCE: f64 = 1e-3;
+/// A miss of the mean gap is believed when it is so many times the tolerance of the fields; otherwise that is tightened.
+const CLEAR_MISS: f64 = 30.0;
+/// Factor on the tolerance.
+const TIGHTENING: f64 = 0.03;
 
 /// Solves `problem` for the mean gap `gap_m`.
 pub(super) fn solve(solver: &Solver, problem: &Problem<'_>, gap_m: f64, workspace: &mut Workspace) -> Solution {
@@ -20,7 +26,13 @@ pub(super) fn solve(solver: &Solver, problem: &Problem<'_>, gap_m: f64, workspac
         let closure = Closure::Gap { metre: gap_m };
         return Descent::new(problem, closure, vec![0.0; points], rigid_mean(problem), workspace).run(solver);
     }
-    Search::new(solver, problem, gap_m, workspace).run()
+    let mut search = Search::new(solver, problem, gap_m, workspace);
+    let mut solution = search.run(COARSEST_TOLERANCE);
+    if solution.stop_reason == StopReason::PrecisionLimit {
+        // A gap believed too early may have spoiled the bracket.
+        solution = search.run(0.0);
+    }
+    solution
 }
 
 /// One plane tried: its height above the mean height, and how far the mean gap under it misses the wanted one.
@@ -48,10 +60,11 @@ impl<'a> Search<'a> {
         Self { solver, problem, gap_m, workspace, mean_compliance, iterations: 0 }
     }
 
-    fn run(mut self) -> Solution {
+    /// Closes in on the plane, looking at first with fields of the tolerance `coarsest`.
+    fn run(&mut self, coarsest: f64) -> Solution {
         // Displacements have a positive mean, so that the gap under this plane is not below the wanted one.
         let points = self.problem.heights_m().len();
-        let (mut high, mut best) = self.at(self.gap_m, vec![0.0; points]);
+        let (mut high, mut best) = self.at(self.gap_m, vec![0.0; points], coarsest);
         let mut low: Option<Trial> = None;
         let mut step_m = 0.0_f64;
         let mut last_side = 0;
@@ -76,7 +89,7 @@ impl<'a> Search<'a> {
             if exhausted || self.iterations >= self.solver.max_iterations {
                 break;
             }
-            let (trial, solution) = self.at(height_m, best.pressure_pa.iter().copied().collect());
+            let (trial, solution) = self.at(height_m, best.pressure_pa.iter().copied().collect(), coarsest);
             best = solution;
             // False position, with the retained end's miss lowered when it is retained twice (Anderson and Björck).
             if trial.miss_m > 0.0 {
@@ -98,28 +111,41 @@ impl<'a> Search<'a> {
         self.finish(best)
     }
 
-    /// The contact under a plane at `height_m` above the mean height.
-    fn at(&mut self, height_m: f64, start: Vec<f64>) -> (Trial, Solution) {
+    /// The contact under a plane at `height_m` above the mean height, solved as well as its gap's miss needs.
+    fn at(&mut self, height_m: f64, start: Vec<f64>, coarsest: f64) -> (Trial, Solution) {
+        let rms_height_m = self.problem.rms_height_m();
         // A gap far below the roughness needs fields that are accurate to a share of it.
-        let relative_gap = (self.gap_m / self.problem.rms_height_m()).min(1.0);
-        let solver = Solver {
-            tolerance: (0.1 * self.solver.tolerance * relative_gap).max(f64::EPSILON),
-            max_iterations: self.solver.max_iterations.saturating_sub(self.iterations),
-        };
-        let closure = Closure::Plane { height_m };
-        let descent = Descent::new(self.problem, closure, start, self.mean_compliance, self.workspace);
-        let mut solution = descent.run(&solver);
-        self.iterations += solution.iterations;
-        let miss_m = solution.mean_gap_m() - self.gap_m;
-        solution.residual.load = (miss_m / self.gap_m).abs();
-        (Trial { height_m, miss_m }, solution)
+        let finest = (0.1 * self.solver.tolerance * (self.gap_m / rms_height_m).min(1.0)).max(f64::EPSILON);
+        let mut tolerance = coarsest.max(finest);
+        let mut pressure_pa = start;
+        loop {
+            let max_iterations = self.solver.max_iterations.saturating_sub(self.iterations);
+            let closure = Closure::Plane { height_m };
+            let descent = Descent::new(self.problem, closure, pressure_pa, self.mean_compliance, self.workspace);
+            let mut solution = descent.run(&Solver { tolerance, max_iterations });
+            self.iterations += solution.iterations;
+            // Cells that are about to lose contact still have a gap, which the solution's counts as zero.
+            let mean_gap_m = solution.signed_gap_m.iter().map(|g| g.max(0.0)).sum::<f64>() / self.points();
+            let miss_m = mean_gap_m - self.gap_m;
+            solution.residual.load = miss_m.abs().max((solution.mean_gap_m() - self.gap_m).abs()) / self.gap_m;
+            let is_clear = miss_m.abs() > CLEAR_MISS * tolerance * rms_height_m;
+            if is_clear || tolerance <= finest || !solution.converged() {
+                return (Trial { height_m, miss_m }, solution);
+            }
+            tolerance = (TIGHTENING * tolerance).max(finest);
+            pressure_pa = solution.pressure_pa.into_iter().collect();
+        }
+    }
+
+    fn points(&self) -> f64 {
+        self.problem.heights_m().len() as f64
     }
 
     fn is_met(&self, solution: &Solution) -> bool {
         solution.residual.worst() <= self.solver.tolerance
     }
 
-    fn finish(self, mut solution: Solution) -> Solution {
+    fn finish(&self, mut solution: Solution) -> Solution {
         solution.iterations = self.iterations;
         solution.stop_reason = if self.is_met(&solution) {
             StopReason::Converged

@@ -88,7 +88,14 @@ pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, ta
     }
     let target = target.clamp(0.0, count * upper);
     let ceiling = upper.min(target);
+    let sum_at = |trial: &[f64], shift: f64| -> f64 {
+        trial.iter().zip(working).filter(|(_, w)| **w).map(|(t, _)| (t + shift).clamp(0.0, upper)).sum()
+    };
     let (mut low, mut high) = (-largest, ceiling - least);
+    // Far below the trial values, the bound is lost in the rounding of this difference.
+    while least + high < ceiling {
+        high += (high - low).max(f64::MIN_POSITIVE);
+    }
     let mut shift = 0.0_f64.clamp(low, high);
     let mut last_miss = f64::INFINITY;
     for _ in 0..200 {
@@ -121,10 +128,7 @@ pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, ta
         last_miss = miss.abs();
         shift = next;
     }
-    let sum_at = |shift: f64| -> f64 {
-        trial.iter().zip(working).filter(|(_, w)| **w).map(|(t, _)| (t + shift).clamp(0.0, upper)).sum()
-    };
-    let (sum_low, sum_high) = (sum_at(low), sum_at(high));
+    let (sum_low, sum_high) = (sum_at(trial, low), sum_at(trial, high));
     let share = if sum_high > sum_low { ((target - sum_low) / (sum_high - sum_low)).clamp(0.0, 1.0) } else { 0.0 };
     for (t, _) in trial.iter_mut().zip(working).filter(|(_, w)| **w) {
         let (at_low, at_high) = ((*t + low).clamp(0.0, upper), (*t + high).clamp(0.0, upper));

@@ -22,8 +22,8 @@ pub enum StopReason {
 /// With v = S p − z, plane height d and gap g = v + d:
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed load g′ is counted
-    /// from the least v over cells with p < H, under a prescribed plane from the plane.
+    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed plane g′ is the gap,
+    /// otherwise v counted from its least value over cells with p < H.
     pub frank_wolfe: f64,
     /// Largest overlap −g over cells with p < H, divided by h_rms.
     pub overlap: f64,
@@ -184,7 +184,7 @@ pub(super) fn certify(problem: &Problem<'_>, closure: Closure, p: &[f64], v: &[f
     // The plane is known, or rests on the elastic contact; without any, on the cell that touches next.
     let resting_m = if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v };
     let plane_m = closure.plane_m().unwrap_or(resting_m);
-    let lambda = if closure.plane_m().is_some() { -plane_m } else { least_v };
+    let lambda = if matches!(closure, Closure::Plane { .. }) { -plane_m } else { least_v };
     let (mut work, mut overlap, mut gap_sum) = (0.0, 0.0_f64, 0.0);
     for (&p, &v) in p.iter().zip(v) {
         if p > 0.0 {
