@@ -65,7 +65,7 @@ pub(crate) struct Evaluation {
     pub(crate) overlap: f64,
     /// Relative error of what is prescribed: load, mean gap, or the plane's height over the standard deviation.
     pub(crate) prescribed: f64,
-    /// Mean of ½pu − p(z − d), with d = 0 unless the plane is prescribed.
+    /// Mean of ½pu − p(z − d), where d is the plane if that is prescribed and the mean height otherwise.
     pub(crate) energy: f64,
 }
 
@@ -89,12 +89,12 @@ pub(crate) fn evaluate(operator: &Operator, problem: &Problem<'_>, solution: &So
         Control::MeanGap { metre } => mean_gap / metre - 1.0,
         _ => (problem.plane_m().unwrap_or(f64::NAN) - solution.plane_m()) / rms,
     };
-    let plane = if problem.control().prescribes_plane() { solution.plane_m() } else { 0.0 };
+    let from_m = if problem.control().prescribes_plane() { solution.plane_m() } else { problem.mean_height_m() };
     Evaluation {
         frank_wolfe: if sum > 0.0 { work / (sum * rms) } else { 0.0 },
         overlap: (-least).max(0.0) / rms,
         prescribed: prescribed.abs(),
-        energy: energy(&p, &u, &z, plane),
+        energy: energy(&p, &u, &z, from_m),
     }
 }
 
