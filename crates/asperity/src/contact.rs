@@ -39,6 +39,7 @@ mod problem;
 mod projection;
 mod solution;
 mod solver;
+mod vectors;
 
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};

@@ -3,9 +3,10 @@
 use ndarray::Array2;
 
 use crate::contact::half_space::MeanMode;
-use crate::contact::projection::{Bound, bound, project_to_sum, tangent_multiplier};
+use crate::contact::projection::{may_move, project_to_sum, tangent_multiplier};
 use crate::contact::solution::certify;
 use crate::contact::solver::{Closure, Solver};
+use crate::contact::vectors::{centre, dot, gather, norm, scatter, sums};
 use crate::contact::{Boundary, Problem, Solution, StopReason, Workspace};
 
 /// Every so many iterations a plain gradient projection guarantees convergence.
@@ -18,6 +19,9 @@ const LONGEST_STEP: f64 = 1e6;
 const LEAST_SLOPE: f64 = 1e-4;
 
 /// The iterate of one solve. Heights are counted from their mean, and `v` = S p − z throughout.
+///
+/// Most cells of a rough contact are out of contact and stay so: what concerns the cells that may move is kept in lists
+/// over these.
 pub(super) struct Descent<'a> {
     problem: &'a Problem<'a>,
     closure: Closure,
@@ -29,13 +33,20 @@ pub(super) struct Descent<'a> {
     heights_m: Vec<f64>,
     p: Vec<f64>,
     v: Vec<f64>,
-    working: Vec<bool>,
-    /// Gradient on the working set, zero elsewhere.
-    gradient: Vec<f64>,
-    preconditioned: Vec<f64>,
-    /// Realised step and its image under S.
+    /// The last step, zero where nothing moved, and its image under S.
     step: Vec<f64>,
     image: Vec<f64>,
+    scratch: Vec<f64>,
+    /// Cells that may move.
+    members: Vec<usize>,
+    /// Sum of the other cells' pressures.
+    held_pressure: f64,
+    /// Of the members: pressure, gradient, preconditioned gradient, last step and image, and the step on trial.
+    pressure: Vec<f64>,
+    gradient: Vec<f64>,
+    preconditioned: Vec<f64>,
+    last_step: Vec<f64>,
+    last_image: Vec<f64>,
     trial: Vec<f64>,
     step_length: f64,
     has_history: bool,
@@ -47,8 +58,6 @@ enum Direction {
     Conjugate,
     Preconditioned,
     Gradient,
-    /// Gradient projection over all cells, not the working set alone.
-    Projection,
 }
 
 impl<'a> Descent<'a> {
@@ -76,12 +85,17 @@ impl<'a> Descent<'a> {
             heights_m: problem.heights_m().iter().map(|z| z - problem.mean_height_m()).collect(),
             p,
             v: vec![0.0; n],
-            working: vec![false; n],
-            gradient: vec![0.0; n],
-            preconditioned: vec![0.0; n],
             step: vec![0.0; n],
             image: vec![0.0; n],
-            trial: vec![0.0; n],
+            scratch: vec![0.0; n],
+            members: Vec::new(),
+            held_pressure: 0.0,
+            pressure: Vec::new(),
+            gradient: Vec::new(),
+            preconditioned: Vec::new(),
+            last_step: Vec::new(),
+            last_image: Vec::new(),
+            trial: Vec::new(),
             step_length: 1.0,
             has_history: false,
         };
@@ -94,12 +108,12 @@ impl<'a> Descent<'a> {
     fn refresh(&mut self) {
         self.has_history = false;
         if let Closure::Sum { pascal } = self.closure {
-            let mut elsewhere = 0.0;
-            for (p, working) in self.p.iter().zip(&mut self.working) {
-                *working = bound(*p, self.upper) == Bound::Free;
-                elsewhere += if *working { 0.0 } else { *p };
+            let upper = self.upper;
+            self.collect(|p, _| p > 0.0 && p < upper);
+            project_to_sum(&mut self.pressure, self.upper, pascal - self.held_pressure);
+            for (i, p) in self.members.iter().zip(&self.pressure) {
+                self.p[*i] = *p;
             }
-            project_to_sum(&mut self.p, &self.working, self.upper, pascal - elsewhere);
         }
         if self.p.iter().all(|p| *p == 0.0) {
             self.v.fill(0.0);
@@ -157,51 +171,61 @@ impl<'a> Descent<'a> {
         self.finish(iterations, stop_reason)
     }
 
-    /// Marks the cells that may move, and keeps their gradient (centred where the sum is fixed).
+    /// Makes members of the cells whose pressure and v are `wanted`.
+    fn collect(&mut self, wanted: impl Fn(f64, f64) -> bool) {
+        self.members.clear();
+        let mut held_at_upper = 0;
+        for (i, (p, v)) in self.p.iter().zip(&self.v).enumerate() {
+            if wanted(*p, *v) {
+                self.members.push(i);
+            } else if *p >= self.upper {
+                held_at_upper += 1;
+            }
+        }
+        self.held_pressure = if held_at_upper > 0 { f64::from(held_at_upper) * self.upper } else { 0.0 };
+        gather(&self.p, &self.members, &mut self.pressure);
+    }
+
+    /// Finds the cells that may move, and their gradient (centred where the sum is fixed).
     fn gradient_on_working_set(&mut self, lambda: f64) {
-        for i in 0..self.p.len() {
-            let g = self.v[i] - lambda;
-            self.working[i] = match bound(self.p[i], self.upper) {
-                Bound::Free => true,
-                Bound::Lower => g < 0.0,
-                Bound::Upper => g > 0.0,
-            };
-            self.gradient[i] = if self.working[i] { g } else { 0.0 };
-        }
+        let upper = self.upper;
+        self.collect(|p, v| may_move(p, v - lambda, upper));
+        self.gradient_of_members(lambda);
         if self.closure.plane_m().is_none() {
-            centre(&mut self.gradient, &self.working);
+            centre(&mut self.gradient);
         }
+    }
+
+    fn gradient_of_members(&mut self, lambda: f64) {
+        self.gradient.clear();
+        self.gradient.extend(self.members.iter().map(|i| self.v[*i] - lambda));
     }
 
     /// Takes one step that lowers the energy, or returns false if none can be represented.
     fn descend(&mut self, lambda: f64, projection_turn: bool) -> bool {
-        self.problem.half_space().stiffen(self.mean, &self.gradient, &mut self.preconditioned, self.workspace);
-        for (z, working) in self.preconditioned.iter_mut().zip(&self.working) {
-            if !working {
-                *z = 0.0;
-            }
-        }
+        scatter(&self.gradient, &self.members, &mut self.scratch);
+        self.problem.half_space().stiffen(self.mean, &mut self.scratch, self.workspace);
+        gather(&self.scratch, &self.members, &mut self.preconditioned);
         if self.closure.plane_m().is_none() {
-            centre(&mut self.preconditioned, &self.working);
+            centre(&mut self.preconditioned);
         }
-        let attempts = match (projection_turn, self.has_history) {
-            (true, _) => &[Direction::Projection, Direction::Gradient][..],
-            (false, true) => &[Direction::Conjugate, Direction::Preconditioned, Direction::Gradient][..],
-            (false, false) => &[Direction::Preconditioned, Direction::Gradient][..],
-        };
+        if projection_turn {
+            return self.project_everywhere(lambda);
+        }
         // A length that served where the bounds cut most of the steps may be out of all proportion later on.
         let lengths = [self.step_length, 1.0];
         for &length in if self.step_length == 1.0 { &lengths[..1] } else { &lengths[..] } {
             self.step_length = length;
-            for &direction in attempts {
-                let clipped = self.propose(direction, lambda);
-                // Slope of the energy along the step; with a fixed sum the multiplier drops out, but keeping it avoids
-                // cancellation.
-                let slope: f64 = (0..self.p.len()).map(|i| (self.v[i] - lambda) * self.trial[i]).sum();
-                let is_projected_gradient = matches!(direction, Direction::Gradient | Direction::Projection);
+            for direction in [Direction::Conjugate, Direction::Preconditioned, Direction::Gradient] {
+                if direction == Direction::Conjugate && !self.has_history {
+                    continue;
+                }
+                self.propose(direction);
+                let clipped = self.restrict();
+                let slope = self.slope(lambda);
                 let steepest = norm(&self.gradient) * norm(&self.trial);
                 // The projected gradient is a descent direction whatever its angle with the gradient.
-                if slope < 0.0 && (is_projected_gradient || -slope >= LEAST_SLOPE * steepest) {
+                if slope < 0.0 && (direction == Direction::Gradient || -slope >= LEAST_SLOPE * steepest) {
                     return self.take(slope, clipped);
                 }
             }
@@ -209,86 +233,87 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Puts the feasible step of `direction` into `trial`; returns whether a bound cut it.
-    fn propose(&mut self, direction: Direction, lambda: f64) -> bool {
-        let n = self.p.len();
+    /// Slope of the energy along the step on trial. With a fixed sum the multiplier drops out, but keeping it avoids
+    /// cancellation.
+    fn slope(&self, lambda: f64) -> f64 {
+        self.members.iter().zip(&self.trial).map(|(i, s)| (self.v[*i] - lambda) * s).sum()
+    }
+
+    /// A gradient projection over all cells, not over those that may move alone.
+    fn project_everywhere(&mut self, lambda: f64) -> bool {
+        let length = self.gradient_length();
+        self.collect(|_, _| true);
+        self.gradient_of_members(lambda);
+        self.trial.clear();
+        self.trial.extend(self.gradient.iter().map(|g| -length * g));
+        let clipped = self.restrict();
+        let slope = self.slope(lambda);
+        slope < 0.0 && self.take(slope, clipped)
+    }
+
+    /// A length for steps along the gradient that compares with that of the preconditioned one.
+    fn gradient_length(&self) -> f64 {
+        let scale = dot(&self.gradient, &self.preconditioned) / dot(&self.gradient, &self.gradient);
+        self.step_length * if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
+    }
+
+    /// Puts the step of `direction` into `trial`, not yet within the bounds.
+    fn propose(&mut self, direction: Direction) {
+        self.trial.clear();
         match direction {
             Direction::Conjugate => self.conjugate_direction(),
             Direction::Preconditioned => {
-                for i in 0..n {
-                    self.trial[i] = -self.step_length * self.preconditioned[i];
-                }
+                self.trial.extend(self.preconditioned.iter().map(|z| -self.step_length * z));
             }
-            Direction::Gradient | Direction::Projection => {
-                // Scaled so that its length compares with the preconditioned step's.
-                let scale = dot(&self.gradient, &self.preconditioned) / dot(&self.gradient, &self.gradient);
-                let length = self.step_length * if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
-                let everywhere = direction == Direction::Projection;
-                for i in 0..n {
-                    let g = if everywhere { self.v[i] - lambda } else { self.gradient[i] };
-                    self.trial[i] = -length * g;
-                }
-                if everywhere {
-                    self.working.fill(true);
-                }
+            Direction::Gradient => {
+                let length = self.gradient_length();
+                self.trial.extend(self.gradient.iter().map(|g| -length * g));
             }
         }
-        for i in 0..n {
-            self.trial[i] += self.p[i];
+    }
+
+    /// Shortens the step on trial where it leaves the bounds, and shifts it to keep a fixed sum; returns whether a bound
+    /// cut it.
+    fn restrict(&mut self) -> bool {
+        for (t, p) in self.trial.iter_mut().zip(&self.pressure) {
+            *t += p;
         }
-        let mut clipped = false;
-        for i in 0..n {
-            if self.working[i] && (self.trial[i] < 0.0 || self.trial[i] > self.upper) {
-                clipped = true;
-                break;
+        let upper = self.upper;
+        let [outside] = sums(&self.trial, &self.trial, |t, _| [if (t < 0.0) | (t > upper) { 1.0 } else { 0.0 }]);
+        if let Closure::Sum { pascal } = self.closure {
+            project_to_sum(&mut self.trial, upper, pascal - self.held_pressure);
+        } else {
+            for t in &mut self.trial {
+                *t = t.clamp(0.0, upper);
             }
         }
-        match self.closure {
-            Closure::Plane { .. } | Closure::Gap { .. } => {
-                for (t, working) in self.trial.iter_mut().zip(&self.working) {
-                    if *working {
-                        *t = t.clamp(0.0, self.upper);
-                    }
-                }
-            }
-            Closure::Sum { pascal } => {
-                let fixed: f64 = self.p.iter().zip(&self.working).filter(|(_, w)| !**w).map(|(p, _)| p).sum();
-                project_to_sum(&mut self.trial, &self.working, self.upper, pascal - fixed);
-            }
+        for (t, p) in self.trial.iter_mut().zip(&self.pressure) {
+            *t -= p;
         }
-        for i in 0..n {
-            self.trial[i] = if self.working[i] { self.trial[i] - self.p[i] } else { 0.0 };
-        }
-        clipped
+        outside > 0.0
     }
 
     /// The preconditioned gradient made conjugate to the last realised step, plus the correction of that step's length;
     /// under a fixed plane the pressure itself is a second such direction, which settles the load level.
     fn conjugate_direction(&mut self) {
-        let n = self.p.len();
-        for i in 0..n {
-            if !self.working[i] {
-                self.step[i] = 0.0;
-            }
-        }
+        gather(&self.step, &self.members, &mut self.last_step);
+        gather(&self.image, &self.members, &mut self.last_image);
         if self.closure.plane_m().is_none() {
-            centre(&mut self.step, &self.working);
+            centre(&mut self.last_step);
         }
-        let curvature = dot(&self.step, &self.image);
-        let gradient_step = dot(&self.gradient, &self.step);
-        let conjugacy = dot(&self.preconditioned, &self.image);
+        let curvature = dot(&self.last_step, &self.last_image);
+        let gradient_step = dot(&self.gradient, &self.last_step);
+        let conjugacy = dot(&self.preconditioned, &self.last_image);
         let (mut beta, mut gamma, mut level) = ((conjugacy / curvature).max(0.0), -gradient_step / curvature, 0.0);
-        if self.closure.plane_m().is_some() && self.p.iter().all(|p| *p < self.upper) {
-            // u = S p is known as v + z: no further operator application.
-            let (mut pu, mut pw, mut pg) = (0.0, 0.0, 0.0);
-            for i in 0..n {
-                let p = self.p[i];
-                if p > 0.0 {
-                    pu += p * (self.v[i] + self.heights_m[i]);
-                    pw += p * self.image[i];
-                    pg += p * self.gradient[i];
-                }
-            }
+        // With nothing at the upper bound all pressure is the members'; u = S p is known as v + z.
+        if self.closure.plane_m().is_some()
+            && self.pressure.iter().all(|p| *p < self.upper)
+            && self.held_pressure == 0.0
+        {
+            let displaced = self.members.iter().zip(&self.pressure);
+            let pu: f64 = displaced.map(|(i, p)| p * (self.v[*i] + self.heights_m[*i])).sum();
+            let pw = dot(&self.pressure, &self.last_image);
+            let pg = dot(&self.pressure, &self.gradient);
             let determinant = curvature * pu - pw * pw;
             if determinant > 1e-6 * curvature * pu {
                 gamma = -(gradient_step * pu - pg * pw) / determinant;
@@ -298,20 +323,18 @@ impl<'a> Descent<'a> {
         if !(beta.is_finite() && gamma.is_finite() && level.is_finite()) {
             (beta, gamma, level) = (0.0, 0.0, 0.0);
         }
-        for i in 0..n {
-            let direction = beta * self.step[i] - self.preconditioned[i];
-            self.trial[i] = self.step_length * direction + gamma * self.step[i] + level * self.p[i];
-            if !self.working[i] {
-                self.trial[i] = 0.0;
-            }
+        let along_step = self.step_length * beta + gamma;
+        for ((z, s), p) in self.preconditioned.iter().zip(&self.last_step).zip(&self.pressure) {
+            self.trial.push(along_step * s + level * p - self.step_length * z);
         }
     }
 
     /// Goes along `trial`, whose slope is negative, as far as lowers the energy.
     fn take(&mut self, slope: f64, clipped: bool) -> bool {
-        std::mem::swap(&mut self.step, &mut self.trial);
+        scatter(&self.trial, &self.members, &mut self.step);
         self.problem.half_space().displace_as(self.mean, &self.step, &mut self.image, self.workspace);
-        let optimal = -slope / dot(&self.step, &self.image);
+        gather(&self.image, &self.members, &mut self.last_image);
+        let optimal = -slope / dot(&self.trial, &self.last_image);
         if !(optimal.is_finite() && optimal > 0.0) {
             self.has_history = false;
             return false;
@@ -323,35 +346,33 @@ impl<'a> Descent<'a> {
             optimal.min(self.longest_feasible()).min(longest)
         };
         let mut moved = false;
-        for i in 0..self.p.len() {
-            let before = self.p[i];
-            // `step` was formed as (bound − p), so a whole step lands on the bound exactly up to rounding.
-            let after = (before + length * self.step[i]).clamp(0.0, self.upper);
-            let after = if self.step[i] == -before && length >= 1.0 { 0.0 } else { after };
-            let after = if self.step[i] == self.upper - before && length >= 1.0 { self.upper } else { after };
-            moved |= after != before;
-            self.p[i] = after;
-            self.v[i] += length * self.image[i];
+        for ((i, step), before) in self.members.iter().zip(&self.trial).zip(&self.pressure) {
+            // The step was formed as (bound − p), so a whole step lands on the bound exactly up to rounding.
+            let mut after = (before + length * step).clamp(0.0, self.upper);
+            if length >= 1.0 && *step == -before {
+                after = 0.0;
+            } else if length >= 1.0 && *step == self.upper - before {
+                after = self.upper;
+            }
+            moved |= after != *before;
+            self.p[*i] = after;
+        }
+        for (v, image) in self.v.iter_mut().zip(&self.image) {
+            *v += length * image;
         }
         self.step_length *= optimal.clamp(0.3, 1.5);
         self.has_history = true;
         moved
     }
 
-    /// The largest multiple of `step` that stays within the bounds.
+    /// The largest multiple of the step on trial that stays within the bounds.
     fn longest_feasible(&self) -> f64 {
-        let mut longest = f64::INFINITY;
-        for (p, s) in self.p.iter().zip(&self.step) {
-            let room = if *s < 0.0 {
-                -p / s
-            } else if *s > 0.0 {
-                (self.upper - p) / s
-            } else {
-                continue;
-            };
-            longest = longest.min(room);
-        }
-        longest
+        let room = |(p, s): (&f64, &f64)| match *s {
+            s if s < 0.0 => -p / s,
+            s if s > 0.0 => (self.upper - p) / s,
+            _ => f64::INFINITY,
+        };
+        self.pressure.iter().zip(&self.trial).map(room).fold(f64::INFINITY, f64::min)
     }
 
     fn finish(self, iterations: usize, stop_reason: StopReason) -> Solution {
@@ -380,42 +401,6 @@ impl<'a> Descent<'a> {
             iterations,
             residual,
             stop_reason,
-        }
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four partial sums: the compiler may then use vector registers.
-    let mut sums = [0.0; 4];
-    let (chunks_a, chunks_b) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in chunks_a.zip(chunks_b) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-/// Takes the mean over the working set out of `values`, leaving the other cells alone.
-fn centre(values: &mut [f64], working: &[bool]) {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (value, working) in values.iter().zip(working) {
-        if *working {
-            sum += value;
-            count += 1.0;
-        }
-    }
-    if count > 0.0 {
-        let mean = sum / count;
-        for (value, working) in values.iter_mut().zip(working) {
-            if *working {
-                *value -= mean;
-            }
         }
     }
 }

@@ -189,22 +189,16 @@ impl HalfSpace {
         self.fft.inverse_cropped(spectrum, displacement_m, rows, columns, work);
     }
 
-    /// Multiplies a displacement by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
-    pub(super) fn stiffen(
-        &self,
-        mean: MeanMode,
-        displacement_m: &[f64],
-        pressure_pa: &mut [f64],
-        workspace: &mut Workspace,
-    ) {
+    /// Multiplies a displacement in place by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
+    pub(super) fn stiffen(&self, mean: MeanMode, values: &mut [f64], workspace: &mut Workspace) {
         let Workspace { stiffness_spectrum, stiffness_work, .. } = workspace;
-        self.stiffness_fft.forward(displacement_m, stiffness_spectrum, stiffness_work);
+        self.stiffness_fft.forward(values, stiffness_spectrum, stiffness_work);
         let constant = stiffness_spectrum[0] * mean.stiffness;
         for (value, stiffness) in stiffness_spectrum.iter_mut().zip(&self.stiffness) {
             *value *= *stiffness;
         }
         stiffness_spectrum[0] = constant;
-        self.stiffness_fft.inverse(stiffness_spectrum, pressure_pa, stiffness_work);
+        self.stiffness_fft.inverse(stiffness_spectrum, values, stiffness_work);
     }
 }
 

@@ -3,6 +3,7 @@
 use ndarray::Array2;
 
 use crate::contact::solver::Closure;
+use crate::contact::vectors::{least_below, sums};
 use crate::contact::{Boundary, Problem};
 use crate::map::Grid;
 
@@ -171,36 +172,26 @@ impl Solution {
 pub(super) fn certify(problem: &Problem<'_>, closure: Closure, p: &[f64], v: &[f64]) -> (f64, Residual) {
     let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let rms_height_m = problem.rms_height_m();
-    let (mut sum_p, mut sum_free, mut sum_free_v) = (0.0, 0.0, 0.0);
-    let mut least_v = f64::INFINITY;
-    for (&p, &v) in p.iter().zip(v) {
-        sum_p += p;
-        if p < upper {
-            least_v = least_v.min(v);
-            sum_free += p;
-            sum_free_v += p * v;
-        }
-    }
+    let least_v = least_below(p, v, upper);
+    let [sum_p, sum_free, sum_free_v] = sums(p, v, |p, v| {
+        let free = if p < upper { p } else { 0.0 };
+        [p, free, free * v]
+    });
     // The plane is known, or rests on the elastic contact; without any, on the cell that touches next.
     let resting_m = if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v };
     let plane_m = closure.plane_m().unwrap_or(resting_m);
     let lambda = if matches!(closure, Closure::Plane { .. }) { -plane_m } else { least_v };
-    let (mut work, mut overlap, mut gap_sum) = (0.0, 0.0_f64, 0.0);
-    for (&p, &v) in p.iter().zip(v) {
-        if p > 0.0 {
-            work += p * (v - lambda).max(0.0);
-        } else {
-            gap_sum += (v + plane_m).max(0.0);
-        }
-        if p < upper {
-            overlap = overlap.max(-(v + plane_m));
-        }
-    }
+    let [work, gap_sum] = sums(p, v, |p, v| {
+        let (apart, gap) = (v - lambda, v + plane_m);
+        [if apart > 0.0 { p * apart } else { 0.0 }, if (p <= 0.0) & (gap > 0.0) { gap } else { 0.0 }]
+    });
     let frank_wolfe = if sum_p > 0.0 { work / (sum_p * rms_height_m) } else { 0.0 };
     let load = match closure {
         Closure::Plane { .. } => 0.0,
         Closure::Gap { metre } => (gap_sum / p.len() as f64 / metre - 1.0).abs(),
         Closure::Sum { pascal } => (sum_p / pascal - 1.0).abs(),
     };
-    (plane_m, Residual { frank_wolfe, overlap: overlap / rms_height_m, load })
+    // With all cells at the hardness none may overlap.
+    let overlap = (-(least_v + plane_m)).max(0.0) / rms_height_m;
+    (plane_m, Residual { frank_wolfe, overlap, load })
 }
