@@ -153,10 +153,7 @@ impl<'a> Descent<'a> {
                 self.refresh();
                 break StopReason::IterationLimit;
             }
-            if self.closure.plane_m().is_none() {
-                lambda = tangent_multiplier(&self.p, &self.v, self.upper, lambda);
-            }
-            self.gradient_on_working_set(lambda);
+            lambda = self.gradient_on_working_set(lambda);
             let projection_turn = iterations % GRADIENT_PROJECTION_PERIOD == GRADIENT_PROJECTION_PERIOD - 1;
             if self.descend(lambda, projection_turn) {
                 iterations += 1;
@@ -174,26 +171,53 @@ impl<'a> Descent<'a> {
     /// Makes members of the cells whose pressure and v are `wanted`.
     fn collect(&mut self, wanted: impl Fn(f64, f64) -> bool) {
         self.members.clear();
-        let mut held_at_upper = 0;
-        for (i, (p, v)) in self.p.iter().zip(&self.v).enumerate() {
-            if wanted(*p, *v) {
-                self.members.push(i);
-            } else if *p >= self.upper {
-                held_at_upper += 1;
-            }
-        }
-        self.held_pressure = if held_at_upper > 0 { f64::from(held_at_upper) * self.upper } else { 0.0 };
-        gather(&self.p, &self.members, &mut self.pressure);
+        self.add_members(wanted);
+        self.hold_the_others();
     }
 
-    /// Finds the cells that may move, and their gradient (centred where the sum is fixed).
-    fn gradient_on_working_set(&mut self, lambda: f64) {
-        let upper = self.upper;
-        self.collect(|p, v| may_move(p, v - lambda, upper));
-        self.gradient_of_members(lambda);
-        if self.closure.plane_m().is_none() {
-            centre(&mut self.gradient);
+    fn add_members(&mut self, wanted: impl Fn(f64, f64) -> bool) {
+        let cells = self.p.iter().zip(&self.v).enumerate();
+        self.members.extend(cells.filter(|(_, (p, v))| wanted(**p, **v)).map(|(i, _)| i));
+    }
+
+    /// Gathers the members' pressure, and sums up that of the other cells, which are at a bound.
+    fn hold_the_others(&mut self) {
+        gather(&self.p, &self.members, &mut self.pressure);
+        self.held_pressure = 0.0;
+        if self.upper < f64::INFINITY {
+            let at_upper = |p: &[f64]| p.iter().filter(|p| **p >= self.upper).count();
+            let held = at_upper(&self.p) - at_upper(&self.pressure);
+            self.held_pressure = held as f64 * self.upper;
         }
+    }
+
+    /// Finds the multiplier λ, the cells that may move, and their gradient (centred where the sum is fixed).
+    fn gradient_on_working_set(&mut self, last_lambda: f64) -> f64 {
+        let upper = self.upper;
+        if self.closure.plane_m().is_some() {
+            self.collect(|p, v| may_move(p, v - last_lambda, upper));
+            self.gradient_of_members(last_lambda);
+            return last_lambda;
+        }
+        // Cells out of contact only lower the multiplier, and only those below it: what the cells in contact have alone
+        // bounds it, and few others lie below that.
+        self.members.clear();
+        self.add_members(|p, _| p > 0.0);
+        let bound = self.multiplier_of_members(last_lambda);
+        self.add_members(|p, v| (p <= 0.0) & (v < bound));
+        let lambda = self.multiplier_of_members(bound);
+        let (p, v) = (&self.p, &self.v);
+        self.members.retain(|i| may_move(p[*i], v[*i] - lambda, upper));
+        self.hold_the_others();
+        self.gradient_of_members(lambda);
+        centre(&mut self.gradient);
+        lambda
+    }
+
+    fn multiplier_of_members(&mut self, start: f64) -> f64 {
+        gather(&self.p, &self.members, &mut self.pressure);
+        gather(&self.v, &self.members, &mut self.gradient);
+        tangent_multiplier(&self.pressure, &self.gradient, self.upper, start)
     }
 
     fn gradient_of_members(&mut self, lambda: f64) {
