@@ -31,7 +31,7 @@ pub struct HalfSpace {
     /// Transformed influence coefficients in m/Pa, laid out as `fft`'s spectrum; real, because the kernel is even.
     compliance: Vec<f64>,
     stiffness_fft: RealFft2,
-    /// E*|q|/2 in Pa/m on the unpadded grid: the inverse of the compliance, used as preconditioner.
+    /// E*|q|/2 in Pa/m, for `stiffness_fft`: the inverse of the compliance, used as preconditioner.
     stiffness: Vec<f64>,
     /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
     coarse: Option<Box<HalfSpace>>,
@@ -79,7 +79,12 @@ impl HalfSpace {
             });
         }
         let (nx, ny) = (grid.nx(), grid.ny());
-        let stiffness_fft = RealFft2::new(nx, ny);
+        let stiffness_length = |n: usize| match boundary {
+            // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
+            Boundary::Free => good_length(n + (n / 16).max(2)),
+            Boundary::Periodic { .. } => n,
+        };
+        let stiffness_fft = RealFft2::new(stiffness_length(nx), stiffness_length(ny));
         let wavenumber = wavenumbers_rad_per_m(&stiffness_fft, grid);
         let mut stiffness: Vec<f64> = wavenumber.iter().map(|q| 0.5 * modulus_pa * q).collect();
         let longest_m = grid.width_m().max(grid.height_m());
@@ -192,13 +197,14 @@ impl HalfSpace {
     /// Multiplies a displacement in place by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
     pub(super) fn stiffen(&self, mean: MeanMode, values: &mut [f64], workspace: &mut Workspace) {
         let Workspace { stiffness_spectrum, stiffness_work, .. } = workspace;
-        self.stiffness_fft.forward(values, stiffness_spectrum, stiffness_work);
+        let (rows, columns) = self.grid.shape();
+        self.stiffness_fft.forward_padded(values, rows, columns, stiffness_spectrum, stiffness_work);
         let constant = stiffness_spectrum[0] * mean.stiffness;
         for (value, stiffness) in stiffness_spectrum.iter_mut().zip(&self.stiffness) {
             *value *= *stiffness;
         }
         stiffness_spectrum[0] = constant;
-        self.stiffness_fft.inverse(stiffness_spectrum, values, stiffness_work);
+        self.stiffness_fft.inverse_cropped(stiffness_spectrum, values, rows, columns, stiffness_work);
     }
 }
 
@@ -212,10 +218,10 @@ fn mean_stiffness_pa_per_m(grid: Grid, modulus_pa: f64, mean_compliance_m_per_pa
     }
 }
 
-/// |q| in rad/m for every entry of the stored spectrum.
+/// |q| in rad/m for every entry of the stored spectrum of maps with the grid's pitch.
 fn wavenumbers_rad_per_m(fft: &RealFft2, grid: Grid) -> Vec<f64> {
-    let step_x = std::f64::consts::TAU / grid.width_m();
-    let step_y = std::f64::consts::TAU / grid.height_m();
+    let step_x = std::f64::consts::TAU / (fft.nx() as f64 * grid.dx_m());
+    let step_y = std::f64::consts::TAU / (fft.ny() as f64 * grid.dy_m());
     let mut wavenumbers = Vec::with_capacity(fft.spectrum_len());
     for kx in 0..fft.stored_kx() {
         for ky in 0..fft.ny() {

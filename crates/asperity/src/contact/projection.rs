@@ -69,6 +69,8 @@ pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
     while least + high < ceiling {
         high += (high - low).max(f64::MIN_POSITIVE);
     }
+    // Rounding of the sum.
+    let negligible = f64::EPSILON * (trial.len() as f64).sqrt() * target;
     let mut shift = 0.0_f64.clamp(low, high);
     let mut last_miss = f64::INFINITY;
     for _ in 0..200 {
@@ -82,7 +84,7 @@ pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
         } else {
             high = shift;
         }
-        if miss.abs() <= 1e-15 * target {
+        if miss.abs() <= negligible {
             (low, high) = (shift, shift);
             break;
         }
