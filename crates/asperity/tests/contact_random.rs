@@ -399,3 +399,45 @@ fn a_contact_without_elastic_cells_is_solved() {
         }
     }
 }
+
+#[test]
+fn a_tolerance_or_a_gap_below_rounding_ends_as_the_precision_limit() {
+    let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
+    let heights = surface(&mut Draw(random::stream(16, "precision", 0)), Kind::SelfAffine, grid);
+    for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }] {
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        for hardness in [None, Some(2.0)] {
+            let solve = |control, tolerance| {
+                let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                let solution = Solver { tolerance, max_iterations: 20_000 }.solve(&problem).unwrap();
+                assert!(solution.pressure_pa().iter().all(|p| p.is_finite()));
+                solution
+            };
+            let solution = solve(Control::MeanPressure { pascal: 0.05 }, 1e-18);
+            println!("{boundary:?} {hardness:?}: {} iterations, {:?}", solution.iterations(), solution.residual());
+            assert_eq!(solution.stop_reason(), StopReason::PrecisionLimit);
+            assert!(solution.residual().worst() < 1e-13, "{:?}", solution.residual());
+            let solution = solve(Control::MeanGap { metre: 1e-13 }, 1e-8);
+            println!("    gap: {} iterations, {:?}", solution.iterations(), solution.residual());
+            assert!(!solution.converged());
+        }
+    }
+}
+
+#[test]
+fn a_mean_gap_above_the_highest_point_is_met_without_contact() {
+    let grid = Grid::new(12, 9, 1.0, 1.0).unwrap();
+    let heights = surface(&mut Draw(random::stream(17, "gap", 0)), Kind::WhiteNoise, grid).mapv(|z| z + 100.0);
+    let mean = heights.sum() / heights.len() as f64;
+    for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 1.0 }] {
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        for hardness in [None, Some(0.1)] {
+            let problem = Problem::new(&half_space, &heights, Control::MeanGap { metre: 10.0 }, hardness).unwrap();
+            let solution = Solver::default().solve(&problem).unwrap();
+            assert!(solution.converged());
+            assert_eq!((solution.contact_fraction(), solution.load_n(), solution.iterations()), (0.0, 0.0, 0));
+            assert!((solution.plane_m() - mean - 10.0).abs() < 1e-12);
+            assert!((solution.mean_gap_m() - 10.0).abs() < 1e-12);
+        }
+    }
+}

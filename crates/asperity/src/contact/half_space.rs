@@ -311,20 +311,69 @@ mod tests {
 
     #[test]
     fn the_mean_displacement_of_the_square_is_loves() {
-        // Gauss-Legendre would see the logarithmic edges; a midpoint rule converges as 1/n², so extrapolate.
-        let mean = |n: usize| {
-            let mut sum = 0.0;
-            for i in 0..n {
-                for j in 0..n {
-                    let (x, y) = ((i as f64 + 0.5) / n as f64 - 0.5, (j as f64 + 0.5) / n as f64 - 0.5);
-                    sum += love_coefficient(x, y, 1.0, 1.0, 1.0);
-                }
+        // (1/π) ∬∬ 1/r over pairs of points of the unit square, in closed form.
+        let closed = 4.0 / std::f64::consts::PI * (1.0_f64.asinh() + (1.0 - 2.0_f64.sqrt()) / 3.0);
+        assert!((closed - 0.946402008819).abs() < 1e-12);
+        // The displacement has logarithmic edges; the double exponential rule x = ½ tanh(½π sinh t) does not see them.
+        let step = 0.1;
+        let nodes: Vec<(f64, f64)> = (-33..=33)
+            .map(|k| {
+                let t = step * f64::from(k);
+                let inner = std::f64::consts::FRAC_PI_2 * t.sinh();
+                let weight = 0.5 * step * std::f64::consts::FRAC_PI_2 * t.cosh() / inner.cosh().powi(2);
+                (0.5 * inner.tanh(), weight)
+            })
+            .collect();
+        let mut mean = 0.0;
+        for (x, weight_x) in &nodes {
+            for (y, weight_y) in &nodes {
+                mean += weight_x * weight_y * love_coefficient(*x, *y, 1.0, 1.0, 1.0);
             }
-            sum / (n * n) as f64
-        };
-        let (coarse, fine) = (mean(200), mean(400));
-        let extrapolated = (4.0 * fine - coarse) / 3.0;
-        assert!((extrapolated - 0.946402008819).abs() < 1e-6, "{extrapolated}");
+        }
+        assert!((mean - closed).abs() < 1e-12, "{mean} for {closed}");
+    }
+
+    #[test]
+    fn a_rectangle_moves_the_surface_as_its_four_quarters_do() {
+        for (dx, dy) in [(1.0, 1.0), (1.0, 64.0), (0.01, 1.0)] {
+            for (x, y) in [(0.0, 0.0), (0.3, 0.1), (-1.0, 2.0), (7.0, -40.0), (3e3, 1e3)] {
+                let whole = love_coefficient(x, y, dx, dy, 3.0);
+                let quarter = |sx: f64, sy: f64| {
+                    love_coefficient(x - 0.25 * sx * dx, y - 0.25 * sy * dy, 0.5 * dx, 0.5 * dy, 3.0)
+                };
+                let sum = quarter(1.0, 1.0) + quarter(1.0, -1.0) + quarter(-1.0, 1.0) + quarter(-1.0, -1.0);
+                assert!((sum / whole - 1.0).abs() < 2e-10, "({x}, {y}) {dx} × {dy}: {:e}", sum / whole - 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_compliance_can_be_replaced_on_a_periodic_half_space_alone() {
+        let grid = Grid::new(8, 6, 1.0, 1.0).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "mean mode", 0), grid.points());
+        let mean_p = p.iter().sum::<f64>() / p.len() as f64;
+        for (boundary, shift) in
+            [(Boundary::Periodic { mean_compliance_m_per_pa: 2.0 }, (5.0 - 2.0) * mean_p), (Boundary::Free, 0.0)]
+        {
+            let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+            let (mut own, mut other) = (vec![0.0; p.len()], vec![0.0; p.len()]);
+            let mut workspace = half_space.workspace();
+            half_space.displace(&p, &mut own, &mut workspace);
+            half_space.displace_as(half_space.mean_mode(Some(5.0)), &p, &mut other, &mut workspace);
+            assert!(own.iter().zip(&other).all(|(a, b)| (b - a - shift).abs() < 1e-13));
+        }
+    }
+
+    #[test]
+    fn the_preconditioner_undoes_the_compliance_of_a_periodic_half_space() {
+        let grid = Grid::new(9, 12, 0.5, 0.25).unwrap();
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.7 };
+        let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "stiffness", 0), grid.points());
+        let (mut values, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
+        half_space.displace(&p, &mut values, &mut workspace);
+        half_space.stiffen(half_space.mean_mode(None), &mut values, &mut workspace);
+        assert!(p.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-13));
     }
 
     #[test]
