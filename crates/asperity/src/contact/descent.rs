@@ -15,6 +15,10 @@ const GRADIENT_PROJECTION_PERIOD: usize = 32;
 const WHOLE_STEP_FROM: f64 = 0.7;
 /// Under a prescribed sum no step is lengthened more than this, for the sum of a step is zero up to rounding only.
 const LONGEST_STEP: f64 = 1e6;
+/// Below this residual rounding may be all that is left of the steps,
+const ROUNDING_RESIDUAL: f64 = 1e-12;
+/// and is taken to be when so many of them have not halved it.
+const WANDERING_ITERATIONS: usize = 100;
 /// A direction counts as descent when its slope is at least this share of the steepest one's.
 const LEAST_SLOPE: f64 = 1e-4;
 
@@ -134,6 +138,7 @@ impl<'a> Descent<'a> {
         let mut iterations = 0;
         let mut is_fresh = true;
         let mut last_refuted = f64::INFINITY;
+        let (mut least, mut least_at) = (f64::INFINITY, 0);
         let stop_reason = loop {
             let (_, mut residual) = certify(self.problem, self.closure, &self.p, &self.v);
             if residual.worst() <= solver.tolerance && !is_fresh {
@@ -149,9 +154,14 @@ impl<'a> Descent<'a> {
             if residual.worst() <= solver.tolerance {
                 break StopReason::Converged;
             }
-            if iterations >= solver.max_iterations {
+            let field_residual = residual.frank_wolfe.max(residual.overlap);
+            if field_residual <= 0.5 * least {
+                (least, least_at) = (field_residual, iterations);
+            }
+            let wanders = field_residual < ROUNDING_RESIDUAL && iterations > least_at + WANDERING_ITERATIONS;
+            if wanders || iterations >= solver.max_iterations {
                 self.refresh();
-                break StopReason::IterationLimit;
+                break if wanders { StopReason::PrecisionLimit } else { StopReason::IterationLimit };
             }
             lambda = self.gradient_on_working_set(lambda);
             let projection_turn = iterations % GRADIENT_PROJECTION_PERIOD == GRADIENT_PROJECTION_PERIOD - 1;
@@ -227,14 +237,13 @@ impl<'a> Descent<'a> {
 
     /// Takes one step that lowers the energy, or returns false if none can be represented.
     fn descend(&mut self, lambda: f64, projection_turn: bool) -> bool {
-        scatter(&self.gradient, &self.members, &mut self.scratch);
-        self.problem.half_space().stiffen(self.mean, &mut self.scratch, self.workspace);
-        gather(&self.scratch, &self.members, &mut self.preconditioned);
-        if self.closure.plane_m().is_none() {
-            centre(&mut self.preconditioned);
-        }
+        self.precondition();
         if projection_turn {
-            return self.project_everywhere(lambda);
+            if self.project_everywhere(lambda) {
+                return true;
+            }
+            self.gradient_on_working_set(lambda);
+            self.precondition();
         }
         // A length that served where the bounds cut most of the steps may be out of all proportion later on.
         let lengths = [self.step_length, 1.0];
@@ -255,6 +264,15 @@ impl<'a> Descent<'a> {
             }
         }
         false
+    }
+
+    fn precondition(&mut self) {
+        scatter(&self.gradient, &self.members, &mut self.scratch);
+        self.problem.half_space().stiffen(self.mean, &mut self.scratch, self.workspace);
+        gather(&self.scratch, &self.members, &mut self.preconditioned);
+        if self.closure.plane_m().is_none() {
+            centre(&mut self.preconditioned);
+        }
     }
 
     /// Slope of the energy along the step on trial. With a fixed sum the multiplier drops out, but keeping it avoids

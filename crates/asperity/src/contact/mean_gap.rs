@@ -129,10 +129,12 @@ impl<'a> Search<'a> {
             let miss_m = mean_gap_m - self.gap_m;
             solution.residual.load = miss_m.abs().max((solution.mean_gap_m() - self.gap_m).abs()) / self.gap_m;
             let is_clear = miss_m.abs() > CLEAR_MISS * tolerance * rms_height_m;
-            if is_clear || tolerance <= finest || !solution.converged() {
+            let blur_m = (solution.mean_gap_m() - mean_gap_m).abs();
+            let least = if blur_m > 0.5 * self.solver.tolerance * self.gap_m { f64::EPSILON } else { finest };
+            if is_clear || tolerance <= least || !solution.converged() {
                 return (Trial { height_m, miss_m }, solution);
             }
-            tolerance = (TIGHTENING * tolerance).max(finest);
+            tolerance = (TIGHTENING * tolerance).max(if tolerance > finest { finest } else { least });
             pressure_pa = solution.pressure_pa.into_iter().collect();
         }
     }
