@@ -30,12 +30,16 @@
 use thiserror::Error;
 
 pub mod area;
+mod coarse_start;
+mod descent;
 pub mod exact;
 mod half_space;
+mod mean_gap;
 mod problem;
 mod projection;
 mod solution;
 mod solver;
+mod vectors;
 
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
@@ -50,7 +54,7 @@ pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
 
 /// Memory in byte that a contact problem of so many cells needs with its workspace and solution, roughly.
 pub fn memory_bytes(cells: usize) -> f64 {
-    const BYTES_PER_CELL: f64 = 250.0;
+    const BYTES_PER_CELL: f64 = 300.0;
     BYTES_PER_CELL * cells as f64
 }
 

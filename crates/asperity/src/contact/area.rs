@@ -66,4 +66,38 @@ mod tests {
         let periodic = corrected_contact_cells(&p, None, true, true);
         assert!((periodic - (4.0 - 8.0 * PERIMETER_WEIGHT)).abs() < 1e-14);
     }
+
+    #[test]
+    fn a_solution_wraps_its_borders_when_it_is_periodic_and_spares_its_capped_cells() {
+        use crate::contact::{Control, HalfSpace, Problem, Solver};
+        use crate::map::Grid;
+        // A ridge of one column at the left border: two lines of edges when periodic, one when free.
+        let grid = Grid::new(6, 4, 1.0, 2.0).unwrap();
+        let heights = Array2::from_shape_fn((4, 6), |(_, column)| if column == 0 { 1.0 } else { 0.0 });
+        let lines = |boundary, hardness| {
+            let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+            let control = Control::MeanPressure { pascal: 1e-3 };
+            let solution =
+                Solver::default().solve(&Problem::new(&half_space, &heights, control, hardness).unwrap()).unwrap();
+            assert_eq!(solution.contact_fraction(), 4.0 / 24.0);
+            (4.0 - 24.0 * solution.corrected_contact_fraction()) / (4.0 * PERIMETER_WEIGHT)
+        };
+        let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
+        assert!((lines(periodic, None) - 2.0).abs() < 1e-12);
+        assert!((lines(Boundary::Free, None) - 1.0).abs() < 1e-12);
+        // The load is exactly that of four cells at the hardness.
+        assert_eq!(lines(periodic, Some(6e-3)), 0.0);
+        assert_eq!(lines(Boundary::Free, Some(6e-3)), 0.0);
+    }
+
+    #[test]
+    fn a_lone_cell_loses_four_edges_and_two_neighbours_lose_six() {
+        let mut p = Array2::zeros((5, 5));
+        p[[2, 2]] = 1.0;
+        assert!((corrected_contact_cells(&p, None, false, false) - (1.0 - 4.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
+        p[[2, 3]] = 2.0;
+        assert!((corrected_contact_cells(&p, None, true, true) - (2.0 - 6.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
+        // One of the two at the hardness: the other's three edges are left.
+        assert!((corrected_contact_cells(&p, Some(2.0), true, true) - (2.0 - 3.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
+    }
 }

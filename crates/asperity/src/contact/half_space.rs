@@ -31,10 +31,17 @@ pub struct HalfSpace {
     /// Transformed influence coefficients in m/Pa, laid out as `fft`'s spectrum; real, because the kernel is even.
     compliance: Vec<f64>,
     stiffness_fft: RealFft2,
-    /// E*|q|/2 in Pa/m on the unpadded grid: the inverse of the compliance, used as preconditioner.
+    /// E*|q|/2 in Pa/m, for `stiffness_fft`: the inverse of the compliance, used as preconditioner.
     stiffness: Vec<f64>,
     /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
     coarse: Option<Box<HalfSpace>>,
+}
+
+/// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MeanMode {
+    compliance: f64,
+    stiffness: f64,
 }
 
 /// Cells along either side of the coarsest grid.
@@ -72,7 +79,12 @@ impl HalfSpace {
             });
         }
         let (nx, ny) = (grid.nx(), grid.ny());
-        let stiffness_fft = RealFft2::new(nx, ny);
+        let stiffness_length = |n: usize| match boundary {
+            // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
+            Boundary::Free => good_length(n + (n / 16).max(2)),
+            Boundary::Periodic { .. } => n,
+        };
+        let stiffness_fft = RealFft2::new(stiffness_length(nx), stiffness_length(ny));
         let wavenumber = wavenumbers_rad_per_m(&stiffness_fft, grid);
         let mut stiffness: Vec<f64> = wavenumber.iter().map(|q| 0.5 * modulus_pa * q).collect();
         let longest_m = grid.width_m().max(grid.height_m());
@@ -92,8 +104,7 @@ impl HalfSpace {
                         wanted: "zero or positive",
                     });
                 }
-                let softest = 10.0 * modulus_pa / longest_m;
-                stiffness[0] = if mean_compliance_m_per_pa > 0.0 { 1.0 / mean_compliance_m_per_pa } else { softest };
+                stiffness[0] = mean_stiffness_pa_per_m(grid, modulus_pa, mean_compliance_m_per_pa);
                 let mut compliance: Vec<f64> = wavenumber.iter().map(|q| 2.0 / (modulus_pa * q)).collect();
                 compliance[0] = mean_compliance_m_per_pa;
                 (stiffness_fft.clone(), compliance)
@@ -150,30 +161,67 @@ impl HalfSpace {
     /// # Panics
     /// If a slice or the workspace does not fit the grid.
     pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+        self.displace_as(self.mean_mode(None), pressure_pa, displacement_m, workspace);
+    }
+
+    /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic
+    /// boundary leaves open. The free boundary has its own alone.
+    pub(super) fn mean_mode(&self, mean_compliance_m_per_pa: Option<f64>) -> MeanMode {
+        match (self.boundary, mean_compliance_m_per_pa) {
+            (Boundary::Periodic { .. }, Some(compliance)) => {
+                MeanMode { compliance, stiffness: mean_stiffness_pa_per_m(self.grid, self.modulus_pa, compliance) }
+            }
+            _ => MeanMode { compliance: self.compliance[0], stiffness: self.stiffness[0] },
+        }
+    }
+
+    /// As [`HalfSpace::displace`] with the response `mean` to the mean pressure.
+    pub(super) fn displace_as(
+        &self,
+        mean: MeanMode,
+        pressure_pa: &[f64],
+        displacement_m: &mut [f64],
+        workspace: &mut Workspace,
+    ) {
         let (rows, columns) = self.grid.shape();
         let Workspace { spectrum, work, .. } = workspace;
         self.fft.forward_padded(pressure_pa, rows, columns, spectrum, work);
+        let constant = spectrum[0] * mean.compliance;
         for (value, compliance) in spectrum.iter_mut().zip(&self.compliance) {
             *value *= *compliance;
         }
+        spectrum[0] = constant;
         self.fft.inverse_cropped(spectrum, displacement_m, rows, columns, work);
     }
 
-    /// Multiplies a displacement by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
-    pub(super) fn stiffen(&self, displacement_m: &[f64], pressure_pa: &mut [f64], workspace: &mut Workspace) {
+    /// Multiplies a displacement in place by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
+    pub(super) fn stiffen(&self, mean: MeanMode, values: &mut [f64], workspace: &mut Workspace) {
         let Workspace { stiffness_spectrum, stiffness_work, .. } = workspace;
-        self.stiffness_fft.forward(displacement_m, stiffness_spectrum, stiffness_work);
+        let (rows, columns) = self.grid.shape();
+        self.stiffness_fft.forward_padded(values, rows, columns, stiffness_spectrum, stiffness_work);
+        let constant = stiffness_spectrum[0] * mean.stiffness;
         for (value, stiffness) in stiffness_spectrum.iter_mut().zip(&self.stiffness) {
             *value *= *stiffness;
         }
-        self.stiffness_fft.inverse(stiffness_spectrum, pressure_pa, stiffness_work);
+        stiffness_spectrum[0] = constant;
+        self.stiffness_fft.inverse_cropped(stiffness_spectrum, values, rows, columns, stiffness_work);
     }
 }
 
-/// |q| in rad/m for every entry of the stored spectrum.
+/// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
+/// about three times the stiffness of the longest wave serves.
+fn mean_stiffness_pa_per_m(grid: Grid, modulus_pa: f64, mean_compliance_m_per_pa: f64) -> f64 {
+    if mean_compliance_m_per_pa > 0.0 {
+        1.0 / mean_compliance_m_per_pa
+    } else {
+        10.0 * modulus_pa / grid.width_m().max(grid.height_m())
+    }
+}
+
+/// |q| in rad/m for every entry of the stored spectrum of maps with the grid's pitch.
 fn wavenumbers_rad_per_m(fft: &RealFft2, grid: Grid) -> Vec<f64> {
-    let step_x = std::f64::consts::TAU / grid.width_m();
-    let step_y = std::f64::consts::TAU / grid.height_m();
+    let step_x = std::f64::consts::TAU / (fft.nx() as f64 * grid.dx_m());
+    let step_y = std::f64::consts::TAU / (fft.ny() as f64 * grid.dy_m());
     let mut wavenumbers = Vec::with_capacity(fft.spectrum_len());
     for kx in 0..fft.stored_kx() {
         for ky in 0..fft.ny() {
@@ -263,20 +311,69 @@ mod tests {
 
     #[test]
     fn the_mean_displacement_of_the_square_is_loves() {
-        // Gauss-Legendre would see the logarithmic edges; a midpoint rule converges as 1/n², so extrapolate.
-        let mean = |n: usize| {
-            let mut sum = 0.0;
-            for i in 0..n {
-                for j in 0..n {
-                    let (x, y) = ((i as f64 + 0.5) / n as f64 - 0.5, (j as f64 + 0.5) / n as f64 - 0.5);
-                    sum += love_coefficient(x, y, 1.0, 1.0, 1.0);
-                }
+        // (1/π) ∬∬ 1/r over pairs of points of the unit square, in closed form.
+        let closed = 4.0 / std::f64::consts::PI * (1.0_f64.asinh() + (1.0 - 2.0_f64.sqrt()) / 3.0);
+        assert!((closed - 0.946402008819).abs() < 1e-12);
+        // The displacement has logarithmic edges; the double exponential rule x = ½ tanh(½π sinh t) does not see them.
+        let step = 0.1;
+        let nodes: Vec<(f64, f64)> = (-33..=33)
+            .map(|k| {
+                let t = step * f64::from(k);
+                let inner = std::f64::consts::FRAC_PI_2 * t.sinh();
+                let weight = 0.5 * step * std::f64::consts::FRAC_PI_2 * t.cosh() / inner.cosh().powi(2);
+                (0.5 * inner.tanh(), weight)
+            })
+            .collect();
+        let mut mean = 0.0;
+        for (x, weight_x) in &nodes {
+            for (y, weight_y) in &nodes {
+                mean += weight_x * weight_y * love_coefficient(*x, *y, 1.0, 1.0, 1.0);
             }
-            sum / (n * n) as f64
-        };
-        let (coarse, fine) = (mean(200), mean(400));
-        let extrapolated = (4.0 * fine - coarse) / 3.0;
-        assert!((extrapolated - 0.946402008819).abs() < 1e-6, "{extrapolated}");
+        }
+        assert!((mean - closed).abs() < 1e-12, "{mean} for {closed}");
+    }
+
+    #[test]
+    fn a_rectangle_moves_the_surface_as_its_four_quarters_do() {
+        for (dx, dy) in [(1.0, 1.0), (1.0, 64.0), (0.01, 1.0)] {
+            for (x, y) in [(0.0, 0.0), (0.3, 0.1), (-1.0, 2.0), (7.0, -40.0), (3e3, 1e3)] {
+                let whole = love_coefficient(x, y, dx, dy, 3.0);
+                let quarter = |sx: f64, sy: f64| {
+                    love_coefficient(x - 0.25 * sx * dx, y - 0.25 * sy * dy, 0.5 * dx, 0.5 * dy, 3.0)
+                };
+                let sum = quarter(1.0, 1.0) + quarter(1.0, -1.0) + quarter(-1.0, 1.0) + quarter(-1.0, -1.0);
+                assert!((sum / whole - 1.0).abs() < 2e-10, "({x}, {y}) {dx} × {dy}: {:e}", sum / whole - 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_compliance_can_be_replaced_on_a_periodic_half_space_alone() {
+        let grid = Grid::new(8, 6, 1.0, 1.0).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "mean mode", 0), grid.points());
+        let mean_p = p.iter().sum::<f64>() / p.len() as f64;
+        for (boundary, shift) in
+            [(Boundary::Periodic { mean_compliance_m_per_pa: 2.0 }, (5.0 - 2.0) * mean_p), (Boundary::Free, 0.0)]
+        {
+            let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+            let (mut own, mut other) = (vec![0.0; p.len()], vec![0.0; p.len()]);
+            let mut workspace = half_space.workspace();
+            half_space.displace(&p, &mut own, &mut workspace);
+            half_space.displace_as(half_space.mean_mode(Some(5.0)), &p, &mut other, &mut workspace);
+            assert!(own.iter().zip(&other).all(|(a, b)| (b - a - shift).abs() < 1e-13));
+        }
+    }
+
+    #[test]
+    fn the_preconditioner_undoes_the_compliance_of_a_periodic_half_space() {
+        let grid = Grid::new(9, 12, 0.5, 0.25).unwrap();
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.7 };
+        let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "stiffness", 0), grid.points());
+        let (mut values, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
+        half_space.displace(&p, &mut values, &mut workspace);
+        half_space.stiffen(half_space.mean_mode(None), &mut values, &mut workspace);
+        assert!(p.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-13));
     }
 
     #[test]

@@ -32,7 +32,8 @@ pub enum Control {
         /// Force in newton, > 0.
         newton: f64,
     },
-    /// The mean gap over the whole patch.
+    /// The mean gap over the whole patch. A gap too small for the tolerance to be met in double precision, about 10⁻¹⁵ of
+    /// the roughness over the tolerance, ends as [`PrecisionLimit`](crate::contact::StopReason::PrecisionLimit).
     MeanGap {
         /// Mean gap in metre, > 0.
         metre: f64,
@@ -85,8 +86,8 @@ impl<'a> Problem<'a> {
         let variance = heights_m.iter().map(|z| (z - mean_height_m).powi(2)).sum::<f64>() / points;
         let highest_m = heights_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let lowest_m = heights_m.iter().copied().fold(f64::INFINITY, f64::min);
-        // Equal heights leave nothing but rounding of the mean in the variance.
-        if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) {
+        // Equal heights leave nothing but rounding of the mean in the variance, or heights so small that squares vanish.
+        if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) || variance <= 0.0 {
             return Err(ContactError::Flat);
         }
         let problem = Self {
@@ -123,7 +124,10 @@ impl<'a> Problem<'a> {
                 return Err(ContactError::Parameter { parameter, value: percent, unit, wanted });
             }
             Control::MeanPressure { pascal } => positive("mean pressure", pascal, "Pa")?,
-            Control::Load { newton } => positive("load", newton, "N")?,
+            Control::Load { newton } => {
+                positive("load", newton, "N")?;
+                positive("mean pressure", newton / self.half_space.grid().area_m2(), "Pa")?;
+            }
             Control::MeanGap { metre } => positive("mean gap", metre, "m")?,
             _ => {}
         }

@@ -1,25 +1,11 @@
 //! The two scalar equations of a box-constrained problem under a prescribed sum.
 
-/// State of one cell's pressure within its bounds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Bound {
-    /// p = 0.
-    Lower,
-    /// 0 < p < H.
-    Free,
-    /// p = H.
-    Upper,
-}
+use crate::contact::vectors::sums;
 
-/// The bound on which a pressure lies.
-pub(super) fn bound(p: f64, upper: f64) -> Bound {
-    if p <= 0.0 {
-        Bound::Lower
-    } else if p >= upper {
-        Bound::Upper
-    } else {
-        Bound::Free
-    }
+/// Whether a cell of pressure `p` and gradient `g` may lower the energy within 0 ≤ p ≤ `upper`: one between the bounds,
+/// or one on a bound that the descent leads inwards.
+pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
+    ((p > 0.0) | (g < 0.0)) & ((p < upper) | (g > 0.0))
 }
 
 /// The multiplier λ for which the projection of λ − v on the tangent cone of the box at `p` has zero sum:
@@ -32,19 +18,11 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
     let mut lambda = start;
     let mut last_sum = f64::INFINITY;
     for _ in 0..200 {
-        let (mut sum, mut slope) = (0.0, 0.0);
-        for (p, v) in p.iter().zip(v) {
+        let [sum, slope] = sums(p, v, |p, v| {
             let g = v - lambda;
-            let counts = match bound(*p, upper) {
-                Bound::Free => true,
-                Bound::Lower => g < 0.0,
-                Bound::Upper => g > 0.0,
-            };
-            if counts {
-                sum += g;
-                slope += 1.0;
-            }
-        }
+            let counts = may_move(p, g, upper);
+            [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
+        });
         if slope == 0.0 {
             return lambda;
         }
@@ -66,49 +44,47 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
     lambda
 }
 
-/// Shifts the members of `trial` marked in `working` by one scalar and clips them to [0, upper], so that they sum to
-/// `target`: the Euclidean projection on the box and the plane of the prescribed sum.
+/// Shifts `trial` by one scalar and clips it to [0, upper], so that it sums to `target`: the Euclidean projection on the
+/// box and the plane of the prescribed sum.
 ///
 /// The sum rises with the shift, piecewise linearly and flat at both ends, so Newton's step is taken only while it at least
 /// halves the miss, and the bracket is halved otherwise. When the bracket is as narrow as the numbers allow, the sums at its
 /// ends may still straddle the target (a hardness far below the trial values); the result is then interpolated between
-/// them, which meets the sum within the bounds.
-///
-/// # Panics
-/// If `target` lies outside what the bounds allow.
-pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, target: f64) {
-    let (mut least, mut largest, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-    for (t, _) in trial.iter().zip(working).filter(|(_, w)| **w) {
-        least = least.min(*t);
-        largest = largest.max(*t);
-        count += 1.0;
-    }
-    if count == 0.0 {
+/// them, which meets the sum within the bounds. A target beyond what the bounds allow, as rounding of sums makes it when all
+/// values are about to reach a bound, is replaced by the nearest that they do allow.
+pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
+    let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let clip = |value: f64| {
+        let value = if value > 0.0 { value } else { 0.0 };
+        if value < upper { value } else { upper }
+    };
+    if target <= 0.0 || target >= trial.len() as f64 * upper {
+        trial.fill(if target > 0.0 { upper } else { 0.0 });
         return;
     }
     let ceiling = upper.min(target);
-    assert!(target >= 0.0 && target <= count * upper * (1.0 + 1e-12), "the sum lies outside the bounds");
     let (mut low, mut high) = (-largest, ceiling - least);
+    // Far below the trial values, the bound is lost in the rounding of this difference.
+    while least + high < ceiling {
+        high += (high - low).max(f64::MIN_POSITIVE);
+    }
+    // Rounding of the sum.
+    let negligible = f64::EPSILON * (trial.len() as f64).sqrt() * target;
     let mut shift = 0.0_f64.clamp(low, high);
     let mut last_miss = f64::INFINITY;
     for _ in 0..200 {
-        let (mut sum, mut slope) = (0.0, 0.0);
-        for (t, working) in trial.iter().zip(working) {
-            if *working {
-                let value = t + shift;
-                sum += value.clamp(0.0, upper);
-                if value > 0.0 && value < upper {
-                    slope += 1.0;
-                }
-            }
-        }
+        let [sum, slope] = sums(trial, trial, |t, _| {
+            let value = t + shift;
+            [clip(value), if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 }]
+        });
         let miss = target - sum;
         if miss > 0.0 {
             low = shift;
         } else {
             high = shift;
         }
-        if miss.abs() <= 1e-15 * target {
+        if miss.abs() <= negligible {
             (low, high) = (shift, shift);
             break;
         }
@@ -121,13 +97,16 @@ pub(super) fn project_to_sum(trial: &mut [f64], working: &[bool], upper: f64, ta
         last_miss = miss.abs();
         shift = next;
     }
-    let sum_at = |shift: f64| -> f64 {
-        trial.iter().zip(working).filter(|(_, w)| **w).map(|(t, _)| (t + shift).clamp(0.0, upper)).sum()
-    };
-    let (sum_low, sum_high) = (sum_at(low), sum_at(high));
+    if low == high {
+        for t in trial {
+            *t = clip(*t + low);
+        }
+        return;
+    }
+    let [sum_low, sum_high] = sums(trial, trial, |t, _| [clip(t + low), clip(t + high)]);
     let share = if sum_high > sum_low { ((target - sum_low) / (sum_high - sum_low)).clamp(0.0, 1.0) } else { 0.0 };
-    for (t, _) in trial.iter_mut().zip(working).filter(|(_, w)| **w) {
-        let (at_low, at_high) = ((*t + low).clamp(0.0, upper), (*t + high).clamp(0.0, upper));
+    for t in trial {
+        let (at_low, at_high) = (clip(*t + low), clip(*t + high));
         *t = at_low + share * (at_high - at_low);
     }
 }
@@ -141,19 +120,36 @@ mod tests {
     fn the_projection_meets_the_sum_and_is_a_common_shift() {
         for sample in 0..200 {
             let mut trial = random::standard_normal(&mut random::stream(3, "projection", sample), 50);
-            let working: Vec<bool> = (0..50).map(|i| i % 7 != 3).collect();
             let upper = if sample % 2 == 0 { f64::INFINITY } else { 1.5 };
             let before = trial.clone();
             let target = 0.1 + 0.2 * sample as f64 % 60.0;
-            project_to_sum(&mut trial, &working, upper, target);
-            let sum: f64 = trial.iter().zip(&working).filter(|(_, w)| **w).map(|(t, _)| t).sum();
+            project_to_sum(&mut trial, upper, target);
+            let sum: f64 = trial.iter().sum();
             assert!((sum - target).abs() < 1e-12 * target.max(1.0), "sample {sample}: {sum} for {target}");
-            let shifts: Vec<f64> = (0..50)
-                .filter(|&i| working[i] && trial[i] > 0.0 && trial[i] < upper)
-                .map(|i| trial[i] - before[i])
-                .collect();
+            let shifts: Vec<f64> =
+                (0..50).filter(|&i| trial[i] > 0.0 && trial[i] < upper).map(|i| trial[i] - before[i]).collect();
             assert!(shifts.iter().all(|s| (s - shifts[0]).abs() < 1e-12));
-            assert!((0..50).filter(|&i| !working[i]).all(|i| trial[i] == before[i]));
+        }
+    }
+
+    #[test]
+    fn a_target_that_rounding_put_beyond_the_bounds_is_replaced_by_the_bound() {
+        let mut trial = vec![0.2, -3.0, 5.0];
+        project_to_sum(&mut trial, 1.0, -1e-17);
+        assert_eq!(trial, [0.0; 3]);
+        let mut trial = vec![0.2, -3.0, 5.0];
+        project_to_sum(&mut trial, 1.0, 3.0 + 1e-12);
+        assert_eq!(trial, [1.0; 3]);
+        project_to_sum(&mut [], 1.0, 1.0);
+    }
+
+    #[test]
+    fn a_bound_lost_in_the_rounding_of_the_trial_values_is_met() {
+        for largest in [1e17, 1e25, 1e300] {
+            let mut trial = vec![-largest, largest, 0.5 * largest, 0.0];
+            project_to_sum(&mut trial, 2.0, 7.0);
+            assert!((trial.iter().sum::<f64>() - 7.0).abs() < 1e-14, "{trial:?}");
+            assert!(trial.iter().all(|t| (0.0..=2.0).contains(t)), "{trial:?}");
         }
     }
 
@@ -163,7 +159,7 @@ mod tests {
             let mut trial = random::standard_normal(&mut random::stream(3, "projection", 1000), 500);
             let before = trial.clone();
             let target = 37.3 * upper;
-            project_to_sum(&mut trial, &[true; 500], upper, target);
+            project_to_sum(&mut trial, upper, target);
             assert!((trial.iter().sum::<f64>() / target - 1.0).abs() < 1e-12);
             assert!(trial.iter().all(|t| (0.0..=upper).contains(t)));
             // The largest 37 are at the bound, and one holds the rest.
@@ -184,10 +180,10 @@ mod tests {
             let sum: f64 = p
                 .iter()
                 .zip(&v)
-                .map(|(p, v)| match bound(*p, 1.0) {
-                    Bound::Free => v - lambda,
-                    Bound::Lower => (v - lambda).min(0.0),
-                    Bound::Upper => (v - lambda).max(0.0),
+                .map(|(p, v)| match *p {
+                    0.0 => (v - lambda).min(0.0),
+                    1.0 => (v - lambda).max(0.0),
+                    _ => v - lambda,
                 })
                 .sum();
             assert!(sum.abs() < 1e-12, "sample {sample}: {sum:e}");

@@ -2,7 +2,9 @@
 
 use ndarray::Array2;
 
-use crate::contact::{Boundary, Control, Problem};
+use crate::contact::solver::Closure;
+use crate::contact::vectors::{least_below, sums};
+use crate::contact::{Boundary, Problem};
 use crate::map::Grid;
 
 /// Why a solver stopped.
@@ -21,8 +23,8 @@ pub enum StopReason {
 /// With v = S p − z, plane height d and gap g = v + d:
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed load g′ is counted
-    /// from the least v over cells with p < H, under a prescribed plane from the plane.
+    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed plane g′ is the gap,
+    /// otherwise v counted from its least value over cells with p < H.
     pub frank_wolfe: f64,
     /// Largest overlap −g over cells with p < H, divided by h_rms.
     pub overlap: f64,
@@ -31,9 +33,10 @@ pub struct Residual {
 }
 
 impl Residual {
-    /// The largest of the three.
+    /// The largest of the three; NaN if one is.
     pub fn worst(&self) -> f64 {
-        self.frank_wolfe.max(self.overlap).max(self.load)
+        let worse = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        worse(self.frank_wolfe, worse(self.overlap, self.load))
     }
 }
 
@@ -164,36 +167,130 @@ impl Solution {
     }
 }
 
-/// Plane height and residuals of the pressure `p` with v = S p − z, from the definitions.
-pub(super) fn certify(problem: &Problem<'_>, p: &[f64], v: &[f64], prescribed_plane_m: Option<f64>) -> (f64, Residual) {
+/// Height of the plane above the mean height and residuals of the pressure `p`, from the definitions, with v = S p − z and
+/// z counted from the mean height.
+pub(super) fn certify(problem: &Problem<'_>, closure: Closure, p: &[f64], v: &[f64]) -> (f64, Residual) {
     let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let rms_height_m = problem.rms_height_m();
-    let (mut sum_p, mut sum_free, mut sum_free_v) = (0.0, 0.0, 0.0);
-    let mut least_v = f64::INFINITY;
-    for (&p, &v) in p.iter().zip(v) {
-        sum_p += p;
-        if p < upper {
-            least_v = least_v.min(v);
-            sum_free += p;
-            sum_free_v += p * v;
-        }
-    }
+    let least_v = least_below(p, v, upper);
+    let [sum_p, sum_free, sum_free_v] = sums(p, v, |p, v| {
+        let free = if p < upper { p } else { 0.0 };
+        [p, free, free * v]
+    });
     // The plane is known, or rests on the elastic contact; without any, on the cell that touches next.
-    let plane_m = prescribed_plane_m.unwrap_or(if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v });
-    let lambda = if prescribed_plane_m.is_some() { -plane_m } else { least_v };
-    let (mut work, mut overlap) = (0.0, 0.0_f64);
-    for (&p, &v) in p.iter().zip(v) {
-        if p > 0.0 {
-            work += p * (v - lambda).max(0.0);
-        }
-        if p < upper {
-            overlap = overlap.max(-(v + plane_m));
+    let resting_m = if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v };
+    let plane_m = closure.plane_m().unwrap_or(resting_m);
+    let lambda = if matches!(closure, Closure::Plane { .. }) { -plane_m } else { least_v };
+    let [work, gap_sum] = sums(p, v, |p, v| {
+        let (apart, gap) = (v - lambda, v + plane_m);
+        [if apart > 0.0 { p * apart } else { 0.0 }, if (p <= 0.0) & (gap > 0.0) { gap } else { 0.0 }]
+    });
+    let frank_wolfe = if sum_p > 0.0 { work / (sum_p * rms_height_m) } else { 0.0 };
+    let load = match closure {
+        Closure::Plane { .. } => 0.0,
+        Closure::Gap { metre } => (gap_sum / p.len() as f64 / metre - 1.0).abs(),
+        Closure::Sum { pascal } => (sum_p / pascal - 1.0).abs(),
+    };
+    // With all cells at the hardness none may overlap.
+    let overlap = (-(least_v + plane_m)).max(0.0) / rms_height_m;
+    (plane_m, Residual { frank_wolfe, overlap, load })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Control, HalfSpace};
+    use ndarray::array;
+
+    fn solution() -> Solution {
+        Solution {
+            grid: Grid::new(3, 2, 2.0, 0.5).unwrap(),
+            boundary: Boundary::Free,
+            hardness_pa: Some(4.0),
+            pressure_pa: array![[4.0, 1.0, 0.0], [0.0, 4.0, 0.0]],
+            displacement_m: Array2::zeros((2, 3)),
+            // Overlaps within the tolerance are no gap.
+            signed_gap_m: array![[-0.5, 1e-12, 3.0], [-1e-12, 0.0, 6.0]],
+            plane_m: 10.0,
+            mean_height_m: 7.0,
+            highest_m: 12.5,
+            iterations: 3,
+            residual: Residual { frank_wolfe: 1e-9, overlap: 3e-9, load: 2e-9 },
+            stop_reason: StopReason::Converged,
         }
     }
-    let frank_wolfe = if sum_p > 0.0 { work / (sum_p * rms_height_m) } else { 0.0 };
-    let load = match problem.control() {
-        Control::MeanGap { .. } => 0.0,
-        _ => problem.mean_pressure_pa().map_or(0.0, |wanted| (sum_p / p.len() as f64 / wanted - 1.0).abs()),
-    };
-    (plane_m, Residual { frank_wolfe, overlap: overlap / rms_height_m, load })
+
+    #[test]
+    fn fields_and_sums_follow_their_definitions() {
+        let solution = solution();
+        assert_eq!(solution.gap_m(), array![[0.0, 0.0, 3.0], [0.0, 0.0, 6.0]]);
+        assert_eq!(solution.plastic_displacement_m(), array![[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]);
+        assert_eq!((solution.contact_fraction(), solution.plastic_fraction()), (0.5, 2.0 / 6.0));
+        assert_eq!((solution.mean_pressure_pa(), solution.max_pressure_pa(), solution.load_n()), (1.5, 4.0, 9.0));
+        assert_eq!(solution.mean_gap_m(), 1.5);
+        assert_eq!((solution.plane_m(), solution.separation_m(), solution.penetration_m()), (10.0, 3.0, 2.5));
+        assert_eq!(
+            (solution.hardness_pa(), solution.boundary(), solution.iterations()),
+            (Some(4.0), Boundary::Free, 3)
+        );
+        assert_eq!(solution.grid().shape(), solution.displacement_m().dim());
+        assert_eq!(solution.residual().worst(), 3e-9);
+        assert!(solution.converged());
+        let unfinished = Solution { stop_reason: StopReason::PrecisionLimit, ..solution.clone() };
+        assert!(!unfinished.converged() && unfinished.stop_reason() == StopReason::PrecisionLimit);
+        // Without a hardness nothing is plastic.
+        let elastic = Solution { hardness_pa: None, ..solution };
+        assert_eq!((elastic.plastic_fraction(), elastic.plastic_displacement_m().sum()), (0.0, 0.0));
+    }
+
+    #[test]
+    fn an_undefined_residual_is_never_small() {
+        for residual in [
+            Residual { frank_wolfe: f64::NAN, overlap: 0.0, load: 0.0 },
+            Residual { frank_wolfe: 0.0, overlap: f64::NAN, load: 0.0 },
+            Residual { frank_wolfe: 0.0, overlap: 0.0, load: f64::NAN },
+        ] {
+            assert!(residual.worst().is_nan());
+        }
+    }
+
+    /// The plane and the residuals of pressure `p` with v on four cells of unit rms height.
+    fn certified(hardness_pa: Option<f64>, closure: Closure, p: [f64; 4], v: [f64; 4]) -> (f64, Residual) {
+        let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
+        let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+        let heights = array![[1.0, -1.0], [1.0, -1.0]];
+        let control = Control::MeanPressure { pascal: 0.1 };
+        certify(&Problem::new(&half_space, &heights, control, hardness_pa).unwrap(), closure, &p, &v)
+    }
+
+    #[test]
+    fn residuals_follow_their_definitions() {
+        // An exact elastic contact: v equals −plane in contact, and is larger elsewhere.
+        let load = Closure::Sum { pascal: 4.0 };
+        let (plane, residual) = certified(None, load, [1.0, 0.0, 3.0, 0.0], [-2.0, 1.0, -2.0, 5.0]);
+        assert_eq!((plane, residual.worst()), (2.0, 0.0));
+        // Load one half too high, one cell in contact too high by 0.4: the plane is the mean weighted by pressure.
+        let (plane, residual) = certified(None, load, [2.0, 0.0, 4.0, 0.0], [-2.0, 1.0, -1.6, 5.0]);
+        assert!((plane - (2.0 * 2.0 + 1.6 * 4.0) / 6.0).abs() < 1e-15);
+        assert!((residual.frank_wolfe - 4.0 * 0.4 / 6.0).abs() < 1e-15);
+        assert!((residual.overlap - (2.0 - plane)).abs() < 1e-15);
+        assert_eq!(residual.load, 0.5);
+        // Capped cells may overlap, and neither set the plane nor count as violations.
+        let (plane, residual) = certified(Some(3.0), load, [1.0, 0.0, 3.0, 0.0], [-2.0, 1.0, -9.0, 5.0]);
+        assert_eq!((plane, residual.worst()), (2.0, 0.0));
+        // Without elastic cells the plane rests on the cell that touches next.
+        let closure = Closure::Sum { pascal: 3.0 };
+        let (plane, residual) = certified(Some(3.0), closure, [0.0, 0.0, 3.0, 0.0], [-2.0, 1.0, -9.0, 5.0]);
+        assert_eq!((plane, residual.worst()), (2.0, 0.0));
+        // Under a plane, gaps are counted from it: below the cells in contact by 0.5, so that all are apart.
+        let closure = Closure::Plane { height_m: 2.5 };
+        let (plane, residual) = certified(None, closure, [1.0, 0.0, 3.0, 0.0], [-2.0, 1.0, -2.0, 5.0]);
+        assert_eq!((plane, residual.frank_wolfe, residual.overlap, residual.load), (2.5, 0.5, 0.0, 0.0));
+        // A mean gap counts the cells out of contact: (3 + 7)/4.
+        let closure = Closure::Gap { metre: 2.0 };
+        let (plane, residual) = certified(None, closure, [1.0, 0.0, 3.0, 0.0], [-2.0, 1.0, -2.0, 5.0]);
+        assert_eq!((plane, residual.frank_wolfe, residual.overlap, residual.load), (2.0, 0.0, 0.0, 0.25));
+        let (_, residual) = certified(None, Closure::Plane { height_m: 0.0 }, [0.0; 4], [1.0; 4]);
+        assert_eq!(residual.worst(), 0.0);
+    }
 }

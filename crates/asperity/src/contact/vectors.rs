@@ -1,0 +1,111 @@
+//! Sums over cells, written so that the compiler may use vector registers, and lists of cells.
+
+/// Partial sums kept side by side.
+const LANES: usize = 4;
+
+/// Sums of the K terms that `term` makes of each pair.
+pub(super) fn sums<const K: usize>(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> [f64; K]) -> [f64; K] {
+    let mut lanes = [[0.0; LANES]; K];
+    let (chunks_a, chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let mut total = [0.0; K];
+    for (a, b) in chunks_a.remainder().iter().zip(chunks_b.remainder()) {
+        let terms = term(*a, *b);
+        for k in 0..K {
+            total[k] += terms[k];
+        }
+    }
+    for (a, b) in chunks_a.zip(chunks_b) {
+        for lane in 0..LANES {
+            let terms = term(a[lane], b[lane]);
+            for k in 0..K {
+                lanes[k][lane] += terms[k];
+            }
+        }
+    }
+    for k in 0..K {
+        total[k] += lanes[k].iter().sum::<f64>();
+    }
+    total
+}
+
+/// Σ ab.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let [sum] = sums(a, b, |a, b| [a * b]);
+    sum
+}
+
+/// The Euclidean norm.
+pub(super) fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The least b among the pairs whose a is below `upper`; infinity if there is none.
+pub(super) fn least_below(a: &[f64], b: &[f64], upper: f64) -> f64 {
+    let mut lanes = [f64::INFINITY; LANES];
+    let (chunks_a, chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    for (a, b) in chunks_a.remainder().iter().zip(chunks_b.remainder()) {
+        lanes[0] = if *a < upper && *b < lanes[0] { *b } else { lanes[0] };
+    }
+    for (a, b) in chunks_a.zip(chunks_b) {
+        for lane in 0..LANES {
+            let candidate = if a[lane] < upper { b[lane] } else { f64::INFINITY };
+            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
+        }
+    }
+    lanes.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Takes the mean out of `values`.
+pub(super) fn centre(values: &mut [f64]) {
+    let mean = sums(values, values, |a, _| [a])[0] / values.len().max(1) as f64;
+    for value in values {
+        *value -= mean;
+    }
+}
+
+/// Copies the values of `all` at `members` into `list`.
+pub(super) fn gather(all: &[f64], members: &[usize], list: &mut Vec<f64>) {
+    list.clear();
+    list.extend(members.iter().map(|i| all[*i]));
+}
+
+/// Writes `list` into `all` at `members`, and zero elsewhere.
+pub(super) fn scatter(list: &[f64], members: &[usize], all: &mut [f64]) {
+    all.fill(0.0);
+    for (i, value) in members.iter().zip(list) {
+        all[*i] = *value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+
+    #[test]
+    fn sums_and_extremes_are_those_of_the_plain_loops() {
+        for n in [0, 1, 3, 4, 5, 31, 64] {
+            let mut stream = random::stream(1, "vectors", n as u64);
+            let (a, b) = (random::standard_normal(&mut stream, n), random::standard_normal(&mut stream, n));
+            let plain: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+            assert!((dot(&a, &b) - plain).abs() < 1e-13);
+            assert_eq!(norm(&a), dot(&a, &a).sqrt());
+            let least = a.iter().zip(&b).filter(|(a, _)| **a < 0.3).map(|(_, b)| *b).fold(f64::INFINITY, f64::min);
+            assert_eq!(least_below(&a, &b, 0.3), least);
+            let mut centred = a.clone();
+            centre(&mut centred);
+            assert!(centred.iter().sum::<f64>().abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_list_scattered_and_gathered_is_itself() {
+        let (members, list) = ([1, 4, 5], [2.0, 3.0, 4.0]);
+        let mut all = [9.0; 7];
+        scatter(&list, &members, &mut all);
+        assert_eq!(all, [0.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0]);
+        let mut back = vec![7.0];
+        gather(&all, &members, &mut back);
+        assert_eq!(back, list);
+    }
+}
