@@ -91,7 +91,7 @@ fn another_scan_changes_friction_and_cycles() {
     write_scan(folder.path(), 0.25e-6, 40e-6);
     let second = run(STUDY, folder.path(), 2).results;
     let (first_surface, second_surface) = (first.surface.unwrap(), second.surface.unwrap());
-    let ratio = second_surface.covariance.length_x_m / first_surface.covariance.length_x_m;
+    let ratio = second_surface.covariance.unwrap().length_x_m / first_surface.covariance.unwrap().length_x_m;
     assert!((1.5..2.7).contains(&ratio), "fitted lengths have the ratio {ratio}");
     let (first_levels, second_levels) = (first.friction.unwrap().levels, second.friction.unwrap().levels);
     for (a, b) in first_levels.iter().zip(&second_levels) {

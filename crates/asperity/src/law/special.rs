@@ -122,7 +122,7 @@ fn beta_lower_quantile(a: f64, b: f64, probability: f64) -> (f64, f64) {
             // Underflow of x itself: the leading term is exact to double precision.
             return (lower_tail.exp(), 1.0);
         }
-        if !(cdf > 0.0) {
+        if cdf.is_nan() || cdf <= 0.0 {
             // For large shapes the leading term lies so far left of the law that its probability underflows.
             t = 0.5 * (t + centre);
             continue;

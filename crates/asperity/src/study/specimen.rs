@@ -75,7 +75,7 @@ impl Specimen {
         let name = file.map(|file| file.to_string_lossy());
         let stage = surface_stage::run(&self.surface, name.as_deref().zip(scan))?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryChoice::Periodic)?;
-        let warnings = stage.warnings.into_iter().chain(generated.warnings).collect();
+        let warnings = stage.output.warnings.into_iter().chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }
 }
