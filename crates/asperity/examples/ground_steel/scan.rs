@@ -45,8 +45,8 @@ pub(crate) fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
     }
     let mut scan = Scan::new(heights, Some((PITCH_M, PITCH_M)));
     for (key, value) in [
-        ("Instrument", "none: synthetic scan made by asperity's example ground_steel"),
-        ("Comment", "SYNTHETIC, not measured: ground steel with tilt, scratches, spikes and missing points"),
+        ("Record2/Instrument/Manufacturer", "none: synthetic scan made by asperity's example ground_steel"),
+        ("Record2/Comment", "SYNTHETIC, not measured: ground steel with tilt, scratches, spikes and missing points"),
     ] {
         scan.metadata.insert(key.into(), value.into());
     }

@@ -1,10 +1,15 @@
 //! What the records of a level say about μ(s) as a process.
 
+use std::borrow::Cow;
+
 use crate::correlation::{EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
 use crate::law::fit::{End, Family, Fit, Ranking, rank_by_aic};
 use crate::stats::{Bootstrap, Interval, Moments, Resampling, correlation_time};
+
+/// Scatter over the mean below which friction does not vary.
+const ROUNDING: f64 = 1e-12;
 
 /// Contact cells that a window should hold for its area to mean something.
 pub const WANTED_CONTACT_CELLS: f64 = 30.0;
@@ -50,6 +55,7 @@ impl FrictionStatistics {
     /// # Errors
     /// Fewer than ten windows with contact.
     pub fn of(records: &[Record], step_m: f64, seed: u64) -> Result<Self, FrictionError> {
+        let records = &without_rounding(records)[..];
         let pooled: Vec<f64> = records.iter().flat_map(|record| record.friction.iter().copied()).collect();
         let moments = Moments::of(&pooled);
         let empty_windows = pooled.len() - moments.n;
@@ -83,7 +89,11 @@ impl FrictionStatistics {
             effective_windows,
             marginals,
             beta,
-            correlation: correlate(records, step_m),
+            correlation: if moments.std > 0.0 {
+                correlate(records, step_m)
+            } else {
+                Err(EstimateError::Constant { present: moments.n })
+            },
         })
     }
 
@@ -93,6 +103,18 @@ impl FrictionStatistics {
         let seen = |fit: &&Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
         self.marginals.fits.iter().find(seen).or(self.marginals.fits.first())
     }
+}
+
+/// Records whose values differ by rounding alone are made constant, so that nobody takes rounding for a process.
+fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
+    let moments = Moments::of_values(records.iter().flat_map(|record| record.friction.iter().copied()));
+    if moments.n == 0 || moments.std > ROUNDING * moments.mean.abs() {
+        return Cow::Borrowed(records);
+    }
+    let constant = |mu: &f64| if mu.is_nan() { f64::NAN } else { moments.mean };
+    let settled =
+        |record: &Record| Record { friction: record.friction.iter().map(constant).collect(), ..record.clone() };
+    records.iter().map(settled).collect()
 }
 
 fn correlate(records: &[Record], step_m: f64) -> Result<ProcessCorrelation, EstimateError> {

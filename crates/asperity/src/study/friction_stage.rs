@@ -46,7 +46,8 @@ impl SolvedLevel {
         let process = FrictionStatistics::of(&at_mean_load, window.step_m(), seed).map_err(failed)?;
         let mut windows = vec![(window, at_mean_load.clone())];
         windows.extend(level.narrower.iter().map(|(window, records)| (*window, Record::at_mean_load(records).1)));
-        let window_study = WindowStudy::of(&windows).ok();
+        let varies = process.moments.std > 0.0;
+        let window_study = if varies { WindowStudy::of(&windows).ok() } else { None };
         Ok(Self { percentile, level, statistics, mean, at_mean_load, process, window_study })
     }
 }
