@@ -57,11 +57,16 @@ fn name_of(percentile: Option<f64>) -> String {
     percentile.map_or_else(|| "the nominal pressure".to_owned(), |p| format!("percentile {p}"))
 }
 
-/// What the friction stage hands on.
-pub(super) struct FrictionStage {
+/// Every level, and the windows that it was seen through.
+pub(super) struct SolvedStrips {
     pub(super) window_m: f64,
     pub(super) strip_width_m: f64,
     pub(super) levels: Vec<SolvedLevel>,
+}
+
+/// What the friction stage hands on.
+pub(super) struct FrictionStage {
+    pub(super) solved: SolvedStrips,
     pub(super) result: FrictionResult,
     pub(super) output: StageOutput,
 }
@@ -135,7 +140,8 @@ pub(super) fn run(
         output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
     output.assumptions = sentences(section, &strips, mean_compliance_m_per_pa, &levels[lead]);
-    Ok(FrictionStage { window_m: window.length_m(), strip_width_m: grid.height_m(), levels, result, output })
+    let solved = SolvedStrips { window_m: window.length_m(), strip_width_m: grid.height_m(), levels };
+    Ok(FrictionStage { solved, result, output })
 }
 
 /// Index of the level that leads.

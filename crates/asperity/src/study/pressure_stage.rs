@@ -80,7 +80,7 @@ pub(super) fn run(
         Control::Plane { height_m } => Some(height_m),
         _ => None,
     };
-    let mut warnings = Vec::new();
+    let mut warnings = generated.warnings.clone();
     for method in &results.methods {
         if let Err(reason) = &method.outcome {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));

@@ -57,6 +57,16 @@ impl Study {
         self.surface.as_ref().and_then(|surface| surface.file.as_ref()).map(|file| folder.join(file))
     }
 
+    /// Whether the study has a section for the stage.
+    pub fn has(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::Surface => self.surface.is_some(),
+            Stage::Pressure => self.pressure.is_some(),
+            Stage::Friction => self.friction.is_some(),
+            Stage::Vibration => self.vibration.is_some(),
+        }
+    }
+
     /// Runs the stages that the study has, or, with `only`, one stage and those it needs. `folder` is that of the study
     /// file. Nothing is written.
     ///
@@ -65,13 +75,9 @@ impl Study {
     pub fn run(&self, folder: &Path, only: Option<Stage>, monitor: &dyn Monitor) -> Result<Outcome, StudyError> {
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration);
-        let section_of = |stage: Stage, name: &'static str, present: bool| {
-            if only == Some(stage) && !present { Err(StudyError::NoStage(name)) } else { Ok(()) }
-        };
-        section_of(Stage::Surface, "surface", self.surface.is_some())?;
-        section_of(Stage::Pressure, "pressure", self.pressure.is_some())?;
-        section_of(Stage::Friction, "friction", self.friction.is_some())?;
-        section_of(Stage::Vibration, "vibration", self.vibration.is_some())?;
+        if let Some(stage) = only.filter(|stage| !self.has(*stage)) {
+            return Err(StudyError::NoStage(stage.name()));
+        }
         let mut gathered = Gathered::default();
         gathered.results.seed = self.seed;
         gathered.results.warnings = self.idle_keys();
@@ -95,7 +101,6 @@ impl Study {
             if let Some(result) = &mut gathered.results.surface {
                 result.karhunen_loeve = generated.karhunen_loeve.clone();
             }
-            gathered.results.warnings.extend(generated.warnings.iter().cloned());
             let stage = pressure_stage::run(section, material, &surface.marginal, &generated, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.pressure = Some(stage.result);
@@ -110,13 +115,13 @@ impl Study {
                 Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
             };
             let stage = friction_stage::run(section, material, surface, lead, self.seed, monitor)?;
-            gathered.results.friction = Some(stage.result.clone());
-            gathered.add(stage.output.clone());
-            friction = Some(stage);
+            gathered.add(stage.output);
+            gathered.results.friction = Some(stage.result);
+            friction = Some(stage.solved);
         }
         if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
             let friction = match &friction {
-                Some(stage) => WindowFriction::computed(section, stage)?,
+                Some(solved) => WindowFriction::computed(section, solved)?,
                 None => WindowFriction::stated(section)?,
             };
             let stage = vibration_stage::run(section, &friction, self.seed, monitor)?;

@@ -4,7 +4,7 @@ use crate::friction::upscaling::variance_reduction;
 use crate::law::Marginal;
 use crate::study::StudyError;
 use crate::study::config::{FrictionSection, VibrationSection};
-use crate::study::friction_stage::{FrictionStage, SolvedLevel};
+use crate::study::friction_stage::SolvedStrips;
 use crate::study::sentence;
 
 /// Windows above which their mean counts as normal, whatever the law of one.
@@ -29,8 +29,8 @@ pub(super) struct WindowFriction {
 
 impl WindowFriction {
     /// That of the level that the study names, or of the one at the nominal pressure, at the mean load.
-    pub(super) fn computed(section: &VibrationSection, stage: &FrictionStage) -> Result<Self, StudyError> {
-        let level: &SolvedLevel = stage
+    pub(super) fn computed(section: &VibrationSection, strips: &SolvedStrips) -> Result<Self, StudyError> {
+        let level = strips
             .levels
             .iter()
             .find(|level| level.percentile == section.level)
@@ -46,7 +46,7 @@ impl WindowFriction {
                     warnings
                         .push(format!("friction has no correlation ({error}); the window's length is taken for it"));
                 }
-                stage.window_m
+                strips.window_m
             }
         };
         let marginal = process.marginal().map(|fit| fit.law.clone()).unwrap_or_else(|| {
@@ -66,7 +66,7 @@ impl WindowFriction {
             }
         };
         let own_length_m = level.window_study.as_ref().map_or(0.0, |study| study.length_m);
-        let (window_m, width_m) = (stage.window_m, stage.strip_width_m);
+        let (window_m, width_m) = (strips.window_m, strips.strip_width_m);
         Ok(Self {
             mean: level.mean,
             std: process.moments.std,
