@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::friction::upscaling::variance_reduction;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random;
@@ -152,6 +153,7 @@ fn every_generator_boundary_control_and_law_runs_to_numbers() {
         ("covariance = \"squared_exponential\"\n", "generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.3\n"),
         ("marginal = \"normal\"\n", ""),
         ("correlation_length = [\"20 um\", \"12 um\"]\n", ""),
+        ("points = [21, 17]", "points = [11, 9]"),
     ];
     let patches: [&[(&str, &str)]; 8] = [
         &fractal,
@@ -208,7 +210,7 @@ fn random_surfaces_give_the_same_bytes_on_one_and_two_threads() {
     );
     let spectral =
         changed(MODEL, &[("modes = 30", "generator = \"spectral\""), ("window = ", "boundary = \"free\"\nwindow = ")]);
-    for text in [fractal, spectral] {
+    for text in [fractal, spectral].map(|text| changed(&text, &[("[21, 17]", "[11, 9]")])) {
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| run(&text, None))
@@ -494,4 +496,53 @@ fn a_missing_scan_is_input_and_names_the_file() {
     assert!(error.to_string().contains("scan.npy"), "{error}");
     fs::write(folder.path().join("scan.npy"), b"not an array").unwrap();
     assert_eq!(run_in(folder.path(), &measured(), None).unwrap_err().kind(), FailureKind::Input);
+}
+
+#[test]
+fn the_oscillator_takes_the_leading_level_in_its_own_units() {
+    let text = changed(MODEL, &[("dimensionless_belt_velocity = 0.003", "belt_velocity = \"20 mm/s\"")]);
+    for (level, percentile) in [("", None), ("level = 20.0\n", Some(20.0))] {
+        let results = run(&(text.clone() + level), Some(Stage::Vibration)).results;
+        let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
+        let leading = friction.levels.iter().find(|level| level.leading).unwrap();
+        let process = &leading.at_mean_load;
+        assert_eq!((leading.percentile, vibration.level_percentile), (percentile, percentile));
+        assert_eq!(vibration.static_friction, process.mean);
+        assert_eq!(vibration.paper.friction_std, process.std);
+        assert_eq!(Some(vibration.friction_correlation_length_m), process.correlation_length_m);
+        // λ = ℓ_μ c/N with c = mω₀², V = v_b m ω₀/N.
+        let length = vibration.friction_correlation_length_m * 316.0 * 316.0 / 30e3;
+        assert!((vibration.correlation_length / length - 1.0).abs() < 1e-12);
+        assert!((vibration.belt_velocity / (20e-3 * 316.0 / 30e3) - 1.0).abs() < 1e-12);
+        let own_length_m = leading.correlation_length_without_window_m.unwrap();
+        let kept = variance_reduction(friction.window_m, friction.strip_width_m, own_length_m, 833e-6);
+        assert_eq!(vibration.variance_reduction, kept);
+    }
+}
+
+/// Stated friction of this standard deviation and nominal area.
+fn stated(std: &str, area: &str) -> String {
+    let text = "seed = 11\n".to_owned() + &MODEL[MODEL.find("[vibration]").unwrap()..];
+    changed(&text, &[("\"833 mm^2\"", &format!("\"{area}\""))])
+        + &format!(
+            "static_friction = 0.2\nfriction_std = {std}\nfriction_correlation_length = \"250 um\"\n\
+             friction_marginal = \"beta:2.1,5\"\n"
+        )
+}
+
+#[test]
+fn friction_stays_positive_by_a_clamp_that_is_told() {
+    let wild = run(&stated("0.15", "1 um^2"), None).results;
+    let warnings = wild.warnings.join("\n");
+    for name in ["paper", "area"] {
+        assert!(warnings.contains(&format!("with the {name} upscaling")), "{warnings}");
+    }
+    assert!(warnings.contains("so that friction stays positive"), "{warnings}");
+    // An area below one window keeps the window's scatter and law.
+    let vibration = wild.vibration.unwrap();
+    assert_eq!((vibration.variance_reduction, vibration.area.friction_std), (1.0, vibration.paper.friction_std));
+    assert_eq!(vibration.area, vibration.paper);
+    let calm = run(&stated("0.001", "833 mm^2"), None).results;
+    assert!(calm.warnings.is_empty(), "{:?}", calm.warnings);
+    assert!(calm.assumptions.iter().any(|sentence| sentence.contains("its law becomes normal")));
 }
