@@ -332,7 +332,8 @@ impl Study {
 }
 
 impl SurfaceSection {
-    fn idle_keys(&self) -> Vec<String> {
+    /// Its keys that are stated and change nothing, each in a sentence.
+    pub(super) fn idle_keys(&self) -> Vec<String> {
         let fractal = self.generator == GeneratorChoice::WeierstrassMandelbrot;
         let measured = self.covariance == CovarianceChoice::Measured;
         [
