@@ -26,6 +26,8 @@ pub struct WindowStudy {
     pub interval: Interval,
     /// Root mean square misfit of the correlations.
     pub misfit: f64,
+    /// Shortest step of a window in metre: a shorter ℓ cannot be told from 0.
+    pub resolution_m: f64,
 }
 
 /// The process under one window.
@@ -65,12 +67,13 @@ impl WindowStudy {
             length_m,
             interval: Interval { low: (length_m - half_width_m).max(0.0), high: length_m + half_width_m },
             misfit,
+            resolution_m: resolution_m(records),
         })
     }
 
-    /// Whether the windows alone explain the correlation: the interval of ℓ includes 0.
+    /// Whether the windows alone explain the correlation: the interval of ℓ includes what cannot be told from 0.
     pub fn window_only(&self) -> bool {
-        self.interval.low <= 0.0
+        self.interval.low < self.resolution_m
     }
 }
 
@@ -93,8 +96,12 @@ fn joint_fit(
     let views: Vec<(f64, &RecordCorrelation)> = estimates.iter().map(|(window_m, found)| (*window_m, found)).collect();
     let (length_m, misfit) = fit_windowed_exponential(&views)?;
     // A length far below every step is the lower end of the fit, and means zero.
-    let finest_m = records.iter().map(|(window, _)| window.step_m()).fold(f64::INFINITY, f64::min);
-    Ok((if length_m < 0.1 * finest_m { 0.0 } else { length_m }, misfit))
+    Ok((if length_m < 0.1 * resolution_m(records) { 0.0 } else { length_m }, misfit))
+}
+
+/// Shortest step of the windows in metre.
+fn resolution_m(records: &[(Window, Vec<Record>)]) -> f64 {
+    records.iter().map(|(window, _)| window.step_m()).fold(f64::INFINITY, f64::min)
 }
 
 fn correlation(

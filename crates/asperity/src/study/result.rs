@@ -285,7 +285,7 @@ pub struct LevelResult {
     pub correlation_length_without_window_m: Option<f64>,
     /// Its interval.
     pub correlation_length_without_window_interval: Option<Pair>,
-    /// Whether that interval includes 0: the correlation is the window's.
+    /// Whether that interval includes what cannot be told from 0, less than a step: the correlation is the window's.
     pub window_only: Option<bool>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
