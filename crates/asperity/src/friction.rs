@@ -2,7 +2,7 @@
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and
 //! [`bowden_tabor::BowdenTabor`] turns contact area and load into μ(s); [`record::FrictionStatistics`] says what kind of
-//! process μ(s) is; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
+//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
 
 use thiserror::Error;
 
@@ -12,6 +12,7 @@ pub mod record;
 pub mod strip;
 pub mod upscaling;
 pub mod window;
+pub mod window_study;
 
 use crate::monitor::Cancelled;
 use crate::stats::StatsError;
@@ -32,7 +33,10 @@ pub enum FrictionError {
         first: String,
     },
     /// Hardly any window carries load.
-    #[error("{with_contact} of {windows} windows carry load; statistics of friction need at least ten")]
+    #[error(
+        "{with_contact} of {windows} windows carry load; statistics of friction need at least ten: press deeper, or take \
+         a longer window or more strips"
+    )]
     NoContact {
         /// All windows.
         windows: usize,

@@ -3,27 +3,33 @@
 //! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`Staging`]
 //! writes the run folder, which appears complete or not at all.
 
+mod check;
 pub mod config;
 mod error;
 mod estimate;
 mod friction_stage;
+mod measured;
+mod output;
 mod parse;
 mod pressure_stage;
 pub mod result;
 mod run;
+mod sentence;
 mod series;
 mod specimen;
 mod store;
+mod surface_model;
 mod surface_stage;
 mod vibration_stage;
+mod window_friction;
 
 pub use config::Study;
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
+pub use measured::statistics;
 pub use parse::StudyFileError;
 pub use result::{Outcome, Results};
 pub use run::Stage;
 pub use series::{Field, Table, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
-pub use surface_stage::statistics;

@@ -2,6 +2,9 @@
 
 use crate::friction::window::WindowContact;
 
+/// Relative difference below which two areas are the same.
+const ROUNDING: f64 = 1e-12;
+
 /// Shear-dominated friction of contacts that yield in shear at τ_max.
 ///
 /// # References
@@ -23,7 +26,13 @@ impl BowdenTabor {
         if window.load_n <= 0.0 {
             return None;
         }
-        let least_m2 = self.hardness_pa.map_or(0.0, |hardness_pa| window.load_n / hardness_pa);
-        Some(self.shear_strength_pa * window.area_m2.max(least_m2) / window.load_n)
+        if let Some(hardness_pa) = self.hardness_pa {
+            // Where all cells are plastic the two areas differ by the rounding of a sum.
+            let least_m2 = window.load_n / hardness_pa;
+            if window.area_m2 <= least_m2 * (1.0 + ROUNDING) {
+                return Some(self.shear_strength_pa / hardness_pa);
+            }
+        }
+        Some(self.shear_strength_pa * window.area_m2 / window.load_n)
     }
 }

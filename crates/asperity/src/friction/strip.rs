@@ -22,7 +22,7 @@ pub struct Strips<'a> {
     pub surface: &'a dyn RandomSurface,
     /// Half-space on the strips' grid.
     pub half_space: &'a HalfSpace,
-    /// Sliding window.
+    /// Sliding window; halves of it are slid too, for the window study.
     pub window: Window,
     /// Friction law of the contacts; its hardness caps the pressure.
     pub friction: BowdenTabor,
@@ -50,12 +50,26 @@ pub struct Record {
 }
 
 impl Record {
+    /// What the windows of one strip say.
+    fn of(windows: &[WindowContact], law: BowdenTabor) -> Self {
+        let friction: Vec<f64> = windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect();
+        let force_n = |(mu, w): (&f64, &WindowContact)| if mu.is_nan() { 0.0 } else { mu * w.load_n };
+        Self {
+            position_m: windows.iter().map(|w| w.position_m).collect(),
+            contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
+            friction_force_n: friction.iter().zip(windows).map(force_n).collect(),
+            load_n: windows.iter().map(|w| w.load_n).collect(),
+            friction,
+        }
+    }
+
     /// The records of a level as one process under constant load: μ̄ + (F − μ̄N)/N̄, with F and N the friction force and load
     /// of a window, N̄ the mean load and μ̄ = ΣF/ΣN.
     ///
     /// It is F/N linearised about the mean load, and what a body feels that rests on many windows: a window that hardly
     /// carries anything hardly counts, while its own quotient F/N may be huge. Where windows share the load evenly the two
-    /// agree. Returns μ̄ and the records; a window without load has μ̄.
+    /// agree. Unlike the quotient it is a moving average along the strip, so that the correlation of a window applies to it.
+    /// Returns μ̄ and the records; a window without load has μ̄. Where no window carries load, all of it is NaN.
     pub fn at_mean_load(records: &[Self]) -> (f64, Vec<Self>) {
         let windows = records.iter().map(|record| record.load_n.len()).sum::<usize>() as f64;
         let force_n: f64 = records.iter().flat_map(|record| &record.friction_force_n).sum();
@@ -87,6 +101,8 @@ pub struct FailedStrip {
 pub struct Level {
     /// Records in the order of realisations, failed strips left out.
     pub records: Vec<Record>,
+    /// The same seen through a half, a quarter and an eighth of the window.
+    pub narrower: Vec<(Window, Vec<Record>)>,
     /// Strips left out.
     pub failures: Vec<FailedStrip>,
     /// Mean depth of the plane below the highest point of each strip, in metre.
@@ -97,13 +113,14 @@ pub struct Level {
     pub contact_fraction: f64,
     /// Share of the contact cells with p = H.
     pub plastic_share: f64,
-    /// Pressure on the first strip in pascal.
-    pub sample_pressure_pa: Array2<f64>,
+    /// Pressure on the first strip in pascal; absent where that strip failed.
+    pub sample_pressure_pa: Option<Array2<f64>>,
 }
 
 /// One strip at one level.
 struct StripResult {
     record: Record,
+    narrower: Vec<Record>,
     penetration_m: f64,
     mean_pressure_pa: f64,
     contact_fraction: f64,
@@ -113,11 +130,16 @@ struct StripResult {
 }
 
 impl Strips<'_> {
-    /// Solves every strip at every level. The strips are the same at all levels.
+    /// Solves every strip at every level. The strips are the same at all levels. A level of which fewer than 95 % of the
+    /// strips converged is an error of its own.
     ///
     /// # Errors
-    /// Fewer than 95 % of the strips converged at a level, or the monitor cancelled.
-    pub fn solve(&self, levels: &[Control], monitor: &dyn Monitor) -> Result<Vec<Level>, FrictionError> {
+    /// The monitor cancelled.
+    pub fn solve(
+        &self,
+        levels: &[Control],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Result<Level, FrictionError>>, Cancelled> {
         let total = self.realisations * levels.len();
         let done = AtomicUsize::new(0);
         let strips: Result<Vec<Vec<Result<StripResult, String>>>, Cancelled> = (0..self.realisations)
@@ -151,7 +173,7 @@ impl Strips<'_> {
                 level.push(result);
             }
         }
-        by_level.into_iter().map(|results| self.gather(results)).collect()
+        Ok(by_level.into_iter().map(|results| self.gather(results)).collect())
     }
 
     fn solve_one(
@@ -168,19 +190,11 @@ impl Strips<'_> {
             let (iterations, residual) = (solution.iterations(), solution.residual().worst());
             return Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"));
         }
-        let windows = self.window.slide(&solution);
-        let friction: Vec<f64> = windows.iter().map(|w| self.friction.coefficient(w).unwrap_or(f64::NAN)).collect();
-        let force_n = |(mu, w): (&f64, &WindowContact)| if mu.is_nan() { 0.0 } else { mu * w.load_n };
-        let record = Record {
-            position_m: windows.iter().map(|w| w.position_m).collect(),
-            contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
-            friction_force_n: friction.iter().zip(&windows).map(force_n).collect(),
-            load_n: windows.iter().map(|w| w.load_n).collect(),
-            friction,
-        };
+        let seen = |window: &Window| Record::of(&window.slide(&solution), self.friction);
         let points = heights_m.len() as f64;
         Ok(StripResult {
-            record,
+            record: seen(&self.window),
+            narrower: self.window.narrower().iter().map(seen).collect(),
             penetration_m: solution.penetration_m(),
             mean_pressure_pa: solution.mean_pressure_pa(),
             contact_fraction: solution.corrected_contact_fraction(),
@@ -193,12 +207,13 @@ impl Strips<'_> {
     fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
         let mut level = Level {
             records: Vec::new(),
+            narrower: self.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
             failures: Vec::new(),
             penetration_m: 0.0,
             mean_pressure_pa: 0.0,
             contact_fraction: 0.0,
             plastic_share: 0.0,
-            sample_pressure_pa: Array2::zeros(self.half_space.grid().shape()),
+            sample_pressure_pa: None,
         };
         let (mut contact_cells, mut plastic_cells) = (0.0, 0.0);
         for (index, result) in results.into_iter().enumerate() {
@@ -210,8 +225,11 @@ impl Strips<'_> {
                     contact_cells += strip.contact_cells;
                     plastic_cells += strip.plastic_cells;
                     level.records.push(strip.record);
-                    if let Some(pressure_pa) = strip.pressure_pa {
-                        level.sample_pressure_pa = pressure_pa;
+                    for ((_, records), record) in level.narrower.iter_mut().zip(strip.narrower) {
+                        records.push(record);
+                    }
+                    if strip.pressure_pa.is_some() {
+                        level.sample_pressure_pa = strip.pressure_pa;
                     }
                 }
                 Err(reason) => level.failures.push(FailedStrip { index, reason }),

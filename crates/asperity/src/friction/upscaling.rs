@@ -9,8 +9,8 @@ use crate::friction::process::window_variance_factor;
 /// Variance of μ over the nominal area, divided by that over one window of `window_m` × `strip_width_m`.
 ///
 /// Along the sliding direction the mean over the side L of a square nominal area has the variance function γ(L)/γ(W) of a
-/// process of correlation length ℓ under the window (Vanmarcke, *Random Fields*, 1983, §5.1); ℓ = 0 gives W/L. Across it, strips of the window's width count as
-/// independent. An area smaller than a window keeps the window's variance.
+/// process of correlation length ℓ without the window (Vanmarcke, *Random Fields*, 1983, §5.1); ℓ = 0 gives W/L. Across it,
+/// strips of the window's width count as independent. An area smaller than a window keeps the window's variance.
 pub fn variance_reduction(window_m: f64, strip_width_m: f64, length_m: f64, nominal_area_m2: f64) -> f64 {
     let side_m = nominal_area_m2.sqrt();
     let along = if length_m > 1e-9 * window_m {

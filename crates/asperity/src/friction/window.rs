@@ -53,6 +53,12 @@ impl Window {
         Ok(Self { cells, step_cells: (cells / 16).max(1), cell_m: grid.dx_m() })
     }
 
+    /// Windows of a half, a quarter and an eighth of the cells, as far as they hold four.
+    pub fn narrower(&self) -> Vec<Self> {
+        let halves = [2, 4, 8].map(|part| self.cells / part).into_iter().filter(|cells| *cells >= 4);
+        halves.map(|cells| Self { cells, step_cells: (cells / 16).max(1), cell_m: self.cell_m }).collect()
+    }
+
     /// Length in metre.
     pub fn length_m(&self) -> f64 {
         self.cells as f64 * self.cell_m
@@ -68,6 +74,16 @@ impl Window {
         self.step_cells as f64 * self.cell_m
     }
 
+    /// Positions on a strip of `grid`; on a free one those nearer to an end than the strip is wide are left out.
+    fn starts(&self, grid: Grid, periodic: bool) -> Vec<usize> {
+        if periodic {
+            return (0..grid.nx()).step_by(self.step_cells).collect();
+        }
+        // Rounding of the pitches must not cost a cell.
+        let margin = (grid.height_m() / grid.dx_m() * (1.0 - 1e-9)).ceil() as usize;
+        (margin..(grid.nx() + 1).saturating_sub(self.cells + margin)).step_by(self.step_cells).collect()
+    }
+
     /// Contact and load of every position on a solved strip, in the order of sliding.
     ///
     /// On a periodic strip the window wraps around; on a free one, which is a punch with loaded ends, positions nearer to
@@ -76,14 +92,7 @@ impl Window {
         let grid = solution.grid();
         let columns = ColumnSums::of(solution);
         let periodic = matches!(solution.boundary(), Boundary::Periodic { .. });
-        let nx = grid.nx();
-        let starts: Vec<usize> = if periodic {
-            (0..nx).step_by(self.step_cells).collect()
-        } else {
-            let margin = (grid.height_m() / grid.dx_m()).ceil() as usize;
-            (margin..(nx + 1).saturating_sub(self.cells + margin)).step_by(self.step_cells).collect()
-        };
-        starts.into_iter().map(|start| columns.window(start, self.cells, grid)).collect()
+        self.starts(grid, periodic).into_iter().map(|start| columns.window(start, self.cells, grid)).collect()
     }
 }
 

@@ -106,7 +106,7 @@ pub struct SurfaceSection {
     /// How random surfaces are made.
     #[serde(default)]
     pub generator: GeneratorChoice,
-    /// Their covariance.
+    /// Their covariance; the Weierstrass–Mandelbrot generator takes none.
     #[serde(default)]
     pub covariance: CovarianceChoice,
     /// Their standard deviation of height, when not measured.
@@ -124,7 +124,7 @@ pub struct SurfaceSection {
     /// Fractal dimension, 2 to 3, of the Weierstrass–Mandelbrot generator.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fractal_dimension: Option<f64>,
-    /// Marginal law of the heights: `measured`, `normal`, `beta:A,B`, …
+    /// Marginal law of the heights: `measured`, `normal`, `beta:A,B`, …; the Weierstrass–Mandelbrot generator takes none.
     #[serde(default = "measured")]
     pub marginal: String,
     /// How the marginal is imposed.

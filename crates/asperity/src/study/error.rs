@@ -86,12 +86,23 @@ pub enum StudyError {
     /// The window does not fit.
     #[error("[friction] {0}")]
     Window(#[from] WindowError),
-    /// The friction stage failed.
-    #[error("friction: {0}")]
-    Friction(#[from] FrictionError),
-    /// A statistic is undefined.
-    #[error("friction: {0}")]
-    Statistics(#[from] StatsError),
+    /// A level of the friction stage failed.
+    #[error("friction at {level}: {error}")]
+    Friction {
+        /// The level.
+        level: String,
+        /// What is wrong.
+        error: FrictionError,
+    },
+    /// The heights of the scan have no histogram.
+    #[error("heights: {0}")]
+    Heights(StatsError),
+    /// The Weierstrass–Mandelbrot generator lacks its dimension.
+    #[error(
+        "[surface] fractal_dimension: the scan shows no scaling range to measure it on; state a value strictly between 2 \
+         and 3"
+    )]
+    FractalDimension,
     /// The friction process cannot be made.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),
@@ -131,19 +142,17 @@ impl StudyError {
             | Self::Areal(_)
             | Self::Fractal(_)
             | Self::Estimate(_)
-            | Self::Fit(_) => FailureKind::Input,
+            | Self::Fit(_)
+            | Self::Heights(_) => FailureKind::Input,
             Self::Filter(FilterError::Map(_)) => FailureKind::Input,
             Self::Cancelled(_)
             | Self::Pressure(PressureError::Cancelled(_))
-            | Self::Friction(FrictionError::Cancelled(_))
+            | Self::Friction { error: FrictionError::Cancelled(_), .. }
             | Self::Vibration(VibrationError::Cancelled(_)) => FailureKind::Cancelled,
             Self::Pressure(PressureError::TooFewValid { .. })
-            | Self::Friction(FrictionError::TooFewValid { .. })
+            | Self::Friction { .. }
             | Self::Vibration(VibrationError::TooFewValid { .. })
             | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
-            Self::Friction(FrictionError::NoContact { .. } | FrictionError::Statistics(_)) | Self::Statistics(_) => {
-                FailureKind::NotConverged
-            }
             Self::Filter(_)
             | Self::Covariance(_)
             | Self::Law(_)
@@ -154,6 +163,7 @@ impl StudyError {
             | Self::Pressure(_)
             | Self::Window(_)
             | Self::Process(_)
+            | Self::FractalDimension
             | Self::NoStage(_) => FailureKind::Configuration,
             Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,
             Self::Vibration(_) => FailureKind::Runtime,

@@ -11,6 +11,8 @@ const PERIODIC_SECONDS: f64 = 20e-9;
 const FREE_SECONDS: f64 = 40e-9;
 /// Seconds per unit of dimensionless time of a trajectory.
 const TRAJECTORY_SECONDS: f64 = 10e-6;
+/// Bytes per point of a strip's generator: its covariance embedded in twice the width and height, in complex numbers.
+const GENERATOR_BYTES: f64 = 64.0;
 /// Bytes of a double.
 const DOUBLE_BYTES: f64 = 8.0;
 
@@ -54,7 +56,11 @@ impl Study {
         if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
             let solutions = (f.percentiles.len() + usize::from(nominal)) * f.realisations;
-            stages.push(contact(Stage::Friction, solutions, f.points, f.boundary, 0));
+            let mut stage = contact(Stage::Friction, solutions, f.points, f.boundary, 0);
+            // The generator, and on every thread a germ, a map and its transform.
+            let cells = f.points[0] as f64 * f.points[1] as f64;
+            stage.memory_bytes += cells * (GENERATOR_BYTES + threads as f64 * 4.0 * DOUBLE_BYTES);
+            stages.push(stage);
         }
         if let Some(v) = &self.vibration {
             // Both upscalings.

@@ -8,15 +8,11 @@ use crate::monitor::Monitor;
 use crate::pressure::{Method, Problem, Results, Study as Sizes};
 use crate::random;
 use crate::study::config::{BoundaryChoice, MaterialSection, PressureSection};
+use crate::study::output::StageOutput;
 use crate::study::result::{MethodEntry, PressureResult};
-use crate::study::surface_stage::Generated;
-use crate::study::{Field, StudyError, Table};
+use crate::study::surface_model::Generated;
+use crate::study::{Field, StudyError, Table, sentence};
 use crate::surface::RandomSurface;
-
-/// Contact modulus E* = E/(1−ν²) in pascal.
-pub(super) fn contact_modulus_pa(material: &MaterialSection) -> f64 {
-    material.youngs_modulus.0 / (1.0 - material.poisson_ratio.powi(2))
-}
 
 /// The half-space of a section, and its mean compliance where it is periodic.
 pub(super) fn half_space(
@@ -26,7 +22,7 @@ pub(super) fn half_space(
     boundary: BoundaryChoice,
     mean_compliance_m_per_pa: Option<f64>,
 ) -> Result<(HalfSpace, Option<f64>), StudyError> {
-    let modulus_pa = contact_modulus_pa(material);
+    let modulus_pa = contact::contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
     let (boundary, compliance) = match boundary {
         BoundaryChoice::Free => (Boundary::Free, None),
         BoundaryChoice::Periodic => {
@@ -48,10 +44,7 @@ pub(super) fn plane(marginal: &Marginal, percent: f64) -> Control {
 /// What the pressure stage hands on.
 pub(super) struct PressureStage {
     pub(super) result: PressureResult,
-    pub(super) tables: Vec<(&'static str, Table)>,
-    pub(super) fields: Vec<(&'static str, Field)>,
-    pub(super) assumptions: Vec<String>,
-    pub(super) warnings: Vec<String>,
+    pub(super) output: StageOutput,
 }
 
 pub(super) fn run(
@@ -87,7 +80,7 @@ pub(super) fn run(
         Control::Plane { height_m } => Some(height_m),
         _ => None,
     };
-    let mut warnings = Vec::new();
+    let mut warnings = generated.warnings.clone();
     for method in &results.methods {
         if let Err(reason) = &method.outcome {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
@@ -95,42 +88,52 @@ pub(super) fn run(
     }
     Ok(PressureStage {
         result: summary(&results, mean_compliance_m_per_pa, separation_m),
-        tables: vec![("pressure_cdf", cdf_table(&results))],
-        fields: sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?,
-        assumptions: vec![sentence(section, &half_space, hardness_pa)],
-        warnings,
+        output: StageOutput {
+            tables: vec![("pressure_cdf", cdf_table(&results))],
+            fields: sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?,
+            assumptions: vec![patch_sentence(section, &half_space, hardness_pa), expansion_sentence(section, surface)],
+            warnings,
+        },
     })
 }
 
-fn sentence(section: &PressureSection, half_space: &HalfSpace, hardness_pa: Option<f64>) -> String {
+fn patch_sentence(section: &PressureSection, half_space: &HalfSpace, hardness_pa: Option<f64>) -> String {
     let boundary = match half_space.boundary() {
         Boundary::Free => "a finite patch on an unloaded half-space".to_owned(),
         Boundary::Periodic { mean_compliance_m_per_pa } => {
-            format!("a periodic patch of mean compliance {mean_compliance_m_per_pa:.3e} m/Pa")
+            format!("a periodic patch of mean compliance {}", sentence::compliance(mean_compliance_m_per_pa))
         }
     };
     let control = match (section.percentile, section.penetration, section.mean_pressure) {
         (Some(percent), _, _) => {
             format!("a rigid plane fixed in space that {percent} % of the ensemble's heights exceed before deformation")
         }
-        (_, Some(depth), _) => format!("a rigid plane {depth} below the highest point of each patch"),
+        (_, Some(depth), _) => {
+            format!("a rigid plane {} below the highest point of each patch", sentence::si(depth.0, "m"))
+        }
         (_, _, pressure) => {
-            format!("a rigid plane under the mean pressure {}", pressure.map_or_else(String::new, |p| p.to_string()))
+            let shown = pressure.map_or_else(String::new, |p| sentence::si(p.0, "Pa"));
+            format!("a rigid plane under the mean pressure {shown}")
         }
     };
     let grid = half_space.grid();
     format!(
-        "The pressure is that of the centre cell [{}, {}] of {boundary}, {} × {} cells, E* = {:.4e} Pa, {}, pressed by \
-         {control}. Expansions use the {} leading variables at total degree {}.",
+        "The pressure is that of the centre cell [{}, {}] of {boundary}, {} × {} cells on {}, E* = {}, {}, pressed by \
+         {control}.",
         grid.ny() / 2,
         grid.nx() / 2,
         grid.nx(),
         grid.ny(),
-        half_space.modulus_pa(),
-        hardness_pa.map_or_else(|| "elastic".into(), |h| format!("capped at the hardness {h:.3e} Pa")),
-        section.variables,
-        section.degree
+        sentence::size(grid.width_m(), grid.height_m()),
+        sentence::si(half_space.modulus_pa(), "Pa"),
+        hardness_pa.map_or_else(|| "elastic".into(), |h| format!("capped at the hardness {}", sentence::si(h, "Pa"))),
     )
+}
+
+fn expansion_sentence(section: &PressureSection, surface: &dyn RandomSurface) -> String {
+    let germ = surface.germ_len();
+    let variables = section.variables.min(germ);
+    format!("Chaos expansions use the {variables} leading of {germ} variables at total degree {}.", section.degree)
 }
 
 fn summary(results: &Results, mean_compliance_m_per_pa: Option<f64>, separation_m: Option<f64>) -> PressureResult {

@@ -56,6 +56,11 @@ pub struct LawResult {
 /// An interval as [low, high].
 pub type Pair = [f64; 2];
 
+/// A number that may be undefined.
+pub(super) fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
 /// [low, high] of an interval.
 pub fn pair(interval: Interval) -> Pair {
     [interval.low, interval.high]
@@ -67,8 +72,9 @@ pub struct SurfaceResult {
     /// Statistics of the scan; absent without one.
     #[serde(flatten)]
     pub statistics: Option<SurfaceStatistics>,
-    /// Covariance of the random surfaces.
-    pub covariance: CovarianceResult,
+    /// Covariance of the random surfaces; absent for Weierstrass–Mandelbrot surfaces, which are not made from one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<CovarianceResult>,
     /// Marginal law of the random surfaces.
     pub marginal: LawResult,
     /// Karhunen–Loève expansion on the patches of the pressure stage.
@@ -268,26 +274,52 @@ pub struct LevelResult {
     pub std_interval: Pair,
     /// Standard deviation over mean.
     pub coefficient_of_variation: f64,
-    /// Skewness of μ.
-    pub skewness: f64,
-    /// Excess kurtosis of μ.
-    pub excess_kurtosis: f64,
+    /// Skewness of μ; `null` where μ does not vary.
+    pub skewness: Option<f64>,
+    /// Excess kurtosis of μ; `null` where μ does not vary.
+    pub excess_kurtosis: Option<f64>,
     /// ℓ_μ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
-    /// Length that is left when the window is taken out; 0 where the window explains everything.
+    /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
+    /// everything.
     pub correlation_length_without_window_m: Option<f64>,
+    /// Its interval.
+    pub correlation_length_without_window_interval: Option<Pair>,
+    /// Whether that interval includes what cannot be told from 0, less than a step: the correlation is the window's.
+    pub window_only: Option<bool>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
     /// The Beta law with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
     /// Windows without contact, left out.
     pub empty_windows: usize,
+    /// The process that a body feels which rests on many windows.
+    pub at_mean_load: AtMeanLoad,
     /// Mean number of contact cells in a window.
     pub contact_cells_per_window: f64,
+    /// Share of windows with fewer than 30 contact cells.
+    pub sparse_window_share: f64,
     /// Independent windows that the correlated ones are worth.
     pub effective_windows: f64,
     /// Strips that failed.
     pub failed_samples: usize,
+}
+
+/// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; what the vibration stage takes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AtMeanLoad {
+    /// μ̄ = ΣF/ΣN.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Skewness; `null` where friction does not vary.
+    pub skewness: Option<f64>,
+    /// Excess kurtosis; `null` where friction does not vary.
+    pub excess_kurtosis: Option<f64>,
+    /// ℓ of the exponential fit; it contains the window.
+    pub correlation_length_m: Option<f64>,
+    /// Marginal law ranked first by Akaike's criterion.
+    pub marginal: Option<LawResult>,
 }
 
 /// The vibration stage.
@@ -307,8 +339,8 @@ pub struct VibrationResult {
     pub friction_correlation_length_m: f64,
     /// The same as sliding distance over N/c.
     pub correlation_length: f64,
-    /// Marginal law of μ.
-    pub marginal: LawResult,
+    /// Marginal law of μ; `null` where friction is constant.
+    pub marginal: Option<LawResult>,
     /// Variance of μ over the nominal area over that of one window.
     pub variance_reduction: f64,
     /// Damping ratio above which there is no deterministic limit cycle; `null` if there is none at any.

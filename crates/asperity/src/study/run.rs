@@ -1,17 +1,16 @@
 //! Runs a study, stage by stage.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-
-use asperity_formats::Scan;
 
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::study::config::BoundaryChoice;
 use crate::study::friction_stage::Lead;
-use crate::study::result::{Outcome, Results};
-use crate::study::{Field, Study, StudyError, Table, friction_stage, pressure_stage, surface_stage, vibration_stage};
+use crate::study::output::Gathered;
+use crate::study::result::Outcome;
+use crate::study::window_friction::WindowFriction;
+use crate::study::{Study, StudyError, friction_stage, pressure_stage, surface_stage, vibration_stage};
 
 /// A stage of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +57,16 @@ impl Study {
         self.surface.as_ref().and_then(|surface| surface.file.as_ref()).map(|file| folder.join(file))
     }
 
+    /// Whether the study has a section for the stage.
+    pub fn has(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::Surface => self.surface.is_some(),
+            Stage::Pressure => self.pressure.is_some(),
+            Stage::Friction => self.friction.is_some(),
+            Stage::Vibration => self.vibration.is_some(),
+        }
+    }
+
     /// Runs the stages that the study has, or, with `only`, one stage and those it needs. `folder` is that of the study
     /// file. Nothing is written.
     ///
@@ -66,48 +75,34 @@ impl Study {
     pub fn run(&self, folder: &Path, only: Option<Stage>, monitor: &dyn Monitor) -> Result<Outcome, StudyError> {
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration);
-        let section_of = |stage: Stage, name: &'static str, present: bool| {
-            if only == Some(stage) && !present { Err(StudyError::NoStage(name)) } else { Ok(()) }
-        };
-        section_of(Stage::Surface, "surface", self.surface.is_some())?;
-        section_of(Stage::Pressure, "pressure", self.pressure.is_some())?;
-        section_of(Stage::Friction, "friction", self.friction.is_some())?;
-        section_of(Stage::Vibration, "vibration", self.vibration.is_some())?;
-        let mut gathered =
-            Gathered { results: Results { seed: self.seed, ..Results::default() }, ..Gathered::default() };
-        let surface = match &self.surface {
-            Some(section) => {
-                monitor.progress("surface", 0, 1);
-                let scan = match self.scan_path(folder) {
-                    Some(path) => Some(asperity_formats::read(&path)?),
-                    None => None,
-                };
-                let name = section.file.as_ref().and_then(|file| file.file_name()).map(|name| name.to_string_lossy());
-                let scan: Option<(&str, Scan)> = name.as_deref().zip(scan);
-                let mut stage = surface_stage::run(section, scan)?;
-                monitor.progress("surface", 1, 1);
-                gathered.add(
-                    std::mem::take(&mut stage.tables),
-                    std::mem::take(&mut stage.fields),
-                    std::mem::take(&mut stage.assumptions),
-                    std::mem::take(&mut stage.warnings),
-                );
-                Some(stage)
-            }
-            None => None,
-        };
-        let mut karhunen_loeve = None;
+        if let Some(stage) = only.filter(|stage| !self.has(*stage)) {
+            return Err(StudyError::NoStage(stage.name()));
+        }
+        let mut gathered = Gathered::default();
+        gathered.results.seed = self.seed;
+        gathered.results.warnings = self.idle_keys();
+        let mut surface = None;
+        if let Some(section) = &self.surface {
+            monitor.progress("surface", 0, 1);
+            let scan = self.scan_path(folder).map(|path| asperity_formats::read(&path)).transpose()?;
+            let name = section.file.as_ref().and_then(|file| file.file_name()).map(|name| name.to_string_lossy());
+            let stage = surface_stage::run(section, name.as_deref().zip(scan))?;
+            monitor.progress("surface", 1, 1);
+            gathered.add(stage.output);
+            gathered.results.surface = Some(stage.result);
+            surface = Some(stage.model);
+        }
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.pressure, &self.material, &surface, wants(Stage::Pressure))
         {
             let grid = Grid::covering(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
                 .map_err(|error| StudyError::Grid { section: "pressure", error })?;
-            let generated = surface.model.patch(grid, section.boundary == BoundaryChoice::Periodic)?;
-            karhunen_loeve = generated.karhunen_loeve.clone();
-            gathered.results.warnings.extend(generated.warnings.iter().cloned());
-            let stage =
-                pressure_stage::run(section, material, &surface.model.marginal, &generated, self.seed, monitor)?;
-            gathered.add(stage.tables, stage.fields, stage.assumptions, stage.warnings);
+            let generated = surface.patch(grid, section.boundary == BoundaryChoice::Periodic)?;
+            if let Some(result) = &mut gathered.results.surface {
+                result.karhunen_loeve = generated.karhunen_loeve.clone();
+            }
+            let stage = pressure_stage::run(section, material, &surface.marginal, &generated, self.seed, monitor)?;
+            gathered.add(stage.output);
             gathered.results.pressure = Some(stage.result);
         }
         let mut friction = None;
@@ -119,49 +114,20 @@ impl Study {
                 Some((Some(percentile), _)) => Lead::Percentile(percentile),
                 Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
             };
-            let mut stage = friction_stage::run(section, material, &surface.model, lead, self.seed, monitor)?;
-            gathered.add(
-                std::mem::take(&mut stage.tables),
-                std::mem::take(&mut stage.fields),
-                std::mem::take(&mut stage.assumptions),
-                std::mem::take(&mut stage.warnings),
-            );
-            gathered.results.friction = Some(stage.result.clone());
-            friction = Some(stage);
+            let stage = friction_stage::run(section, material, surface, lead, self.seed, monitor)?;
+            gathered.add(stage.output);
+            gathered.results.friction = Some(stage.result);
+            friction = Some(stage.solved);
         }
         if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
-            let stage = vibration_stage::run(section, friction.as_ref(), self.seed, monitor)?;
-            gathered.add(stage.tables, Vec::new(), stage.assumptions, stage.warnings);
+            let friction = match &friction {
+                Some(solved) => WindowFriction::computed(section, solved)?,
+                None => WindowFriction::stated(section)?,
+            };
+            let stage = vibration_stage::run(section, &friction, self.seed, monitor)?;
+            gathered.add(stage.output);
             gathered.results.vibration = Some(stage.result);
         }
-        gathered.results.surface = surface.map(|stage| {
-            let mut result = stage.result;
-            result.karhunen_loeve = karhunen_loeve;
-            result
-        });
-        Ok(Outcome { results: gathered.results, tables: gathered.tables, fields: gathered.fields })
-    }
-}
-
-/// What the stages hand over, in their order.
-#[derive(Default)]
-struct Gathered {
-    results: Results,
-    tables: BTreeMap<String, Table>,
-    fields: BTreeMap<String, Field>,
-}
-
-impl Gathered {
-    fn add(
-        &mut self,
-        tables: Vec<(&'static str, Table)>,
-        fields: Vec<(&'static str, Field)>,
-        assumptions: Vec<String>,
-        warnings: Vec<String>,
-    ) {
-        self.tables.extend(tables.into_iter().map(|(name, table)| (name.to_owned(), table)));
-        self.fields.extend(fields.into_iter().map(|(name, field)| (name.to_owned(), field)));
-        self.results.assumptions.extend(assumptions);
-        self.results.warnings.extend(warnings);
+        Ok(gathered.outcome())
     }
 }

@@ -75,7 +75,8 @@ impl Specimen {
         let name = file.map(|file| file.to_string_lossy());
         let stage = surface_stage::run(&self.surface, name.as_deref().zip(scan))?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryChoice::Periodic)?;
-        let warnings = stage.warnings.into_iter().chain(generated.warnings).collect();
+        let idle = self.surface.idle_keys().into_iter();
+        let warnings = idle.chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }
 }
@@ -129,6 +130,18 @@ generator = "spectral"
         let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (squares.len() - 1) as f64;
         let se = (variance / squares.len() as f64).sqrt();
         assert!((mean - 1e-12).abs() < 4.0 * se, "{mean} ± {se}");
+    }
+
+    #[test]
+    fn a_fractal_surface_needs_no_covariance_and_an_idle_key_is_told() {
+        let text = "seed = 3\nsize = [\"64 um\", \"32 um\"]\npoints = [64, 32]\n[surface]\nrms_height = \"1 um\"\n\
+                    generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.4\nhurst = 0.6\n";
+        let sampler = Specimen::parse(text, "spec.toml").unwrap().sampler(Path::new(".")).unwrap();
+        assert_eq!(sampler.draw(0).missing_points(), 0);
+        assert!(sampler.warnings()[0].contains("hurst has no effect"), "{:?}", sampler.warnings());
+        let undimensioned = text.replace("fractal_dimension = 2.4\n", "");
+        let error = Specimen::parse(&undimensioned, "spec.toml").unwrap_err();
+        assert!(error.message.contains("fractal_dimension"), "{error}");
     }
 
     #[test]

@@ -1,20 +1,18 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
 use crate::friction::process::{FrictionProcess, ProcessModel, Steady};
-use crate::friction::record::FrictionStatistics;
-use crate::friction::strip::Record;
-use crate::friction::upscaling::variance_reduction;
 use crate::law::Marginal;
 use crate::monitor::Monitor;
 use crate::stats::{Histogram, NORMAL_95};
-use crate::study::config::{FrictionSection, Upscaling, VibrationSection};
-use crate::study::friction_stage::{FrictionStage, SolvedLevel};
-use crate::study::result::{CycleResult, DampingResult, EnsembleResult, ReattachmentResult, VibrationResult};
+use crate::study::config::{Upscaling, VibrationSection};
+use crate::study::output::StageOutput;
+use crate::study::result::{CycleResult, DampingResult, EnsembleResult, ReattachmentResult, VibrationResult, finite};
 use crate::study::surface_stage::law_result;
-use crate::study::{StudyError, Table};
+use crate::study::window_friction::WindowFriction;
+use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    Drive, Ensemble, EnsembleSettings, Oscillator, Scales, TrajectorySettings, VibrationError, critical_damping,
-    cycle_portrait, limit_cycle, trajectory_portrait,
+    Drive, Ensemble, EnsembleSettings, Oscillator, PhasePoint, Scales, Trajectory, TrajectorySettings, VibrationError,
+    critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -23,28 +21,6 @@ const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
 /// Scatter of μ below which friction counts as constant.
 const NO_SCATTER: f64 = 1e-12;
-
-/// The friction of one window as a process.
-struct WindowFriction {
-    mean: f64,
-    std: f64,
-    length_m: f64,
-    marginal: Marginal,
-    level_percentile: Option<f64>,
-    level_mean_pressure_pa: Option<f64>,
-    variance_reduction: f64,
-    origin: String,
-}
-
-/// Windows above which their mean counts as normal, whatever the law of one.
-const MANY_WINDOWS: f64 = 30.0;
-
-impl WindowFriction {
-    /// Law of the mean over the nominal area: normal where that holds many windows, by the central limit theorem.
-    fn area_marginal(&self) -> Marginal {
-        if self.variance_reduction * MANY_WINDOWS < 1.0 { Marginal::STANDARD_NORMAL } else { self.marginal.clone() }
-    }
-}
 
 /// The fluctuation of friction under one upscaling.
 struct Scatter {
@@ -56,30 +32,25 @@ struct Scatter {
 /// What the vibration stage hands on.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
-    pub(super) tables: Vec<(&'static str, Table)>,
-    pub(super) assumptions: Vec<String>,
-    pub(super) warnings: Vec<String>,
+    pub(super) output: StageOutput,
 }
 
 pub(super) fn run(
     section: &VibrationSection,
-    friction: Option<&FrictionStage>,
+    window: &WindowFriction,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
     let scales = Scales::new(section.mass.0, section.natural_frequency.0, section.normal_force.0)?;
     let belt_velocity = match (section.belt_velocity, section.dimensionless_belt_velocity) {
         (Some(velocity), _) => velocity.0 / scales.velocity_m_per_s(),
-        (None, value) => value.unwrap_or(f64::NAN),
-    };
-    let window = match friction {
-        Some(stage) => from_stage(section, stage, seed)?,
-        None => stated(section)?,
+        (None, Some(value)) => value,
+        (None, None) => return Err(StudyError::NoStage("vibration")),
     };
     let oscillator = Oscillator::stribeck(window.mean, section.stribeck, section.damping_ratio, belt_velocity)?;
     let correlation_length = window.length_m / scales.length_m();
-    let ensembles = Ensembles { section, oscillator, window: &window, correlation_length, seed };
-    let mut warnings = Vec::new();
+    let ensembles = Ensembles { section, oscillator, window, correlation_length, seed };
+    let mut warnings = window.warnings.clone();
     let paper_scatter = Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() };
     let area_std = window.std * window.variance_reduction.sqrt();
     let area_scatter = Scatter { name: "area", std: area_std, marginal: window.area_marginal() };
@@ -101,7 +72,7 @@ pub(super) fn run(
             tables.push((name, table));
         }
     }
-    let assumptions = vec![ensembles.sentence(belt_velocity, correlation_length, area_std)];
+    let assumptions = ensembles.sentences(area_std);
     let result = VibrationResult {
         damping_ratio: section.damping_ratio,
         belt_velocity,
@@ -110,7 +81,7 @@ pub(super) fn run(
         level_mean_pressure_pa: window.level_mean_pressure_pa,
         friction_correlation_length_m: window.length_m,
         correlation_length,
-        marginal: law_result(&window.marginal),
+        marginal: (window.std >= NO_SCATTER).then(|| law_result(&window.marginal)),
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
@@ -119,57 +90,7 @@ pub(super) fn run(
         paper,
         area,
     };
-    Ok(VibrationStage { result, tables, assumptions, warnings })
-}
-
-/// The friction of the level that the study names, or of the one at the nominal pressure.
-fn from_stage(section: &VibrationSection, stage: &FrictionStage, seed: u64) -> Result<WindowFriction, StudyError> {
-    let solved: &SolvedLevel =
-        stage.levels.iter().find(|level| level.percentile == section.level).ok_or(StudyError::NoStage("friction"))?;
-    let (mean, records) = Record::at_mean_load(&solved.level.records);
-    let statistics = FrictionStatistics::of(&records, stage.window_m, stage.step_m, seed)?;
-    let std = statistics.moments.std;
-    // Constant friction has no correlation and no law; any will do, since nothing is drawn.
-    let correlation = statistics.correlation.as_ref().ok();
-    let length_m = correlation.map_or(stage.window_m, |c| c.exponential.length_m);
-    let without_window_m = correlation.map_or(0.0, |c| c.windowed.length_m);
-    let marginal = statistics.marginal().map_or(Marginal::STANDARD_NORMAL, |fit| fit.law.clone());
-    let origin = solved.percentile.map_or_else(
-        || format!("at the mean pressure {:.3e} Pa of the nominal area", solved.level.mean_pressure_pa),
-        |percentile| format!("at percentile {percentile}"),
-    );
-    Ok(WindowFriction {
-        mean,
-        std,
-        length_m,
-        marginal,
-        level_percentile: solved.percentile,
-        level_mean_pressure_pa: Some(solved.level.mean_pressure_pa),
-        variance_reduction: variance_reduction(
-            stage.window_m,
-            stage.strip_width_m,
-            without_window_m,
-            section.nominal_area.0,
-        ),
-        origin,
-    })
-}
-
-/// The friction that the study states, of a window of the customary size.
-fn stated(section: &VibrationSection) -> Result<WindowFriction, StudyError> {
-    let usual = FrictionSection::default();
-    let length_m = section.friction_correlation_length.map_or(f64::NAN, |length| length.0);
-    let (window_m, width_m) = (usual.window.0, usual.strip[1].0);
-    Ok(WindowFriction {
-        mean: section.static_friction.unwrap_or(f64::NAN),
-        std: section.friction_std.unwrap_or(f64::NAN),
-        length_m,
-        marginal: section.friction_marginal.as_deref().unwrap_or("normal").parse()?,
-        level_percentile: None,
-        level_mean_pressure_pa: None,
-        variance_reduction: variance_reduction(window_m, width_m, length_m, section.nominal_area.0),
-        origin: format!("stated, of a window of {window_m:.3e} m × {width_m:.3e} m"),
-    })
+    Ok(VibrationStage { result, output: StageOutput { tables, fields: Vec::new(), assumptions, warnings } })
 }
 
 /// The ensembles of one study.
@@ -235,9 +156,10 @@ impl Ensembles<'_> {
         monitor.progress(&task, count + 1, count + 1);
         if clamped > 0 {
             warnings.push(format!(
-                "with the {name} upscaling {clamped} values of the friction process were raised to {:.4} below the mean, so \
-                 that friction stays positive",
-                -self.least()
+                "with the {name} upscaling {} of the friction process, over the damping sweep, raised to {} below the mean, \
+                 so that friction stays positive: the least values of its law are cut off",
+                sentence::count(clamped as usize, "value was", "values were"),
+                sentence::digits(-self.least())
             ));
         }
         let points = &lead.reattachments;
@@ -258,7 +180,7 @@ impl Ensembles<'_> {
         for damping_ratio in ratios {
             let oscillator = self.oscillator.with_damping(damping_ratio)?;
             let settings = self.followed();
-            let cycles = crate::vibration::Trajectory::simulate(&oscillator, Steady, &settings)?.slips.cycles;
+            let cycles = Trajectory::simulate(&oscillator, Steady, &settings)?.slips.cycles;
             damping.push(DampingResult {
                 damping_ratio,
                 cycles_deterministic: cycles,
@@ -274,7 +196,7 @@ impl Ensembles<'_> {
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
     fn portraits(&self, scatter: &Scatter) -> Result<Vec<(&'static str, Table)>, StudyError> {
-        let table = |points: Vec<crate::vibration::PhasePoint>| {
+        let table = |points: Vec<PhasePoint>| {
             Table::new([
                 ("tau", points.iter().map(|p| p.tau).collect()),
                 ("displacement", points.iter().map(|p| p.displacement).collect()),
@@ -295,23 +217,43 @@ impl Ensembles<'_> {
         Ok(tables)
     }
 
-    fn sentence(&self, belt_velocity: f64, correlation_length: f64, area_std: f64) -> String {
-        format!(
-            "The oscillator slides with μ_st/(1 + a|v|) + μ_s, a = {} per unit of dimensionless velocity, at V = \
-             {belt_velocity:.4e}. Friction is {}: mean {:.4}, standard deviation {:.3e} for one window, correlation length \
-             {:.3e} m (λ = {correlation_length:.3e}). Paper: one window carries the whole normal force. Area: windows \
-             average over the nominal area of {}, whose scatter is {area_std:.3e} and normal where it holds many windows. Both \
-             keep the same correlation length, over the sliding distance. Window values are taken at the mean load, \
-             μ̄ + (F − μ̄N)/N̄. Cycles are slips that reach a negative velocity within τ = \
-             {}, starting in stick.",
-            self.section.stribeck,
-            self.window.origin,
-            self.window.mean,
-            self.window.std,
-            self.window.length_m,
-            self.section.nominal_area,
-            self.section.duration,
-        )
+    fn sentences(&self, area_std: f64) -> Vec<String> {
+        let (section, window) = (self.section, self.window);
+        let mut sentences = vec![format!(
+            "The oscillator slides with μ_st/(1 + a|v|) + μ_s, a = {} per unit of dimensionless velocity, at V = {}. Cycles are \
+             slips that reach a negative velocity within τ = {}, starting in stick.",
+            section.stribeck,
+            sentence::digits(self.oscillator.belt_velocity()),
+            section.duration
+        )];
+        if window.std < NO_SCATTER {
+            sentences.push(format!(
+                "Friction ({}) is constant at {}: every trajectory is the deterministic one.",
+                window.origin,
+                sentence::digits(window.mean)
+            ));
+            return sentences;
+        }
+        sentences.push(format!(
+            "Friction ({}) has mean {}, standard deviation {} for one window, and correlation length {} over the sliding \
+             distance, λ = ℓ_μ c/N = {}.",
+            window.origin,
+            sentence::digits(window.mean),
+            sentence::digits(window.std),
+            sentence::si(window.length_m, "m"),
+            sentence::digits(self.correlation_length)
+        ));
+        sentences.push(format!(
+            "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the windows \
+             of a square nominal area of {} average, so that the scatter falls to {}{}. Both keep the correlation length of \
+             one window.",
+            section.normal_force,
+            sentence::si(section.normal_force.0 / window.area_m2, "Pa"),
+            section.nominal_area,
+            sentence::digits(area_std),
+            if window.holds_many() { " and its law becomes normal" } else { "" }
+        ));
+        sentences
     }
 }
 
@@ -324,10 +266,6 @@ impl Monitor for Quiet<'_> {
     fn cancelled(&self) -> bool {
         self.0.cancelled()
     }
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }
 
 fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {

@@ -1,24 +1,11 @@
-//! Makes the synthetic scan of `studies/quickstart.toml`: a ground steel surface with the faults of a real measurement.
-//!
-//! ```text
-//! cargo run --release --example ground_steel -p asperity -- studies/ground_steel.x3p
-//! ```
-//!
-//! Nothing here was measured. The surface is a random field, 512 × 512 points at 1 µm, ground along y: correlation lengths
-//! of 12 µm across and 60 µm along the lay, Sq = 0.6 µm, with heights skewed towards valleys. On it lie a tilt, scratches,
-//! spikes of an optical instrument, and patches without a reading.
-
-#![expect(clippy::print_stderr, reason = "this is a program, and it talks to its user")]
-
-use std::path::PathBuf;
-use std::process::ExitCode;
+//! The synthetic scan itself.
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::law::Marginal;
 use asperity::map::Grid;
 use asperity::random::{self, Stream};
 use asperity::surface::{RandomSurface, SpectralField};
-use asperity_formats::{Scan, X3pData, write_x3p};
+use asperity_formats::Scan;
 use ndarray::Array2;
 use rand::RngExt;
 
@@ -30,22 +17,8 @@ const SCRATCHES: u64 = 14;
 const SPIKES: usize = 90;
 const HOLES: usize = 26;
 
-fn main() -> ExitCode {
-    let Some(path) = std::env::args_os().nth(1).map(PathBuf::from) else {
-        eprintln!("usage: ground_steel OUT.x3p");
-        return ExitCode::from(2);
-    };
-    let written = ground_steel().and_then(|scan| Ok(std::fs::write(&path, write_x3p(&scan, X3pData::Int16)?)?));
-    match written {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{}: {error}", path.display());
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
+/// The scan, a function of nothing.
+pub(crate) fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
     let grid = Grid::new(POINTS, POINTS, PITCH_M, PITCH_M)?;
     let covariance = Covariance::new(CorrelationModel::Matern { nu: 1.2 }, 1.0, 12e-6, 60e-6)?;
     let field = SpectralField::free(&covariance, grid)?;
@@ -72,8 +45,8 @@ fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
     }
     let mut scan = Scan::new(heights, Some((PITCH_M, PITCH_M)));
     for (key, value) in [
-        ("Instrument", "none: synthetic scan made by asperity's example ground_steel"),
-        ("Comment", "SYNTHETIC, not measured: ground steel with tilt, scratches, spikes and missing points"),
+        ("Record2/Instrument/Manufacturer", "none: synthetic scan made by asperity's example ground_steel"),
+        ("Record2/Comment", "SYNTHETIC, not measured: ground steel with tilt, scratches, spikes and missing points"),
     ] {
         scan.metadata.insert(key.into(), value.into());
     }

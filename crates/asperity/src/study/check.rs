@@ -1,0 +1,356 @@
+//! Whether the values of a study can be right, beyond their types.
+
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::law::Marginal;
+use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Study, SurfaceSection};
+
+/// A value that is well-formed but cannot be right.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("[{section}] {key}: {message}")]
+pub(super) struct Problem {
+    pub(super) section: &'static str,
+    pub(super) key: &'static str,
+    message: String,
+}
+
+fn problem(section: &'static str, key: &'static str, message: impl Into<String>) -> Problem {
+    Problem { section, key, message: message.into() }
+}
+
+/// `Err` unless `value` lies in the stated range.
+fn within(
+    section: &'static str,
+    key: &'static str,
+    value: f64,
+    fits: impl Fn(f64) -> bool,
+    wanted: &str,
+) -> Result<(), Problem> {
+    if value.is_finite() && fits(value) {
+        Ok(())
+    } else {
+        Err(problem(section, key, format!("found {value}, wanted {wanted}")))
+    }
+}
+
+fn at_least(section: &'static str, key: &'static str, value: usize, least: usize) -> Result<(), Problem> {
+    if value >= least { Ok(()) } else { Err(problem(section, key, format!("found {value}, wanted at least {least}"))) }
+}
+
+const POSITIVE: &str = "a positive value";
+const PERCENT: &str = "a percentage strictly between 0 and 100";
+
+fn positive(value: f64) -> bool {
+    value > 0.0
+}
+
+impl Study {
+    pub(super) fn check(&self) -> Result<(), Problem> {
+        self.check_surface()?;
+        self.check_material()?;
+        self.check_pressure()?;
+        self.check_friction()?;
+        self.check_vibration()
+    }
+
+    fn check_surface(&self) -> Result<(), Problem> {
+        const SECTION: &str = "surface";
+        let Some(s) = &self.surface else {
+            return match (self.pressure.is_some() || self.friction.is_some(), self.vibration.is_some()) {
+                (true, _) => Err(problem(SECTION, "file", "[pressure] and [friction] need a [surface] section")),
+                (false, false) => {
+                    Err(problem(SECTION, "file", "the study has no stage; begin with a [surface] section"))
+                }
+                (false, true) => Ok(()),
+            };
+        };
+        if let Some(pixel) = s.pixel_size {
+            for side in pixel {
+                within(SECTION, "pixel_size", side.0, positive, POSITIVE)?;
+            }
+        }
+        if let Some(outliers) = s.outliers {
+            within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
+        }
+        if let Some(rms) = s.rms_height {
+            within(SECTION, "rms_height", rms.0, positive, POSITIVE)?;
+        }
+        for length in s.correlation_length.into_iter().flatten() {
+            within(SECTION, "correlation_length", length.0, positive, POSITIVE)?;
+        }
+        if let Some(hurst) = s.hurst {
+            within(SECTION, "hurst", hurst, |h| h > 0.0 && h < 1.0, "a Hurst exponent strictly between 0 and 1")?;
+        }
+        if let Some(smoothness) = s.smoothness {
+            within(SECTION, "smoothness", smoothness, positive, POSITIVE)?;
+        }
+        if let Some(dimension) = s.fractal_dimension {
+            within(
+                SECTION,
+                "fractal_dimension",
+                dimension,
+                |d| d > 2.0 && d < 3.0,
+                "a value strictly between 2 and 3",
+            )?;
+        }
+        at_least(SECTION, "modes", s.modes, 1)?;
+        if s.marginal != "measured" {
+            Marginal::from_str(&s.marginal).map_err(|error| problem(SECTION, "marginal", error.to_string()))?;
+        }
+        let gaussian = s.generator != GeneratorChoice::WeierstrassMandelbrot;
+        if s.file.is_none() {
+            let missing =
+                |key, what: &str| problem(SECTION, key, format!("{what} cannot be measured without `file`; state it"));
+            if gaussian && s.covariance == CovarianceChoice::Measured {
+                return Err(missing("covariance", "the covariance"));
+            }
+            if gaussian && s.marginal == "measured" {
+                return Err(missing("marginal", "the marginal law"));
+            }
+            if s.rms_height.is_none() {
+                return Err(missing("rms_height", "the rms height"));
+            }
+        }
+        if s.covariance != CovarianceChoice::Measured && s.correlation_length.is_none() {
+            return Err(problem(SECTION, "correlation_length", "a stated covariance needs its lengths along x and y"));
+        }
+        if s.covariance == CovarianceChoice::SelfAffine && s.hurst.is_none() {
+            return Err(problem(SECTION, "hurst", "a self-affine covariance needs its Hurst exponent"));
+        }
+        if s.covariance == CovarianceChoice::Matern && s.smoothness.is_none() {
+            return Err(problem(SECTION, "smoothness", "a Matérn covariance needs its smoothness ν"));
+        }
+        if !gaussian && s.fractal_dimension.is_none() && s.file.is_none() {
+            let message = "the Weierstrass–Mandelbrot generator needs it when there is no scan to measure it on";
+            return Err(problem(SECTION, "fractal_dimension", message));
+        }
+        Ok(())
+    }
+
+    fn check_material(&self) -> Result<(), Problem> {
+        const SECTION: &str = "material";
+        let Some(material) = &self.material else {
+            for (section, present) in [("pressure", self.pressure.is_some()), ("friction", self.friction.is_some())] {
+                if present {
+                    return Err(problem(SECTION, "youngs_modulus", format!("[{section}] needs a [material] section")));
+                }
+            }
+            return Ok(());
+        };
+        within(SECTION, "youngs_modulus", material.youngs_modulus.0, positive, POSITIVE)?;
+        let ratio = "a Poisson ratio above -1 and at most 0.5";
+        within(SECTION, "poisson_ratio", material.poisson_ratio, |nu| nu > -1.0 && nu <= 0.5, ratio)?;
+        if let Some(hardness) = material.hardness {
+            within(SECTION, "hardness", hardness.0, positive, POSITIVE)?;
+        }
+        if let Some(shear) = material.shear_strength {
+            within(SECTION, "shear_strength", shear.0, positive, POSITIVE)?;
+        }
+        Ok(())
+    }
+
+    fn check_pressure(&self) -> Result<(), Problem> {
+        const SECTION: &str = "pressure";
+        let Some(p) = &self.pressure else { return Ok(()) };
+        for side in p.size {
+            within(SECTION, "size", side.0, positive, POSITIVE)?;
+        }
+        for n in p.points {
+            at_least(SECTION, "points", n, 2)?;
+        }
+        if let Some(compliance) = p.mean_compliance {
+            within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
+        }
+        let stated = [p.percentile.is_some(), p.penetration.is_some(), p.mean_pressure.is_some()];
+        if stated.iter().filter(|s| **s).count() != 1 {
+            let message = "state exactly one of percentile, penetration and mean_pressure";
+            return Err(problem(SECTION, "percentile", message));
+        }
+        if let Some(percentile) = p.percentile {
+            within(SECTION, "percentile", percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
+        }
+        if let Some(penetration) = p.penetration {
+            within(SECTION, "penetration", penetration.0, positive, POSITIVE)?;
+        }
+        if let Some(pressure) = p.mean_pressure {
+            within(SECTION, "mean_pressure", pressure.0, positive, POSITIVE)?;
+            let hardness = self.material.as_ref().and_then(|m| m.hardness);
+            if let Some(hardness) = hardness.filter(|h| pressure.0 >= h.0) {
+                let message = format!("found {pressure}, which is not below the hardness {hardness}");
+                return Err(problem(SECTION, "mean_pressure", message));
+            }
+        }
+        at_least(SECTION, "fine_solves", p.fine_solves, 10)?;
+        at_least(SECTION, "reference_samples", p.reference_samples, 10)?;
+        at_least(SECTION, "variables", p.variables, 1)?;
+        within(SECTION, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
+    }
+
+    fn check_friction(&self) -> Result<(), Problem> {
+        const SECTION: &str = "friction";
+        let Some(f) = &self.friction else { return Ok(()) };
+        if self.material.as_ref().is_none_or(|m| m.shear_strength.is_none()) {
+            return Err(problem("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
+        }
+        for side in f.strip {
+            within(SECTION, "strip", side.0, positive, POSITIVE)?;
+        }
+        for n in f.points {
+            at_least(SECTION, "points", n, 2)?;
+        }
+        within(SECTION, "window", f.window.0, positive, POSITIVE)?;
+        if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
+            let message = format!("found {}, but the strip of {} must hold at least ten windows", f.window, f.strip[0]);
+            return Err(problem(SECTION, "window", message));
+        }
+        let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
+        if f.boundary == BoundaryChoice::Free && inner < least {
+            let message = "the ends of a free strip, as long as it is wide, are left out; no window fits between them";
+            return Err(problem(SECTION, "strip", message));
+        }
+        if let Some(compliance) = f.mean_compliance {
+            within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
+        }
+        if f.percentiles.is_empty() {
+            return Err(problem(SECTION, "percentiles", "found none, wanted at least one level"));
+        }
+        for (index, percentile) in f.percentiles.iter().enumerate() {
+            within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
+            if f.percentiles[..index].contains(percentile) {
+                return Err(problem(SECTION, "percentiles", format!("found {percentile} twice")));
+            }
+        }
+        at_least(SECTION, "realisations", f.realisations, 2)?;
+        within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
+    }
+
+    fn check_vibration(&self) -> Result<(), Problem> {
+        const SECTION: &str = "vibration";
+        let Some(v) = &self.vibration else { return Ok(()) };
+        within(SECTION, "mass", v.mass.0, positive, POSITIVE)?;
+        within(SECTION, "natural_frequency", v.natural_frequency.0, positive, POSITIVE)?;
+        within(
+            SECTION,
+            "damping_ratio",
+            v.damping_ratio,
+            |z| (0.0..1.0).contains(&z),
+            "a ratio of at least 0, below 1",
+        )?;
+        within(SECTION, "normal_force", v.normal_force.0, positive, POSITIVE)?;
+        within(SECTION, "nominal_area", v.nominal_area.0, positive, POSITIVE)?;
+        match (v.belt_velocity, v.dimensionless_belt_velocity) {
+            (Some(velocity), None) => within(SECTION, "belt_velocity", velocity.0, positive, POSITIVE)?,
+            (None, Some(value)) => within(SECTION, "dimensionless_belt_velocity", value, positive, POSITIVE)?,
+            _ => {
+                let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
+                return Err(problem(SECTION, "belt_velocity", message));
+            }
+        }
+        within(SECTION, "stribeck", v.stribeck, |a| a >= 0.0, "zero or a positive value")?;
+        let (from, to, count) = v.damping_sweep;
+        let fits = |z: f64| (0.0..1.0).contains(&z);
+        within(SECTION, "damping_sweep", from, fits, "damping ratios of at least 0, below 1")?;
+        within(SECTION, "damping_sweep", to, |z| fits(z) && z > from, "an end above the start, below 1")?;
+        at_least(SECTION, "damping_sweep", count, 2)?;
+        at_least(SECTION, "trajectories", v.trajectories, 2)?;
+        within(SECTION, "duration", v.duration, positive, POSITIVE)?;
+        if let Some(level) = v.level
+            && !self.friction.as_ref().is_some_and(|f| f.percentiles.contains(&level))
+        {
+            return Err(problem(SECTION, "level", format!("found {level}, wanted one of [friction] percentiles")));
+        }
+        if let (None, Some(_), Some(hardness)) =
+            (v.level, &self.friction, self.material.as_ref().and_then(|material| material.hardness))
+            && v.normal_force.0 >= hardness.0 * v.nominal_area.0
+        {
+            let message = format!(
+                "{} on {} is not below the hardness {hardness}, so no level can be solved at it; enlarge the area, or \
+                 name a `level`",
+                v.normal_force, v.nominal_area
+            );
+            return Err(problem(SECTION, "nominal_area", message));
+        }
+        self.check_stated_friction()
+    }
+
+    fn check_stated_friction(&self) -> Result<(), Problem> {
+        const SECTION: &str = "vibration";
+        let Some(v) = &self.vibration else { return Ok(()) };
+        let stated = [
+            ("static_friction", v.static_friction.is_some()),
+            ("friction_std", v.friction_std.is_some()),
+            ("friction_correlation_length", v.friction_correlation_length.is_some()),
+            ("friction_marginal", v.friction_marginal.is_some()),
+        ];
+        if let Some((first, _)) = stated.iter().find(|(_, present)| *present)
+            && let Some((absent, _)) = stated.iter().find(|(_, present)| !present)
+        {
+            return Err(problem(SECTION, absent, format!("`{first}` is stated, so this must be too")));
+        }
+        match (v.states_friction(), self.friction.is_some()) {
+            (false, false) => {
+                let message = "without a [friction] section the friction process must be stated here";
+                return Err(problem(SECTION, "static_friction", message));
+            }
+            (true, true) => {
+                let message = "the friction process is stated here and computed by [friction]; leave one out";
+                return Err(problem(SECTION, "static_friction", message));
+            }
+            _ => {}
+        }
+        if let Some(value) = v.static_friction {
+            within(SECTION, "static_friction", value, positive, POSITIVE)?;
+        }
+        if let Some(value) = v.friction_std {
+            within(SECTION, "friction_std", value, |s| s >= 0.0, "zero or a positive value")?;
+        }
+        if let Some(length) = v.friction_correlation_length {
+            within(SECTION, "friction_correlation_length", length.0, positive, POSITIVE)?;
+        }
+        if let Some(text) = &v.friction_marginal {
+            Marginal::from_str(text).map_err(|error| problem(SECTION, "friction_marginal", error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+impl Study {
+    /// Keys that are stated and change nothing, each in a sentence.
+    pub fn idle_keys(&self) -> Vec<String> {
+        let mut idle: Vec<String> = self.surface.iter().flat_map(SurfaceSection::idle_keys).collect();
+        let periodic_only = |section: &str| format!("[{section}] mean_compliance has no effect on the free boundary");
+        if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryChoice::Free && p.mean_compliance.is_some()) {
+            idle.push(periodic_only("pressure"));
+        }
+        if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryChoice::Free && f.mean_compliance.is_some()) {
+            idle.push(periodic_only("friction"));
+        }
+        idle
+    }
+}
+
+impl SurfaceSection {
+    /// Its keys that are stated and change nothing, each in a sentence.
+    pub(super) fn idle_keys(&self) -> Vec<String> {
+        let fractal = self.generator == GeneratorChoice::WeierstrassMandelbrot;
+        let measured = self.covariance == CovarianceChoice::Measured;
+        [
+            ("correlation_length", self.correlation_length.is_some() && measured, "with a measured covariance"),
+            ("hurst", self.hurst.is_some() && self.covariance != CovarianceChoice::SelfAffine, "without self_affine"),
+            ("smoothness", self.smoothness.is_some() && self.covariance != CovarianceChoice::Matern, "without matern"),
+            (
+                "fractal_dimension",
+                self.fractal_dimension.is_some() && !fractal,
+                "without the generator weierstrass_mandelbrot",
+            ),
+            ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
+            ("outliers", self.outliers.is_some() && self.file.is_none(), "without `file`"),
+        ]
+        .into_iter()
+        .filter(|(_, idle, _)| *idle)
+        .map(|(key, _, why)| format!("[surface] {key} has no effect {why}"))
+        .collect()
+    }
+}

@@ -1,0 +1,38 @@
+//! What every stage hands over beside its own result.
+
+use std::collections::BTreeMap;
+
+use crate::study::result::{Outcome, Results};
+use crate::study::{Field, Table};
+
+/// Series, maps and sentences of one stage.
+#[derive(Debug, Clone, Default)]
+pub(super) struct StageOutput {
+    pub(super) tables: Vec<(&'static str, Table)>,
+    pub(super) fields: Vec<(&'static str, Field)>,
+    /// What was assumed, in sentences.
+    pub(super) assumptions: Vec<String>,
+    /// What to be wary of, in sentences.
+    pub(super) warnings: Vec<String>,
+}
+
+/// What the stages handed over, in their order.
+#[derive(Default)]
+pub(super) struct Gathered {
+    pub(super) results: Results,
+    tables: BTreeMap<String, Table>,
+    fields: BTreeMap<String, Field>,
+}
+
+impl Gathered {
+    pub(super) fn add(&mut self, output: StageOutput) {
+        self.tables.extend(output.tables.into_iter().map(|(name, table)| (name.to_owned(), table)));
+        self.fields.extend(output.fields.into_iter().map(|(name, field)| (name.to_owned(), field)));
+        self.results.assumptions.extend(output.assumptions);
+        self.results.warnings.extend(output.warnings);
+    }
+
+    pub(super) fn outcome(self) -> Outcome {
+        Outcome { results: self.results, tables: self.tables, fields: self.fields }
+    }
+}

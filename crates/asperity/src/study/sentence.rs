@@ -1,0 +1,74 @@
+//! Numbers in sentences: engineering units and few digits.
+
+/// SI prefixes and their powers of ten.
+const PREFIXES: [(&str, i32); 9] =
+    [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
+
+/// A value of an SI unit in four digits with the prefix that suits it: "300 µm", "3.001 MPa".
+pub(super) fn si(value: f64, unit: &str) -> String {
+    let magnitude = |power: i32| value.abs() / 10_f64.powi(power);
+    // 999.96 would round to 1000 of the smaller unit.
+    let prefix = PREFIXES.iter().rev().find(|(_, power)| magnitude(*power) >= 0.999_95);
+    let (name, power) = *prefix.unwrap_or(&("", 0));
+    format!("{} {name}{unit}", digits(value / 10_f64.powi(power)))
+}
+
+/// Length × width in engineering units.
+pub(super) fn size(width_m: f64, height_m: f64) -> String {
+    format!("{} × {}", si(width_m, "m"), si(height_m, "m"))
+}
+
+/// A compliance, which is a small number in m/Pa and a readable one in nm/MPa.
+pub(super) fn compliance(m_per_pa: f64) -> String {
+    format!("{} nm/MPa", digits(m_per_pa * 1e15))
+}
+
+/// A number in four significant digits, without trailing zeros; with an exponent where it is tiny or huge.
+pub(super) fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..6).contains(&exponent) {
+        return format!("{value:.3e}");
+    }
+    let text = format!("{value:.*}", (3 - exponent).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// "1 window carries", "12 windows carry".
+pub(super) fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_shown_in_engineering_units() {
+        for (value, unit, wanted) in [
+            (3e-4, "m", "300 µm"),
+            (6.006e-4, "m", "600.6 µm"),
+            (999.96e-6, "m", "1 mm"),
+            (385e6, "Pa", "385 MPa"),
+            (3_001_200.5, "Pa", "3.001 MPa"),
+            (-2e-6, "m", "-2 µm"),
+            (0.0, "m", "0 m"),
+            (6e-3, "m", "6 mm"),
+            (210e9, "Pa", "210 GPa"),
+        ] {
+            assert_eq!(si(value, unit), wanted);
+        }
+        assert_eq!(size(512e-6, 1e-3), "512 µm × 1 mm");
+        assert_eq!(compliance(8.2761e-15), "8.276 nm/MPa");
+        assert_eq!(
+            (digits(0.204_023), digits(1e-5), digits(123_456.0)),
+            ("0.204".into(), "1.000e-5".into(), "123456".into())
+        );
+        assert_eq!(
+            (count(1, "window", "windows"), count(2, "window", "windows")),
+            ("1 window".into(), "2 windows".into())
+        );
+    }
+}

@@ -1,0 +1,150 @@
+//! Random surfaces of a study, on any grid.
+
+use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};
+use crate::law::Marginal;
+use crate::map::Grid;
+use crate::study::StudyError;
+use crate::study::config::TranslationChoice;
+use crate::study::result::KarhunenLoeveResult;
+use crate::study::sentence;
+use crate::surface::{
+    GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
+    WeierstrassForm, WeierstrassMandelbrot,
+};
+
+/// Ratio of neighbouring wavenumbers and number of ridges of Weierstrass–Mandelbrot surfaces.
+pub(super) const GAMMA: f64 = 1.5;
+pub(super) const RIDGES: usize = 20;
+/// Below this share of captured variance a Karhunen–Loève expansion is warned about.
+const WANTED_VARIANCE: f64 = 0.9;
+/// Above this share of clipped variance a spectral field is warned about.
+const CLIPPED_VARIANCE: f64 = 1e-3;
+
+/// Random surfaces of one marginal law.
+#[derive(Debug, Clone)]
+pub(super) struct SurfaceModel {
+    /// Marginal law of the heights in metre, of mean zero.
+    pub(super) marginal: Marginal,
+    pub(super) texture: Texture,
+}
+
+/// How heights at different points belong together.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Texture {
+    /// A Gaussian field of this covariance under a translation.
+    Translated {
+        covariance: Covariance,
+        translation: TranslationChoice,
+        /// Terms of the Karhunen–Loève expansion of patches; none: all Fourier modes.
+        modes: Option<usize>,
+    },
+    /// The sum of cosines of this fractal dimension, scaled to the standard deviation of the marginal law.
+    WeierstrassMandelbrot { dimension: f64 },
+}
+
+/// A random surface on a grid, and what is worth knowing about it.
+pub(super) struct Generated {
+    pub(super) surface: Box<dyn RandomSurface>,
+    pub(super) karhunen_loeve: Option<KarhunenLoeveResult>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl SurfaceModel {
+    /// Surfaces for small patches, by the generator of the study.
+    pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+        match self.texture {
+            Texture::Translated { covariance, translation, modes: Some(modes) } => match translation {
+                TranslationChoice::Plain => {
+                    let product = covariance.model() == CorrelationModel::SquaredExponential;
+                    self.karhunen_loeve(&covariance, modes, product, grid, periodic)
+                }
+                TranslationChoice::Corrected => {
+                    let corrected = Predistorted::new(covariance, &self.marginal)?;
+                    self.karhunen_loeve(&corrected, modes, false, grid, periodic)
+                }
+            },
+            Texture::Translated { covariance, translation, modes: None } => {
+                self.spectral(covariance, translation, grid, periodic)
+            }
+            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+        }
+    }
+
+    /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
+    /// place.
+    pub(super) fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+        match self.texture {
+            Texture::Translated { covariance, translation, .. } => {
+                self.spectral(covariance, translation, grid, periodic)
+            }
+            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+        }
+    }
+
+    /// `product`: the covariance is a product of one along x and one along y.
+    fn karhunen_loeve(
+        &self,
+        covariance: &dyn StationaryCovariance,
+        modes: usize,
+        product: bool,
+        grid: Grid,
+        periodic: bool,
+    ) -> Result<Generated, StudyError> {
+        let route = match (periodic, product) {
+            (true, _) => ModesRoute::Periodic,
+            (false, true) => ModesRoute::Separable,
+            (false, false) => ModesRoute::General,
+        };
+        let field = KarhunenLoeve::new(covariance, grid, modes, route)?;
+        let captured_variance = field.captured_variance();
+        let mut warnings = Vec::new();
+        if captured_variance < WANTED_VARIANCE {
+            warnings.push(format!(
+                "{modes} Karhunen–Loève terms hold {} % of the variance on a patch of {}: the random surfaces are smoother \
+                 than the model; raise `modes` or use the spectral generator",
+                sentence::digits(100.0 * captured_variance),
+                sentence::size(grid.width_m(), grid.height_m())
+            ));
+        }
+        let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance });
+        Ok(Generated { surface: self.translated(field)?, karhunen_loeve, warnings })
+    }
+
+    fn spectral(
+        &self,
+        covariance: Covariance,
+        translation: TranslationChoice,
+        grid: Grid,
+        periodic: bool,
+    ) -> Result<Generated, StudyError> {
+        let make = |covariance: &dyn StationaryCovariance| {
+            if periodic { Ok(SpectralField::periodic(covariance, grid)) } else { SpectralField::free(covariance, grid) }
+        };
+        let field = match translation {
+            TranslationChoice::Plain => make(&covariance)?,
+            TranslationChoice::Corrected => make(&Predistorted::new(covariance, &self.marginal)?)?,
+        };
+        let mut warnings = Vec::new();
+        if field.clipped_variance() > CLIPPED_VARIANCE {
+            warnings.push(format!(
+                "wrapped around a grid of {} the covariance is not positive definite, because a side holds too few \
+                 correlation lengths; {} % of the variance was clipped",
+                sentence::size(grid.width_m(), grid.height_m()),
+                sentence::digits(100.0 * field.clipped_variance())
+            ));
+        }
+        Ok(Generated { surface: self.translated(field)?, karhunen_loeve: None, warnings })
+    }
+
+    fn translated(&self, field: impl GaussianSurface + 'static) -> Result<Box<dyn RandomSurface>, StudyError> {
+        Ok(Box::new(Translated::new(field, self.marginal.clone())?))
+    }
+
+    fn weierstrass_mandelbrot(&self, dimension: f64, grid: Grid) -> Result<Generated, StudyError> {
+        // The rms height sets G, so any positive value will do here.
+        let form = WeierstrassForm::Truncated;
+        let surface = WeierstrassMandelbrot::new(grid, dimension, GAMMA, RIDGES, 1e-9, form)?
+            .with_rms_height(self.marginal.std())?;
+        Ok(Generated { surface: Box::new(surface), karhunen_loeve: None, warnings: Vec::new() })
+    }
+}

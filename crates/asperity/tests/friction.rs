@@ -1,0 +1,381 @@
+//! Friction of solved strips against closed forms and naive counts.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+use std::f64::consts::PI;
+
+use asperity::contact::area::PERIMETER_WEIGHT;
+use asperity::contact::exact::Hertz;
+use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
+use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::friction::FrictionError;
+use asperity::friction::bowden_tabor::BowdenTabor;
+use asperity::friction::record::FrictionStatistics;
+use asperity::friction::strip::{Record, Strips};
+use asperity::friction::window::{Window, WindowContact, WindowError};
+use asperity::friction::window_study::WindowStudy;
+use asperity::map::{Grid, HeightMap};
+use asperity::monitor::Silent;
+use asperity::random;
+use asperity::surface::{RandomSurface, SpectralField};
+use ndarray::Array2;
+
+const MODULUS_PA: f64 = 230e9;
+
+fn grid(nx: usize, ny: usize) -> Grid {
+    Grid::new(nx, ny, 2e-6, 2e-6).unwrap()
+}
+
+fn half_space(grid: Grid, periodic: bool) -> HalfSpace {
+    let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
+    let boundary = if periodic { Boundary::Periodic { mean_compliance_m_per_pa } } else { Boundary::Free };
+    HalfSpace::new(grid, MODULUS_PA, boundary).unwrap()
+}
+
+fn solve(map: &HeightMap, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
+    let problem = Problem::new(half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
+    let solver = Solver { tolerance: 1e-7, ..Solver::default() };
+    let solution = solver.solve(&problem).unwrap();
+    assert!(solution.converged(), "{:?}", solution.residual());
+    solution
+}
+
+fn field(grid: Grid, length_m: f64) -> SpectralField {
+    let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, length_m).unwrap();
+    SpectralField::periodic(&covariance, grid)
+}
+
+fn rough(grid: Grid, sample: u64) -> HeightMap {
+    let field = field(grid, 12e-6);
+    field.generate(&random::standard_normal(&mut random::stream(4, "friction test", sample), field.germ_len()))
+}
+
+/// Contact cells, area and load of the columns `start..start + cells`, cell by cell, edge by edge.
+fn counted(solution: &Solution, start: usize, cells: usize, periodic: bool) -> (f64, f64, f64) {
+    let p = solution.pressure_pa();
+    let (ny, nx) = p.dim();
+    let at = |row: isize, column: isize| -> Option<f64> {
+        let inside = (0..ny as isize).contains(&row) && (0..nx as isize).contains(&column);
+        let wrapped = [row.rem_euclid(ny as isize) as usize, column.rem_euclid(nx as isize) as usize];
+        (periodic || inside).then(|| p[wrapped])
+    };
+    let (mut contact, mut edges, mut load_pa) = (0.0, 0.0, 0.0);
+    for column in start as isize..(start + cells) as isize {
+        for row in 0..ny as isize {
+            let here = at(row, column).unwrap();
+            contact += f64::from(here > 0.0);
+            load_pa += here;
+            // Every edge belongs half to the cell on either side of it.
+            for neighbour in [at(row - 1, column), at(row + 1, column), at(row, column - 1), at(row, column + 1)] {
+                let Some(there) = neighbour else { continue };
+                let open = (here > 0.0) != (there > 0.0);
+                let capped = solution.hardness_pa().is_some_and(|h| here.max(there) >= h);
+                edges += 0.5 * f64::from(open && !capped);
+            }
+        }
+    }
+    let cell_m2 = solution.grid().cell_area_m2();
+    (contact, (contact - PERIMETER_WEIGHT * edges) * cell_m2, load_pa * cell_m2)
+}
+
+#[test]
+fn sliding_sums_are_naive_counts_of_every_window() {
+    for (periodic, hardness_pa) in [(true, None), (true, Some(3e9)), (false, Some(3e9))] {
+        // Neither even nor a power of two.
+        let grid = grid(331, 15);
+        let solution =
+            solve(&rough(grid, 0), &half_space(grid, periodic), Control::Percentile { percent: 20.0 }, hardness_pa);
+        let plastic = solution.plastic_fraction();
+        assert!(hardness_pa.is_none() || plastic > 0.0 && plastic < solution.contact_fraction());
+        let window = Window::new(33.0 * grid.dx_m(), grid).unwrap();
+        let step = (window.step_m() / grid.dx_m()).round() as usize;
+        assert_eq!((window.cells(), step), (33, 2));
+        let seen = window.slide(&solution);
+        let first = if periodic { 0 } else { 15 };
+        for (index, found) in seen.iter().enumerate() {
+            let start = first + index * step;
+            let (contact, area_m2, load_n) = counted(&solution, start, 33, periodic);
+            assert_eq!(found.contact_cells, contact);
+            // The naive count halves the edges within a column at the periodic top and bottom of the window too: equal.
+            assert!((found.area_m2 - area_m2).abs() < 1e-12 * grid.area_m2(), "window {index}");
+            assert!((found.load_n - load_n).abs() <= 1e-12 * load_n, "window {index}");
+            assert!((found.position_m - (start as f64 + 16.5) * grid.dx_m()).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn adjoining_windows_add_up_to_the_strip() {
+    let grid = grid(320, 16);
+    let solution = solve(&rough(grid, 1), &half_space(grid, true), Control::Percentile { percent: 10.0 }, Some(3e9));
+    let window = Window::new(32.0 * grid.dx_m(), grid).unwrap();
+    let seen = window.slide(&solution);
+    let steps = (window.length_m() / window.step_m()).round() as usize;
+    let adjoining = || seen.iter().step_by(steps);
+    assert_eq!(adjoining().count(), 10);
+    let area_m2: f64 = adjoining().map(|w| w.area_m2).sum();
+    let load_n: f64 = adjoining().map(|w| w.load_n).sum();
+    assert!((area_m2 / (solution.corrected_contact_fraction() * grid.area_m2()) - 1.0).abs() < 1e-12);
+    assert!((load_n / solution.load_n() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_free_strip_shows_no_window_nearer_to_an_end_than_it_is_wide() {
+    for width in [16, 25] {
+        let grid = grid(400, width);
+        let solution = solve(&rough(grid, 2), &half_space(grid, false), Control::Percentile { percent: 30.0 }, None);
+        let window = Window::new(40.0 * grid.dx_m(), grid).unwrap();
+        let seen = window.slide(&solution);
+        let half_m = 0.5 * window.length_m();
+        let (first, last) = (seen[0].position_m - half_m, seen[seen.len() - 1].position_m + half_m);
+        assert!((first - grid.height_m()).abs() < 1e-12, "the first allowed window begins at {first:e}");
+        let rest_m = grid.width_m() - grid.height_m() - last;
+        assert!(rest_m > -1e-12 && rest_m < window.step_m(), "the last window ends {rest_m:e} m before the limit");
+    }
+}
+
+#[test]
+fn a_window_fits_its_strip_or_is_refused() {
+    let grid = grid(200, 10);
+    assert!(matches!(Window::new(3e-6 * 0.9, grid), Err(WindowError::TooShort { .. })));
+    assert!(matches!(Window::new(f64::NAN, grid), Err(WindowError::TooShort { .. })));
+    assert!(matches!(Window::new(41e-6, grid), Err(WindowError::TooLong { .. })));
+    let window = Window::new(40e-6, grid).unwrap();
+    assert!(window.step_m() <= window.length_m() / 8.0);
+    let narrower: Vec<usize> = window.narrower().iter().map(Window::cells).collect();
+    assert_eq!(narrower, [10, 5], "an eighth of 20 cells is too few");
+}
+
+fn strips<'a>(
+    surface: &'a dyn RandomSurface,
+    half_space: &'a HalfSpace,
+    friction: BowdenTabor,
+    window_m: f64,
+) -> Strips<'a> {
+    Strips {
+        surface,
+        half_space,
+        window: Window::new(window_m, half_space.grid()).unwrap(),
+        friction,
+        solver: Solver { tolerance: 1e-6, ..Solver::default() },
+        realisations: 3,
+        seed: 9,
+    }
+}
+
+#[test]
+fn friction_is_never_below_shear_strength_over_hardness() {
+    let grid = grid(512, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let friction = BowdenTabor { shear_strength_pa: 385e6, hardness_pa: Some(2e9) };
+    let levels = [0.5, 5.0, 50.0].map(|percent| Control::Percentile { percent });
+    let solved = strips(&surface, &half_space, friction, 60e-6).solve(&levels, &Silent).unwrap();
+    let mut empty = 0;
+    for level in solved {
+        let level = level.unwrap();
+        assert!(level.plastic_share > 0.0 && level.plastic_share < 1.0);
+        for record in level.records.iter().chain(level.narrower.iter().flat_map(|(_, records)| records)) {
+            for (mu, load_n) in record.friction.iter().zip(&record.load_n) {
+                assert_eq!(mu.is_nan(), *load_n == 0.0, "μ is undefined exactly where no load is carried");
+                assert!(mu.is_nan() || *mu >= 385.0 / 2000.0 * (1.0 - 1e-12), "{mu}");
+            }
+        }
+        let statistics = FrictionStatistics::of(&level.records, 6e-6, 1).unwrap();
+        let nan = level.records.iter().flat_map(|record| &record.friction).filter(|mu| mu.is_nan()).count();
+        assert_eq!(statistics.empty_windows, nan);
+        empty += nan;
+    }
+    assert!(empty > 0, "half a percent of the heights leaves windows empty");
+}
+
+#[test]
+fn fully_plastic_friction_is_shear_strength_over_hardness_without_scatter() {
+    let grid = grid(512, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let friction = BowdenTabor { shear_strength_pa: 0.2, hardness_pa: Some(1.0) };
+    let strips = strips(&surface, &half_space, friction, 60e-6);
+    let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
+    assert_eq!(level.plastic_share, 1.0);
+    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), 1).unwrap();
+    assert_eq!((statistics.moments.mean, statistics.moments.std), (0.2, 0.0));
+    assert!(statistics.correlation.is_err(), "what does not vary has no correlation");
+    let (mean, records) = Record::at_mean_load(&level.records);
+    assert!((mean - 0.2).abs() < 1e-13);
+    // Sums over hundreds of windows round, and rounding is no process.
+    let process = FrictionStatistics::of(&records, strips.window.step_m(), 1).unwrap();
+    assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
+    assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
+}
+
+#[test]
+fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure() {
+    let grid = grid(320, 16);
+    let (amplitude_m, wavelength_m) = (10e-9, 32.0 * grid.dx_m());
+    let wave = HeightMap::from_function(grid, |x, _| amplitude_m * (2.0 * PI * x / wavelength_m).cos()).unwrap();
+    // Westergaard: full contact from p* = πE*h/λ on.
+    let pressure_pa = 1.5 * PI * MODULUS_PA * amplitude_m / wavelength_m;
+    let solution = solve(&wave, &half_space(grid, true), Control::MeanPressure { pascal: pressure_pa }, None);
+    assert_eq!(solution.contact_fraction(), 1.0);
+    let window = Window::new(wavelength_m, grid).unwrap();
+    let friction = BowdenTabor { shear_strength_pa: 1e8, hardness_pa: None };
+    for seen in window.slide(&solution) {
+        let mu = friction.coefficient(&seen).unwrap();
+        assert!((mu / (1e8 / pressure_pa) - 1.0).abs() < 1e-6, "a window of one wave has {mu}");
+    }
+}
+
+#[test]
+fn a_row_of_hertz_contacts_has_the_friction_of_their_circles() {
+    let (bumps, spacing) = (20_usize, 48_usize);
+    let grid = grid(bumps * spacing, spacing);
+    let (radius_m, pitch_m) = (2e-3, spacing as f64 * grid.dx_m());
+    // Summits between the cells, differently from bump to bump.
+    let centre = |index: usize| {
+        let shift = |ratio: f64| (index as f64 * ratio).fract() * grid.dx_m();
+        ((index as f64 + 0.5) * pitch_m + shift(0.618), 0.5 * pitch_m + shift(0.414))
+    };
+    let map = HeightMap::from_function(grid, |x, y| {
+        let (cx, cy) = centre(((x / pitch_m) as usize).min(bumps - 1));
+        -((x - cx).powi(2) + (y - cy).powi(2)) / (2.0 * radius_m)
+    })
+    .unwrap();
+    // A contact radius of seven cells: a³ = 3FR/4E*.
+    let radius_wanted_m = 7.0 * grid.dx_m();
+    let force_n = 4.0 * MODULUS_PA * radius_wanted_m.powi(3) / (3.0 * radius_m);
+    let hertz = Hertz::new(MODULUS_PA, radius_m, force_n);
+    assert!((hertz.contact_radius_m / radius_wanted_m - 1.0).abs() < 1e-12);
+    let solution = solve(&map, &half_space(grid, true), Control::Load { newton: bumps as f64 * force_n }, None);
+    let window = Window::new(2.0 * pitch_m, grid).unwrap();
+    let friction = BowdenTabor { shear_strength_pa: 1e8, hardness_pa: None };
+    let wanted = 1e8 * PI * hertz.contact_radius_m.powi(2) / force_n;
+    let found: Vec<f64> = window.slide(&solution).iter().map(|w| friction.coefficient(w).unwrap()).collect();
+    let mean = found.iter().sum::<f64>() / found.len() as f64;
+    println!("μ {mean:.4} for {wanted:.4}");
+    // The perimeter correction leaves about a quarter of the bias 0.3 Δx/a of counting cells.
+    assert!((mean / wanted - 1.0).abs() < 0.012, "{mean} for {wanted}");
+    // Two circles on cells scatter by less than half a ring of them, Δx/a.
+    assert!(found.iter().all(|mu| (mu / wanted - 1.0).abs() < 1.0 / 7.0));
+}
+
+fn record(friction_force_n: Vec<f64>, load_n: Vec<f64>) -> Record {
+    let quotient = |(force_n, load_n): (&f64, &f64)| if *load_n > 0.0 { force_n / load_n } else { f64::NAN };
+    Record {
+        position_m: (0..load_n.len()).map(|index| index as f64).collect(),
+        friction: friction_force_n.iter().zip(&load_n).map(quotient).collect(),
+        contact_cells: vec![1.0; load_n.len()],
+        friction_force_n,
+        load_n,
+    }
+}
+
+#[test]
+fn at_the_mean_load_windows_count_by_their_load() {
+    // Equal loads: nothing changes.
+    let even = record(vec![0.2, 0.3, 0.1], vec![2.0; 3]);
+    let (mean, same) = Record::at_mean_load(std::slice::from_ref(&even));
+    assert!((mean - 0.1).abs() < 1e-15);
+    assert!(same[0].friction.iter().zip(&even.friction).all(|(a, b)| (a - b).abs() < 1e-15));
+    // Uneven loads over two strips: ΣF/ΣN, whose average is the mean of the records; an empty window has the mean.
+    let uneven = [record(vec![1.0, 0.0], vec![4.0, 0.0]), record(vec![0.5, 0.03, 2.0], vec![1.0, 0.01, 8.0])];
+    let (mean, linear) = Record::at_mean_load(&uneven);
+    assert!((mean - 3.53 / 13.01).abs() < 1e-15);
+    assert!((linear[0].friction[1] - mean).abs() < 1e-15);
+    let all: Vec<f64> = linear.iter().flat_map(|record| record.friction.clone()).collect();
+    assert!((all.iter().sum::<f64>() / 5.0 - mean).abs() < 1e-15);
+    // A hardly loaded window has a quotient of 3 and hardly counts.
+    assert!((uneven[1].friction[1] - 3.0).abs() < 1e-12 && (linear[1].friction[1] - mean).abs() < 0.02);
+}
+
+/// Windows on a periodic record of one value per cell.
+fn averaged(process: &[f64], window: Window, grid: Grid) -> Record {
+    let step = (window.step_m() / grid.dx_m()).round() as usize;
+    let cells = window.cells();
+    let mean = |start: usize| (start..start + cells).map(|i| process[i % process.len()]).sum::<f64>() / cells as f64;
+    let friction: Vec<f64> = (0..process.len()).step_by(step).map(mean).collect();
+    let ones = vec![1.0; friction.len()];
+    Record {
+        position_m: (0..friction.len()).map(|index| index as f64 * window.step_m()).collect(),
+        contact_cells: ones.clone(),
+        friction_force_n: friction.clone(),
+        load_n: ones,
+        friction,
+    }
+}
+
+/// Strips of a process with the correlation φ^lag from cell to cell, under a window of 64 cells and its parts.
+fn study_of(phi: f64, seed: u64) -> (WindowStudy, Grid) {
+    let grid = Grid::new(4096, 4, 1e-6, 1e-6).unwrap();
+    let process = |strip: u64| -> Vec<f64> {
+        let noise = random::standard_normal(&mut random::stream(seed, "process", strip), 4096);
+        let mut last = noise[0];
+        let next = |e: &f64| {
+            last = phi * last + (1.0 - phi * phi).sqrt() * e;
+            0.2 + 0.01 * last
+        };
+        noise.iter().map(next).collect()
+    };
+    let strips: Vec<Vec<f64>> = (0..12).map(process).collect();
+    let window = Window::new(64e-6, grid).unwrap();
+    let windows = std::iter::once(window).chain(window.narrower());
+    let records: Vec<(Window, Vec<Record>)> =
+        windows.map(|window| (window, strips.iter().map(|strip| averaged(strip, window, grid)).collect())).collect();
+    assert_eq!(records.len(), 4);
+    (WindowStudy::of(&records).unwrap(), grid)
+}
+
+#[test]
+fn white_friction_under_windows_is_the_window_only() {
+    let (study, grid) = study_of(0.0, 1);
+    assert!(study.window_only(), "{study:?}");
+    // What is left is below the shortest window's cells.
+    assert!(study.length_m < 2.0 * grid.dx_m(), "{:e}", study.length_m);
+    for seen in &study.windows {
+        // An exponential fitted to the triangle of W alone returns 322–368 µm at 600 µm; 5 % for the sample.
+        let ratio = seen.length_m / seen.window_m;
+        assert!(ratio > 0.95 * 322.0 / 600.0 && ratio < 1.05 * 368.0 / 600.0, "{ratio}");
+    }
+    // Independent cells: the variance falls with the window.
+    let stds: Vec<f64> = study.windows.iter().map(|seen| seen.std * seen.window_m.sqrt()).collect();
+    assert!(stds.iter().all(|std| (std / stds[3] - 1.0).abs() < 0.1), "{stds:?}");
+}
+
+#[test]
+fn a_planted_length_is_found_under_the_windows() {
+    // φ = e^{−Δ/ℓ} with ℓ = 25 cells.
+    let truth_m = 25e-6;
+    let found: Vec<WindowStudy> = (2..10).map(|seed| study_of((-1.0_f64 / 25.0).exp(), seed).0).collect();
+    assert!(found.iter().all(|study| !study.window_only()));
+    let mean = found.iter().map(|study| study.length_m).sum::<f64>() / 8.0;
+    let se = (found.iter().map(|study| (study.length_m - mean).powi(2)).sum::<f64>() / (7.0 * 8.0)).sqrt();
+    println!("{mean:e} ± {se:e}");
+    // The fit of a finite record is biased by about one part in the number of lengths, 12·4096/25.
+    assert!((mean - truth_m).abs() < 4.0 * se + 0.01 * truth_m, "{mean:e} ± {se:e}");
+    // 95 % intervals: of eight, all miss with a probability of 4·10⁻¹¹, three or more with 6·10⁻³.
+    let covering = found.iter().filter(|study| study.interval.contains(truth_m)).count();
+    assert!(covering >= 6, "{covering} of 8 intervals hold the truth");
+}
+
+#[test]
+fn too_few_loaded_windows_have_no_statistics() {
+    let nothing = record(vec![0.0; 30], vec![0.0; 30]);
+    let error = FrictionStatistics::of(&[nothing], 1e-6, 1).unwrap_err();
+    assert_eq!(error, FrictionError::NoContact { windows: 30, with_contact: 0 });
+    let friction = BowdenTabor { shear_strength_pa: 1.0, hardness_pa: None };
+    let empty = WindowContact { position_m: 0.0, contact_cells: 0.0, area_m2: 0.0, load_n: 0.0 };
+    assert_eq!(friction.coefficient(&empty), None);
+}
+
+#[test]
+fn a_level_that_cannot_be_solved_is_an_error_of_its_own() {
+    let grid = grid(256, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let friction = BowdenTabor { shear_strength_pa: 1e8, hardness_pa: Some(1e9) };
+    let levels = [Control::MeanPressure { pascal: 2e9 }, Control::Percentile { percent: 20.0 }];
+    let solved = strips(&surface, &half_space, friction, 40e-6).solve(&levels, &Silent).unwrap();
+    assert!(
+        matches!(&solved[0], Err(FrictionError::TooFewValid { valid: 0, total: 3, first, .. }) if first.contains("hardness"))
+    );
+    let level = solved[1].as_ref().unwrap();
+    let shown: &Array2<f64> = level.sample_pressure_pa.as_ref().unwrap();
+    assert_eq!(shown.dim(), grid.shape());
+}

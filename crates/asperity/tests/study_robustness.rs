@@ -1,0 +1,548 @@
+//! Studies off the beaten track: every choice of a study file, awkward scans, and what is refused.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+use std::fs;
+use std::path::Path;
+
+use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::friction::upscaling::variance_reduction;
+use asperity::map::Grid;
+use asperity::monitor::Silent;
+use asperity::random;
+use asperity::study::{FailureKind, Outcome, Stage, Study, StudyError, json_bytes};
+use asperity::surface::{RandomSurface, SpectralField};
+use asperity_formats::Scan;
+use ndarray::Array2;
+use serde_json::Value;
+
+/// A model instead of a scan; every stage, small and of awkward sizes.
+const MODEL: &str = r#"
+seed = 11
+[surface]
+covariance = "squared_exponential"
+marginal = "normal"
+rms_height = "0.5 um"
+correlation_length = ["20 um", "12 um"]
+modes = 30
+[material]
+youngs_modulus = "210 GPa"
+hardness = "2 GPa"
+shear_strength = "385 MPa"
+[pressure]
+size = ["90 um", "70 um"]
+points = [21, 17]
+percentile = 50.0
+fine_solves = 30
+reference_samples = 40
+variables = 2
+degree = 1
+[friction]
+strip = ["1 mm", "31 um"]
+points = [301, 11]
+window = "99 um"
+percentiles = [60.0, 20.0]
+realisations = 3
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.17
+normal_force = "30 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+damping_sweep = [0.1, 0.5, 2]
+trajectories = 3
+duration = 40.0
+"#;
+
+/// The same from `scan.npy`.
+fn measured() -> String {
+    changed(
+        MODEL,
+        &[
+            ("covariance = \"squared_exponential\"", "file = \"scan.npy\"\npixel_size = [\"2 um\", \"2 um\"]"),
+            ("marginal = \"normal\"\n", ""),
+            ("rms_height = \"0.5 um\"\n", ""),
+            ("correlation_length = [\"20 um\", \"12 um\"]\n", ""),
+        ],
+    )
+}
+
+fn changed(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    })
+}
+
+fn study(text: &str) -> Study {
+    Study::parse(text, "study.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn run_in(folder: &Path, text: &str, only: Option<Stage>) -> Result<Outcome, StudyError> {
+    study(text).run(folder, only, &Silent)
+}
+
+fn run(text: &str, only: Option<Stage>) -> Outcome {
+    run_in(Path::new("."), text, only).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn rough(nx: usize, ny: usize, length_m: f64) -> Array2<f64> {
+    let grid = Grid::new(nx, ny, 2e-6, 2e-6).unwrap();
+    let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, length_m).unwrap();
+    let field = SpectralField::periodic(&covariance, grid);
+    let germ = random::standard_normal(&mut random::stream(3, "scan", 0), field.germ_len());
+    field.generate(&germ).heights_m().clone()
+}
+
+fn folder_with(heights_m: Array2<f64>) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    asperity_formats::write(&Scan::new(heights_m, None), &folder.path().join("scan.npy")).unwrap();
+    folder
+}
+
+/// Paths of all nulls.
+fn nulls(value: &Value, path: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Null => found.push(path.to_owned()),
+        Value::Array(items) => items.iter().for_each(|item| nulls(item, path, found)),
+        // A method without an estimate says why.
+        Value::Object(entries) if entries.get("failure").is_some_and(Value::is_string) => {}
+        Value::Object(entries) => {
+            entries.iter().for_each(|(key, item)| nulls(item, &format!("{path}/{key}"), found));
+        }
+        _ => {}
+    }
+}
+
+/// No number is null but those that may be undefined.
+fn assert_numbers(outcome: &Outcome, undefined: &[&str]) {
+    let json: Value = serde_json::from_slice(&json_bytes(&outcome.results).unwrap()).unwrap();
+    let mut found = Vec::new();
+    nulls(&json, "", &mut found);
+    found.retain(|path| !undefined.iter().any(|allowed| path.ends_with(allowed)));
+    assert!(found.is_empty(), "null: {found:?}");
+    for sentence in outcome.results.assumptions.iter().chain(&outcome.results.warnings) {
+        assert!(!sentence.contains("NaN") && !sentence.contains("inf "), "{sentence}");
+    }
+}
+
+/// What the model study leaves undefined: parameters of other models, methods that failed for want of samples, and what
+/// needs a limit cycle or an expansion.
+const USUAL: &[&str] = &[
+    "/smoothness",
+    "/hurst",
+    "/misfit",
+    "/karhunen_loeve",
+    "/percentile",
+    "/level_percentile",
+    "/failure",
+    "/coefficients",
+    "/leave_one_out_error",
+    "/separation_m",
+    "/mean_compliance_m_per_pa",
+    "/beta",
+    // No scaling range, and too few points.
+    "/fractal_dimension",
+    "/normality_p",
+];
+
+#[test]
+fn every_generator_boundary_control_and_law_runs_to_numbers() {
+    let fractal = [
+        ("covariance = \"squared_exponential\"\n", "generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.3\n"),
+        ("marginal = \"normal\"\n", ""),
+        ("correlation_length = [\"20 um\", \"12 um\"]\n", ""),
+        ("points = [21, 17]", "points = [11, 9]"),
+    ];
+    let patches: [&[(&str, &str)]; 8] = [
+        &fractal,
+        &[("modes = 30", "generator = \"spectral\"")],
+        &[("\"squared_exponential\"", "\"exponential\""), ("[pressure]", "[pressure]\nboundary = \"periodic\"")],
+        &[
+            ("\"squared_exponential\"", "\"matern\"\nsmoothness = 1.5"),
+            ("percentile = 50.0", "mean_pressure = \"80 MPa\""),
+        ],
+        &[
+            ("\"squared_exponential\"", "\"self_affine\"\nhurst = 0.8"),
+            ("percentile = 50.0", "penetration = \"0.7 um\""),
+        ],
+        &[("\"normal\"", "\"beta:5,2.1\"\ntranslation = \"corrected\"")],
+        &[("hardness = \"2 GPa\"\n", "")],
+        // More variables than the expansion has modes.
+        &[("modes = 30", "modes = 3"), ("variables = 2", "variables = 9")],
+    ];
+    for changes in patches {
+        let outcome = run(&changed(MODEL, changes), Some(Stage::Pressure));
+        assert_numbers(&outcome, USUAL);
+        let pressure = outcome.results.pressure.unwrap();
+        assert!((0.0..=1.0).contains(&pressure.contact_probability), "{changes:?}");
+        assert!(pressure.methods.iter().any(|method| method.contact_probability.is_some()), "{changes:?}");
+    }
+    let strips: [&[(&str, &str)]; 7] = [
+        &[],
+        &fractal,
+        &[("\"normal\"", "\"lognormal:0,0.3\"")],
+        // Hardly any friction, whose cycle needs as little damping.
+        &[("hardness = \"2 GPa\"\n", ""), ("damping_ratio = 0.17", "damping_ratio = 0.01")],
+        &[("window = ", "boundary = \"free\"\nwindow = ")],
+        &[("window = ", "mean_compliance = \"20 nm/MPa\"\nwindow = ")],
+        &[("duration = 40.0", "duration = 40.0\nlevel = 20.0\nupscaling = \"paper\"")],
+    ];
+    for changes in strips {
+        let outcome = run(&changed(MODEL, changes), Some(Stage::Vibration));
+        assert_numbers(&outcome, USUAL);
+        let results = outcome.results;
+        let levels = results.friction.unwrap().levels;
+        assert_eq!(levels.iter().filter(|level| level.leading).count(), 1, "{changes:?}");
+        let elastic = changes.iter().any(|(from, _)| from.contains("hardness"));
+        let least = if elastic { 0.0 } else { 0.1925 * (1.0 - 1e-12) };
+        assert!(levels.iter().all(|level| level.mean >= least), "{changes:?}");
+        assert!(results.vibration.unwrap().area.friction_std > 0.0, "{changes:?}");
+    }
+}
+
+#[test]
+fn random_surfaces_give_the_same_bytes_on_one_and_two_threads() {
+    let fractal = changed(
+        MODEL,
+        &[("covariance = ", "generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.3\ncovariance = ")],
+    );
+    let spectral =
+        changed(MODEL, &[("modes = 30", "generator = \"spectral\""), ("window = ", "boundary = \"free\"\nwindow = ")]);
+    for text in [fractal, spectral].map(|text| changed(&text, &[("[21, 17]", "[11, 9]")])) {
+        let [one, two] = [1, 2].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| run(&text, None))
+        });
+        assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&two.results).unwrap());
+        assert!(one.tables.iter().all(|(name, table)| table.to_csv().unwrap() == two.tables[name].to_csv().unwrap()));
+        assert_eq!(one.fields.len(), two.fields.len());
+    }
+}
+
+#[test]
+fn weierstrass_mandelbrot_needs_a_dimension_and_says_so() {
+    // White noise shows no scaling range.
+    let noise = random::standard_normal(&mut random::stream(8, "noise", 0), 64 * 64);
+    let folder = folder_with(Array2::from_shape_vec((64, 64), noise).unwrap().mapv(|z| 1e-6 * z));
+    let text = changed(&measured(), &[("modes = 30", "generator = \"weierstrass_mandelbrot\"")]);
+    let outcome = run_in(folder.path(), &text, Some(Stage::Surface));
+    if let Err(error) = &outcome {
+        assert!(error.to_string().contains("fractal_dimension"), "{error}");
+        assert_eq!(error.kind(), FailureKind::Configuration);
+    } else {
+        let surface = outcome.unwrap().results.surface.unwrap();
+        assert!(surface.statistics.unwrap().fractal_dimension.is_some());
+    }
+    // A stated one will do, and no covariance is made up.
+    let stated = changed(&text, &[("generator", "fractal_dimension = 2.5\ngenerator")]);
+    let outcome = run_in(folder.path(), &stated, Some(Stage::Friction)).unwrap();
+    assert!(outcome.results.surface.as_ref().unwrap().covariance.is_none());
+    assert!(outcome.tables["height_acf"].column("fit_x").is_none());
+    assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("fractal dimension 2.5 (stated)")));
+}
+
+#[test]
+fn a_scan_may_come_with_stated_covariance_rms_height_law_and_form() {
+    let folder = folder_with(rough(96, 80, 16e-6));
+    for level in ["none", "mean", "plane", "quadratic"] {
+        let text = changed(&measured(), &[("[surface]", &format!("[surface]\nlevel = \"{level}\""))]);
+        assert_numbers(&run_in(folder.path(), &text, Some(Stage::Surface)).unwrap(), USUAL);
+    }
+    let text = changed(
+        &measured(),
+        &[(
+            "[surface]",
+            "[surface]\ncovariance = \"exponential\"\ncorrelation_length = [\"9 um\", \"8 um\"]\nrms_height = \"2 um\"\n\
+             marginal = \"beta:2.1,5\"",
+        )],
+    );
+    let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
+    assert_numbers(&outcome, USUAL);
+    let surface = outcome.results.surface.unwrap();
+    let covariance = surface.covariance.unwrap();
+    assert_eq!((covariance.model.as_str(), covariance.std_m, covariance.length_y_m), ("exponential", 2e-6, 8e-6));
+    // The scan's own statistics stay what they are.
+    assert!(surface.statistics.unwrap().Sq_m < 1e-6);
+}
+
+#[test]
+fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = Scan::new(rough(64, 64, 16e-6), Some((2e-6, 2e-6)));
+    asperity_formats::write(&scan, &folder.path().join("scan.x3p")).unwrap();
+    let text = changed(&measured(), &[("scan.npy", "scan.x3p"), ("[\"2 um\", \"2 um\"]", "[\"4 um\", \"2 um\"]")]);
+    let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
+    assert_eq!(outcome.results.surface.unwrap().statistics.unwrap().dx_m, 4e-6);
+    let warning = outcome.results.warnings.iter().find(|warning| warning.contains("pixel size")).unwrap();
+    assert!(warning.contains("2 µm × 2 µm") && warning.contains("4 µm × 2 µm"), "{warning}");
+    // An array file states none.
+    let folder = folder_with(rough(64, 64, 16e-6));
+    let text = changed(&measured(), &[("pixel_size = [\"2 um\", \"2 um\"]", "")]);
+    let error = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::Input);
+    assert!(error.to_string().contains("scan.npy"), "{error}");
+}
+
+#[test]
+fn a_scan_without_any_complete_profile_has_no_spectrum_but_all_else() {
+    let mut heights = rough(96, 96, 16e-6);
+    (0..96).for_each(|i| heights[[i, (7 * i) % 96]] = f64::NAN);
+    let folder = folder_with(heights);
+    let outcome = run_in(folder.path(), &measured(), Some(Stage::Surface)).unwrap();
+    assert_numbers(&outcome, USUAL);
+    assert!(!outcome.tables.contains_key("height_psd") && outcome.tables.contains_key("height_acf"));
+    assert_eq!(outcome.results.surface.unwrap().statistics.unwrap().missing_points, 96);
+}
+
+#[test]
+fn tiny_noisy_or_still_correlated_scans_are_unusable_input_and_say_what_to_do() {
+    let noise = random::standard_normal(&mut random::stream(8, "noise", 0), 64 * 64);
+    let noise = Array2::from_shape_vec((64, 64), noise).unwrap().mapv(|z| 1e-6 * z);
+    let folder = folder_with(noise);
+    let error = run_in(folder.path(), &measured(), None).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::Input);
+    let message = error.to_string();
+    assert!(message.contains("below 1/e") && message.contains("state a covariance in [surface]"), "{message}");
+    // Roughness longer than the map: the fit is told to rest on next to nothing.
+    let folder = folder_with(rough(64, 64, 400e-6));
+    let text = changed(&measured(), &[("[surface]", "[surface]\nlevel = \"mean\"")]);
+    match run_in(folder.path(), &text, Some(Stage::Surface)) {
+        Ok(outcome) => {
+            let warnings = outcome.results.warnings.join("\n");
+            assert!(warnings.contains("correlation lengths long"), "{warnings}");
+        }
+        Err(error) => assert_eq!(error.kind(), FailureKind::Input, "{error}"),
+    }
+    for size in [2, 3, 8] {
+        let folder = folder_with(rough(64, 64, 8e-6).slice(ndarray::s![..size, ..size]).to_owned());
+        let text = changed(
+            &measured(),
+            &[("[surface]", "[surface]\ncovariance = \"exponential\"\ncorrelation_length = [\"9 um\", \"8 um\"]")],
+        );
+        match run_in(folder.path(), &text, Some(Stage::Surface)) {
+            Ok(outcome) => assert!(outcome.results.surface.unwrap().statistics.unwrap().Sq_m > 0.0),
+            Err(error) => assert_eq!(error.kind(), FailureKind::Input, "{size}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn failures_have_their_kind() {
+    let unloaded = changed(MODEL, &[("[60.0, 20.0]", "[0.0001]"), ("duration = 40.0", "level = 0.0001")]);
+    let error = run_in(Path::new("."), &unloaded, Some(Stage::Friction)).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::NotConverged);
+    assert!(error.to_string().contains("percentile 0.0001") && error.to_string().contains("carry load"), "{error}");
+    let many = changed(MODEL, &[("modes = 30", "modes = 100000")]);
+    assert_eq!(run_in(Path::new("."), &many, Some(Stage::Pressure)).unwrap_err().kind(), FailureKind::Configuration);
+    let impossible = changed(MODEL, &[("realisations = 3", "realisations = 3\ntolerance = 1e-30")]);
+    let error = run_in(Path::new("."), &impossible, Some(Stage::Friction)).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::NotConverged, "{error}");
+    assert!(error.to_string().contains("percentile 60"), "{error}");
+    let deep = changed(MODEL, &[("degree = 1", "degree = 60"), ("variables = 2", "variables = 30")]);
+    let outcome = run_in(Path::new("."), &deep, Some(Stage::Pressure));
+    if let Err(error) = outcome {
+        assert_ne!(error.kind(), FailureKind::Runtime, "{error}");
+    }
+}
+
+#[test]
+fn constant_friction_is_an_answer_at_every_link() {
+    let stated = changed(&MODEL[..MODEL.find("[surface]").unwrap()], &[])
+        + &MODEL[MODEL.find("[vibration]").unwrap()..]
+        + "static_friction = 0.2\nfriction_std = 0.0\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"normal\"\n";
+    // A material that yields at once, and stated friction without scatter.
+    let soft = changed(
+        MODEL,
+        &[
+            ("\"2 GPa\"", "\"0.02 Pa\""),
+            ("\"385 MPa\"", "\"0.004 Pa\""),
+            ("\"30 kN\"", "\"0.001 uN\""),
+            ("duration = 40.0", "duration = 40.0\nlevel = 60.0"),
+        ],
+    );
+    for text in [stated, soft] {
+        let outcome = run(&text, Some(Stage::Vibration));
+        let undefined = [
+            USUAL,
+            &[
+                "/skewness",
+                "/excess_kurtosis",
+                "/correlation_length_m",
+                "/marginal",
+                "/normality_p",
+                "reattachment/mean",
+                "reattachment/std",
+                "/correlation_length_without_window_m",
+                "/correlation_length_without_window_interval",
+                "/window_only",
+                "/level_mean_pressure_pa",
+                "/period",
+                "/slip_duration",
+                "/reattachment_displacement",
+                "/displacement_min",
+                "/displacement_max",
+                "/velocity_min",
+            ],
+        ]
+        .concat();
+        assert_numbers(&outcome, &undefined);
+        let vibration = outcome.results.vibration.unwrap();
+        assert!((vibration.static_friction - 0.2).abs() < 1e-12);
+        for ensemble in [&vibration.paper, &vibration.area] {
+            assert!(ensemble.friction_std == 0.0, "{:e}", ensemble.friction_std);
+            assert!(ensemble.damping.iter().all(|d| d.difference_mean == 0.0 && d.difference_interval == [0.0, 0.0]));
+        }
+        assert!(vibration.marginal.is_none());
+        assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("is constant at 0.2")));
+    }
+}
+
+#[test]
+fn the_deepest_percentile_leads_without_a_vibration_stage_whatever_its_place() {
+    let outcome = run(&MODEL[..MODEL.find("[vibration]").unwrap()], Some(Stage::Friction));
+    let levels = outcome.results.friction.unwrap().levels;
+    assert_eq!(
+        levels.iter().map(|l| (l.percentile, l.leading)).collect::<Vec<_>>(),
+        [(Some(60.0), true), (Some(20.0), false)]
+    );
+}
+
+#[test]
+fn every_reading_is_told() {
+    let text = changed(MODEL, &[("[60.0, 20.0]", "[60.0, 1.0]"), ("30 kN", "2 kN")]);
+    let outcome = run(&text, Some(Stage::Vibration));
+    let (assumptions, warnings) = (outcome.results.assumptions.join("\n"), outcome.results.warnings.join("\n"));
+    for wanted in [
+        "squared_exponential covariance (stated) of rms height 500 nm and lengths 20 µm along x and 12 µm along y",
+        "μ = τ_max A_c/N with τ_max = 385 MPa",
+        "3 strips of 1 mm × 31 µm (periodic, of mean compliance",
+        "a correlation length is only stated with its window",
+        "at the mean load",
+        "one window carries the whole normal force of 2 kN",
+        "square nominal area of 833 mm^2",
+    ] {
+        assert!(assumptions.contains(wanted), "{wanted} not in\n{assumptions}");
+    }
+    assert!(
+        warnings.contains("at the nominal pressure") && warnings.contains("fewer than 30 contact cells"),
+        "{warnings}"
+    );
+    let named = changed(&text, &[("duration = 40.0", "duration = 40.0\nlevel = 60.0")]);
+    let warnings = run(&named, Some(Stage::Vibration)).results.warnings.join("\n");
+    assert!(warnings.contains("percentile 60, whose mean pressure of"), "{warnings}");
+}
+
+#[test]
+fn a_key_without_effect_is_warned_about() {
+    let text = changed(
+        MODEL,
+        &[("modes = 30", "modes = 30\nhurst = 0.8"), ("[pressure]", "[pressure]\nmean_compliance = \"20 nm/MPa\"")],
+    );
+    let idle = study(&text).idle_keys();
+    assert_eq!(idle.len(), 2, "{idle:?}");
+    assert!(idle[0].contains("hurst") && idle[1].contains("[pressure] mean_compliance"), "{idle:?}");
+    assert_eq!(run(&text, Some(Stage::Surface)).results.warnings[..2], idle);
+    assert!(study(MODEL).idle_keys().is_empty());
+}
+
+#[test]
+fn errors_point_at_their_line_in_any_layout() {
+    let line_of = |from: &str| MODEL[..MODEL.find(from).unwrap()].lines().count() + 1;
+    for (from, to, line, wanted) in [
+        // Arrays over several lines, inline tables, dotted keys.
+        ("[\"20 um\", \"12 um\"]", "[\n\"20 um\",\n\"12\"\n]", line_of("correlation_length") + 2, "no unit"),
+        ("[60.0, 20.0]", "[\n60.0,\n\"20\"]", line_of("percentiles") + 2, "invalid type"),
+        ("[60.0, 20.0]", "[60.0, 60.0]", line_of("percentiles"), "60 twice"),
+        ("[60.0, 20.0]", "[]", line_of("percentiles"), "at least one"),
+        ("points = [21, 17]", "points = [21]", line_of("points = [21"), "length"),
+        ("points = [21, 17]", "points = [21, 1]", line_of("points = [21"), "at least 2"),
+        ("modes = 30", "modes = 30\nmodes = 31", line_of("modes") + 1, "duplicate key"),
+        ("modes = 30", "modes = -1", line_of("modes"), "-1"),
+        ("seed = 11", "seed = 1.5", 2, "1.5"),
+        ("degree = 1", "\"degree\" = 1\n'percentile' = 10", line_of("degree") + 1, "duplicate key"),
+        ("99 um", "0.5 mm", line_of("window"), "ten windows"),
+        ("damping_ratio = 0.17", "damping_ratio = 1.7", line_of("damping_ratio"), "below 1"),
+        ("[0.1, 0.5, 2]", "[0.5, 0.1, 2]", line_of("damping_sweep"), "end above the start"),
+        ("\"833 mm^2\"", "\"1 mm^2\"", line_of("nominal_area"), "not below the hardness"),
+        ("duration = 40.0", "duration = 40.0\nlevel = 33.0", line_of("duration") + 1, "33"),
+        ("\"normal\"", "\"lognormal:0,-1\"", line_of("marginal"), "marginal"),
+    ] {
+        let text = changed(MODEL, &[(from, to)]);
+        for text in [text.clone(), text.replace('\n', "\r\n"), format!("\u{feff}{text}")] {
+            let error = Study::parse(&text, "study.toml").unwrap_err();
+            assert_eq!(error.line, line, "{from} → {to}: {error}");
+            assert!(error.message.contains(wanted), "{from} → {to}: {error}");
+        }
+    }
+    let surface = &MODEL[MODEL.find("[surface]").unwrap()..MODEL.find("[material]").unwrap()];
+    let inline = "surface = { covariance = \"exponential\", marginal = \"normal\", rms_height = \"-1 um\", \
+                  correlation_length = [\"1 um\", \"1 um\"] }\n";
+    let dotted = "surface.covariance = \"exponential\"\nsurface.marginal = \"normal\"\nsurface.rms_height = \"-1 um\"\n\
+                  surface.correlation_length = [\"1 um\", \"1 um\"]\n";
+    for (layout, line) in [(inline, 3), (dotted, 5)] {
+        let error = Study::parse(&changed(MODEL, &[(surface, layout)]), "study.toml").unwrap_err();
+        assert_eq!(error.line, line, "{error}");
+        assert!(error.message.contains("positive"), "{error}");
+    }
+}
+
+#[test]
+fn a_missing_scan_is_input_and_names_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = run_in(folder.path(), &measured(), None).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::Input);
+    assert!(error.to_string().contains("scan.npy"), "{error}");
+    fs::write(folder.path().join("scan.npy"), b"not an array").unwrap();
+    assert_eq!(run_in(folder.path(), &measured(), None).unwrap_err().kind(), FailureKind::Input);
+}
+
+#[test]
+fn the_oscillator_takes_the_leading_level_in_its_own_units() {
+    let text = changed(MODEL, &[("dimensionless_belt_velocity = 0.003", "belt_velocity = \"20 mm/s\"")]);
+    for (level, percentile) in [("", None), ("level = 20.0\n", Some(20.0))] {
+        let results = run(&(text.clone() + level), Some(Stage::Vibration)).results;
+        let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
+        let leading = friction.levels.iter().find(|level| level.leading).unwrap();
+        let process = &leading.at_mean_load;
+        assert_eq!((leading.percentile, vibration.level_percentile), (percentile, percentile));
+        assert_eq!(vibration.static_friction, process.mean);
+        assert_eq!(vibration.paper.friction_std, process.std);
+        assert_eq!(Some(vibration.friction_correlation_length_m), process.correlation_length_m);
+        // λ = ℓ_μ c/N with c = mω₀², V = v_b m ω₀/N.
+        let length = vibration.friction_correlation_length_m * 316.0 * 316.0 / 30e3;
+        assert!((vibration.correlation_length / length - 1.0).abs() < 1e-12);
+        assert!((vibration.belt_velocity / (20e-3 * 316.0 / 30e3) - 1.0).abs() < 1e-12);
+        let own_length_m = leading.correlation_length_without_window_m.unwrap();
+        let kept = variance_reduction(friction.window_m, friction.strip_width_m, own_length_m, 833e-6);
+        assert_eq!(vibration.variance_reduction, kept);
+    }
+}
+
+/// Stated friction of this standard deviation and nominal area.
+fn stated(std: &str, area: &str) -> String {
+    let text = "seed = 11\n".to_owned() + &MODEL[MODEL.find("[vibration]").unwrap()..];
+    changed(&text, &[("\"833 mm^2\"", &format!("\"{area}\""))])
+        + &format!(
+            "static_friction = 0.2\nfriction_std = {std}\nfriction_correlation_length = \"250 um\"\n\
+             friction_marginal = \"beta:2.1,5\"\n"
+        )
+}
+
+#[test]
+fn friction_stays_positive_by_a_clamp_that_is_told() {
+    let wild = run(&stated("0.15", "1 um^2"), None).results;
+    let warnings = wild.warnings.join("\n");
+    for name in ["paper", "area"] {
+        assert!(warnings.contains(&format!("with the {name} upscaling")), "{warnings}");
+    }
+    assert!(warnings.contains("so that friction stays positive"), "{warnings}");
+    // An area below one window keeps the window's scatter and law.
+    let vibration = wild.vibration.unwrap();
+    assert_eq!((vibration.variance_reduction, vibration.area.friction_std), (1.0, vibration.paper.friction_std));
+    assert_eq!(vibration.area, vibration.paper);
+    let calm = run(&stated("0.001", "833 mm^2"), None).results;
+    assert!(calm.warnings.is_empty(), "{:?}", calm.warnings);
+    assert!(calm.assumptions.iter().any(|sentence| sentence.contains("its law becomes normal")));
+}
