@@ -147,6 +147,11 @@ pub(crate) fn percent(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| (0.0..=100.0).contains(&x), "it must lie between 0 and 100")
 }
 
+/// A bound on a relative residual, above 0 and below 1.
+pub(crate) fn tolerance(text: &str) -> Result<f64, Refusal> {
+    within(finite(text)?, |x| x > 0.0 && x < 1.0, "it must be above 0 and below 1")
+}
+
 /// Poisson's ratio of an isotropic solid, above −1 and at most ½.
 pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")
@@ -179,6 +184,7 @@ mod tests {
         assert!(non_negative("0").is_ok() && non_negative("-1e-300").is_err());
         assert!(percent("100").is_ok() && percent("100.1").is_err());
         assert!(poisson_ratio("0.5").is_ok() && poisson_ratio("0.51").is_err() && poisson_ratio("-1").is_err());
+        assert!(tolerance("1e-300").is_ok() && tolerance("1").is_err() && tolerance("0").is_err());
         assert!(non_negative_quantity::<Length>("-1um").is_err() && non_negative_quantity::<Length>("0um").is_ok());
         assert!(positive_quantity::<Pressure>("0 Pa").is_err());
     }

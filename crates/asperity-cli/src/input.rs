@@ -9,7 +9,7 @@ use clap::Args;
 
 use crate::args::{self, OneOrTwo};
 use crate::failure::{Failure, Kind, chain};
-use crate::output::warn;
+use crate::monitor::Terminal;
 
 /// The scale of files that state none.
 #[derive(Debug, Clone, Copy, Args)]
@@ -21,15 +21,15 @@ pub(crate) struct PixelSize {
 }
 
 /// Reads a scan, tells its warnings, and applies the pixel size.
-pub(crate) fn scan(path: &Path, pixel_size: PixelSize) -> Result<Scan, Failure> {
+pub(crate) fn scan(path: &Path, pixel_size: PixelSize, monitor: &Terminal) -> Result<Scan, Failure> {
     let mut scan = asperity_formats::read(path).map_err(|e| unreadable(&e))?;
     for warning in &scan.warnings {
-        warn(&format!("{}: {warning}", path.display()));
+        monitor.warn(&format!("{}: {warning}", path.display()));
     }
     if let Some((dx, dy)) = pixel_size.pixel_size.map(OneOrTwo::both) {
         if let Some((dx_m, dy_m)) = scan.pitch_m.filter(|pitch| *pitch != (dx.0, dy.0)) {
             let stated = format!("{} × {}", Length(dx_m), Length(dy_m));
-            warn(&format!("{}: --pixel-size {dx} × {dy} replaces the file's {stated}", path.display()));
+            monitor.warn(&format!("{}: --pixel-size {dx} × {dy} replaces the file's {stated}", path.display()));
         }
         scan.pitch_m = Some((dx.0, dy.0));
     }
@@ -37,8 +37,8 @@ pub(crate) fn scan(path: &Path, pixel_size: PixelSize) -> Result<Scan, Failure> 
 }
 
 /// Reads a height map.
-pub(crate) fn map(path: &Path, pixel_size: PixelSize) -> Result<HeightMap, Failure> {
-    HeightMap::try_from(scan(path, pixel_size)?).map_err(|e| match e {
+pub(crate) fn map(path: &Path, pixel_size: PixelSize, monitor: &Terminal) -> Result<HeightMap, Failure> {
+    HeightMap::try_from(scan(path, pixel_size, monitor)?).map_err(|e| match e {
         MapError::NoPitch => Failure::usage(format_args!("{}: {e}", path.display())),
         e => Failure::data(path.display(), &e),
     })

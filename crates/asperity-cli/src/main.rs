@@ -42,7 +42,7 @@ struct Cli {
     #[arg(long, global = true, value_name = "N", value_parser = args::threads, help_heading = "Everywhere")]
     threads: Option<usize>,
 
-    /// No progress on stderr.
+    /// Nothing but errors on stderr: no progress, no warnings.
     #[arg(long, short, global = true, help_heading = "Everywhere")]
     quiet: bool,
 

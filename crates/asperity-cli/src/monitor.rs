@@ -91,11 +91,16 @@ impl Terminal {
         Ok(Self { display, tasks: Mutex::default(), cancelled })
     }
 
-    /// Tells something that is neither data nor a warning, unless quiet.
+    /// Tells something that is not data, unless quiet.
     pub(crate) fn note(&self, message: &str) {
         if !matches!(self.display, Display::Nothing) {
             talk(message);
         }
+    }
+
+    /// Tells something doubtful, unless quiet.
+    pub(crate) fn warn(&self, message: &str) {
+        self.note(&format!("warning: {message}"));
     }
 
     /// Takes the bars off the screen.

@@ -16,11 +16,6 @@ pub(crate) fn talk(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{message}");
 }
 
-/// Writes a warning to stderr.
-pub(crate) fn warn(message: &str) {
-    talk(&format!("warning: {message}"));
-}
-
 /// Results in the order in which they are shown. Keys end with their SI unit; an undefined number is null.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Answer(Vec<(String, Value)>);
@@ -170,6 +165,9 @@ pub(crate) fn check_target(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return refuse("this is a folder; a file is wanted");
     }
+    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return refuse("this is no regular file; one is wanted");
+    }
     if path.file_name().is_none() {
         return refuse("this names no file");
     }
@@ -231,6 +229,21 @@ mod tests {
         assert_eq!(show("gap_m", 0.0), ("gap".into(), "0 m".into()));
         assert_eq!(show("Ssk", -1.0 / 3.0), ("Ssk".into(), "-0.333333".into()));
         assert_eq!(row("nx", &Value::from(128)), ("nx".into(), "128".into()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_or_a_socket_is_no_target() {
+        let folder = tempfile::tempdir().unwrap();
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        for path in [Path::new("/dev/null"), &socket, folder.path()] {
+            assert_eq!(check_target(path).unwrap_err().kind(), Kind::Usage, "{}", path.display());
+        }
+        let file = folder.path().join("file");
+        check_target(&file).unwrap();
+        fs::write(&file, "old").unwrap();
+        check_target(&file).unwrap();
     }
 
     #[test]

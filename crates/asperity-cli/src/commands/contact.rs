@@ -41,8 +41,8 @@ pub(crate) struct Contact {
     /// Upper bound of the pressure; elastic when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     hardness: Option<Pressure>,
-    /// Bound on the relative residuals.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    /// Bound on the relative residuals, below 1.
+    #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m.
     #[arg(long, value_name = "F.npz")]
@@ -101,7 +101,7 @@ impl Contact {
         if let Some(out) = &self.out {
             check_target(out)?;
         }
-        let map = input::map(&self.file, self.pixel_size)?;
+        let map = input::map(&self.file, self.pixel_size, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
         let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
         let boundary = self.boundary(map.grid(), modulus_pa, control)?;

@@ -1,14 +1,15 @@
 //! A study, from its file to a run folder.
 
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::{self, Path, PathBuf};
 
-use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, json_bytes};
+use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, Study, json_bytes};
 use clap::{Args, ValueEnum};
 
 use super::study_file;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::{Answer, warn};
+use crate::output::Answer;
 use crate::page::{rendered, store_failure};
 use crate::provenance::Provenance;
 use crate::resources::require_memory;
@@ -76,16 +77,18 @@ impl Run {
         if let Some(scan) = study.scan_path(folder) {
             provenance.input(&scan)?;
         }
-        let resolved = toml::to_string(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+        let resolved = toml::to_string(&runnable_anywhere(&study, folder))
+            .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
         // Before hours are spent: may the folder be written?
+        let _parents = NewParents::of(&destination);
         let staging = Staging::open(&destination, self.force).map_err(|e| store_failure(&e))?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
             Err(study_file::ended(&self.study, &e).told(reason, self.json)?)
         })?;
         for warning in &outcome.results.warnings {
-            warn(warning);
+            monitor.warn(warning);
         }
         provenance.end(monitor.seconds());
         let run = stored(&outcome, resolved, &provenance)?;
@@ -103,6 +106,36 @@ impl Run {
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
         let answer = if self.json { Answer::of(&outcome.results)? } else { headline(&run, &written) };
         answer.print(self.json)
+    }
+}
+
+/// The study with its scan named so that it is found from every folder, that of the run included.
+fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
+    let mut study = study.clone();
+    let scan = study.scan_path(folder).and_then(|path| path::absolute(path).ok());
+    // TOML holds no path that is not Unicode; such a one stays as it was given.
+    if let (Some(surface), Some(scan)) = (&mut study.surface, scan.filter(|path| path.to_str().is_some())) {
+        surface.file = Some(scan);
+    }
+    study
+}
+
+/// The folders above a destination that are not there yet. Those that are empty when the run ends are removed again.
+struct NewParents(Vec<PathBuf>);
+
+impl NewParents {
+    fn of(destination: &Path) -> Self {
+        let above = destination.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
+        Self(above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect())
+    }
+}
+
+impl Drop for NewParents {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            // A folder that holds something, as after a run that ended well, stays.
+            let _ = fs::remove_dir(folder);
+        }
     }
 }
 

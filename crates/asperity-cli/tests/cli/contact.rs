@@ -180,6 +180,7 @@ fn values_out_of_range_are_usage_errors_that_name_the_flag() {
         (format!("{base} --mean-gap 0um"), vec!["--mean-gap", "above 0"]),
         (format!("{base} --percentile 5 --hardness 0Pa"), vec!["--hardness"]),
         (format!("{base} --percentile 5 --tolerance 0"), vec!["--tolerance"]),
+        (format!("{base} --percentile 5 --tolerance 1"), vec!["--tolerance", "below 1"]),
         (format!("{base} --percentile 5 --poisson-ratio 0.6"), vec!["--poisson-ratio", "0.5"]),
         (format!("{base} --percentile 5 --mean-compliance 1e-15m/Pa"), vec!["--mean-compliance", "periodic"]),
         (format!("{base} --percentile 5 --load 1N"), vec!["cannot be used with"]),
@@ -195,6 +196,8 @@ fn values_out_of_range_are_usage_errors_that_name_the_flag() {
         (format!("{base} --mean-pressure 3GPa --hardness 2GPa"), vec!["hardness"]),
         (format!("{base} --percentile 5 --out nowhere/f.npz"), vec!["--out", "nowhere"]),
         (format!("{base} --percentile 5 --out ."), vec!["--out", "folder"]),
+        #[cfg(unix)]
+        (format!("{base} --percentile 5 --out /dev/null"), vec!["--out", "no regular file"]),
     ] {
         press(folder.path(), &format!("{line} --json")).refuses(2, &words);
     }

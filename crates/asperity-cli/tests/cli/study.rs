@@ -270,6 +270,49 @@ fn an_interrupted_run_ends_with_130_and_leaves_nothing() {
     assert_eq!(listing(folder.path()), ["study.toml"]);
 }
 
+#[test]
+fn the_study_of_a_run_runs_from_where_it_lies_and_its_results_name_no_path() {
+    let folder = TempDir::new().unwrap();
+    let home = folder.path().join("my study é");
+    fs::create_dir(&home).unwrap();
+    fs::write(home.join("spec.toml"), SPECIFICATION).unwrap();
+    assert_eq!(run_in(&home, "surface generate spec.toml --out scan.x3p --quiet").code, 0);
+    let text = STUDY[..STUDY.find("[material]").unwrap()].replace("covariance =", "file = \"scan.x3p\"\ncovariance =");
+    fs::write(home.join("study.toml"), text).unwrap();
+    // The scan lies beside the study, not in the folder that the program is called from.
+    let first = asperity_in(folder.path(), &["run", "my study é/study.toml", "--out", "first", "--json"]).json(0);
+    let again = run_in(&folder.path().join("first"), "run study.toml --out ../again --json").json(0);
+    assert_eq!(first, again);
+    for run in ["first", "again"] {
+        let results = fs::read_to_string(folder.path().join(run).join("results.json")).unwrap();
+        assert!(!results.contains("my study") && !results.contains("/"), "{results}");
+    }
+}
+
+#[test]
+fn a_run_that_fails_leaves_no_folder_behind_and_keeps_those_that_were_there() {
+    // Friction that may fall below zero leaves too few valid paths.
+    let folder = folder_with(&STUDY.replace("friction_std = 0.001", "friction_std = 0.05"));
+    let failed = run_in(folder.path(), "run study.toml --only vibration --json").json(4);
+    assert_eq!(failed["converged"], false);
+    assert_eq!(listing(folder.path()), ["study.toml"]);
+    fs::create_dir(folder.path().join("mine")).unwrap();
+    assert_eq!(run_in(folder.path(), "run study.toml --only vibration --out mine/a/b").code, 4);
+    assert_eq!(listing(folder.path()), ["mine", "study.toml"]);
+    assert!(listing(&folder.path().join("mine")).is_empty());
+    assert_eq!(run_in(folder.path(), "run study.toml --only surface --out mine/a/b --quiet").code, 0);
+    assert!(folder.path().join("mine/a/b/COMPLETE").is_file());
+}
+
+#[test]
+fn a_quiet_run_says_nothing_and_a_plain_one_says_where_the_report_is() {
+    let folder = folder_with(STUDY);
+    let quiet = run_in(folder.path(), "run study.toml --only surface --out a --quiet --json");
+    assert_eq!((quiet.code, quiet.stderr.as_str()), (0, ""));
+    let plain = run_in(folder.path(), "run study.toml --only surface --out b");
+    assert!(plain.code == 0 && plain.stderr.contains("wrote b/report.html"), "{plain:?}");
+}
+
 const SPECIFICATION: &str = r#"seed = 3
 size = ["64 um", "32 um"]
 points = [64, 32]

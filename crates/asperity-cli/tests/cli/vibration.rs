@@ -167,6 +167,25 @@ fn values_out_of_range_are_usage_errors() {
     }
 }
 
+#[test]
+fn machines_beyond_double_precision_are_refused_with_the_range() {
+    let base = [("static-friction", "0.1"), ("stribeck", "4.2"), ("belt-velocity", "0.003"), ("damping-ratio", "0.17")];
+    for (flag, value, words) in [
+        ("static-friction", "1e300", ["static_friction", "between 1e-12 and 1000"]),
+        ("stribeck", "1e300", ["weakening", "between 0 and 1e6"]),
+        ("damping-ratio", "1e9", ["damping_ratio", "between 0 and 1000"]),
+        ("belt-velocity", "1e-300", ["belt_velocity", "between 1e-12 and 1e6"]),
+    ] {
+        let line = base.map(|(name, usual)| format!("--{name} {}", if name == flag { value } else { usual })).join(" ");
+        asperity(&format!("vibration cycle {line} --json")).refuses(2, &words);
+        if flag != "damping-ratio" {
+            asperity(&format!("vibration critical-damping {line} --json")).refuses(2, &words);
+        }
+    }
+    let forced = format!("vibration cycle {PAPER} --damping-ratio 0.17 --forcing 0.01 --forcing-frequency 1e9 --json");
+    asperity(&forced).refuses(2, &["forcing_frequency", "between 1e-6 and 1000"]);
+}
+
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --duration 637.2";
 
 #[test]

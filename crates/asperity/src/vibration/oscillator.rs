@@ -2,10 +2,36 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FrictionLaw, VibrationError, non_negative, positive};
+use super::{FrictionLaw, VibrationError, positive};
 
 /// Share of the static friction force at which the mass starts, sticking, unless told otherwise.
 const DEFAULT_START_SHARE: f64 = 0.97;
+
+/// A closed range of a parameter and its wording. Machines lie well inside; outside, double precision no longer tells
+/// the motion in a slip phase from rounding, and an answer would be a number without meaning.
+struct Range {
+    least: f64,
+    most: f64,
+    wanted: &'static str,
+}
+
+const FRICTION: Range = Range { least: 1e-12, most: 1e3, wanted: "between 1e-12 and 1000" };
+const WEAKENING: Range = Range { least: 0.0, most: 1e6, wanted: "between 0 and 1e6" };
+const DAMPING: Range = Range { least: 0.0, most: 1e3, wanted: "between 0 and 1000" };
+const BELT_VELOCITY: Range = Range { least: 1e-12, most: 1e6, wanted: "between 1e-12 and 1e6" };
+const FORCING_AMPLITUDE: Range = Range { least: 0.0, most: 1e6, wanted: "between 0 and 1e6" };
+const FORCING_FREQUENCY: Range = Range { least: 1e-6, most: 1e3, wanted: "between 1e-6 and 1000" };
+
+impl Range {
+    /// NaN lies in no range.
+    fn holds(&self, parameter: &'static str, value: f64) -> Result<(), VibrationError> {
+        if (self.least..=self.most).contains(&value) {
+            Ok(())
+        } else {
+            Err(VibrationError::Parameter { parameter, value, wanted: self.wanted })
+        }
+    }
+}
 
 /// Harmonic force q cos ητ on the mass.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -48,11 +74,16 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// Checks the parameters: finite, ζ ≥ 0, V > 0, 0 < μ_k ≤ μ_st, weakening rate ≥ 0, η > 0.
+    /// Checks the parameters: 10⁻¹² ≤ μ_k ≤ μ_st ≤ 10³, weakening rate 0 … 10⁶, ζ = 0 … 10³, V = 10⁻¹² … 10⁶,
+    /// q = 0 … 10⁶, η = 10⁻⁶ … 10³.
     pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
         let Parameters { static_friction, law, damping_ratio, belt_velocity, forcing } = parameters;
-        positive("static_friction", static_friction)?;
+        FRICTION.holds("static_friction", static_friction)?;
+        FRICTION.holds("kinetic_friction", law.kinetic())?;
         law.validate()?;
+        if let FrictionLaw::Stribeck { decay: rate, .. } | FrictionLaw::Linear { slope: rate, .. } = law {
+            WEAKENING.holds("velocity weakening of the friction law", rate)?;
+        }
         if law.kinetic() > static_friction {
             return Err(VibrationError::Parameter {
                 parameter: "kinetic_friction",
@@ -60,11 +91,11 @@ impl Oscillator {
                 wanted: "at most the static friction",
             });
         }
-        non_negative("damping_ratio", damping_ratio)?;
-        positive("belt_velocity", belt_velocity)?;
+        DAMPING.holds("damping_ratio", damping_ratio)?;
+        BELT_VELOCITY.holds("belt_velocity", belt_velocity)?;
         if let Some(Forcing { amplitude, frequency }) = forcing {
-            non_negative("forcing amplitude", amplitude)?;
-            positive("forcing_frequency", frequency)?;
+            FORCING_AMPLITUDE.holds("forcing amplitude", amplitude)?;
+            FORCING_FREQUENCY.holds("forcing_frequency", frequency)?;
         }
         Ok(Self { parameters })
     }
@@ -186,8 +217,17 @@ mod tests {
             (0.1, 4.2, 0.17, 0.0),
             (0.1, 4.2, f64::NAN, 0.003),
             (f64::INFINITY, 4.2, 0.1, 0.003),
+            (1e300, 4.2, 0.17, 0.003),
+            (0.1, 1e300, 0.17, 0.003),
+            (0.1, 4.2, 1e9, 0.003),
+            (0.1, 4.2, 0.17, 1e-300),
+            (0.1, 4.2, 0.17, 1e9),
         ] {
             assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_err());
+        }
+        // The ends of the ranges belong to them.
+        for (static_friction, decay, damping, velocity) in [(1e3, 1e6, 1e3, 1e6), (1e-12, 0.0, 0.0, 1e-12)] {
+            assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_ok());
         }
         let law = FrictionLaw::Coulomb { kinetic: 0.5 };
         let parameters =
@@ -197,7 +237,10 @@ mod tests {
             Err(VibrationError::Parameter { parameter: "kinetic_friction", .. })
         ));
         let fine = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        assert!(fine.with_forcing(Some(Forcing { amplitude: 0.1, frequency: 0.0 })).is_err());
+        for (amplitude, frequency) in [(0.1, 0.0), (0.1, 1e6), (1e9, 1.0), (-0.1, 1.0), (0.1, f64::NAN)] {
+            assert!(fine.with_forcing(Some(Forcing { amplitude, frequency })).is_err(), "{amplitude} {frequency}");
+        }
+        assert!(fine.with_damping(1e9).is_err());
         assert_eq!(fine.with_forcing(Some(Forcing { amplitude: 0.0, frequency: 1.0 })).unwrap().forcing(), None);
     }
 }

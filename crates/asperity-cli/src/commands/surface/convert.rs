@@ -8,7 +8,7 @@ use clap::Args;
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, PixelSize};
 use crate::monitor::Terminal;
-use crate::output::{check_target, warn};
+use crate::output::check_target;
 
 /// Rewrites a file; missing points stay missing.
 #[derive(Debug, Args)]
@@ -24,14 +24,14 @@ pub(crate) struct Convert {
 impl Convert {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         check_target(&self.output)?;
-        let scan = input::scan(&self.input, self.pixel_size)?;
+        let scan = input::scan(&self.input, self.pixel_size, monitor)?;
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         if let (Some((dx_m, dy_m)), Some(format)) = (scan.pitch_m, Format::from_extension(&extension))
             && !format.stores_pitch()
         {
             let (output, name) = (self.output.display(), format.name());
-            warn(&format!("{output}: {name} has no place for the pixel size, {dx_m:?} × {dy_m:?} m; note it"));
+            monitor.warn(&format!("{output}: {name} has no place for the pixel size, {dx_m:?} × {dy_m:?} m; note it"));
         }
         let (ny, nx) = scan.heights_m.dim();
         let missing = scan.missing_points();

@@ -13,7 +13,7 @@ use crate::args;
 use crate::commands::study_file;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::{check_target, warn};
+use crate::output::check_target;
 use crate::resources::require_memory;
 
 /// Draws random maps like the surface of a specification: seed, size, points and a [surface] section.
@@ -47,7 +47,7 @@ impl Generate {
         let sampler =
             specimen.sampler(study_file::folder_of(&self.spec)).map_err(|e| study_file::ended(&self.spec, &e))?;
         for warning in sampler.warnings() {
-            warn(warning);
+            monitor.warn(warning);
         }
         if into_folder {
             std::fs::create_dir_all(&self.out)

@@ -40,7 +40,7 @@ enum Form {
 
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let map = input::map(&self.file, self.pixel_size)?;
+        let map = input::map(&self.file, self.pixel_size, monitor)?;
         let level = match self.level {
             Form::None => Level::None,
             Form::Mean => Level::Mean,

@@ -9,7 +9,7 @@ use super::{Damping, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
-use crate::output::{Answer, warn};
+use crate::output::Answer;
 
 /// Follows many paths and counts their cycles: slips that reach a negative velocity.
 #[derive(Debug, Args)]
@@ -74,7 +74,7 @@ impl Ensemble {
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
-            warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
+            monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
         }
         answer(Some(&ensemble)).print(self.json)
     }
