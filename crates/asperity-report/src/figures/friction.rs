@@ -5,7 +5,7 @@ use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen, Rect, draw};
 use crate::chart::{Chart, Layout, Mark, figure};
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::{BLACK, BLUE, GREY, VERMILION, pen};
+use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION, pen};
 use crate::raster::{Kind, Raster};
 use crate::{ReportError, Run, Table};
 
@@ -105,10 +105,15 @@ fn histogram(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportError> 
         let pen = Pen::new(VERMILION, 2.0, Dash::Solid);
         chart.add("fitted Beta law", Mark::Line { x: mu.to_vec(), y: y.to_vec(), pen });
     }
+    if let Some(y) = table.column("fitted_density") {
+        let pen = Pen::new(BLACK, 1.5, Dash::Dashed);
+        chart.add("law ranked first", Mark::Line { x: mu.to_vec(), y: y.to_vec(), pen });
+    }
     let title = "Law of the friction coefficient";
-    let caption = "Histogram of μ over all windows at the leading level with the Beta law fitted by likelihood, its \
-                   bounds included."
-        .to_owned();
+    let caption =
+        "Histogram of μ over all windows of the leading level, taken at its mean load, with the Beta law fitted \
+                   by likelihood, its bounds included, and the law that Akaike’s criterion ranks first."
+            .to_owned();
     let svg = figure(title, &caption, Layout::Column, &[(330.0, chart)])?;
     let sources = vec![csv(NAME)];
     plates.push(Plate { name: NAME, stage: Stage::Friction, title: title.into(), caption, sources, svg });
@@ -120,7 +125,8 @@ fn autocorrelation(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportE
     let Some([lag]) = columns(table, ["lag_m"]) else { return Ok(()) };
     let curves = [
         ("acf", "windows", Pen::new(BLUE, 2.0, Dash::Solid)),
-        ("fit", "fitted model", Pen::new(VERMILION, 1.8, Dash::Dashed)),
+        ("fit", "exponential", Pen::new(VERMILION, 1.8, Dash::Dashed)),
+        ("windowed_fit", "window and exponential", Pen::new(GREEN, 1.8, Dash::Alternating)),
         ("window_only", "window alone (triangle)", Pen::new(BLACK, 1.5, Dash::Dotted)),
     ];
     let Some((low, high)) = range(curves.iter().filter_map(|c| table.column(c.0)).flatten()) else { return Ok(()) };
@@ -135,7 +141,7 @@ fn autocorrelation(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportE
         }
     }
     let title = "Autocorrelation of the friction coefficient";
-    let caption = "Autocorrelation of μ along the track. A window that slides over uncorrelated friction gives the \
+    let caption = "Autocorrelation of μ along the track at the leading level, taken at its mean load. A window that slides over uncorrelated friction gives the \
                    triangle by itself: only what lies above it is a property of the surface."
         .to_owned();
     let svg = figure(title, &caption, Layout::Column, &[(330.0, chart)])?;

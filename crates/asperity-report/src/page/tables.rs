@@ -114,10 +114,10 @@ pub(super) fn friction(friction: &Value) -> Vec<DataTable> {
     let rows = list(&friction["levels"])
         .iter()
         .map(|level| {
-            let length = if level["window_only"] == Value::Bool(true) {
-                "window only".into()
-            } else {
-                shown(level, "correlation_length_m")
+            // The length of the exponential fit contains the window; it never stands without saying so.
+            let length = match level["window_only"] == Value::Bool(true) {
+                true => format!("{} (window only)", shown(level, "correlation_length_m")),
+                false => shown(level, "correlation_length_m"),
             };
             vec![
                 level_name(level),
