@@ -1,7 +1,7 @@
 //! A prescribed mean gap.
 //!
-//! On an elastic periodic half-space the mean displacement is known, so the gap fixes the plane. Otherwise the plane that
-//! leaves this gap is sought: the mean gap rises with the plane's height, continuously even where the pressure needed
+//! On a periodic half-space that nowhere yields the mean displacement is known, so the gap fixes the plane. Otherwise the
+//! plane that leaves this gap is sought: the mean gap rises with the plane's height, continuously even where the pressure needed
 //! for it does not change (a rigid-plastic contact).
 
 use crate::contact::descent::Descent;
@@ -27,6 +27,15 @@ pub(super) fn solve(solver: &Solver, problem: &Problem<'_>, gap_m: f64, workspac
         return Descent::new(problem, closure, vec![0.0; points], rigid_mean(problem), workspace).run(solver);
     }
     let mut search = Search::new(solver, problem, gap_m, workspace);
+    if periodic {
+        // Where nothing yields, the hardness does not matter.
+        let usual = search.mean_compliance.replace(0.0);
+        let (_, solution) = search.at(gap_m, vec![0.0; points], COARSEST_TOLERANCE);
+        if search.is_met(&solution) {
+            return search.finish(solution);
+        }
+        search.mean_compliance = usual;
+    }
     let mut solution = search.run(COARSEST_TOLERANCE);
     if solution.stop_reason == StopReason::PrecisionLimit {
         // A gap believed too early may have spoiled the bracket.
