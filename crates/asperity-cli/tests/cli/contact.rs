@@ -171,6 +171,19 @@ fn an_unreachable_tolerance_is_not_converged_and_says_so_in_json() {
 }
 
 #[test]
+fn absurd_loads_end_without_a_defect() {
+    let folder = folder_with(rough());
+    for press_by in ["--mean-pressure 1e30Pa", "--load 1e30N", "--penetration 1e30m", "--mean-gap 1e30m"] {
+        for boundary in ["free", "periodic"] {
+            let line = format!("--youngs-modulus 210GPa --boundary {boundary} {press_by} --json");
+            let ended = press(folder.path(), &line);
+            let json = ended.json(if ended.code == 4 { 4 } else { 0 });
+            assert_eq!(json["converged"], ended.code == 0, "{line}: {ended:?}");
+        }
+    }
+}
+
+#[test]
 fn values_out_of_range_are_usage_errors_that_name_the_flag() {
     let folder = folder_with(rough());
     let base = "--youngs-modulus 210GPa --boundary free";
@@ -179,6 +192,7 @@ fn values_out_of_range_are_usage_errors_that_name_the_flag() {
         (format!("{base} --percentile 101"), vec!["--percentile", "101"]),
         (format!("{base} --percentile nan"), vec!["--percentile"]),
         (format!("{base} --mean-pressure 20"), vec!["--mean-pressure", "no unit"]),
+        (format!("{base} --mean-pressure 1e308Pa"), vec!["--mean-pressure", "at most 1e30"]),
         (format!("{base} --mean-pressure 20um"), vec!["--mean-pressure", "`um` is not a unit of pressure"]),
         (format!("{base} --load 0N"), vec!["--load", "above 0"]),
         (format!("{base} --mean-gap 0um"), vec!["--mean-gap", "above 0"]),
