@@ -66,8 +66,16 @@ impl<T: Copy> OneOrTwo<T> {
     }
 }
 
+/// No quantity of this field comes near; the squares and sums of larger ones leave the range of a double.
+const LARGEST_SI: f64 = 1e30;
+
 fn quantity<Q: Si>(text: &str) -> Result<Q, Refusal> {
-    text.parse().map_err(|e: Q::Err| e.to_string().into())
+    let value: Q = text.parse().map_err(|e: Q::Err| e.to_string())?;
+    if value.si().abs() <= LARGEST_SI {
+        Ok(value)
+    } else {
+        Err(format!("{value} is out of range: it must be at most {LARGEST_SI:e} in SI").into())
+    }
 }
 
 /// A quantity above zero.
@@ -187,5 +195,6 @@ mod tests {
         assert!(tolerance("1e-300").is_ok() && tolerance("1").is_err() && tolerance("0").is_err());
         assert!(non_negative_quantity::<Length>("-1um").is_err() && non_negative_quantity::<Length>("0um").is_ok());
         assert!(positive_quantity::<Pressure>("0 Pa").is_err());
+        assert!(positive_quantity::<Pressure>("1e30 Pa").is_ok() && positive_quantity::<Pressure>("1e308 Pa").is_err());
     }
 }

@@ -78,6 +78,10 @@ impl Failure {
         Ok(self)
     }
 
+    pub(crate) fn message(&self) -> &str {
+        &self.message
+    }
+
     pub(crate) fn kind(&self) -> Kind {
         self.kind
     }

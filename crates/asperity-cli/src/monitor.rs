@@ -20,6 +20,8 @@ pub(crate) struct Terminal {
     display: Display,
     tasks: Mutex<BTreeMap<String, Task>>,
     cancelled: Arc<AtomicBool>,
+    /// Set while a computation runs that nobody can ask to stop.
+    abrupt: Arc<AtomicBool>,
 }
 
 enum Display {
@@ -73,9 +75,14 @@ impl Terminal {
     /// Installs the handler of Ctrl-C. The first one asks the computation to stop, the second one ends the program.
     pub(crate) fn new(quiet: bool) -> Result<Self, Failure> {
         let cancelled = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&cancelled);
+        let abrupt = Arc::new(AtomicBool::new(false));
+        let (flag, at_once) = (Arc::clone(&cancelled), Arc::clone(&abrupt));
         ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::SeqCst) {
+            let again = flag.swap(true, Ordering::SeqCst);
+            if at_once.load(Ordering::SeqCst) {
+                talk(&Failure::from(Cancelled).to_string());
+            }
+            if again || at_once.load(Ordering::SeqCst) {
                 std::process::exit(i32::from(Kind::Cancelled.exit_code()));
             }
             talk("stopping at the next block; press Ctrl-C again to end at once");
@@ -88,7 +95,7 @@ impl Terminal {
         } else {
             Display::Lines
         };
-        Ok(Self { display, tasks: Mutex::default(), cancelled })
+        Ok(Self { display, tasks: Mutex::default(), cancelled, abrupt })
     }
 
     /// Tells something that is not data, unless quiet.
@@ -113,6 +120,16 @@ impl Terminal {
     /// Ends a command that Ctrl-C reached while it was in a part that cannot stop.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// Runs a computation that cannot be asked to stop and that writes nothing: Ctrl-C ends the program in the midst of it.
+    pub(crate) fn at_once<T>(&self, compute: impl FnOnce() -> T) -> Result<T, Cancelled> {
+        self.abrupt.store(true, Ordering::SeqCst);
+        self.check()?;
+        let found = compute();
+        self.abrupt.store(false, Ordering::SeqCst);
+        self.check()?;
+        Ok(found)
     }
 
     /// Seconds that each task took so far.

@@ -159,9 +159,9 @@ fn six_digits(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Refuses a file that could not be written, before anything is computed.
-pub(crate) fn check_target(path: &Path) -> Result<(), Failure> {
-    let refuse = |reason: &str| Err(Failure::usage(format!("--out {}: {reason}", path.display())));
+/// Refuses a file that could not be written, before anything is computed. `argument` names it.
+pub(crate) fn check_target(argument: &str, path: &Path) -> Result<(), Failure> {
+    let refuse = |reason: &str| Err(Failure::usage(format!("{argument} {}: {reason}", path.display())));
     if path.is_dir() {
         return refuse("this is a folder; a file is wanted");
     }
@@ -238,12 +238,12 @@ mod tests {
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         for path in [Path::new("/dev/null"), &socket, folder.path()] {
-            assert_eq!(check_target(path).unwrap_err().kind(), Kind::Usage, "{}", path.display());
+            assert_eq!(check_target("--out", path).unwrap_err().kind(), Kind::Usage, "{}", path.display());
         }
         let file = folder.path().join("file");
-        check_target(&file).unwrap();
+        check_target("--out", &file).unwrap();
         fs::write(&file, "old").unwrap();
-        check_target(&file).unwrap();
+        check_target("--out", &file).unwrap();
     }
 
     #[test]

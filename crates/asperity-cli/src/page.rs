@@ -52,6 +52,14 @@ fn in_words(value: &toml::Value) -> String {
     }
 }
 
+/// A finished run of which a file is missing or cannot be read is unusable data.
+pub(crate) fn load_failure(error: &StoreError) -> Failure {
+    match error {
+        StoreError::Io { path, source } => Failure::io(Kind::Data, path.display(), source),
+        error => store_failure(error),
+    }
+}
+
 /// A run folder that cannot be read is unusable data; one that cannot be written is a runtime error.
 pub(crate) fn store_failure(error: &StoreError) -> Failure {
     match error {

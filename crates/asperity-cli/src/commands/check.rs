@@ -12,6 +12,7 @@ use crate::failure::{Failure, Kind};
 use crate::input::unreadable;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
+use crate::resources::require_memory;
 
 /// Shows a study with all its values filled in, what it will cost, and what is wrong with it; computes nothing.
 #[derive(Debug, Args)]
@@ -26,9 +27,13 @@ pub(crate) struct Check {
 impl Check {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let study = study_file::study(&self.study, None)?;
-        let problems = self.problems(&study)?;
+        let mut problems = self.problems(&study)?;
         let threads = rayon::current_num_threads();
         let stages = study.estimate(threads);
+        for stage in &stages {
+            let lacking = require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err();
+            problems.extend(lacking.map(|failure| failure.message().to_owned()));
+        }
         monitor.check()?;
         if self.json {
             let resolved = serde_json::to_value(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;

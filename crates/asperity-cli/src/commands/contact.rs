@@ -99,7 +99,7 @@ impl Contact {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let control = self.press.control()?;
         if let Some(out) = &self.out {
-            check_target(out)?;
+            check_target("--out", out)?;
         }
         let map = input::map(&self.file, self.pixel_size, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
@@ -113,8 +113,7 @@ impl Contact {
         if let Some(tolerance) = self.tolerance {
             solver.tolerance = tolerance;
         }
-        let solution = solver.solve(&problem).map_err(refused)?;
-        monitor.check()?;
+        let solution = monitor.at_once(|| solver.solve(&problem))?.map_err(refused)?;
         if let Some(out) = &self.out {
             npz::write(
                 out,

@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::monitor::Terminal;
-use crate::page::{rendered, store_failure};
+use crate::page::{load_failure, rendered, store_failure};
 
 /// Renders report.html and figures/ again from the numbers of a finished run; computes nothing anew.
 #[derive(Debug, Args)]
@@ -18,7 +18,7 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let run = StoredRun::load(&self.dir).map_err(|e| store_failure(&e))?;
+        let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let report = rendered(&run)?;
         monitor.check()?;
         let replace = |relative: &str, text: &str| {

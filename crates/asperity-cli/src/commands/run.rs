@@ -80,6 +80,10 @@ impl Run {
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
             .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+        if destination.exists() && !destination.is_dir() {
+            let found = destination.display();
+            return Err(Failure::usage(format!("--out {found}: this is no folder, and a run is written to one")));
+        }
         // Before hours are spent: may the folder be written?
         let _parents = NewParents::of(&destination);
         let staging = Staging::open(&destination, self.force).map_err(|e| store_failure(&e))?;

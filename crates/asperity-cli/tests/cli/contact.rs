@@ -4,7 +4,11 @@ use std::f64::consts::{PI, TAU};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
+#[cfg(target_os = "linux")]
+use std::time::Duration;
 
+#[cfg(target_os = "linux")]
+use crate::support::interrupted_in;
 use crate::support::{Ended, asperity_in, close, keys, listing, npy, number};
 use asperity_formats::read_bytes;
 use ndarray::Array2;
@@ -167,6 +171,19 @@ fn an_unreachable_tolerance_is_not_converged_and_says_so_in_json() {
 }
 
 #[test]
+fn absurd_loads_end_without_a_defect() {
+    let folder = folder_with(rough());
+    for press_by in ["--mean-pressure 1e30Pa", "--load 1e30N", "--penetration 1e30m", "--mean-gap 1e30m"] {
+        for boundary in ["free", "periodic"] {
+            let line = format!("--youngs-modulus 210GPa --boundary {boundary} {press_by} --json");
+            let ended = press(folder.path(), &line);
+            let json = ended.json(if ended.code == 4 { 4 } else { 0 });
+            assert_eq!(json["converged"], ended.code == 0, "{line}: {ended:?}");
+        }
+    }
+}
+
+#[test]
 fn values_out_of_range_are_usage_errors_that_name_the_flag() {
     let folder = folder_with(rough());
     let base = "--youngs-modulus 210GPa --boundary free";
@@ -175,6 +192,7 @@ fn values_out_of_range_are_usage_errors_that_name_the_flag() {
         (format!("{base} --percentile 101"), vec!["--percentile", "101"]),
         (format!("{base} --percentile nan"), vec!["--percentile"]),
         (format!("{base} --mean-pressure 20"), vec!["--mean-pressure", "no unit"]),
+        (format!("{base} --mean-pressure 1e308Pa"), vec!["--mean-pressure", "at most 1e30"]),
         (format!("{base} --mean-pressure 20um"), vec!["--mean-pressure", "`um` is not a unit of pressure"]),
         (format!("{base} --load 0N"), vec!["--load", "above 0"]),
         (format!("{base} --mean-gap 0um"), vec!["--mean-gap", "above 0"]),
@@ -219,4 +237,22 @@ fn a_map_that_cannot_be_pressed_is_unusable_data() {
             .refuses(3, &words);
         assert_eq!(listing(folder.path()), ["map.npy"]);
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupted_solution_ends_at_once_and_leaves_the_old_file() {
+    // Far more than a minute of work.
+    let folder = folder_with(Array2::from_shape_fn((2048, 2048), |(row, column)| {
+        let (x, y) = (column as f64, row as f64);
+        1e-6 * ((0.011 * x + 0.002 * y).sin() + (0.017 * y - 0.003 * x).cos() + 0.1 * (0.9 * x).sin() * (1.1 * y).sin())
+    }));
+    fs::write(folder.path().join("f.npz"), "old").unwrap();
+    let line = "contact map.npy --pixel-size 1um --youngs-modulus 210GPa --boundary free --percentile 60 \
+                --tolerance 1e-13 --out f.npz --json";
+    let (ended, took) = interrupted_in(folder.path(), line);
+    ended.refuses(130, &["cancelled"]);
+    assert!(took < Duration::from_secs(5), "{took:?}");
+    assert_eq!(fs::read_to_string(folder.path().join("f.npz")).unwrap(), "old");
+    assert_eq!(listing(folder.path()), ["f.npz", "map.npy"]);
 }

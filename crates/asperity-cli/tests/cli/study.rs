@@ -152,6 +152,9 @@ fn a_report_is_rendered_again_to_the_same_bytes_and_leaves_the_numbers_alone() {
     fs::write(run.join("report.html"), "spoiled").unwrap();
     assert_eq!(run_in(folder.path(), "report runs/study").code, 0);
     assert_eq!(files(&run), before);
+    fs::rename(run.join("results.json"), folder.path().join("aside.json")).unwrap();
+    run_in(folder.path(), "report runs/study").refuses(3, &["results.json"]);
+    fs::rename(folder.path().join("aside.json"), run.join("results.json")).unwrap();
     fs::remove_file(run.join("COMPLETE")).unwrap();
     run_in(folder.path(), "report runs/study").refuses(3, &["runs/study", "not a finished run", "COMPLETE"]);
     run_in(folder.path(), "report nowhere").refuses(3, &["nowhere"]);
@@ -183,6 +186,14 @@ fn a_folder_with_content_is_kept_unless_forced() {
     run_in(folder.path(), line).refuses(2, &["out", "not empty", "--force"]);
     assert_eq!(listing(&folder.path().join("out")), ["thesis.tex"]);
     run_in(folder.path(), "run study.toml --only surface --out study.toml").refuses(2, &["study.toml"]);
+    #[cfg(unix)]
+    {
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        run_in(folder.path(), "run study.toml --only surface --out socket --force")
+            .refuses(2, &["socket", "no folder"]);
+        fs::remove_file(socket).unwrap();
+    }
     assert_eq!(run_in(folder.path(), &format!("{line} --force")).code, 0);
     assert!(!listing(&folder.path().join("out")).contains(&"thesis.tex".to_owned()));
     assert_eq!(listing(folder.path()), ["out", "study.toml"]);
@@ -302,6 +313,17 @@ fn a_run_that_fails_leaves_no_folder_behind_and_keeps_those_that_were_there() {
     assert!(listing(&folder.path().join("mine")).is_empty());
     assert_eq!(run_in(folder.path(), "run study.toml --only surface --out mine/a/b --quiet").code, 0);
     assert!(folder.path().join("mine/a/b/COMPLETE").is_file());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_study_too_large_for_the_memory_is_a_problem_for_check_and_a_lack_of_resources_for_run() {
+    let folder = folder_with(&STUDY.replace("points = [16, 16]", "points = [1000000, 1000000]"));
+    let checked = run_in(folder.path(), "check study.toml --json").json(0);
+    let problem = checked["problems"][0].as_str().unwrap();
+    assert!(problem.contains("pressure stage") && problem.contains("GB"), "{problem}");
+    run_in(folder.path(), "run study.toml").refuses(5, &["pressure stage", "GB"]);
+    assert_eq!(listing(folder.path()), ["study.toml"]);
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+#[cfg(target_os = "linux")]
+use std::time::{Duration, Instant};
 
 use asperity_formats::{Scan, write_npy};
 use ndarray::Array2;
@@ -29,6 +31,41 @@ pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
         stdout: String::from_utf8(output.stdout).unwrap(),
         stderr: String::from_utf8(output.stderr).unwrap(),
     }
+}
+
+/// Runs `asperity`, interrupts it in the midst, and tells how long it took to end.
+#[cfg(target_os = "linux")]
+pub(crate) fn interrupted_in(at: &Path, line: &str) -> (Ended, Duration) {
+    const SIGINT_BIT: u64 = 1 << 1;
+    let child = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(line.split_whitespace())
+        .current_dir(at)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let listens = || {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+        u64::from_str_radix(caught.trim(), 16).unwrap() & SIGINT_BIT != 0
+    };
+    let began = Instant::now();
+    while !listens() {
+        assert!(began.elapsed() < Duration::from_secs(60), "the handler of Ctrl-C is not there");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // Time to read the input and to begin.
+    std::thread::sleep(Duration::from_millis(500));
+    let asked = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let ended = Ended {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    };
+    (ended, asked.elapsed())
 }
 
 /// Runs `asperity` with one line of arguments, separated by spaces.

@@ -2,10 +2,14 @@
 
 use std::fs;
 use std::path::Path;
+#[cfg(target_os = "linux")]
+use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
 
+#[cfg(target_os = "linux")]
+use crate::support::interrupted_in;
 use crate::support::{asperity, asperity_in, close, keys, number};
 
 /// The paper's law; periods and displacements are those of a high-precision solver.
@@ -249,4 +253,14 @@ fn an_ensemble_needs_its_seed_and_a_law() {
     let noise = NOISE.replace("--friction-std 0.001", "--friction-std 0");
     asperity(&format!("{line} {noise} --seed 1")).refuses(2, &["--friction-std", "above 0"]);
     asperity(&format!("{line} {NOISE} --seed -1")).refuses(2, &["--seed"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupted_ensemble_prints_no_numbers() {
+    let line =
+        format!("vibration ensemble {PAPER} --damping-ratio 0.17 {NOISE} --trajectories 10000000 --seed 1 --json");
+    let (ended, took) = interrupted_in(Path::new("."), &line);
+    ended.refuses(130, &["cancelled"]);
+    assert!(took < Duration::from_secs(5), "{took:?}");
 }

@@ -23,7 +23,7 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        check_target(&self.output)?;
+        check_target("OUTPUT", &self.output)?;
         let scan = input::scan(&self.input, self.pixel_size, monitor)?;
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();

@@ -36,7 +36,7 @@ impl Generate {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let into_folder = self.count > 1 || self.out.is_dir();
         if !into_folder {
-            check_target(&self.out)?;
+            check_target("--out", &self.out)?;
         } else if self.out.is_file() {
             let message = format!("--out {}: {} maps need a folder, this is a file", self.out.display(), self.count);
             return Err(Failure::usage(message));

@@ -78,9 +78,9 @@ impl Modes {
         let sizes_m: Vec<f64> = self.size.given().into_iter().map(|size| size.0).collect();
         let points = self.points.given();
         require_memory(modes_memory_bytes(&points, self.modes, route), "the eigenproblem")?;
-        let found = modes(&covariance, &sizes_m, &points, self.modes, route)
+        let found = monitor
+            .at_once(|| modes(&covariance, &sizes_m, &points, self.modes, route))?
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
-        monitor.check()?;
         answer(Some(&found)).print(self.json)
     }
 }

@@ -1,5 +1,6 @@
 //! What a measured surface is.
 
+use std::error::Error;
 use std::path::PathBuf;
 
 use asperity::study::statistics;
@@ -47,9 +48,9 @@ impl Stats {
             Form::Plane => Level::Plane,
             Form::Quadratic => Level::Quadratic,
         };
-        let levelled = remove_form(&map, level).map_err(|e| Failure::data(self.file.display(), &e))?;
-        let statistics = statistics(&levelled.map, 0).map_err(|e| Failure::data(self.file.display(), &e))?;
-        monitor.check()?;
+        let unusable = |e: &dyn Error| Failure::data(self.file.display(), e);
+        let levelled = remove_form(&map, level).map_err(|e| unusable(&e))?;
+        let statistics = monitor.at_once(|| statistics(&levelled.map, 0))?.map_err(|e| unusable(&e))?;
         Answer::of(&statistics)?.print(self.json)
     }
 }

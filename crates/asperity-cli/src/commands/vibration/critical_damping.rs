@@ -31,8 +31,9 @@ impl CriticalDamping {
             monitor.note("the forcing is left aside: the damping ratios are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(0.0)?;
-        let critical = critical_damping(&oscillator).or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
-        monitor.check()?;
+        let critical = monitor
+            .at_once(|| critical_damping(&oscillator))?
+            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
         answer(Some(&critical)).print(self.json)
     }
 }

@@ -23,8 +23,9 @@ pub(crate) struct Cycle {
 impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let regime = limit_cycle(&oscillator).or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
-        monitor.check()?;
+        let regime = monitor
+            .at_once(|| limit_cycle(&oscillator))?
+            .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         match regime {
             Regime::Cycle(_) => {}
             Regime::Sliding => monitor.note("no limit cycle: the mass slides for ever"),

@@ -45,13 +45,13 @@ impl Trajectory {
         let record = RecordedProcess::new(self.friction_step, values)
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;
         let settings = TrajectorySettings { duration: self.duration, start: self.start, drive: Drive::Distance };
-        let path = vibration::Trajectory::simulate(&oscillator, record.path(), &settings).map_err(|e| match e {
+        let simulated = monitor.at_once(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
+        let path = simulated.map_err(|e| match e {
             VibrationError::ProcessTooShort { .. } | VibrationError::FrictionNotPositive { .. } => {
                 Failure::data(self.friction_file.display(), &e)
             }
             e => refused(&e),
         })?;
-        monitor.check()?;
         let events: Vec<_> =
             path.events.iter().map(|e| json!([e.kind.code(), e.tau, e.displacement, e.sliding_distance])).collect();
         Answer::default().with("events", events).print(self.json)
