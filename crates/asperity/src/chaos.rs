@@ -28,7 +28,7 @@ pub mod sampling;
 pub use basis::{Basis, BasisError};
 pub use distance::{DistanceError, StepLaw};
 pub use expansion::Expansion;
-pub use multi_index::{MultiIndexError, MultiIndexSet, number_of_terms};
+pub use multi_index::{MAX_TERMS, MultiIndexError, MultiIndexSet, number_of_terms};
 pub use polynomial::Family;
 pub use regression::{Fit, LeastSquares, LeaveOneOut, RegressionError};
 pub use sampling::{Design, SamplingError, SamplingMethod};

@@ -171,6 +171,31 @@ friction_marginal = "beta:2.1,5"
 }
 
 #[test]
+fn violent_friction_is_cut_off_and_says_so() {
+    // Fluctuations as large as the mean would change the sign of friction in fast slips.
+    let text = r#"
+seed = 1
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.05
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+damping_sweep = [0.02, 0.3, 2]
+trajectories = 20
+duration = 200.0
+static_friction = 0.2
+friction_std = 0.15
+friction_correlation_length = "250 um"
+friction_marginal = "normal"
+"#;
+    let results = Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap().results;
+    assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
+    assert!(results.warnings.iter().any(|warning| warning.contains("so that friction stays positive")));
+}
+
+#[test]
 fn a_missing_or_flat_or_tiny_scan_is_unusable_input() {
     let folder = tempfile::tempdir().unwrap();
     let study = Study::parse(STUDY, "study.toml").unwrap();

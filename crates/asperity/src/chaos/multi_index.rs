@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 /// Largest number of multi-indices in a set.
-pub(crate) const MAX_TERMS: usize = 1 << 20;
+pub const MAX_TERMS: usize = 1 << 20;
 
 /// Why a set could not be made.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

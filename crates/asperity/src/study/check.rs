@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::law::Marginal;
 use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Study, SurfaceSection};
 
@@ -185,6 +186,11 @@ impl Study {
         at_least(SECTION, "fine_solves", p.fine_solves, 10)?;
         at_least(SECTION, "reference_samples", p.reference_samples, 10)?;
         at_least(SECTION, "variables", p.variables, 1)?;
+        if number_of_terms(p.variables, p.degree).is_none_or(|terms| terms > MAX_TERMS) {
+            let message =
+                format!("found {}, but in {} variables that is more than {MAX_TERMS} terms", p.degree, p.variables);
+            return Err(problem(SECTION, "degree", message));
+        }
         within(SECTION, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
     }
 
@@ -201,6 +207,10 @@ impl Study {
             at_least(SECTION, "points", n, 2)?;
         }
         within(SECTION, "window", f.window.0, positive, POSITIVE)?;
+        if f.window.0 < 1.5 * f.strip[0].0 / f.points[0] as f64 {
+            let message = format!("found {}, but a window holds at least two cells of the strip", f.window);
+            return Err(problem(SECTION, "window", message));
+        }
         if f.window.0 * 10.0 > f.strip[0].0 * (1.0 + 1e-9) {
             let message = format!("found {}, but the strip of {} must hold at least ten windows", f.window, f.strip[0]);
             return Err(problem(SECTION, "window", message));

@@ -8,9 +8,9 @@ use crate::study::{Stage, Study};
 const ITERATIONS: f64 = 30.0;
 /// Seconds per cell and iteration on one core of a desktop computer; the free boundary pads its transforms.
 const PERIODIC_SECONDS: f64 = 20e-9;
-const FREE_SECONDS: f64 = 40e-9;
+const FREE_SECONDS: f64 = 20e-9;
 /// Seconds per unit of dimensionless time of a trajectory.
-const TRAJECTORY_SECONDS: f64 = 10e-6;
+const TRAJECTORY_SECONDS: f64 = 1.2e-6;
 /// Bytes per point of a strip's generator: its covariance embedded in twice the width and height, in complex numbers.
 const GENERATOR_BYTES: f64 = 64.0;
 /// Bytes of a double.

@@ -320,7 +320,8 @@ fn lead_tables(lead: &SolvedLevel, window: Window) -> Vec<(&'static str, Table)>
                 ("beta_density", beta),
                 ("fitted_density", best),
                 ("mu", centres),
-            ]),
+            ])
+            .led_by("mu"),
         ));
     }
     if let Ok(correlation) = &process.correlation {
@@ -337,7 +338,7 @@ fn lead_tables(lead: &SolvedLevel, window: Window) -> Vec<(&'static str, Table)>
         ];
         columns.extend(lead.window_study.as_ref().map(|study| ("windowed_fit", under_window(study.length_m))));
         columns.push(("lag_m", lags));
-        tables.push(("friction_acf", Table::new(columns)));
+        tables.push(("friction_acf", Table::new(columns).led_by("lag_m")));
     }
     if let Some(study) = &lead.window_study {
         let column = |value: &dyn Fn(&WindowCorrelation) -> f64| study.windows.iter().map(value).collect::<Vec<f64>>();

@@ -99,7 +99,8 @@ impl Measured {
             ("normal_density_per_m", centres.iter().map(|z| normal.pdf(*z)).collect()),
             ("density_per_m", histogram.density()),
             ("height_m", centres),
-        ]))
+        ])
+        .led_by("height_m"))
     }
 
     /// Correlation at the lags of both axes, up to half a side, where lags rest on enough pairs.
@@ -117,7 +118,7 @@ impl Measured {
             columns.push(("fit_y", lags.iter().map(|lag| covariance.correlation(0.0, *lag)).collect()));
         }
         columns.push(("lag_m", lags));
-        Table::new(columns)
+        Table::new(columns).led_by("lag_m")
     }
 
     /// Profile spectra at the wavenumbers of both axes; an axis without a complete profile is empty.
@@ -141,7 +142,7 @@ impl Measured {
             columns.push(("psd_model_x_m3", wavenumbers.iter().map(|q| covariance.profile_psd_x_m3(*q)).collect()));
         }
         columns.push(("wavenumber_rad_per_m", wavenumbers));
-        Some(Table::new(columns))
+        Some(Table::new(columns).led_by("wavenumber_rad_per_m"))
     }
 }
 

@@ -164,16 +164,20 @@ fn summary(results: &Results, mean_compliance_m_per_pa: Option<f64>, separation_
     }
 }
 
-/// The CDF of every method on one grid of pressures: quantiles of the reference, and 0.
+/// The CDF of every method on one grid of pressures: 0, quantiles of the reference, and even steps between.
 fn cdf_table(results: &Results) -> Table {
     const ROWS: usize = 400;
     let reference = &results.reference.law;
     let atom = reference.cdf(0.0);
+    let highest = reference.quantile(1.0);
     let mut pressures = vec![0.0];
     for k in 0..ROWS {
-        let probability = atom + (1.0 - atom) * (k as f64 + 0.5) / ROWS as f64;
-        pressures.push(reference.quantile(probability));
+        let share = (k as f64 + 0.5) / ROWS as f64;
+        pressures.push(reference.quantile(atom + (1.0 - atom) * share));
+        // Evenly too: under a hardness most quantiles are one.
+        pressures.push(highest * share);
     }
+    pressures.push(highest);
     pressures.sort_by(f64::total_cmp);
     pressures.dedup();
     let column = |law: Option<&StepLaw>| -> Vec<f64> {

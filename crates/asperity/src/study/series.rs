@@ -41,6 +41,13 @@ impl Table {
         Self { columns }
     }
 
+    /// The same table with the named column, its abscissa, first.
+    #[must_use]
+    pub fn led_by(mut self, name: &str) -> Self {
+        self.columns.sort_by_key(|(own, _)| own != name);
+        self
+    }
+
     /// Names and values.
     pub fn columns(&self) -> &[(String, Vec<f64>)] {
         &self.columns

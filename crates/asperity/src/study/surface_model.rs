@@ -95,9 +95,16 @@ impl SurfaceModel {
             (false, true) => ModesRoute::Separable,
             (false, false) => ModesRoute::General,
         };
+        let mut warnings = Vec::new();
+        if modes > grid.points() {
+            let points = grid.points();
+            warnings.push(format!(
+                "a patch of {points} points has no more than {points} Karhunen–Loève terms, not {modes}"
+            ));
+        }
+        let modes = modes.min(grid.points());
         let field = KarhunenLoeve::new(covariance, grid, modes, route)?;
         let captured_variance = field.captured_variance();
-        let mut warnings = Vec::new();
         if captured_variance < WANTED_VARIANCE {
             warnings.push(format!(
                 "{modes} Karhunen–Loève terms hold {} % of the variance on a patch of {}: the random surfaces are smoother \

@@ -19,6 +19,8 @@ use crate::vibration::{
 const CYCLE_POINTS: usize = 600;
 const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
+/// Slip speeds to be prepared for, over the expected ones.
+const SPEEDS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Scatter of μ below which friction counts as constant.
 const NO_SCATTER: f64 = 1e-12;
 
@@ -104,19 +106,19 @@ struct Ensembles<'a> {
 
 impl Ensembles<'_> {
     /// The process of a scatter; `None` where friction is constant.
-    fn process(&self, scatter: &Scatter) -> Result<Option<FrictionProcess>, StudyError> {
+    fn process(&self, scatter: &Scatter, speeds: f64) -> Result<Option<FrictionProcess>, StudyError> {
         if scatter.std < NO_SCATTER {
             return Ok(None);
         }
         let mut model = ProcessModel::new(scatter.marginal.clone(), scatter.std, self.correlation_length);
-        model.least = Some(self.least());
+        model.least = Some(self.least(speeds));
         Ok(Some(FrictionProcess::new(model)?))
     }
 
     /// Least fluctuation that leaves the kinetic coefficient positive at the fastest slip to be expected: displacements
-    /// scale with μ_st, so |v_rel| hardly exceeds V + μ_st.
-    fn least(&self) -> f64 {
-        let fastest = self.oscillator.belt_velocity() + self.window.mean;
+    /// scale with μ_st, so |v_rel| hardly exceeds V + μ_st, or `speeds` times that under violent friction.
+    fn least(&self, speeds: f64) -> f64 {
+        let fastest = speeds * (self.oscillator.belt_velocity() + self.window.mean);
         -0.9 * self.window.mean / (1.0 + self.section.stribeck * fastest)
     }
 
@@ -128,17 +130,34 @@ impl Ensembles<'_> {
         TrajectorySettings { duration: self.section.duration, start: None, drive: Drive::default() }
     }
 
-    /// Ensembles over the sweep, and the one at the study's own damping ratio.
+    /// Ensembles over the sweep, and the one at the study's own damping ratio. Where slips turn out faster than expected,
+    /// so that friction would change its sign, the process is cut off higher, and the result says so.
     fn run(
         &self,
         scatter: &Scatter,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
+        let mut ended = self.run_clamped(scatter, SPEEDS[0], monitor, warnings);
+        for speeds in &SPEEDS[1..] {
+            if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = ended {
+                ended = self.run_clamped(scatter, *speeds, monitor, warnings);
+            }
+        }
+        ended
+    }
+
+    fn run_clamped(
+        &self,
+        scatter: &Scatter,
+        speeds: f64,
+        monitor: &dyn Monitor,
+        warnings: &mut Vec<String>,
+    ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.section.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
         let name = scatter.name;
-        let Some(process) = self.process(scatter)? else {
+        let Some(process) = self.process(scatter, speeds)? else {
             return Ok((self.without_scatter(scatter.std, ratios)?, None));
         };
         let mut damping = Vec::with_capacity(count);
@@ -159,7 +178,7 @@ impl Ensembles<'_> {
                 "with the {name} upscaling {} of the friction process, over the damping sweep, raised to {} below the mean, \
                  so that friction stays positive: the least values of its law are cut off",
                 sentence::count(clamped as usize, "value was", "values were"),
-                sentence::digits(-self.least())
+                sentence::digits(-self.least(speeds))
             ));
         }
         let points = &lead.reattachments;
@@ -207,12 +226,19 @@ impl Ensembles<'_> {
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", table(points)));
         }
-        if let Some(process) = self.process(scatter)? {
-            let settings = self.followed();
-            let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
+        let settings = self.followed();
+        let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
+        for speeds in SPEEDS {
+            let Some(process) = self.process(scatter, speeds)? else { break };
             let path = process.path(self.seed, 0);
-            let points = trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS)?;
-            tables.push(("trajectory", table(points)));
+            match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
+                Ok(points) => {
+                    tables.push(("trajectory", table(points)));
+                    break;
+                }
+                Err(VibrationError::FrictionNotPositive { .. }) => {}
+                Err(error) => return Err(error.into()),
+            }
         }
         Ok(tables)
     }
@@ -319,9 +345,12 @@ fn reattachment_table(ensemble: &Ensemble) -> Option<Table> {
     let histogram = Histogram::of(&points.sample).ok()?;
     let normal = Marginal::normal(points.mean, points.std).ok()?;
     let centres = histogram.centres();
-    Some(Table::new([
-        ("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()),
-        ("density", histogram.density()),
-        ("displacement", centres),
-    ]))
+    Some(
+        Table::new([
+            ("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()),
+            ("density", histogram.density()),
+            ("displacement", centres),
+        ])
+        .led_by("displacement"),
+    )
 }
