@@ -7,6 +7,7 @@ mod moments;
 
 use thiserror::Error;
 
+pub(crate) use autocorrelation::lag_sums;
 pub use autocorrelation::{CorrelationTime, correlation_time};
 pub use bootstrap::{Bootstrap, Resampling};
 pub use histogram::Histogram;

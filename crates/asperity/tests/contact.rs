@@ -163,8 +163,10 @@ fn a_double_sinusoid_has_its_small_load_and_near_full_limits() {
         let solution = solve(map.heights_m(), &half_space, Control::MeanPressure { pascal: ratio * full }, None);
         solution.corrected_contact_fraction()
     };
+    // Discs of 19 cells' radius: half a ring of cells is 5 % of their area, of which the perimeter correction leaves less.
     let small = PI * (3.0 * 0.01 / (8.0 * PI)).powf(2.0 / 3.0);
     assert!((fraction(0.01) / small - 1.0).abs() < 0.03, "{} for {small}", fraction(0.01));
+    // Gaps of 10 cells' radius: a ring of cells is 20 % of their area.
     let open = 3.0 / (2.0 * PI) * (1.0 - 0.98);
     assert!(((1.0 - fraction(0.98)) / open - 1.0).abs() < 0.2, "{} for {open}", 1.0 - fraction(0.98));
 }

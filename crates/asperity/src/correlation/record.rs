@@ -2,7 +2,7 @@
 
 use super::estimate::{EstimateError, first_crossing};
 use super::least_squares::{Range, minimise};
-use crate::fourier::{RealFft2, good_length};
+use crate::stats::{Moments, lag_sums};
 
 /// How the sum of products at a lag becomes a covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,32 +48,19 @@ impl RecordCorrelation {
         if present < 3 {
             return Err(EstimateError::TooFew { present, wanted: 3 });
         }
-        let mean = values().sum::<f64>() / present as f64;
-        if values().all(|v| (v - mean).abs() <= 4.0 * f64::EPSILON * mean.abs()) {
+        let Moments { mean, std, .. } = Moments::of_values(values());
+        if std == 0.0 {
             return Err(EstimateError::Constant { present });
         }
         let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
         let lags = largest_lag.min(longest - 1) + 1;
-        let fft = RealFft2::new(good_length(2 * longest - 1), 1);
-        let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
-        let mut products = vec![0.0; fft.nx()];
         let (mut sums, mut pairs) = (vec![0.0; lags], vec![0.0; lags]);
         for record in records.iter().filter(|record| !record.is_empty()) {
-            let centred: Vec<f64> = record.iter().map(|v| if v.is_finite() { v - mean } else { 0.0 }).collect();
-            let mask: Vec<f64> = record.iter().map(|v| f64::from(u8::from(v.is_finite()))).collect();
-            for (sequence, total) in [(centred, &mut sums), (mask, &mut pairs)] {
-                fft.forward_padded(&sequence, 1, sequence.len(), &mut spectrum, &mut work);
-                for value in &mut spectrum {
-                    *value = value.norm_sqr().into();
-                }
-                fft.inverse(&mut spectrum, &mut products, &mut work);
-                for (total, product) in total.iter_mut().zip(&products) {
-                    *total += product;
-                }
+            let (products, counts) = lag_sums(record, mean, lags.min(record.len()));
+            for (lag, (product, count)) in products.into_iter().zip(counts).enumerate() {
+                sums[lag] += product;
+                pairs[lag] += count;
             }
-        }
-        for count in &mut pairs {
-            *count = count.round();
         }
         let variance = sums[0] / present as f64;
         let correlation = sums

@@ -62,26 +62,35 @@ pub fn correlation_time(record: &[f64]) -> Result<CorrelationTime, StatsError> {
     Ok(CorrelationTime { n: moments.n, steps: steps.max(1.0), window, resolved })
 }
 
-/// ρ_k for k = 0 … n/2 as the mean product over present pairs, by transforms of the record continued with zeros.
-fn autocorrelation(record: &[f64], moments: &Moments) -> Vec<f64> {
-    let n = record.len();
-    let fft = RealFft2::new(good_length(2 * n), 1);
-    let mut work = fft.workspace();
+/// Sums of products of deviations from `mean`, and numbers of pairs, at the lags 0 … `lags` − 1 of a record whose missing
+/// values are not finite, by transforms of the record continued with zeros.
+///
+/// # Panics
+/// If the record is empty or has fewer values than lags.
+pub(crate) fn lag_sums(record: &[f64], mean: f64, lags: usize) -> (Vec<f64>, Vec<f64>) {
+    assert!(lags <= record.len() && !record.is_empty(), "a record has no more lags than values");
+    let fft = RealFft2::new(good_length(2 * record.len()), 1);
+    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
     let mut correlate = |values: Vec<f64>| {
-        let mut spectrum = fft.spectrum();
-        fft.forward_padded(&values, 1, n, &mut spectrum, &mut work);
+        fft.forward_padded(&values, 1, values.len(), &mut spectrum, &mut work);
         for coefficient in &mut spectrum {
             *coefficient = coefficient.norm_sqr().into();
         }
-        let mut sums = vec![0.0; n / 2 + 1];
-        let lags = sums.len();
+        let mut sums = vec![0.0; lags];
         fft.inverse_cropped(&mut spectrum, &mut sums, 1, lags, &mut work);
         sums
     };
-    let deviation = |v: &f64| if v.is_nan() { 0.0 } else { (v - moments.mean) / moments.std };
-    let products = correlate(record.iter().map(deviation).collect());
-    let pairs = correlate(record.iter().map(|v| if v.is_nan() { 0.0 } else { 1.0 }).collect());
-    products.iter().zip(&pairs).map(|(sum, count)| if *count > 0.5 { sum / count.round() } else { 0.0 }).collect()
+    let products = correlate(record.iter().map(|v| if v.is_finite() { v - mean } else { 0.0 }).collect());
+    let mut pairs = correlate(record.iter().map(|v| f64::from(u8::from(v.is_finite()))).collect());
+    pairs.iter_mut().for_each(|count| *count = count.round());
+    (products, pairs)
+}
+
+/// ρ_k for k = 0 … n/2 as the mean product over present pairs.
+fn autocorrelation(record: &[f64], moments: &Moments) -> Vec<f64> {
+    let (products, pairs) = lag_sums(record, moments.mean, record.len() / 2 + 1);
+    let variance = moments.std * moments.std;
+    products.iter().zip(&pairs).map(|(sum, count)| if *count > 0.0 { sum / count / variance } else { 0.0 }).collect()
 }
 
 #[cfg(test)]

@@ -5,9 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Ensemble, EnsembleSettings, Oscillator, VibrationError};
 use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
-
-/// Half width of a 95 % interval in standard errors.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+use crate::stats::NORMAL_95;
 
 /// Ensembles at rising damping ratios under the same realisations of friction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
