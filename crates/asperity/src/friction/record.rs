@@ -89,11 +89,7 @@ impl FrictionStatistics {
             effective_windows,
             marginals,
             beta,
-            correlation: if moments.std > 0.0 {
-                correlate(records, step_m)
-            } else {
-                Err(EstimateError::Constant { present: moments.n })
-            },
+            correlation: correlate(records, step_m),
         })
     }
 
