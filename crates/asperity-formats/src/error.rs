@@ -66,7 +66,7 @@ pub enum FormatError {
         error: Box<FormatError>,
     },
     /// The content belongs to no known format.
-    #[error("unknown format: {length} bytes that start with {start}; known are X3P, SUR, NPY and text")]
+    #[error("unknown format: {length} bytes that start with {start}; known are {}", crate::format::read_names())]
     Unrecognised {
         /// Size of the content.
         length: usize,
@@ -137,7 +137,17 @@ pub enum FormatError {
         /// The largest size that is taken.
         limit: u64,
     },
-    /// The archive around the data is damaged.
+    /// The file holds no map under that number or name.
+    #[error("{}: no height map {found}; the file holds {}", format.name(), listed(channels))]
+    NoSuchChannel {
+        /// The format.
+        format: Format,
+        /// What was asked for.
+        found: String,
+        /// The maps that are there.
+        channels: Vec<String>,
+    },
+    /// The archive or the compressed stream around the data is damaged.
     #[error("{}: {entry}: {reason}", format.name())]
     Archive {
         /// The format.
@@ -184,7 +194,7 @@ pub enum FormatError {
         wanted: &'static str,
     },
     /// No format is written under this extension.
-    #[error("no format is written as `.{extension}`; wanted .x3p, .npy, .txt, .dat or .csv")]
+    #[error("no format is written as `.{extension}`; wanted {}", crate::format::written_extensions())]
     UnknownExtension {
         /// The extension, empty when there is none.
         extension: String,
@@ -209,6 +219,12 @@ impl FormatError {
             _ => Self::Io { path: path.into(), error },
         }
     }
+}
+
+/// Names for a message.
+fn listed(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{}`", shown(name))).collect();
+    if names.is_empty() { "none".into() } else { names.join(", ") }
 }
 
 /// The start of a text from a file, short enough for a message.

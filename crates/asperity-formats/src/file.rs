@@ -5,20 +5,32 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::text::Separator;
-use crate::{Format, FormatError, Location, Scan, X3pData, npy, sur, text, write_npy, write_text, write_x3p, x3p};
+use crate::archive::gunzip;
+use crate::text::{Separator, write_text};
+use crate::{Format, FormatError, Location, ReadOptions, Scan, npy};
+
+/// First bytes of a gzip stream.
+pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// The largest file that is read, in bytes: twice the heights of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
 /// Bytes that an error shows of content it does not know.
 const SHOWN_BYTES: usize = 12;
 
-/// Reads a file of any known format; the content decides which.
+/// Reads a file of any known format; the content decides which, and a gzip stream around it is unpacked.
 ///
 /// # Errors
 /// [`FormatError::NotFound`], [`FormatError::Io`], or [`FormatError::File`] around what [`read_bytes`] says.
 pub fn read(path: &Path) -> Result<Scan, FormatError> {
-    read_bytes(&content(path)?).map_err(|error| error.in_file(path))
+    read_with(path, &ReadOptions::default())
+}
+
+/// Reads the map that `options` ask for.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(path: &Path, options: &ReadOptions) -> Result<Scan, FormatError> {
+    read_bytes_with(&content(path)?, options).map_err(|error| error.in_file(path))
 }
 
 /// Reads a record along a path: a one-dimensional NPY array of numbers.
@@ -54,25 +66,39 @@ fn unrecognised(bytes: &[u8]) -> FormatError {
 /// # Errors
 /// What is wrong with the content: the format, the field, where it stands, what was found and wanted.
 pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
-    let scan = match Format::detect(bytes) {
-        Some(format) if bytes.len() as u64 > MAX_FILE_BYTES => Err(FormatError::TooLarge {
-            format,
+    read_bytes_with(bytes, &ReadOptions::default())
+}
+
+/// Reads the map that `options` ask for from the content of a file.
+///
+/// # Errors
+/// As [`read_bytes`].
+pub fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    if bytes.starts_with(&GZIP_MAGIC) { read_plain(&gunzip(bytes)?, options) } else { read_plain(bytes, options) }
+}
+
+/// Reads content that is not compressed as a whole.
+fn read_plain(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let codec = Format::detect(bytes).and_then(Format::codec).ok_or_else(|| unrecognised(bytes))?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(FormatError::TooLarge {
+            format: codec.description.format,
             field: "the file's size in bytes".into(),
             at: Location::Byte(0),
             found: bytes.len() as u64,
             limit: MAX_FILE_BYTES,
-        }),
-        Some(Format::X3p) => x3p::read(bytes),
-        Some(Format::Sur) => sur::read(bytes),
-        Some(Format::Npy) => npy::read(bytes),
-        Some(Format::Text) => text::read(bytes),
-        None => Err(unrecognised(bytes)),
-    }?;
-    Ok(scan.checked())
+        });
+    }
+    let mut scan = (codec.read)(bytes, options)?;
+    if scan.channels.is_empty() {
+        // A file of one map has just the map number 1.
+        options.choose(codec.description.format, &[codec.description.name.to_owned()])?;
+    }
+    scan = scan.checked(options);
+    Ok(scan)
 }
 
-/// Writes a scan in the format of the path's extension: `.x3p` (float64), `.npy`, `.txt` and `.dat` (separated by
-/// spaces) or `.csv` (by commas). Only X3P keeps the pixel size and the metadata.
+/// Writes a scan in the format of the path's extension; [`descriptions`](crate::descriptions) says which are written.
 ///
 /// The file appears whole or not at all: the bytes go to a temporary file beside it, which then takes its name.
 ///
@@ -83,11 +109,11 @@ pub fn write(scan: &Scan, path: &Path) -> Result<(), FormatError> {
     let extension =
         path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let bytes = match Format::from_extension(&extension) {
-        Some(Format::X3p) => write_x3p(scan, X3pData::Float64),
-        Some(Format::Npy) => Ok(write_npy(scan)),
         Some(Format::Text) if extension == "csv" => Ok(write_text(scan, Separator::Comma)),
-        Some(Format::Text) => Ok(write_text(scan, Separator::Space)),
-        Some(Format::Sur) | None => Err(FormatError::UnknownExtension { extension }),
+        format => match format.and_then(Format::codec).and_then(|codec| codec.write) {
+            Some(write) => write(scan),
+            None => Err(FormatError::UnknownExtension { extension }),
+        },
     };
     replace(path, &bytes.map_err(|error| error.in_file(path))?)
 }

@@ -18,20 +18,44 @@
 //! # Ok::<(), asperity_formats::FormatError>(())
 //! ```
 
+mod al3d;
+mod archive;
+mod bcr;
+mod datx;
 mod error;
 mod file;
 mod format;
+mod frt;
+mod gwy;
+mod input;
+mod metropro;
+mod netcdf;
+mod nms;
 mod npy;
+mod npz;
+mod opd;
+mod plu;
+mod plux;
 mod sample;
 mod scan;
+mod sdf;
+mod selection;
 mod sur;
 mod text;
+mod tiff;
+mod tmd;
+mod unit;
+mod vk;
+mod vtk;
 mod x3p;
+mod xml;
+mod xyz;
 
 pub use error::{FormatError, Location};
-pub use file::{read, read_bytes, read_series, write};
-pub use format::Format;
+pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, write};
+pub use format::{Description, Format, Tested, descriptions};
 pub use npy::write_npy;
 pub use scan::{MAX_POINTS, Scan};
+pub use selection::{Channel, ReadOptions};
 pub use text::{Separator, write_text};
 pub use x3p::{X3pData, write_x3p};

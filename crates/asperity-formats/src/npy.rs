@@ -7,9 +7,29 @@
 use ndarray::{Array2, ShapeBuilder};
 
 use crate::error::shown;
+use crate::format::{Codec, Description, Tested};
 use crate::sample::{ByteOrder, Sample};
 use crate::scan::{Dimension, shape};
-use crate::{Format, FormatError, Location, Scan};
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
+
+pub(crate) const CODEC: Codec = Codec {
+    description: Description {
+        format: Format::Npy,
+        name: "NPY",
+        extensions: &["npy"],
+        vendor: "NumPy",
+        known_by: "`\\x93NUMPY`",
+        reads: "versions 1 to 3; i1 i2 i4 i8 u1 u2 u4 u8 f4 f8, either byte order, C and Fortran order, two dimensions",
+        writes: "float64",
+        stores_pitch: false,
+        missing_points: "NaN, ±inf",
+        orientation: "the first index is the row",
+        tested: Tested::OtherPrograms,
+    },
+    detect: |bytes| bytes.starts_with(MAGIC),
+    read,
+    write: Some(|scan| Ok(write_npy(scan))),
+};
 
 /// First bytes of every file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -57,7 +77,7 @@ fn truncated(part: &str, at: usize, found: usize, wanted: usize) -> FormatError 
 /// # Errors
 /// Versions other than 1 to 3, headers that are no dictionary of the three known keys, other element types, other than
 /// two dimensions, and data that end early.
-pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let (text, data_start) = header_text(bytes)?;
     let header = parse_header(&text)?;
     let [rows, columns] =

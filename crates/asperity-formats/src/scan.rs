@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::{Format, FormatError, Location};
+use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
 pub const MAX_POINTS: u64 = 1 << 28;
@@ -25,12 +25,21 @@ pub struct Scan {
     pub metadata: BTreeMap<String, String>,
     /// Doubts about the content, in words for the user.
     pub warnings: Vec<String>,
+    /// Names of all height maps in the file, in its order; empty for formats that hold just one.
+    pub channels: Vec<String>,
+    /// The place in `channels` of the map that was read.
+    pub channel: usize,
 }
 
 impl Scan {
     /// A scan that says nothing but its heights and pitch.
     pub fn new(heights_m: Array2<f64>, pitch_m: Option<(f64, f64)>) -> Self {
-        Self { heights_m, pitch_m, metadata: BTreeMap::new(), warnings: Vec::new() }
+        Self { heights_m, pitch_m, metadata: BTreeMap::new(), warnings: Vec::new(), channels: Vec::new(), channel: 0 }
+    }
+
+    /// The scan with the names of all maps of its file.
+    pub(crate) fn with_channels(self, channels: Vec<String>, channel: usize) -> Self {
+        Self { channels, channel, ..self }
     }
 
     /// Number of heights that are missing.
@@ -49,7 +58,14 @@ impl Scan {
 
     /// The scan as it leaves a reader: every height that is not finite is NaN, a pitch that is none is left out, and
     /// implausible sizes are named in the warnings.
-    pub(crate) fn checked(mut self) -> Self {
+    pub(crate) fn checked(mut self, options: &ReadOptions) -> Self {
+        if options.channel.is_none()
+            && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
+        {
+            let names = self.channels.join(", ");
+            let warning = format!("the file holds {} height maps ({names}); `{read}` was read", self.channels.len());
+            self.warnings.push(warning);
+        }
         self.heights_m.mapv_inplace(|z| if z.is_finite() { z } else { f64::NAN });
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
         let Some((dx_m, dy_m)) = self.pitch_m else { return self };
@@ -125,7 +141,7 @@ mod tests {
     use ndarray::array;
 
     fn warnings(heights_m: Array2<f64>, pitch_m: (f64, f64)) -> Vec<String> {
-        Scan::new(heights_m, Some(pitch_m)).checked().warnings
+        Scan::new(heights_m, Some(pitch_m)).checked(&ReadOptions::default()).warnings
     }
 
     #[test]
@@ -158,7 +174,7 @@ mod tests {
     #[test]
     fn a_pitch_that_is_none_is_left_out_with_a_warning() {
         for pitch_m in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
-            let scan = Scan::new(array![[0.0, 0.0]], Some((1e-6, pitch_m))).checked();
+            let scan = Scan::new(array![[0.0, 0.0]], Some((1e-6, pitch_m))).checked(&ReadOptions::default());
             assert_eq!(scan.pitch_m, None);
             assert_eq!(scan.warnings.len(), 1);
         }
@@ -166,7 +182,8 @@ mod tests {
 
     #[test]
     fn heights_that_are_not_finite_leave_as_nan() {
-        let scan = Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None).checked();
+        let scan =
+            Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None).checked(&ReadOptions::default());
         assert_eq!(scan.missing_points(), 3);
         assert!(scan.heights_m.iter().all(|z| !z.is_infinite()));
     }

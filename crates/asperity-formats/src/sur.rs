@@ -13,14 +13,40 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
+use crate::format::{Codec, Description, Tested};
+use crate::input::latin1 as text;
 use crate::sample::{ByteOrder, Sample};
 use crate::scan::{Dimension, shape};
-use crate::{Format, FormatError, Location, Scan};
+use crate::unit::per_metre;
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
+
+pub(crate) const CODEC: Codec = Codec {
+    description: Description {
+        format: Format::Sur,
+        name: "SUR",
+        extensions: &["sur", "pro"],
+        vendor: "Digital Surf",
+        known_by: "`DIGITAL SURF`, `DSCOMPRESSED`",
+        reads: "int16, int32",
+        writes: "",
+        stores_pitch: true,
+        missing_points: "z minimum − 2",
+        orientation: "the first stored line is row 0",
+        tested: Tested::InstrumentFiles,
+    },
+    detect,
+    read,
+    write: None,
+};
+
+fn detect(bytes: &[u8]) -> bool {
+    bytes.starts_with(SIGNATURE) || bytes.starts_with(SIGNATURE_COMPRESSED)
+}
 
 /// First bytes of a readable file.
-pub(crate) const SIGNATURE: &[u8] = b"DIGITAL SURF";
+const SIGNATURE: &[u8] = b"DIGITAL SURF";
 /// First bytes of a file whose heights are compressed.
-pub(crate) const SIGNATURE_COMPRESSED: &[u8] = b"DSCOMPRESSED";
+const SIGNATURE_COMPRESSED: &[u8] = b"DSCOMPRESSED";
 
 /// Bytes of the header.
 const HEADER_BYTES: usize = 512;
@@ -124,30 +150,6 @@ fn object_kind(code: i16) -> Result<&'static str, &'static str> {
     }
 }
 
-/// How often a unit of length goes into a metre, `None` for what is no length.
-///
-/// Dividing by it is exact to the last place where multiplying by its inverse is not. The micro sign occurs in
-/// Latin-1, in UTF-8 read as Latin-1, and in the DOS code pages.
-fn per_metre(unit: &str) -> Option<f64> {
-    match unit {
-        "m" => Some(1.0),
-        "cm" => Some(1e2),
-        "mm" => Some(1e3),
-        "um" | "\u{b5}m" | "\u{c2}\u{b5}m" | "\u{e6}m" => Some(1e6),
-        "nm" => Some(1e9),
-        "pm" => Some(1e12),
-        "A" | "\u{c5}" => Some(1e10),
-        "in" | "inch" => Some(1.0 / 0.0254),
-        _ => None,
-    }
-}
-
-/// Latin-1 text without its padding.
-fn text(bytes: &[u8]) -> String {
-    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
-    bytes[..end].iter().map(|&byte| char::from(byte)).collect::<String>().trim().to_owned()
-}
-
 /// The header's bytes and how to take fields from them.
 struct Header<'a>(&'a [u8; HEADER_BYTES]);
 
@@ -225,7 +227,7 @@ fn unsupported(found: impl Into<String>, wanted: &'static str) -> FormatError {
 ///
 /// # Errors
 /// Compressed or big-endian files, objects that are no surface, and headers that the bytes cannot bear out.
-pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let header = Header(bytes.first_chunk().ok_or_else(|| FormatError::Truncated {
         format: Format::Sur,
         part: "the bytes of the header".into(),
@@ -280,7 +282,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     let mut metadata = metadata(&header);
     insert(&mut metadata, "comment", text(&bytes[comment_start..private_start]));
     let heights_m = Array2::from_shape_vec((ny, nx), heights).map_err(|_| wrong(POINTS, points, "lines × points"))?;
-    Ok(Scan { heights_m, pitch_m, metadata, warnings })
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
 /// Refuses objects that are no surface; doubts those that are more.

@@ -11,7 +11,37 @@ use std::fmt::Write;
 use ndarray::Array2;
 
 use crate::error::shown;
-use crate::{Format, FormatError, Location, MAX_POINTS, Scan};
+use crate::format::{Codec, Description, Tested};
+use crate::{Format, FormatError, Location, MAX_POINTS, ReadOptions, Scan};
+
+pub(crate) const CODEC: Codec = Codec {
+    description: Description {
+        format: Format::Text,
+        name: "text",
+        extensions: &["txt", "dat", "csv", "asc"],
+        vendor: "any",
+        known_by: "no control characters",
+        reads: "one row per line; spaces, tabs, commas or semicolons; `#` and `%` start comments",
+        writes: ".csv with commas, others with spaces",
+        stores_pitch: false,
+        missing_points: "empty, nan, inf",
+        orientation: "the first line is row 0",
+        tested: Tested::OtherPrograms,
+    },
+    detect: is_text,
+    read,
+    write: Some(|scan| Ok(write_text(scan, Separator::Space))),
+};
+
+/// Bytes that are looked at to tell text from binary data.
+const TEXT_PROBE: usize = 4096;
+
+/// Whether bytes start without control characters.
+pub(crate) fn is_text(bytes: &[u8]) -> bool {
+    let probe = &bytes[..bytes.len().min(TEXT_PROBE)];
+    let is_text = |&byte: &u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
+    !probe.is_empty() && probe.iter().all(is_text)
+}
 
 /// Rows from which three columns look like points rather than like a map.
 const POINT_LIST_ROWS: usize = 16;
@@ -64,7 +94,7 @@ impl Separator {
 ///
 /// # Errors
 /// A field that is no number, rows of different length (naming the line), or no row at all.
-pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     // Numbers are ASCII; only comments can hold more, and then in UTF-8 or Latin-1.
     let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
@@ -89,7 +119,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     }
     let (heights_m, mut warnings) = matrix.finish()?;
     warnings.extend(unit_warnings(&metadata));
-    Ok(Scan { heights_m, pitch_m: None, metadata, warnings })
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, None) })
 }
 
 /// Adds what a comment says.

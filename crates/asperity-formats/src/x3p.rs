@@ -5,16 +5,41 @@
 //! A stored number n on the z axis is the height n·increment + offset in metre; x varies fastest, then y, then the
 //! layer. Schema and sample files: <https://www.opengps.eu>.
 
-mod archive;
-mod document;
 mod read;
 mod write;
 
+use crate::Format;
+use crate::format::{Codec, Description, Tested};
 use crate::sample::Sample;
-use crate::{FormatError, Location};
 
-pub(crate) use read::read;
 pub use write::write_x3p;
+
+pub(crate) const CODEC: Codec = Codec {
+    description: Description {
+        format: Format::X3p,
+        name: "X3P",
+        extensions: &["x3p"],
+        vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
+        known_by: "zip archive with main.xml",
+        reads: "int16, int32, float32, float64, text lists in main.xml; layers; no profiles (PRF), no point clouds (PCL)",
+        writes: "float64; float32 and int16 by option",
+        stores_pitch: true,
+        missing_points: "NaN, ±inf, cleared bits of valid.bin",
+        orientation: "the first stored line is row 0",
+        tested: Tested::InstrumentFiles,
+    },
+    detect,
+    read: read::read,
+    write: Some(|scan| write_x3p(scan, X3pData::Float64)),
+};
+
+/// First bytes of a zip archive.
+pub(crate) const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
+
+/// Every zip archive that no other format claims.
+fn detect(bytes: &[u8]) -> bool {
+    bytes.starts_with(ZIP_MAGIC)
+}
 
 /// The file of the archive that describes all others.
 const MAIN: &str = "main.xml";
@@ -73,17 +98,4 @@ fn sample(letter: &str) -> Option<Sample> {
         "D" => Some(Sample::F64),
         _ => None,
     }
-}
-
-/// An MD5 sum in the usual hexadecimal digits.
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn archive_error(entry: &str, reason: impl ToString) -> FormatError {
-    FormatError::Archive { format: crate::Format::X3p, entry: crate::error::shown(entry), reason: reason.to_string() }
-}
-
-fn in_main(offset: u64) -> Location {
-    Location::Entry { entry: MAIN.into(), offset }
 }

@@ -3,13 +3,13 @@
 use md5::{Digest, Md5};
 use ndarray::Array2;
 
-use super::archive::Archive;
-use super::document::{Document, missing, wrong};
-use super::{CHECKSUM, MAIN, archive_error, hexadecimal, in_main, path, sample};
+use super::{CHECKSUM, MAIN, path, sample};
+use crate::archive::{Archive, damaged, hexadecimal};
 use crate::error::shown;
 use crate::sample::Sample;
 use crate::scan::{Dimension, shape};
-use crate::{Format, FormatError, Location, Scan};
+use crate::xml::Document;
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
 
 /// The largest `main.xml`, in bytes: room for a data list of a few million points.
 const MAX_MAIN_BYTES: u64 = 1 << 28;
@@ -25,10 +25,11 @@ const SURFACE: &str = "SUR";
 /// # Errors
 /// Damaged archives and descriptions, records that are no surface on an incremental grid, and data that do not fill the
 /// stated dimensions. A checksum that does not fit is only a warning.
-pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
-    let mut archive = Archive::open(bytes)?;
+pub(super) fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+    let mut archive = Archive::open(Format::X3p, bytes)?;
+    archive.enter_folder_of(MAIN)?;
     let main = archive.read_whole(MAIN, MAX_MAIN_BYTES)?;
-    let document = Document::parse(&main)?;
+    let document = Document::parse(Format::X3p, MAIN, &main, path::DATUM)?;
     let mut warnings = Vec::new();
     check_main(&mut archive, &main, &document, &mut warnings)?;
     check_kind(&document)?;
@@ -39,7 +40,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     }
     let letter = document.required(&axis_path("CZ", "DataType"), "I, L, F or D")?;
     let sample = sample(&letter.text)
-        .ok_or_else(|| wrong(&axis_path("CZ", "DataType"), &letter.text, letter.offset, "I, L, F or D"))?;
+        .ok_or_else(|| document.wrong(&axis_path("CZ", "DataType"), &letter.text, letter.offset, "I, L, F or D"))?;
     let increment = document.number(&axis_path("CZ", "Increment"))?.unwrap_or(1.0);
     let offset_m = document.number(&axis_path("CZ", "Offset"))?.unwrap_or(0.0);
 
@@ -53,9 +54,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Scan, FormatError> {
     if pitch_m.is_none() {
         warnings.push("the x or y axis has no increment; no pixel size was read".into());
     }
-    let heights_m = Array2::from_shape_vec((ny, nx), heights).map_err(|error| archive_error(MAIN, error))?;
+    let heights_m =
+        Array2::from_shape_vec((ny, nx), heights).map_err(|error| damaged(Format::X3p, MAIN, error.to_string()))?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
-    Ok(Scan { heights_m, pitch_m, metadata, warnings })
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
 fn axis_path(axis: &str, field: &str) -> String {
@@ -124,7 +126,7 @@ fn check_kind(document: &Document) -> Result<(), FormatError> {
 /// Checked rows, columns and layers.
 fn dimensions(document: &Document) -> Result<(usize, usize, u64), FormatError> {
     let dimension = |field: &'static str| {
-        document.integer(field).map(|(found, offset)| Dimension { field, at: in_main(offset), found })
+        document.integer(field).map(|(found, offset)| Dimension { field, at: document.at(offset), found })
     };
     let (ny, nx) = shape(Format::X3p, &dimension(path::SIZE_Y)?, &dimension(path::SIZE_X)?)?;
     if document.text(path::SIZE_Z).is_none() {
@@ -133,7 +135,7 @@ fn dimensions(document: &Document) -> Result<(usize, usize, u64), FormatError> {
     let (layers, offset) = document.integer(path::SIZE_Z)?;
     match u64::try_from(layers) {
         Ok(layers) if layers > 0 => Ok((ny, nx, layers)),
-        _ => Err(wrong(path::SIZE_Z, &layers.to_string(), offset, "1 or more")),
+        _ => Err(document.wrong(path::SIZE_Z, &layers.to_string(), offset, "1 or more")),
     }
 }
 
@@ -160,8 +162,8 @@ fn stored(
 
 /// The numbers of a data list in `main.xml`.
 fn listed(document: &Document, count: usize, total: u64, warnings: &mut Vec<String>) -> Result<Vec<f64>, FormatError> {
-    let Some(list) = &document.data_list else {
-        return Err(missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
+    let Some(list) = &document.list else {
+        return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
     };
     match list.get(..count) {
         Some(first) => {
@@ -170,7 +172,7 @@ fn listed(document: &Document, count: usize, total: u64, warnings: &mut Vec<Stri
             }
             Ok(first.to_vec())
         }
-        None => Err(wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
+        None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
     }
 }
 

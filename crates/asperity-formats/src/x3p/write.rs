@@ -9,7 +9,8 @@ use quick_xml::escape::escape;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
-use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData, archive_error, hexadecimal};
+use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
+use crate::archive::{damaged, hexadecimal};
 use crate::{Format, FormatError, Scan};
 
 /// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
@@ -72,10 +73,10 @@ fn archive(files: &[(&str, &[u8])]) -> Result<Vec<u8>, FormatError> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {
         let large = options.large_file(u32::try_from(bytes.len()).is_err());
-        zip.start_file(*name, large).map_err(|error| archive_error(name, error))?;
-        zip.write_all(bytes).map_err(|error| archive_error(name, error))?;
+        zip.start_file(*name, large).map_err(|error| damaged(Format::X3p, name, error.to_string()))?;
+        zip.write_all(bytes).map_err(|error| damaged(Format::X3p, name, error.to_string()))?;
     }
-    Ok(zip.finish().map_err(|error| archive_error("archive", error))?.into_inner())
+    Ok(zip.finish().map_err(|error| damaged(Format::X3p, "archive", error.to_string()))?.into_inner())
 }
 
 fn float64(scan: &Scan) -> Stored {

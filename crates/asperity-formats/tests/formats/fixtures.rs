@@ -2,6 +2,8 @@
 
 use md5::{Digest, Md5};
 
+use crate::fixture::Content;
+
 /// CRC-32 of the zip format (polynomial 0xEDB88320), bit by bit.
 fn crc32(bytes: &[u8]) -> u32 {
     let mut crc = u32::MAX;
@@ -45,6 +47,23 @@ pub(crate) fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
     bytes.extend((directory.len() as u32).to_le_bytes());
     bytes.extend(start.to_le_bytes());
     bytes.extend([0, 0]);
+    bytes
+}
+
+/// A gzip stream that stores its content unpacked (RFC 1952 around stored blocks of RFC 1951).
+pub(crate) fn gzip(content: &[u8]) -> Vec<u8> {
+    // Magic, deflate, no flags, no time, no extra flags, unknown system.
+    let mut bytes = vec![0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255];
+    for block in content.chunks(0xffff) {
+        bytes.push(0);
+        bytes.extend((block.len() as u16).to_le_bytes());
+        bytes.extend((!(block.len() as u16)).to_le_bytes());
+        bytes.extend(block);
+    }
+    // An empty last block.
+    bytes.extend([1, 0, 0, 0xff, 0xff]);
+    bytes.extend(crc32(content).to_le_bytes());
+    bytes.extend((content.len() as u32).to_le_bytes());
     bytes
 }
 
@@ -121,17 +140,18 @@ impl X3p {
         )
     }
 
+    /// The files of the archive, with any `main.xml` in place of its own.
+    pub(crate) fn files(&self, main: &[u8]) -> Vec<(String, Vec<u8>)> {
+        let name = |file: &str| format!("{}{file}", self.folder);
+        let mut files = vec![(name("main.xml"), main.to_vec()), (name("bindata/data.bin"), self.data.clone())];
+        files.extend(self.valid.clone().map(|valid| (name("bindata/valid.bin"), valid)));
+        files.push((name("md5checksum.hex"), format!("{} *main.xml", md5(main)).into_bytes()));
+        files
+    }
+
     /// The archive, with any `main.xml` in place of its own.
     pub(crate) fn with_main(&self, main: &[u8]) -> Vec<u8> {
-        let checksum = format!("{} *main.xml", md5(main));
-        let name = |file: &str| format!("{}{file}", self.folder);
-        let names = [name("main.xml"), name("bindata/data.bin"), name("bindata/valid.bin"), name("md5checksum.hex")];
-        let mut files: Vec<(&str, &[u8])> = vec![(&names[0], main), (&names[1], &self.data)];
-        if let Some(valid) = &self.valid {
-            files.push((&names[2], valid));
-        }
-        files.push((&names[3], checksum.as_bytes()));
-        zip(&files)
+        Content::Zip(self.files(main)).bytes()
     }
 
     pub(crate) fn bytes(&self) -> Vec<u8> {

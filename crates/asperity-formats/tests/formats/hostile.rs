@@ -1,96 +1,190 @@
-//! No input makes the reader panic. Each test fails at the first panic; what the reader answers is free.
+//! No input makes a reader panic, hang or take much memory; what it answers is free.
+//!
+//! `ASPERITY_MUTATIONS` sets how many damaged files each fixture is turned into (default 400), `ASPERITY_MUTATE` limits
+//! them to fixtures whose name contains it.
 
-use asperity_formats::{Scan, X3pData, read_bytes, write_x3p};
-use ndarray::array;
+use std::time::{Duration, Instant};
 
-use crate::fixtures::{Sur, TEXT, X3p, npy};
+use asperity_formats::read_bytes;
+
+use crate::fixture::{Content, Fixture, all};
+use crate::memory::peak_bytes;
 
 /// Bytes of which every bit is flipped.
 const FLIPPED_BYTES: usize = 1024;
+/// The longest that one input may take.
+const TIME_LIMIT: Duration = Duration::from_secs(2);
+/// The most memory that an input may take beyond twice its size.
+const MEMORY_LIMIT: usize = 64 << 20;
 
-fn fixtures() -> Vec<Vec<u8>> {
-    let header = "{'descr': '<f8', 'fortran_order': True, 'shape': (2, 1), }  \n";
-    let masked = X3p {
-        z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-9</Increment>",
-        data: vec![1; 8],
-        valid: Some(vec![0b1101]),
-        folder: "a/",
-        ..X3p::default()
-    };
-    vec![
-        X3p::default().bytes(),
-        masked.bytes(),
-        write_x3p(&Scan::new(array![[1e-6, f64::NAN]], Some((1e-6, 1e-6))), X3pData::Int16).unwrap(),
-        Sur::default().bytes(),
-        npy(1, header, &[7; 16]),
-        npy(2, header, &[7; 16]),
-        TEXT.to_vec(),
-    ]
-}
-
-/// Reads, and checks that what is read keeps the promises of a scan.
-fn read(bytes: &[u8]) -> bool {
-    let Ok(scan) = read_bytes(bytes) else { return false };
+/// Reads, and checks that what is read keeps the promises of a scan, and the reader those of the crate.
+fn read(name: &str, bytes: &[u8]) -> bool {
+    let start = Instant::now();
+    let (scan, peak) = peak_bytes(|| read_bytes(bytes));
+    let took = start.elapsed();
+    assert!(took < TIME_LIMIT, "{name}: {took:?} for {} bytes", bytes.len());
+    assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{name}: {peak} bytes of memory for {} of input", bytes.len());
+    let Ok(scan) = scan else { return false };
     assert!(scan.heights_m.iter().all(|z| !z.is_infinite()));
     assert!(!scan.heights_m.is_empty());
     assert!(scan.pitch_m.is_none_or(|(dx, dy)| dx > 0.0 && dy > 0.0 && dx.is_finite() && dy.is_finite()));
+    assert!(scan.channels.is_empty() || scan.channel < scan.channels.len());
     true
 }
 
 #[test]
 fn every_prefix_is_read_or_refused() {
-    for bytes in fixtures() {
-        assert!(read(&bytes));
-        let is_text = bytes == TEXT;
+    for fixture in all() {
+        let bytes = fixture.bytes();
+        assert!(read(fixture.name, &bytes), "{}: {:?}", fixture.name, read_bytes(&bytes).map(|_| ()));
         for end in 0..bytes.len() {
-            // Rows of a text may be fewer; every other format says how long it is.
-            assert!(!read(&bytes[..end]) || is_text, "prefix of {end} bytes");
+            let is_read = read(fixture.name, &bytes[..end]);
+            assert!(!is_read || end >= fixture.needed, "{}: a prefix of {end} bytes was read", fixture.name);
+        }
+    }
+}
+
+fn flip_bits(fixture: &Fixture, positions: impl Fn(usize) -> std::ops::Range<usize>) {
+    let mut bytes = fixture.bytes();
+    for position in positions(bytes.len()) {
+        for bit in 0..8 {
+            bytes[position] ^= 1 << bit;
+            read(fixture.name, &bytes);
+            bytes[position] ^= 1 << bit;
         }
     }
 }
 
 #[test]
 fn every_flipped_bit_is_read_or_refused() {
-    for mut bytes in fixtures() {
-        for position in 0..bytes.len().min(FLIPPED_BYTES) {
-            for bit in 0..8 {
-                bytes[position] ^= 1 << bit;
-                read(&bytes);
-                bytes[position] ^= 1 << bit;
-            }
-        }
+    for fixture in all() {
+        flip_bits(&fixture, |length| 0..length.min(FLIPPED_BYTES));
     }
 }
 
 #[test]
 fn flipped_bits_in_an_archive_directory_are_read_or_refused() {
-    for mut bytes in fixtures().into_iter().take(3) {
-        for position in bytes.len().saturating_sub(FLIPPED_BYTES)..bytes.len() {
-            for bit in 0..8 {
-                bytes[position] ^= 1 << bit;
-                read(&bytes);
-                bytes[position] ^= 1 << bit;
+    for fixture in all().iter().filter(|fixture| matches!(fixture.content, Content::Zip(_))) {
+        flip_bits(fixture, |length| length.saturating_sub(FLIPPED_BYTES)..length);
+    }
+}
+
+/// A multiplicative congruential generator (MMIX): noise enough to damage files with.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> usize {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) as usize
+    }
+
+    fn below(&mut self, bound: usize) -> usize {
+        self.next() % bound.max(1)
+    }
+}
+
+/// Values that sizes, offsets and counts break on.
+const EXTREMES: [u64; 12] = [
+    0,
+    1,
+    2,
+    0x7f,
+    0xff,
+    0x7fff,
+    0xffff,
+    0x7fff_ffff,
+    0xffff_ffff,
+    0x7fff_ffff_ffff_ffff,
+    u64::MAX,
+    0x7ff0_0000_0000_0000,
+];
+/// Texts that fields of numbers break on.
+const WORDS: [&[u8]; 10] =
+    [b"0", b"-1", b"99999999999", b"1e999", b"nan", b"inf", b"", b"\n", b" 18446744073709551615 ", b"1e-400"];
+
+/// Damages bytes in one of the ways in which files come to harm or are made to harm.
+fn damage(bytes: &mut Vec<u8>, noise: &mut Noise) {
+    let place = noise.below(bytes.len() + 1);
+    match noise.below(9) {
+        0 => {
+            for byte in bytes.get_mut(place..).unwrap_or_default().iter_mut().take(1) {
+                *byte = noise.next() as u8;
+            }
+        }
+        1 => {
+            for byte in bytes.get_mut(place..).unwrap_or_default().iter_mut().take(1) {
+                *byte ^= 1 << noise.below(8);
+            }
+        }
+        // A number of 1, 2, 4 or 8 bytes, in either order.
+        2 | 3 => {
+            let width = 1 << noise.below(4);
+            let mut raw = EXTREMES[noise.below(EXTREMES.len())].to_le_bytes()[..width].to_vec();
+            if noise.below(2) == 0 {
+                raw.reverse();
+            }
+            for (byte, new) in bytes.get_mut(place..).unwrap_or_default().iter_mut().zip(raw) {
+                *byte = new;
+            }
+        }
+        4 => bytes.truncate(place),
+        5 => {
+            let end = (place + noise.below(16)).min(bytes.len());
+            bytes.drain(place..end);
+        }
+        // A piece of the file once more.
+        6 => {
+            let from = noise.below(bytes.len() + 1);
+            let piece = bytes[from..].iter().copied().take(noise.below(64)).collect::<Vec<_>>();
+            bytes.splice(place..place, piece);
+        }
+        // The digits of a number replaced by a word.
+        7 => {
+            let is_digit = |byte: &u8| byte.is_ascii_digit();
+            let start = place + bytes[place..].iter().position(is_digit).unwrap_or(bytes.len() - place);
+            let length = bytes[start..].iter().take_while(|byte| is_digit(byte)).count();
+            bytes.splice(start..start + length, WORDS[noise.below(WORDS.len())].iter().copied());
+        }
+        _ => {
+            for byte in bytes.get_mut(place..).unwrap_or_default().iter_mut().take(1) {
+                *byte = byte.wrapping_add(1);
             }
         }
     }
 }
 
-#[test]
-fn noise_in_any_place_is_read_or_refused() {
-    // A multiplicative congruential generator (MMIX) is noise enough here.
-    let mut state = 2016_u64;
-    let mut next = move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 33) as usize
-    };
-    for fixture in fixtures() {
-        for _ in 0..2000 {
-            let mut bytes = fixture.clone();
-            for _ in 0..1 + next() % 8 {
-                let position = next() % bytes.len();
-                bytes[position] = next() as u8;
+/// A damaged copy: of the file, or of what its checksums protect.
+fn damaged(fixture: &Fixture, noise: &mut Noise) -> Vec<u8> {
+    let mut content = fixture.content.clone();
+    let times = 1 + noise.below(4);
+    if noise.below(4) == 0 {
+        content = Content::Bytes(content.bytes());
+    }
+    for _ in 0..times {
+        match &mut content {
+            Content::Bytes(bytes) | Content::Gzip(bytes) => damage(bytes, noise),
+            Content::Zip(files) => {
+                let file = noise.below(files.len());
+                damage(&mut files[file].1, noise);
             }
-            read(&bytes);
+        }
+    }
+    content.bytes()
+}
+
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let count = std::env::var("ASPERITY_MUTATIONS").map_or(400, |count| count.parse::<u64>().unwrap());
+    let only = std::env::var("ASPERITY_MUTATE").unwrap_or_default();
+    for (place, fixture) in all().iter().enumerate().filter(|(_, fixture)| fixture.name.contains(&only)) {
+        for repeat in 0..count {
+            // Every input is a function of the fixture and the repeat, so that a failure can be looked at alone.
+            let mut noise = Noise((place as u64) << 40 ^ repeat.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            let bytes = damaged(fixture, &mut noise);
+            if std::panic::catch_unwind(|| read(fixture.name, &bytes)).is_err() {
+                let shown: Vec<u8> = bytes.iter().copied().take(4096).collect();
+                panic!("{}, repeat {repeat}: `{}`", fixture.name, shown.escape_ascii());
+            }
         }
     }
 }

@@ -2,15 +2,36 @@
 //! bytes.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+mod al3d;
+mod bcr;
+mod datx;
 mod files;
+mod fixture;
 mod fixtures;
+mod frt;
+mod gwy;
+mod gz;
 mod hostile;
+mod memory;
+mod metropro;
+mod netcdf;
+mod nms;
 mod npy;
+mod npz;
+mod opd;
+mod plu;
+mod plux;
 mod reference;
 mod round_trip;
+mod sdf;
 mod sur;
 mod text;
+mod tiff;
+mod tmd;
+mod vk;
+mod vtk;
 mod x3p;
+mod xyz;
 
 use asperity_formats::Scan;
 

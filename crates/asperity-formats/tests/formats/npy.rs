@@ -1,6 +1,7 @@
 use asperity_formats::{Format, FormatError, read_bytes};
 
 use crate::assert_heights;
+use crate::fixture::Fixture;
 use crate::fixtures::npy;
 
 fn header(descr: &str, column_major: &str, shape: &str) -> String {
@@ -10,6 +11,14 @@ fn header(descr: &str, column_major: &str, shape: &str) -> String {
 fn read(descr: &str, data: &[u8]) -> Vec<f64> {
     let bytes = npy(1, &header(descr, "False", "(1, 2)"), data);
     read_bytes(&bytes).unwrap_or_else(|error| panic!("{error}")).heights_m.into_iter().collect()
+}
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    let header = "{'descr': '<f8', 'fortran_order': True, 'shape': (2, 1), }  \n";
+    vec![
+        Fixture::whole("NPY version 1", npy(1, header, &[7; 16])),
+        Fixture::whole("NPY version 2", npy(2, header, &[7; 16])),
+    ]
 }
 
 #[test]

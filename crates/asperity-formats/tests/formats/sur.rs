@@ -1,9 +1,14 @@
 use asperity_formats::{Format, FormatError, read_bytes};
 
 use crate::assert_heights;
+use crate::fixture::Fixture;
 use crate::fixtures::Sur;
 
 const NAN: f64 = f64::NAN;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![Fixture::whole("SUR of int16", Sur::default().bytes())]
+}
 
 #[test]
 fn int16_heights_are_scaled_shifted_and_voids_are_two_below_the_minimum() {

@@ -1,9 +1,14 @@
 use asperity_formats::{FormatError, read_bytes};
 
 use crate::assert_heights;
+use crate::fixture::Fixture;
 use crate::fixtures::TEXT;
 
 const NAN: f64 = f64::NAN;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![Fixture::open_ended("text", TEXT.to_vec())]
+}
 
 #[test]
 fn separators_are_found_out() {

@@ -1,12 +1,34 @@
-use asperity_formats::{Format, FormatError, MAX_POINTS, read_bytes};
+use asperity_formats::{Format, FormatError, MAX_POINTS, Scan, X3pData, read_bytes, write_x3p};
+use ndarray::array;
 
 use crate::assert_heights;
+use crate::fixture::{Content, Fixture};
 use crate::fixtures::{X3p, md5, zip};
 
 const NAN: f64 = f64::NAN;
 
 fn le<const N: usize>(numbers: impl IntoIterator<Item = [u8; N]>) -> Vec<u8> {
     numbers.into_iter().flatten().collect()
+}
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    let masked = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-9</Increment>",
+        data: vec![1; 8],
+        valid: Some(vec![0b1101]),
+        folder: "a/",
+        ..X3p::default()
+    };
+    let fixture = |name, x3p: &X3p| {
+        let content = Content::Zip(x3p.files(x3p.main_xml().as_bytes()));
+        Fixture { name, needed: content.bytes().len(), content }
+    };
+    let packed = write_x3p(&Scan::new(array![[1e-6, f64::NAN]], Some((1e-6, 1e-6))), X3pData::Int16).unwrap();
+    vec![
+        fixture("X3P of float64", &X3p::default()),
+        fixture("X3P of int16 with a mask in a folder", &masked),
+        Fixture::whole("X3P with deflated files", packed),
+    ]
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! `main.xml` as a flat table: the path of every element that holds text, by local names, so that namespace prefixes
-//! and their absence do not matter.
+//! An XML description as a flat table: the path of every element that holds text, by local names, so that namespace
+//! prefixes and their absence do not matter.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -8,43 +8,56 @@ use quick_xml::Reader;
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
-use super::{in_main, path};
 use crate::error::shown;
-use crate::{Format, FormatError};
+use crate::{Format, FormatError, Location};
 
-/// Elements inside each other; the format needs five.
+/// Elements inside each other; descriptions of instruments need about five.
 const MAX_DEPTH: usize = 32;
 
 /// The text of one element and where it ends.
-pub(super) struct Value {
-    pub(super) text: String,
-    pub(super) offset: u64,
+pub(crate) struct Value {
+    pub(crate) text: String,
+    pub(crate) offset: u64,
 }
 
-/// The elements of `main.xml`.
-pub(super) struct Document {
+/// The elements of a description.
+pub(crate) struct Document {
+    format: Format,
+    /// Name of the file inside the archive.
+    entry: &'static str,
+    /// Path of the elements that make up a list of numbers.
+    list_path: &'static str,
     /// Text by path below the root element; texts of equal path are joined by line ends.
-    pub(super) values: BTreeMap<String, Value>,
-    /// The numbers of the data list, NaN for empty ones; `None` when there is no list.
-    pub(super) data_list: Option<Vec<f64>>,
+    pub(crate) values: BTreeMap<String, Value>,
+    /// The numbers at `list_path`, NaN for empty ones; `None` when there are none.
+    pub(crate) list: Option<Vec<f64>>,
 }
 
 impl Document {
-    /// Takes the elements out of the bytes of `main.xml`.
+    /// Takes the elements out of the bytes of a file in an archive.
+    ///
+    /// The texts of elements at `list_path` are read as numbers, so that lists of millions cost no more than they must.
     ///
     /// # Errors
-    /// XML that is not well-formed, nested too deep, or that uses entities of its own; a datum that is no number.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
+    /// XML that is not well-formed, nested too deep, or that uses entities of its own; a list element that is no number.
+    pub(crate) fn parse(
+        format: Format,
+        entry: &'static str,
+        bytes: &[u8],
+        list_path: &'static str,
+    ) -> Result<Self, FormatError> {
         let text = decode(bytes);
         let mut reader = Reader::from_str(&text);
         reader.config_mut().expand_empty_elements = true;
-        let mut document = Self { values: BTreeMap::new(), data_list: None };
+        let mut document = Self { format, entry, list_path, values: BTreeMap::new(), list: None };
         // Names of the open elements below the root, joined, and the lengths to cut back to.
         let (mut open, mut lengths) = (String::new(), Vec::new());
         let (mut content, mut is_leaf) = (String::new(), false);
         loop {
-            let damaged =
-                |reason: String, offset: u64| FormatError::Xml { format: Format::X3p, at: in_main(offset), reason };
+            let damaged = |reason: String, offset: u64| {
+                let at = Location::Entry { entry: entry.into(), offset };
+                FormatError::Xml { format, at, reason }
+            };
             match reader.read_event() {
                 Err(error) => return Err(damaged(error.to_string(), reader.error_position())),
                 Ok(Event::Start(start)) => {
@@ -92,10 +105,11 @@ impl Document {
     }
 
     fn add(&mut self, path: &str, text: &str, offset: u64) -> Result<(), FormatError> {
-        if path == path::DATUM {
+        if path == self.list_path {
             let datum = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
-            let datum = datum.ok_or_else(|| wrong(path, text, offset, "one number, or nothing for a missing point"))?;
-            self.data_list.get_or_insert_default().push(datum);
+            let datum =
+                datum.ok_or_else(|| self.wrong(path, text, offset, "one number, or nothing for a missing point"))?;
+            self.list.get_or_insert_default().push(datum);
         } else if !text.is_empty() {
             match self.values.get_mut(path) {
                 Some(value) => {
@@ -111,46 +125,51 @@ impl Document {
     }
 
     /// The text of an element, `None` when it is empty or absent.
-    pub(super) fn text(&self, path: &str) -> Option<&str> {
+    pub(crate) fn text(&self, path: &str) -> Option<&str> {
         self.values.get(path).map(|value| value.text.as_str())
     }
 
     /// The text of an element that must be there.
-    pub(super) fn required(&self, path: &str, wanted: &str) -> Result<&Value, FormatError> {
-        self.values.get(path).ok_or_else(|| missing(path, wanted))
+    pub(crate) fn required(&self, path: &str, wanted: &str) -> Result<&Value, FormatError> {
+        self.values.get(path).ok_or_else(|| self.missing(path, wanted))
     }
 
     /// A finite number, `None` when its element is empty or absent.
-    pub(super) fn number(&self, path: &str) -> Result<Option<f64>, FormatError> {
+    pub(crate) fn number(&self, path: &str) -> Result<Option<f64>, FormatError> {
         let Some(Value { text, offset }) = self.values.get(path) else { return Ok(None) };
         match text.parse() {
             Ok(number) if f64::is_finite(number) => Ok(Some(number)),
-            _ => Err(wrong(path, text, *offset, "a finite number")),
+            _ => Err(self.wrong(path, text, *offset, "a finite number")),
         }
     }
 
     /// A whole number that must be there.
-    pub(super) fn integer(&self, path: &str) -> Result<(i64, u64), FormatError> {
+    pub(crate) fn integer(&self, path: &str) -> Result<(i64, u64), FormatError> {
         let wanted = "a whole number";
         let Value { text, offset } = self.required(path, wanted)?;
-        let number = text.parse().map_err(|_| wrong(path, text, *offset, wanted))?;
+        let number = text.parse().map_err(|_| self.wrong(path, text, *offset, wanted))?;
         Ok((number, *offset))
     }
-}
 
-/// An element that is not there.
-pub(super) fn missing(path: &str, wanted: &str) -> FormatError {
-    FormatError::MissingField { format: Format::X3p, field: path.into(), at: in_main(0), wanted: wanted.into() }
-}
+    /// The place of an element.
+    pub(crate) fn at(&self, offset: u64) -> Location {
+        Location::Entry { entry: self.entry.into(), offset }
+    }
 
-/// An element whose text cannot be right.
-pub(super) fn wrong(path: &str, found: &str, offset: u64, wanted: &str) -> FormatError {
-    FormatError::Field {
-        format: Format::X3p,
-        field: path.into(),
-        at: in_main(offset),
-        found: shown(found),
-        wanted: wanted.into(),
+    /// The error for an element that is not there.
+    pub(crate) fn missing(&self, path: &str, wanted: &str) -> FormatError {
+        FormatError::MissingField { format: self.format, field: path.into(), at: self.at(0), wanted: wanted.into() }
+    }
+
+    /// The error for an element whose text cannot be right.
+    pub(crate) fn wrong(&self, path: &str, found: &str, offset: u64, wanted: &str) -> FormatError {
+        FormatError::Field {
+            format: self.format,
+            field: path.into(),
+            at: self.at(offset),
+            found: shown(found),
+            wanted: wanted.into(),
+        }
     }
 }
 

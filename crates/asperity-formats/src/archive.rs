@@ -1,0 +1,286 @@
+//! Archives and compressed streams: which file is meant, and how much of it may be unpacked.
+
+use std::io::{Cursor, Read};
+
+use flate2::read::MultiGzDecoder;
+use md5::{Digest, Md5};
+use zip::ZipArchive;
+use zip::read::ZipFile;
+
+use crate::error::shown;
+use crate::sample::{ByteOrder, Sample};
+use crate::{Format, FormatError, Location, MAX_POINTS};
+
+/// Bytes that any stream may unpack to, however small it is.
+const FREE_BYTES: u64 = 1 << 23;
+/// Beyond [`FREE_BYTES`], how often its own size a stream may unpack to; maps of instruments reach 2 to 20.
+const MAX_RATIO: u64 = 64;
+/// Numbers that any stream may unpack to: a map of 2048 × 2048.
+const FREE_NUMBERS: u64 = 1 << 22;
+/// Beyond [`FREE_NUMBERS`], how often its own size a stream of numbers may unpack to. Ideal gratings reach hundreds; the
+/// bound of the method is 1032 (258 bytes from 2 bits, RFC 1951).
+const MAX_RATIO_OF_NUMBERS: u64 = 256;
+/// Bytes unpacked at a time.
+const CHUNK_BYTES: usize = 1 << 16;
+/// Numbers that memory is reserved for before any has been unpacked.
+const RESERVED_NUMBERS: usize = 1 << 20;
+/// Files that a desktop leaves in archives beside the real ones.
+const DESKTOP_FOLDER: &str = "__MACOSX/";
+
+/// The most bytes that `packed` bytes may unpack to.
+pub(crate) fn unpacked_limit(packed: u64) -> u64 {
+    packed.saturating_mul(MAX_RATIO).clamp(FREE_BYTES, 2 * 8 * MAX_POINTS)
+}
+
+/// An archive and the folder inside it that holds the files of a format.
+pub(crate) struct Archive<'a> {
+    format: Format,
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    /// Bytes of the archive: what an entry says of its packed size is not to be believed beyond.
+    packed_bytes: u64,
+    names: Vec<String>,
+    folder: String,
+}
+
+/// Heights or other numbers from one file of the archive.
+pub(crate) struct Numbers {
+    pub(crate) values: Vec<f64>,
+    /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
+    pub(crate) md5: Option<String>,
+}
+
+impl<'a> Archive<'a> {
+    /// Opens an archive.
+    ///
+    /// # Errors
+    /// [`FormatError::Archive`] for bytes that are none.
+    pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self, FormatError> {
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(format, "archive", error.to_string()))?;
+        // Some writers separate folders with backslashes; names that cannot be decoded match nothing.
+        let names: Vec<String> =
+            zip.file_names().map(|name| name.map(|name| name.replace('\\', "/")).unwrap_or_default()).collect();
+        Ok(Self { format, zip, packed_bytes: bytes.len() as u64, names, folder: String::new() })
+    }
+
+    /// Names of the files, with `/` between folders.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Goes to the folder that holds `main`, the one nearest to the root: later links count from there.
+    ///
+    /// # Errors
+    /// [`FormatError::Archive`] when there is no such file.
+    pub(crate) fn enter_folder_of(&mut self, main: &str) -> Result<(), FormatError> {
+        let folder_of = |name: &String| {
+            let folder = name.strip_suffix(main)?;
+            ((folder.is_empty() || folder.ends_with('/')) && !folder.starts_with(DESKTOP_FOLDER))
+                .then(|| folder.to_owned())
+        };
+        let folder = self.names.iter().filter_map(folder_of).min_by_key(|folder| folder.matches('/').count());
+        self.folder = folder.ok_or_else(|| damaged(self.format, "archive", format!("it holds no {main}")))?;
+        Ok(())
+    }
+
+    /// The index of a linked file.
+    fn index(&self, link: &str) -> Option<usize> {
+        let link = link.trim().replace('\\', "/");
+        let mut relative = link.as_str();
+        while let Some(rest) = relative.strip_prefix("./").or_else(|| relative.strip_prefix('/')) {
+            relative = rest;
+        }
+        let name = format!("{}{relative}", self.folder);
+        let exact = self.names.iter().position(|candidate| *candidate == name);
+        exact.or_else(|| self.names.iter().position(|candidate| candidate.eq_ignore_ascii_case(&name)))
+    }
+
+    fn stream(&mut self, link: &str) -> Result<ZipFile<'_, Cursor<&'a [u8]>>, FormatError> {
+        let format = self.format;
+        let index = self.index(link).ok_or_else(|| damaged(format, link, "no such file in the archive".to_owned()))?;
+        self.zip.by_index(index).map_err(|error| damaged(format, link, error.to_string()))
+    }
+
+    /// Whether the archive holds a file.
+    pub(crate) fn contains(&self, link: &str) -> bool {
+        self.index(link).is_some()
+    }
+
+    /// The whole content of a file that must not be longer than `limit` bytes.
+    ///
+    /// # Errors
+    /// [`FormatError::TooLarge`] beyond `limit` or what its packed size allows; [`FormatError::Archive`] where the file
+    /// is absent or damaged.
+    pub(crate) fn read_whole(&mut self, link: &str, limit: u64) -> Result<Vec<u8>, FormatError> {
+        let (format, packed_bytes) = (self.format, self.packed_bytes);
+        let entry = self.stream(link)?;
+        let limit = limit.min(unpacked_limit(entry.compressed_size().min(packed_bytes)));
+        let too_large = |found: u64| FormatError::TooLarge {
+            format,
+            field: "the file's size in bytes".into(),
+            at: Location::Entry { entry: shown(link), offset: 0 },
+            found,
+            limit,
+        };
+        if entry.size() > limit {
+            return Err(too_large(entry.size()));
+        }
+        let mut bytes = Vec::new();
+        entry.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(format, link, error.to_string()))?;
+        if bytes.len() as u64 > limit {
+            return Err(too_large(bytes.len() as u64));
+        }
+        Ok(bytes)
+    }
+
+    /// The first `count` little-endian numbers of a file that should hold `total` of them.
+    ///
+    /// Sizes that the packed bytes cannot reach are refused at once, and memory grows with what is unpacked.
+    ///
+    /// # Errors
+    /// [`FormatError::Truncated`] where the file ends before `count` numbers; [`FormatError::Archive`] where it is
+    /// absent, damaged or packed beyond reason.
+    pub(crate) fn read_numbers(
+        &mut self,
+        link: &str,
+        sample: Sample,
+        count: usize,
+        total: u64,
+    ) -> Result<Numbers, FormatError> {
+        let (format, packed_bytes) = (self.format, self.packed_bytes);
+        let mut entry = self.stream(link)?;
+        let wanted = count as u64 * sample.size() as u64;
+        let truncated = |found: u64| FormatError::Truncated {
+            format,
+            part: "the numbers".into(),
+            at: Location::Entry { entry: shown(link), offset: 0 },
+            found,
+            wanted,
+        };
+        if entry.size() < wanted {
+            return Err(truncated(entry.size()));
+        }
+        let packed = entry.compressed_size().min(packed_bytes);
+        if count as u64 > FREE_NUMBERS && wanted > packed.saturating_mul(MAX_RATIO_OF_NUMBERS) {
+            let reason =
+                format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
+            return Err(damaged(format, link, reason));
+        }
+        let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS));
+        let mut md5 = Md5::new();
+        let mut chunk = vec![0; CHUNK_BYTES];
+        let mut found = 0;
+        while found < wanted {
+            let room = chunk.len().min(usize::try_from(wanted - found).unwrap_or(usize::MAX));
+            let filled =
+                fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            found += filled as u64;
+            if filled < room {
+                return Err(truncated(found));
+            }
+            md5.update(&chunk[..filled]);
+            // A chunk is a multiple of every number's size, so no number is cut.
+            sample.decode(ByteOrder::Little, &chunk[..filled], &mut values);
+        }
+        let size = total.saturating_mul(sample.size() as u64).min(found.saturating_add(unpacked_limit(packed)));
+        loop {
+            let filled = fill(&mut entry, &mut chunk).map_err(|error| damaged(format, link, error.to_string()))?;
+            found += filled as u64;
+            md5.update(&chunk[..filled]);
+            if filled == 0 || found > size {
+                break;
+            }
+        }
+        Ok(Numbers { values, md5: (found <= size).then(|| hexadecimal(&md5.finalize())) })
+    }
+}
+
+/// The content of a gzip stream.
+///
+/// # Errors
+/// [`FormatError::TooLarge`] beyond what its packed size allows, [`FormatError::Archive`] for a damaged stream.
+pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
+    let limit = unpacked_limit(bytes.len() as u64);
+    let mut content = Vec::new();
+    MultiGzDecoder::new(bytes)
+        .take(limit + 1)
+        .read_to_end(&mut content)
+        .map_err(|error| damaged(Format::Gzip, "stream", error.to_string()))?;
+    if content.len() as u64 > limit {
+        return Err(FormatError::TooLarge {
+            format: Format::Gzip,
+            field: "the size of the content in bytes".into(),
+            at: Location::Byte(0),
+            found: content.len() as u64,
+            limit,
+        });
+    }
+    Ok(content)
+}
+
+/// An MD5 sum in the usual hexadecimal digits.
+pub(crate) fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The error for a damaged archive or stream.
+pub(crate) fn damaged(format: Format, entry: &str, reason: String) -> FormatError {
+    FormatError::Archive { format, entry: shown(entry), reason }
+}
+
+/// Reads until the buffer is full or the source ends; the number of bytes read.
+fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match source.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(read) => filled += read,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => (),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    /// An archive of a file of zeros that deflates to a thousandth of its size.
+    fn bomb(zeros: usize) -> Vec<u8> {
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, content) in [("zeros", vec![0; zeros])] {
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+            zip.write_all(&content).unwrap();
+        }
+        zip.finish().unwrap().into_inner()
+    }
+
+    #[test]
+    fn a_file_is_unpacked_up_to_its_limit() {
+        let bytes = bomb(1_000_000);
+        assert!(bytes.len() < 2000);
+        let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
+        assert_eq!(archive.read_whole("zeros", 1_000_000).unwrap().len(), 1_000_000);
+        assert!(matches!(archive.read_whole("zeros", 999_999), Err(FormatError::TooLarge { limit: 999_999, .. })));
+    }
+
+    #[test]
+    fn numbers_that_the_packed_bytes_cannot_hold_are_refused_before_unpacking() {
+        let bytes = bomb(1_000_000);
+        let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
+        let numbers = archive.read_numbers("zeros", Sample::I16, 500_000, 500_000).unwrap();
+        assert_eq!(numbers.values, vec![0.0; 500_000]);
+        // MD5 of a million zero bytes, by `head -c 1000000 /dev/zero | md5sum`.
+        assert_eq!(numbers.md5.as_deref(), Some("879f4bba57ed37c9ec5e5aedf9864698"));
+        assert!(matches!(
+            archive.read_numbers("zeros", Sample::F64, 1 << 27, 1 << 27),
+            Err(FormatError::Truncated { found: 1_000_000, .. })
+        ));
+        assert!(matches!(
+            archive.read_numbers("zeros", Sample::I16, 500_001, 500_001),
+            Err(FormatError::Truncated { found: 1_000_000, wanted: 1_000_002, .. })
+        ));
+    }
+}

@@ -1,0 +1,214 @@
+//! The bytes of a file, taken field by field: nothing is read beyond them, and whatever is wrong with a field is told
+//! with its name and place.
+
+use crate::error::shown;
+use crate::sample::{ByteOrder, Sample};
+use crate::{Format, FormatError, Location, MAX_POINTS};
+
+/// The bytes of a file, or of one file in an archive.
+#[derive(Clone, Copy)]
+pub(crate) struct Input<'a> {
+    format: Format,
+    entry: Option<&'a str>,
+    order: ByteOrder,
+    bytes: &'a [u8],
+}
+
+/// The numbers in one place of a file.
+macro_rules! number {
+    ($name:ident) => {
+        #[doc = concat!("One `", stringify!($name), "` in the order of bytes that was chosen.")]
+        pub(crate) fn $name(&self, field: &str, offset: usize) -> Result<$name, FormatError> {
+            let raw = self.array(field, offset)?;
+            Ok(match self.order {
+                ByteOrder::Little => <$name>::from_le_bytes(raw),
+                ByteOrder::Big => <$name>::from_be_bytes(raw),
+            })
+        }
+    };
+}
+
+impl<'a> Input<'a> {
+    /// A file with little-endian numbers.
+    pub(crate) fn new(format: Format, bytes: &'a [u8]) -> Self {
+        Self { format, entry: None, order: ByteOrder::Little, bytes }
+    }
+
+    /// A file inside an archive.
+    pub(crate) fn entry(format: Format, entry: &'a str, bytes: &'a [u8]) -> Self {
+        Self { entry: Some(entry), ..Self::new(format, bytes) }
+    }
+
+    /// The same bytes with numbers in another order.
+    pub(crate) fn with_order(self, order: ByteOrder) -> Self {
+        Self { order, ..self }
+    }
+
+    /// All bytes.
+    pub(crate) fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// Number of bytes.
+    pub(crate) fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    number!(u8);
+    number!(i16);
+    number!(u16);
+    number!(i32);
+    number!(u32);
+    number!(i64);
+    number!(u64);
+    number!(f32);
+    number!(f64);
+
+    fn array<const N: usize>(&self, field: &str, offset: usize) -> Result<[u8; N], FormatError> {
+        let bytes = self.take(field, offset, N)?;
+        bytes.try_into().map_err(|_| self.truncated(field, offset, N))
+    }
+
+    /// `length` bytes from `offset` on.
+    ///
+    /// # Errors
+    /// [`FormatError::Truncated`] where the file ends before.
+    pub(crate) fn take(&self, part: &str, offset: usize, length: usize) -> Result<&'a [u8], FormatError> {
+        let end = offset.checked_add(length);
+        end.and_then(|end| self.bytes.get(offset..end)).ok_or_else(|| self.truncated(part, offset, length))
+    }
+
+    /// Latin-1 text of at most `length` bytes up to the first zero, without white space around it.
+    pub(crate) fn latin1(&self, field: &str, offset: usize, length: usize) -> Result<String, FormatError> {
+        Ok(latin1(self.take(field, offset, length)?))
+    }
+
+    /// `count` numbers from `offset` on; memory is taken only when all of them are there.
+    pub(crate) fn samples(
+        &self,
+        part: &str,
+        offset: usize,
+        count: usize,
+        sample: Sample,
+    ) -> Result<Vec<f64>, FormatError> {
+        let length = count.saturating_mul(sample.size());
+        let bytes = self.take(part, offset, length)?;
+        let mut values = Vec::with_capacity(count);
+        sample.decode(self.order, bytes, &mut values);
+        Ok(values)
+    }
+
+    /// Checked shape `(rows, columns)` of a map from fields that hold its dimensions, each `(name, offset, value)`.
+    ///
+    /// # Errors
+    /// A dimension below one, or a product above [`MAX_POINTS`].
+    pub(crate) fn shape(
+        &self,
+        rows: (&str, usize, i64),
+        columns: (&str, usize, i64),
+    ) -> Result<(usize, usize), FormatError> {
+        let positive = |(field, offset, found): (&str, usize, i64)| {
+            usize::try_from(found)
+                .ok()
+                .filter(|&points| points > 0)
+                .ok_or_else(|| self.wrong(field, offset, found, "1 or more"))
+        };
+        let (ny, nx) = (positive(rows)?, positive(columns)?);
+        let points = (ny as u64).saturating_mul(nx as u64);
+        if points > MAX_POINTS {
+            return Err(FormatError::TooLarge {
+                format: self.format,
+                field: format!("the product of {} and {}", columns.0, rows.0),
+                at: self.at(columns.1),
+                found: points,
+                limit: MAX_POINTS,
+            });
+        }
+        Ok((ny, nx))
+    }
+
+    /// A place in the file.
+    pub(crate) fn at(&self, offset: usize) -> Location {
+        let offset = offset as u64;
+        match self.entry {
+            Some(entry) => Location::Entry { entry: entry.into(), offset },
+            None => Location::Byte(offset),
+        }
+    }
+
+    fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
+        FormatError::Truncated {
+            format: self.format,
+            part: part.into(),
+            at: self.at(offset),
+            found: self.bytes.len().saturating_sub(offset) as u64,
+            wanted: wanted as u64,
+        }
+    }
+
+    /// The error for a field whose value cannot be right.
+    pub(crate) fn wrong(&self, field: &str, offset: usize, found: impl ToString, wanted: &str) -> FormatError {
+        FormatError::Field {
+            format: self.format,
+            field: field.into(),
+            at: self.at(offset),
+            found: shown(&found.to_string()),
+            wanted: wanted.into(),
+        }
+    }
+
+    /// The error for a field that is not there.
+    pub(crate) fn missing(&self, field: &str, offset: usize, wanted: &str) -> FormatError {
+        FormatError::MissingField {
+            format: self.format,
+            field: field.into(),
+            at: self.at(offset),
+            wanted: wanted.into(),
+        }
+    }
+
+    /// The error for a valid file of a kind that is not read.
+    pub(crate) fn unsupported(&self, found: impl Into<String>, wanted: &'static str) -> FormatError {
+        FormatError::Unsupported { format: self.format, found: found.into(), wanted }
+    }
+}
+
+/// Latin-1 text up to the first zero, without white space around it.
+pub(crate) fn latin1(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    bytes[..end].iter().map(|&byte| char::from(byte)).collect::<String>().trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_in_either_order() {
+        let bytes = [0x3f, 0x80, 0, 0];
+        let input = Input::new(Format::Text, &bytes);
+        assert_eq!(input.u16("a", 0).unwrap(), 0x803f);
+        assert_eq!(input.with_order(ByteOrder::Big).f32("a", 0).unwrap(), 1.0);
+    }
+
+    #[test]
+    fn a_field_beyond_the_end_is_told_by_name_and_place() {
+        let input = Input::entry(Format::Text, "a.bin", &[1, 2, 3]);
+        let message = input.u32("width", 1).unwrap_err().to_string();
+        assert_eq!(message, "text: width (a.bin, byte 1) stop after 2 bytes; wanted 4");
+        assert!(input.take("all", usize::MAX, 2).is_err());
+        assert!(input.samples("all", 0, usize::MAX, Sample::F64).is_err());
+    }
+
+    #[test]
+    fn dimensions_below_one_or_beyond_the_limit_are_refused() {
+        let input = Input::new(Format::Text, &[]);
+        assert_eq!(input.shape(("rows", 0, 2), ("columns", 4, 3)).unwrap(), (2, 3));
+        assert!(matches!(input.shape(("rows", 0, 0), ("columns", 4, 3)), Err(FormatError::Field { .. })));
+        assert!(matches!(input.shape(("rows", 0, 2), ("columns", 4, -1)), Err(FormatError::Field { .. })));
+        assert!(matches!(
+            input.shape(("rows", 0, 1 << 14), ("columns", 4, 1 << 15)),
+            Err(FormatError::TooLarge { .. })
+        ));
+    }
+}

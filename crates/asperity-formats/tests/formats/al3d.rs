@@ -1,0 +1,7 @@
+//! AL3D.
+
+use crate::fixture::Fixture;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![]
+}

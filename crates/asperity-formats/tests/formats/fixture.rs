@@ -1,0 +1,91 @@
+//! Small files of every format, for tests that damage them.
+
+use crate::fixtures::{gzip, zip};
+
+/// A small file and what is known of it.
+#[derive(Clone)]
+pub(crate) struct Fixture {
+    /// The format and what is special about the file.
+    pub(crate) name: &'static str,
+    pub(crate) content: Content,
+    /// The first bytes without which the file must be refused; 0 where a beginning of it is a file as well.
+    pub(crate) needed: usize,
+}
+
+/// Bytes, and where damage to them would only be found by a checksum, what the checksum is taken of.
+#[derive(Clone)]
+pub(crate) enum Content {
+    Bytes(Vec<u8>),
+    /// A gzip stream around bytes.
+    Gzip(Vec<u8>),
+    /// A zip archive of files.
+    Zip(Vec<(String, Vec<u8>)>),
+}
+
+impl Fixture {
+    /// A file that ends with the last byte that it needs.
+    pub(crate) fn whole(name: &'static str, bytes: Vec<u8>) -> Self {
+        Self { name, needed: bytes.len(), content: Content::Bytes(bytes) }
+    }
+
+    /// A file of which beginnings may be files as well.
+    pub(crate) fn open_ended(name: &'static str, bytes: Vec<u8>) -> Self {
+        Self { needed: 0, ..Self::whole(name, bytes) }
+    }
+
+    /// A zip archive.
+    pub(crate) fn zip(name: &'static str, files: &[(&str, &[u8])]) -> Self {
+        let files: Vec<_> = files.iter().map(|(name, bytes)| ((*name).to_owned(), bytes.to_vec())).collect();
+        let fixture = Self { name, needed: 0, content: Content::Zip(files) };
+        Self { needed: fixture.bytes().len(), ..fixture }
+    }
+
+    /// The file.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        self.content.bytes()
+    }
+}
+
+impl Content {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        match self {
+            Self::Bytes(bytes) => bytes.clone(),
+            Self::Gzip(bytes) => gzip(bytes),
+            Self::Zip(files) => {
+                let files: Vec<(&str, &[u8])> =
+                    files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
+                zip(&files)
+            }
+        }
+    }
+}
+
+/// The fixtures of every format.
+pub(crate) fn all() -> Vec<Fixture> {
+    [
+        crate::x3p::fixtures(),
+        crate::sur::fixtures(),
+        crate::sdf::fixtures(),
+        crate::gwy::fixtures(),
+        crate::opd::fixtures(),
+        crate::metropro::fixtures(),
+        crate::datx::fixtures(),
+        crate::plu::fixtures(),
+        crate::plux::fixtures(),
+        crate::al3d::fixtures(),
+        crate::nms::fixtures(),
+        crate::frt::fixtures(),
+        crate::bcr::fixtures(),
+        crate::tmd::fixtures(),
+        crate::vk::fixtures(),
+        crate::netcdf::fixtures(),
+        crate::npy::fixtures(),
+        crate::npz::fixtures(),
+        crate::tiff::fixtures(),
+        crate::vtk::fixtures(),
+        crate::xyz::fixtures(),
+        crate::text::fixtures(),
+        crate::gz::fixtures(),
+    ]
+    .concat()
+}

@@ -1,0 +1,34 @@
+//! gzip streams around other formats.
+
+use crate::fixture::{Content, Fixture};
+use crate::fixtures::{Sur, TEXT, gzip};
+use asperity_formats::read_bytes;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    let sur = Content::Gzip(Sur::default().bytes());
+    let needed = sur.bytes().len();
+    vec![Fixture { name: "gzip of SUR", content: sur, needed }]
+}
+
+#[test]
+fn a_gzip_stream_is_read_like_its_content() {
+    let plain = read_bytes(TEXT).unwrap();
+    let packed = read_bytes(&gzip(TEXT)).unwrap();
+    assert_eq!(crate::bits(&plain), crate::bits(&packed));
+    assert_eq!(plain.metadata, packed.metadata);
+}
+
+#[test]
+fn a_gzip_stream_in_another_is_refused() {
+    let message = read_bytes(&gzip(&gzip(TEXT))).unwrap_err().to_string();
+    assert!(message.starts_with("unknown format"), "{message}");
+}
+
+#[test]
+fn a_damaged_gzip_stream_is_told() {
+    let mut bytes = gzip(TEXT);
+    let end = bytes.len();
+    // The checksum stands eight bytes before the end (RFC 1952).
+    bytes[end - 8] ^= 1;
+    assert!(read_bytes(&bytes).unwrap_err().to_string().starts_with("gzip: stream: "));
+}

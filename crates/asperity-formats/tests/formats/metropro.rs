@@ -1,0 +1,7 @@
+//! MetroPro DAT.
+
+use crate::fixture::Fixture;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![]
+}

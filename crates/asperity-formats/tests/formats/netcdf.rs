@@ -1,0 +1,7 @@
+//! NetCDF.
+
+use crate::fixture::Fixture;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![]
+}

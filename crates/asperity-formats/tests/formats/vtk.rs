@@ -1,0 +1,7 @@
+//! VTK image.
+
+use crate::fixture::Fixture;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![]
+}

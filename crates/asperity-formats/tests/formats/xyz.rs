@@ -1,0 +1,7 @@
+//! XYZ.
+
+use crate::fixture::Fixture;
+
+pub(crate) fn fixtures() -> Vec<Fixture> {
+    vec![]
+}
