@@ -2,6 +2,7 @@
 
 mod check;
 mod contact;
+mod formats;
 mod init;
 mod report;
 mod run;
@@ -28,6 +29,8 @@ pub(crate) enum Command {
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
     Surface(surface::Surface),
+    /// The file formats of surfaces.
+    Formats(formats::Formats),
     /// Contact of a rough surface with a rigid flat.
     Contact(contact::Contact),
     /// A mass on a moving belt, in dimensionless form.
@@ -43,6 +46,7 @@ impl Command {
             Self::Run(run) => run.run(monitor),
             Self::Report(report) => report.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
+            Self::Formats(formats) => formats.run(monitor),
             Self::Contact(contact) => contact.run(monitor),
             Self::Vibration(vibration) => vibration.run(monitor),
         }

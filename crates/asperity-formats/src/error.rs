@@ -207,6 +207,14 @@ impl FormatError {
         matches!(self, Self::NotFound { .. })
     }
 
+    /// What went wrong, without the path of the file.
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::File { error, .. } => error.cause(),
+            other => other,
+        }
+    }
+
     /// The same error with the path of its file.
     pub(crate) fn in_file(self, path: &Path) -> Self {
         Self::File { path: path.into(), error: Box::new(self) }

@@ -1,8 +1,5 @@
 //! Which map of a file is read.
 
-use std::convert::Infallible;
-use std::str::FromStr;
-
 use crate::{Format, FormatError};
 
 /// One of the height maps in a file that may hold several: channels, layers, pages, arrays.
@@ -14,12 +11,10 @@ pub enum Channel {
     Name(String),
 }
 
-impl FromStr for Channel {
-    type Err = Infallible;
-
+impl From<&str> for Channel {
     /// A whole number is a place, everything else a name.
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(text.parse().map_or_else(|_| Self::Name(text.into()), Self::Number))
+    fn from(text: &str) -> Self {
+        text.parse().map_or_else(|_| Self::Name(text.into()), Self::Number)
     }
 }
 
@@ -62,7 +57,7 @@ mod tests {
     use super::*;
 
     fn choose(channel: Option<&str>) -> Option<usize> {
-        let options = ReadOptions { channel: channel.map(|text| text.parse().unwrap()) };
+        let options = ReadOptions { channel: channel.map(Channel::from) };
         options.choose(Format::Gwy, &["Height".into(), "Phase".into(), "height".into()]).ok()
     }
 

@@ -57,13 +57,15 @@ impl Check {
 
     /// What is doubtful about the scan. A scan that cannot be used at all is an error.
     fn problems(&self, study: &Study) -> Result<Vec<String>, Failure> {
-        let Some(path) = study.scan_path(study_file::folder_of(&self.study)) else { return Ok(Vec::new()) };
-        let mut scan = asperity_formats::read(&path).map_err(|e| unreadable(&e))?;
+        let Some(section) = &study.surface else { return Ok(Vec::new()) };
+        let scan = section.read_scan(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
+        let Some(mut scan) = scan else { return Ok(Vec::new()) };
         let mut problems = std::mem::take(&mut scan.warnings);
-        if let Some([x, y]) = study.surface.as_ref().and_then(|surface| surface.pixel_size) {
+        if let Some([x, y]) = section.pixel_size {
             scan.pitch_m = Some((x.0, y.0));
         }
-        let map = HeightMap::try_from(scan).map_err(|e| Failure::data(path.display(), &e))?;
+        let name = section.file.as_deref().unwrap_or(&self.study);
+        let map = HeightMap::try_from(scan).map_err(|e| Failure::data(name.display(), &e))?;
         let (missing, points) = (map.missing_points(), map.grid().points());
         if missing > 0 {
             problems.push(format!("{missing} of {points} heights are missing"));

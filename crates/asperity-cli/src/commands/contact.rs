@@ -10,7 +10,7 @@ use asperity::quantity::{Compliance, Force, Length, Pressure};
 use clap::{Args, ValueEnum};
 
 use crate::failure::{Failure, Kind};
-use crate::input::{self, PixelSize};
+use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target};
 use crate::resources::require_memory;
@@ -22,7 +22,7 @@ pub(crate) struct Contact {
     /// Measured or generated heights: X3P, SUR, NPY or text.
     file: PathBuf,
     #[command(flatten)]
-    pixel_size: PixelSize,
+    options: ScanOptions,
     /// Young's modulus of the surface.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     youngs_modulus: Pressure,
@@ -101,7 +101,7 @@ impl Contact {
         if let Some(out) = &self.out {
             check_target("--out", out)?;
         }
-        let map = input::map(&self.file, self.pixel_size, monitor)?;
+        let map = input::map(&self.file, &self.options, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
         let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
         let boundary = self.boundary(map.grid(), modulus_pa, control)?;

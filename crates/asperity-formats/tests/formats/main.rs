@@ -25,6 +25,7 @@ mod reference;
 mod round_trip;
 mod sdf;
 mod sur;
+mod table;
 mod text;
 mod tiff;
 mod tmd;

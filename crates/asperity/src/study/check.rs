@@ -355,6 +355,7 @@ impl SurfaceSection {
                 self.fractal_dimension.is_some() && !fractal,
                 "without the generator weierstrass_mandelbrot",
             ),
+            ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
             ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
             ("outliers", self.outliers.is_some() && self.file.is_none(), "without `file`"),
         ]

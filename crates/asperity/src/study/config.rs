@@ -2,8 +2,9 @@
 //!
 //! Every key is checked: an unknown one is an error that names its line and the nearest known key.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{AngularFrequency, Area, Compliance, Force, Length, Mass, Pressure, Velocity};
@@ -94,6 +95,9 @@ pub struct SurfaceSection {
     /// Scan file, relative to the study file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
+    /// The height map to read of a file that holds several: its name, or its number counted from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
     /// Pixel size (x, y) of a scan that states none; overrides the file's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_size: Option<[Length; 2]>,
@@ -133,6 +137,18 @@ pub struct SurfaceSection {
     /// Terms of the Karhunen–Loève expansion.
     #[serde(default = "modes")]
     pub modes: usize,
+}
+
+impl SurfaceSection {
+    /// The scan, `None` for a surface without one. `folder` is that of the study file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or holds no such channel.
+    pub fn read_scan(&self, folder: &Path) -> Result<Option<Scan>, FormatError> {
+        let channel = self.channel.as_deref().map(Channel::from);
+        let options = ReadOptions { channel };
+        self.file.as_ref().map(|file| asperity_formats::read_with(&folder.join(file), &options)).transpose()
+    }
 }
 
 /// `[material]`.

@@ -136,6 +136,9 @@ impl StudyError {
     /// What kind of failure this is.
     pub fn kind(&self) -> FailureKind {
         match self {
+            Self::Scan(error) if matches!(error.cause(), FormatError::NoSuchChannel { .. }) => {
+                FailureKind::Configuration
+            }
             Self::Scan(_)
             | Self::Map { .. }
             | Self::Level(_)

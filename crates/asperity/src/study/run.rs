@@ -84,7 +84,7 @@ impl Study {
         let mut surface = None;
         if let Some(section) = &self.surface {
             monitor.progress("surface", 0, 1);
-            let scan = self.scan_path(folder).map(|path| asperity_formats::read(&path)).transpose()?;
+            let scan = section.read_scan(folder)?;
             let name = section.file.as_ref().and_then(|file| file.file_name()).map(|name| name.to_string_lossy());
             let stage = surface_stage::run(section, name.as_deref().zip(scan))?;
             monitor.progress("surface", 1, 1);

@@ -70,9 +70,8 @@ impl Specimen {
         let [width, height] = self.size;
         let grid = Grid::covering(self.points[0], self.points[1], width.0, height.0)
             .map_err(|error| StudyError::Grid { section: "size and points", error })?;
-        let file = self.surface.file.as_ref();
-        let scan = file.map(|file| asperity_formats::read(&folder.join(file))).transpose()?;
-        let name = file.map(|file| file.to_string_lossy());
+        let scan = self.surface.read_scan(folder)?;
+        let name = self.surface.file.as_ref().map(|file| file.to_string_lossy());
         let stage = surface_stage::run(&self.surface, name.as_deref().zip(scan))?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryChoice::Periodic)?;
         let idle = self.surface.idle_keys().into_iter();

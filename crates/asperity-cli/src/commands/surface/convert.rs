@@ -6,25 +6,25 @@ use asperity_formats::{Format, FormatError};
 use clap::Args;
 
 use crate::failure::{Failure, Kind, chain};
-use crate::input::{self, PixelSize};
+use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::check_target;
 
 /// Rewrites a file; missing points stay missing.
 #[derive(Debug, Args)]
 pub(crate) struct Convert {
-    /// File to read: X3P, SUR, NPY or text, known by its content.
+    /// File to read, in any format that `asperity formats` lists; known by its content.
     input: PathBuf,
-    /// File to write: .x3p, .npy, .txt, .dat or .csv.
+    /// File to write; the extension chooses the format.
     output: PathBuf,
     #[command(flatten)]
-    pixel_size: PixelSize,
+    options: ScanOptions,
 }
 
 impl Convert {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         check_target("OUTPUT", &self.output)?;
-        let scan = input::scan(&self.input, self.pixel_size, monitor)?;
+        let scan = input::scan(&self.input, &self.options, monitor)?;
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         if let (Some((dx_m, dy_m)), Some(format)) = (scan.pitch_m, Format::from_extension(&extension))
@@ -41,11 +41,7 @@ impl Convert {
 }
 
 pub(super) fn refused(error: &FormatError) -> Failure {
-    let cause = match error {
-        FormatError::File { error, .. } => error,
-        other => other,
-    };
-    match cause {
+    match error.cause() {
         FormatError::UnknownExtension { .. } | FormatError::NoPitch { .. } => Failure::usage(chain(error)),
         FormatError::Io { path, error } => {
             Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), error)

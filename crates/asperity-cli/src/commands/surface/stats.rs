@@ -8,20 +8,20 @@ use asperity::surface::level::{Level, remove_form};
 use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;
-use crate::input::{self, PixelSize};
+use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
 /// Computes ISO 25178-2 parameters, correlation lengths and the fractal dimension of a map.
 #[derive(Debug, Args)]
 pub(crate) struct Stats {
-    /// Measured or generated heights: X3P, SUR, NPY or text.
+    /// Measured or generated heights, in any format that `asperity formats` lists; known by its content.
     file: PathBuf,
     /// Form that is removed by least squares.
     #[arg(long, value_enum, default_value = "plane")]
     level: Form,
     #[command(flatten)]
-    pixel_size: PixelSize,
+    options: ScanOptions,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -41,7 +41,7 @@ enum Form {
 
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let map = input::map(&self.file, self.pixel_size, monitor)?;
+        let map = input::map(&self.file, &self.options, monitor)?;
         let level = match self.level {
             Form::None => Level::None,
             Form::Mean => Level::Mean,
