@@ -160,6 +160,11 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > 0.0 && x < 1.0, "it must be above 0 and below 1")
 }
 
+/// A distance from the median in standard deviations, at least 1.
+pub(crate) fn outliers(text: &str) -> Result<f64, Refusal> {
+    within(finite(text)?, |x| x >= 1.0, "it must be at least 1 standard deviation")
+}
+
 /// Poisson's ratio of an isotropic solid, above −1 and at most ½.
 pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")

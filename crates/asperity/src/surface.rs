@@ -6,6 +6,7 @@ pub mod fractal;
 mod gaussian;
 mod karhunen_loeve;
 pub mod level;
+pub mod preparation;
 mod spectral;
 mod translation;
 mod weierstrass_mandelbrot;

@@ -40,6 +40,7 @@ const PARAMETERS: [(&str, &str, &str); 32] = [
     ("dy_m", "Δy", "pixel size along y"),
     ("missing_points", "", "missing points, rejected outliers included"),
     ("outliers", "", "points rejected as outliers"),
+    ("form_radius_m", "R", "radius of the cylinder or sphere that was removed"),
     ("missing_fraction", "", "share of missing points"),
 ];
 

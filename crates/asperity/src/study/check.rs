@@ -75,6 +75,15 @@ impl Study {
         if let Some(outliers) = s.outliers {
             within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
         }
+        for (key, cutoff) in [("s_filter", s.s_filter), ("l_filter", s.l_filter)] {
+            if let Some(cutoff) = cutoff {
+                within(SECTION, key, cutoff.0, positive, POSITIVE)?;
+            }
+        }
+        if let (Some(short), Some(long)) = (s.s_filter, s.l_filter) {
+            let wanted = "longer than `s_filter`, so that scales are left between";
+            within(SECTION, "l_filter", long.0, |cutoff| cutoff > short.0, wanted)?;
+        }
         if let Some(rms) = s.rms_height {
             within(SECTION, "rms_height", rms.0, positive, POSITIVE)?;
         }
@@ -358,6 +367,9 @@ impl SurfaceSection {
             ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
             ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
             ("outliers", self.outliers.is_some() && self.file.is_none(), "without `file`"),
+            ("s_filter", self.s_filter.is_some() && self.file.is_none(), "without `file`"),
+            ("l_filter", self.l_filter.is_some() && self.file.is_none(), "without `file`"),
+            ("robust_filter", self.robust_filter && self.l_filter.is_none(), "without `l_filter`"),
         ]
         .into_iter()
         .filter(|(_, idle, _)| *idle)

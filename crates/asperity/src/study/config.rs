@@ -8,6 +8,8 @@ use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{AngularFrequency, Area, Compliance, Force, Length, Mass, Pressure, Velocity};
+use crate::surface::level::Level;
+use crate::surface::preparation::Preparation;
 
 /// A study: which scan or model, which stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,21 +32,6 @@ pub struct Study {
     /// Stick-slip of a mass on a belt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationSection>,
-}
-
-/// Form that is removed from a scan by least squares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LevelChoice {
-    /// Nothing.
-    None,
-    /// The mean height.
-    Mean,
-    /// The least-squares plane.
-    #[default]
-    Plane,
-    /// The least-squares quadratic.
-    Quadratic,
 }
 
 /// How random surfaces are made.
@@ -103,10 +90,19 @@ pub struct SurfaceSection {
     pub pixel_size: Option<[Length; 2]>,
     /// Form removed from the scan.
     #[serde(default)]
-    pub level: LevelChoice,
-    /// Heights farther from the mean than this many standard deviations count as missing.
+    pub level: Level,
+    /// Heights farther from the median than this many robust standard deviations count as missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outliers: Option<f64>,
+    /// Cutoff of the S-filter: shorter waves of the scan are taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub s_filter: Option<Length>,
+    /// Cutoff of the L-filter: longer waves of the scan are taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub l_filter: Option<Length>,
+    /// Whether the L-filter is robust against grooves and spikes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub robust_filter: bool,
     /// How random surfaces are made.
     #[serde(default)]
     pub generator: GeneratorChoice,
@@ -148,6 +144,17 @@ impl SurfaceSection {
         let channel = self.channel.as_deref().map(Channel::from);
         let options = ReadOptions { channel };
         self.file.as_ref().map(|file| asperity_formats::read_with(&folder.join(file), &options)).transpose()
+    }
+
+    /// What is done to the scan before anything is read off it.
+    pub fn preparation(&self) -> Preparation {
+        Preparation {
+            level: self.level,
+            outliers: self.outliers,
+            s_filter_m: self.s_filter.map(|cutoff| cutoff.0),
+            l_filter_m: self.l_filter.map(|cutoff| cutoff.0),
+            robust: self.robust_filter,
+        }
     }
 }
 

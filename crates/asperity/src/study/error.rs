@@ -16,7 +16,7 @@ use crate::stats::StatsError;
 use crate::surface::areal::ArealError;
 use crate::surface::filter::FilterError;
 use crate::surface::fractal::FractalError;
-use crate::surface::level::LevelError;
+use crate::surface::preparation::PreparationError;
 use crate::surface::{GeneratorError, TranslationError};
 use crate::vibration::VibrationError;
 
@@ -34,12 +34,9 @@ pub enum StudyError {
         /// What is wrong.
         error: MapError,
     },
-    /// The form cannot be removed.
-    #[error("levelling: {0}")]
-    Level(#[from] LevelError),
-    /// Outliers cannot be looked for.
-    #[error("outliers: {0}")]
-    Filter(#[from] FilterError),
+    /// The scan cannot be levelled or filtered.
+    #[error(transparent)]
+    Preparation(#[from] PreparationError),
     /// The surface has no texture.
     #[error("surface: {0}")]
     Areal(#[from] ArealError),
@@ -141,13 +138,12 @@ impl StudyError {
             }
             Self::Scan(_)
             | Self::Map { .. }
-            | Self::Level(_)
+            | Self::Preparation(PreparationError::Level(_) | PreparationError::Outliers(FilterError::Map(_)))
             | Self::Areal(_)
             | Self::Fractal(_)
             | Self::Estimate(_)
             | Self::Fit(_)
             | Self::Heights(_) => FailureKind::Input,
-            Self::Filter(FilterError::Map(_)) => FailureKind::Input,
             Self::Cancelled(_)
             | Self::Pressure(PressureError::Cancelled(_))
             | Self::Friction { error: FrictionError::Cancelled(_), .. }
@@ -156,7 +152,7 @@ impl StudyError {
             | Self::Friction { .. }
             | Self::Vibration(VibrationError::TooFewValid { .. })
             | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
-            Self::Filter(_)
+            Self::Preparation(_)
             | Self::Covariance(_)
             | Self::Law(_)
             | Self::Generator(_)

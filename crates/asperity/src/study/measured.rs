@@ -7,13 +7,15 @@ use crate::map::HeightMap;
 use crate::stats::{Histogram, Moments};
 use crate::study::result::SurfaceStatistics;
 use crate::study::{StudyError, Table};
+use crate::surface::preparation::Prepared;
 use crate::surface::{areal, fractal};
 
-/// Statistics of a levelled map.
+/// Statistics of a map that was levelled and filtered.
 ///
 /// # Errors
 /// The map is flat.
-pub fn statistics(map: &HeightMap, outliers: usize) -> Result<SurfaceStatistics, StudyError> {
+pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> {
+    let map = &prepared.map;
     let parameters = areal::parameters(map)?;
     let correlation = Autocorrelation::estimate(map)?;
     let scaling = fractal::scaling(map, None)?;
@@ -24,7 +26,8 @@ pub fn statistics(map: &HeightMap, outliers: usize) -> Result<SurfaceStatistics,
         dx_m: grid.dx_m(),
         dy_m: grid.dy_m(),
         missing_points: map.missing_points(),
-        outliers,
+        outliers: prepared.outliers,
+        form_radius_m: prepared.radius_m,
         Sa_m: parameters.sa_m,
         Sq_m: parameters.sq_m,
         Ssk: parameters.ssk,
@@ -61,8 +64,9 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    pub(super) fn of(map: HeightMap, outliers: usize) -> Result<Self, StudyError> {
-        let statistics = statistics(&map, outliers)?;
+    pub(super) fn of(prepared: Prepared) -> Result<Self, StudyError> {
+        let statistics = statistics(&prepared)?;
+        let map = prepared.map;
         let correlation = Autocorrelation::estimate(&map)?;
         Ok(Self { map, statistics, correlation })
     }

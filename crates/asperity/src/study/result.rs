@@ -97,6 +97,8 @@ pub struct SurfaceStatistics {
     pub missing_points: usize,
     /// Points rejected as outliers.
     pub outliers: usize,
+    /// Radius of the cylinder or sphere that was removed, positive for a ridge or cap.
+    pub form_radius_m: Option<f64>,
     /// Arithmetical mean height.
     pub Sa_m: f64,
     /// Root mean square height.

@@ -9,25 +9,14 @@ use crate::correlation::{
 };
 use crate::law::Marginal;
 use crate::map::HeightMap;
-use crate::study::config::{CovarianceChoice, GeneratorChoice, LevelChoice, SurfaceSection, TranslationChoice};
+use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
 use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
 use crate::study::surface_model::{GAMMA, RIDGES, SurfaceModel, Texture};
 use crate::study::{Field, StudyError, sentence};
-use crate::surface::filter;
-use crate::surface::level::{Level, remove_form};
-
-impl From<LevelChoice> for Level {
-    fn from(choice: LevelChoice) -> Self {
-        match choice {
-            LevelChoice::None => Self::None,
-            LevelChoice::Mean => Self::Mean,
-            LevelChoice::Plane => Self::Plane,
-            LevelChoice::Quadratic => Self::Quadratic,
-        }
-    }
-}
+use crate::surface::level::Level;
+use crate::surface::preparation::{Preparation, Prepared};
 
 /// A law with its parameters by name.
 pub(super) fn law_result(law: &Marginal) -> LawResult {
@@ -41,19 +30,6 @@ pub(super) struct SurfaceStage {
     pub(super) model: SurfaceModel,
     pub(super) result: SurfaceResult,
     pub(super) output: StageOutput,
-}
-
-/// Levels a scan; rejects outliers; levels what is left, so that outliers do not tilt the form.
-fn cleaned(section: &SurfaceSection, raw: &HeightMap) -> Result<(HeightMap, usize), StudyError> {
-    let level = Level::from(section.level);
-    let levelled = remove_form(raw, level)?.map;
-    match section.outliers {
-        None => Ok((levelled, 0)),
-        Some(limit) => {
-            let filtered = filter::reject_outliers(&levelled, limit)?;
-            Ok((remove_form(&filtered.map, level)?.map, filtered.rejected))
-        }
-    }
 }
 
 /// Runs the stage; `scan` is the file of the study, already read.
@@ -106,31 +82,54 @@ fn measure(
         scan.pitch_m = Some((x.0, y.0));
     }
     let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
-    let (map, outliers) = cleaned(section, &raw)?;
+    let preparation = section.preparation();
+    let prepared = preparation.apply(&raw)?;
+    let map = &prepared.map;
     output.fields.push(("height_raw", Field { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
     output.fields.push(("height_levelled", Field { grid: map.grid(), unit: "m", values: map.heights_m().clone() }));
-    let form = match section.level {
-        LevelChoice::None => "was not levelled",
-        LevelChoice::Mean => "was counted from its mean",
-        LevelChoice::Plane => "was levelled by its least-squares plane",
-        LevelChoice::Quadratic => "was levelled by its least-squares quadratic",
-    };
-    let rejected = section.outliers.map_or_else(
-        || "no outliers were looked for".into(),
-        |k| {
-            format!("{} beyond {k} robust standard deviations rejected", sentence::count(outliers, "height", "heights"))
-        },
-    );
     let grid = map.grid();
     output.assumptions.push(format!(
-        "The scan {file} {form} ({rejected}). Its statistics hold for pixels of {} on a field of {}, without further \
-         filters. {} of {} points are missing and stay missing.",
+        "The scan {file} {}. Its statistics hold for pixels of {} on a field of {}. {} of {} points are missing and stay \
+         missing.",
+        in_words(&preparation, &prepared),
         sentence::size(grid.dx_m(), grid.dy_m()),
         sentence::size(grid.width_m(), grid.height_m()),
         map.missing_points(),
         grid.points()
     ));
-    Measured::of(map, outliers)
+    if prepared.lost > 0 {
+        let lost = sentence::count(prepared.lost, "height", "heights");
+        output.warnings.push(format!("the robust filter found no surface around {lost}, which count as missing"));
+    }
+    Measured::of(prepared)
+}
+
+/// What was done to a scan, as the end of a sentence.
+fn in_words(preparation: &Preparation, prepared: &Prepared) -> String {
+    let form = match preparation.level {
+        Level::None => "was not levelled".to_owned(),
+        Level::Mean => "was counted from its mean".to_owned(),
+        Level::Polynomial(degree) => format!("was levelled by its least-squares polynomial of degree {degree}"),
+        Level::Cylinder | Level::Sphere => format!(
+            "was levelled by its least-squares {} of radius {}",
+            preparation.level,
+            sentence::si(prepared.radius_m.unwrap_or(f64::NAN), "m")
+        ),
+        Level::Plane | Level::Quadratic => format!("was levelled by its least-squares {}", preparation.level),
+    };
+    let outliers = preparation.outliers.map_or_else(
+        || "no outliers were looked for".to_owned(),
+        |k| {
+            let rejected = sentence::count(prepared.outliers, "height", "heights");
+            format!("{rejected} beyond {k} robust standard deviations rejected")
+        },
+    );
+    let filter = |name: &str, cutoff_m: Option<f64>| {
+        cutoff_m.map_or_else(|| format!("no {name}-filter"), |m| format!("{name}-filter at {}", sentence::si(m, "m")))
+    };
+    let kind = if preparation.robust { " (robust)" } else { "" };
+    let (short, long) = (filter("S", preparation.s_filter_m), filter("L", preparation.l_filter_m));
+    format!("{form} ({outliers}; {short}; {long}{kind})")
 }
 
 /// A translated Gaussian field, and the misfit of its covariance where that was fitted.

@@ -3,10 +3,13 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use asperity::quantity::Length;
 use asperity::study::statistics;
-use asperity::surface::level::{Level, remove_form};
-use clap::{Args, ValueEnum};
+use asperity::surface::level::Level;
+use asperity::surface::preparation::{Preparation, PreparationError};
+use clap::Args;
 
+use crate::args;
 use crate::failure::Failure;
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
@@ -17,9 +20,21 @@ use crate::output::Answer;
 pub(crate) struct Stats {
     /// Measured or generated heights, in any format that `asperity formats` lists; known by its content.
     file: PathBuf,
-    /// Form that is removed by least squares.
-    #[arg(long, value_enum, default_value = "plane")]
-    level: Form,
+    /// Form that is removed by least squares: none, mean, plane, quadratic, polynomial:N, cylinder or sphere.
+    #[arg(long, value_name = "FORM", default_value = "plane")]
+    level: Level,
+    /// Heights farther from the median than this many robust standard deviations count as missing.
+    #[arg(long, value_name = "X", value_parser = args::outliers, allow_hyphen_values = true)]
+    outliers: Option<f64>,
+    /// Cutoff of the S-filter (ISO 16610-61): shorter waves are taken out.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    s_filter: Option<Length>,
+    /// Cutoff of the L-filter: longer waves are taken out.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    l_filter: Option<Length>,
+    /// Make the L-filter robust against grooves and spikes (ISO 16610-71).
+    #[arg(long, requires = "l_filter")]
+    robust: bool,
     #[command(flatten)]
     options: ScanOptions,
     /// Print one JSON object instead of a table.
@@ -27,30 +42,29 @@ pub(crate) struct Stats {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Form {
-    /// Nothing.
-    None,
-    /// The mean height.
-    Mean,
-    /// The least-squares plane.
-    Plane,
-    /// The least-squares quadratic.
-    Quadratic,
-}
-
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let map = input::map(&self.file, &self.options, monitor)?;
-        let level = match self.level {
-            Form::None => Level::None,
-            Form::Mean => Level::Mean,
-            Form::Plane => Level::Plane,
-            Form::Quadratic => Level::Quadratic,
+        let preparation = Preparation {
+            level: self.level,
+            outliers: self.outliers,
+            s_filter_m: self.s_filter.map(|cutoff| cutoff.0),
+            l_filter_m: self.l_filter.map(|cutoff| cutoff.0),
+            robust: self.robust,
         };
         let unusable = |e: &dyn Error| Failure::data(self.file.display(), e);
-        let levelled = remove_form(&map, level).map_err(|e| unusable(&e))?;
-        let statistics = monitor.at_once(|| statistics(&levelled.map, 0))?.map_err(|e| unusable(&e))?;
+        let prepared = monitor.at_once(|| preparation.apply(&map))?.map_err(|e| match e {
+            // A band or a cutoff that does not fit is the caller's.
+            PreparationError::EmptyBand { .. } | PreparationError::SFilter(_) | PreparationError::LFilter(_) => {
+                Failure::usage(format_args!("{}: {e}", self.file.display()))
+            }
+            e => unusable(&e),
+        })?;
+        if prepared.lost > 0 {
+            let lost = prepared.lost;
+            monitor.warn(&format!("the robust filter found no surface around {lost} heights, which count as missing"));
+        }
+        let statistics = monitor.at_once(|| statistics(&prepared))?.map_err(|e| unusable(&e))?;
         Answer::of(&statistics)?.print(self.json)
     }
 }
