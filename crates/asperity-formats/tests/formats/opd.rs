@@ -140,6 +140,17 @@ fn columns_from_the_bottom_up_become_rows_from_the_top_and_waves_become_metres()
 }
 
 #[test]
+fn many_columns_keep_their_places() {
+    let (nx, ny) = (37_u16, 3_u16);
+    let waves = |x: u16, from_bottom: u16| f32::from(100 * from_bottom + x);
+    let stored = (0..nx).flat_map(|x| (0..ny).flat_map(move |y| waves(x, y).to_le_bytes()));
+    let scan = read_bytes(&file(&with(new_file(), ("Raw", 3, array(nx, ny, 4, stored))))).unwrap();
+    let wanted: Vec<f64> = (0..ny).rev().flat_map(|y| (0..nx).map(move |x| f64::from(waves(x, y)) * 500e-9)).collect();
+    assert_eq!(scan.heights_m.dim(), (3, 37));
+    assert_heights(&scan, &wanted);
+}
+
+#[test]
 fn integers_are_signed_and_divided_by_mult() {
     let scan = read_bytes(&file(&old_file())).unwrap();
     assert_heights(&scan, &[-200.0, NAN, NAN, 100.0, 32765.0, -32768.0].map(|v| v / 64.0 * 640e-9));
