@@ -1,7 +1,25 @@
-//! MetroPro DAT.
+//! Zygo MetroPro DAT: a header, intensities, and the connected phase, which is the height map.
+//!
+//! A stored phase p, `int32`, is the height p·W·S·O/R with the wavelength W, the interferometric scale factor S, the
+//! obliquity factor O and the counts R of a fringe. Zygo's *MetroPro Reference Guide* (OMP-0347, data file format)
+//! defines the header and gives this formula. Numbers are big-endian, but most of the header's second half is
+//! little-endian. Fields have the names of Zygo's own map of the header.
+//!
+//! Readers differ on three points.
+//! - The code for the counts R is 0, 1, 2 by the guide; one reader takes 1, 2, 3 and so finds heights eight times too
+//!   high. A NewView file with code 1 whose scan covered 100 µm has heights of 51 µm, or of 410 µm by that reading.
+//! - Some turn the heights over where `sign` says that the data are inverted. The guide's formula has no sign: like the
+//!   fields around it, `sign` tells how the data were made. Heights are taken by the formula; a warning tells.
+//! - The intensities before the phase are skipped by their stated bytes or by their dimensions. The two agree in sound
+//!   files; else the size of the file decides.
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -10,23 +28,267 @@ pub(crate) const CODEC: Codec = Codec {
         name: "MetroPro DAT",
         extensions: &["dat"],
         vendor: "Zygo",
-        known_by: "",
-        reads: "",
+        known_by: "0x881B036F, 0x881B0370, 0x881B0371",
+        reads: "connected phase, int32; header formats 1 to 3",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "2147483640 and above",
+        orientation: "the first stored line is row 0: positions count from the upper left corner of the camera",
+        tested: Tested::InstrumentFiles,
     },
-    detect,
+    detect: |bytes| HEADERS.iter().any(|header| bytes.starts_with(&header.magic.to_be_bytes())),
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// A kind of header.
+struct Header {
+    magic: u32,
+    format: u16,
+    bytes: u32,
 }
 
+const HEADERS: [Header; 3] = [
+    Header { magic: 0x881b_036f, format: 1, bytes: 834 },
+    Header { magic: 0x881b_0370, format: 2, bytes: 834 },
+    Header { magic: 0x881b_0371, format: 3, bytes: 4096 },
+];
+
+/// Phases from here on are no measurements.
+const INVALID: f64 = 2_147_483_640.0;
+/// Counts of a fringe by the code `phase_res`.
+const COUNTS_PER_FRINGE: [f64; 3] = [4096.0, 32768.0, 131_072.0];
+/// Relative difference of the camera's pixel sides above which pixels are no squares.
+const SQUARE_TOLERANCE: f32 = 1e-3;
+
+/// How a field of the header that is kept for the user is stored.
+enum Kind {
+    Text(usize),
+    I16,
+    U16,
+    I32,
+    F32,
+}
+use Kind::{F32, I16, I32, Text, U16};
+
+const BIG_ENDIAN_FIELDS: [(&str, usize, Kind); 39] = [
+    ("swinfo_date", 12, Text(30)),
+    ("cn_org_x", 64, I16),
+    ("cn_org_y", 66, I16),
+    ("comment", 80, Text(82)),
+    ("source", 162, I16),
+    ("intf_scale_factor", 164, F32),
+    ("wavelength_in", 168, F32),
+    ("num_aperture", 172, F32),
+    ("obliquity_factor", 176, F32),
+    ("magnification", 180, F32),
+    ("lateral_res", 184, F32),
+    ("acq_type", 188, I16),
+    ("intens_avg_cnt", 190, I16),
+    ("part_thickness", 198, F32),
+    ("min_mod", 210, I32),
+    ("phase_res", 218, I16),
+    ("min_area", 220, I32),
+    ("discon_action", 224, I16),
+    ("discon_filter", 226, F32),
+    ("connect_order", 230, I16),
+    ("sign", 232, I16),
+    ("camera_width", 234, I16),
+    ("camera_height", 236, I16),
+    ("sys_type", 238, I16),
+    ("sys_serial", 242, U16),
+    ("inst_id", 244, I16),
+    ("obj_name", 246, Text(12)),
+    ("part_name", 258, Text(40)),
+    ("phase_avg_cnt", 300, I16),
+    ("sub_sys_err", 302, I16),
+    ("part_ser_num", 320, Text(40)),
+    ("refractive_index", 360, F32),
+    ("rem_tilt_bias", 364, I16),
+    ("rem_fringes", 366, I16),
+    ("max_area", 368, I32),
+    ("scan_descr", 408, Text(20)),
+    ("pixel_width", 486, F32),
+    ("pixel_height", 490, F32),
+    ("light_level_pct", 498, F32),
+];
+const LITTLE_ENDIAN_FIELDS: [(&str, usize, Kind); 10] = [
+    ("coords_x_pos", 506, F32),
+    ("coords_y_pos", 510, F32),
+    ("coords_z_pos", 514, F32),
+    ("sys_err_file_name", 534, Text(28)),
+    ("zoom_descr", 562, Text(8)),
+    ("material_a", 590, Text(24)),
+    ("material_b", 614, Text(24)),
+    ("z_position", 674, F32),
+    ("min_mod_pct", 710, F32),
+    ("sys_serial2", 798, I32),
+];
+
+/// Reads the connected phase as heights.
+///
+/// # Errors
+/// Headers of other kinds, files without phase, factors that give no heights, and fewer phases than stated.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::MetroPro, bytes).unsupported("a file", "another format"))
+    let input = Input::new(Format::MetroPro, bytes).with_order(ByteOrder::Big);
+    let header_bytes = header_bytes(&input)?;
+    let (width, height) = (input.u16("cn_width", 68)?, input.u16("cn_height", 70)?);
+    if width == 0 || height == 0 {
+        return Err(
+            input.unsupported("the file holds intensities or nothing, but no connected phase", "connected phase")
+        );
+    }
+    let (ny, nx) = input.shape(("cn_height", 70, height.into()), ("cn_width", 68, width.into()))?;
+    let scale_m = scale_m(&input)?;
+
+    let mut warnings = Vec::new();
+    let phase_bytes = nx * ny * Sample::I32.size();
+    let start = header_bytes + intensity_bytes(&input, header_bytes + phase_bytes, &mut warnings)?;
+    let phase = input.samples("the connected phase", start, nx * ny, Sample::I32)?;
+    let heights_m = Array2::from_shape_vec((ny, nx), phase)
+        .map_err(|_| input.wrong("cn_width", 68, width, "as many columns as there are"))?
+        .mapv_into(|phase| if phase >= INVALID { f64::NAN } else { phase * scale_m });
+    let surplus = bytes.len() - start - phase_bytes;
+    if surplus > 0 {
+        warnings.push(format!("{surplus} bytes follow the connected phase and were not read"));
+    }
+    if input.i16("sign", 232)? != 0 {
+        warnings.push("the file states that its data are inverted; heights were taken as they stand".into());
+    }
+    let pitch_m = pitch(&input, &mut warnings)?;
+    Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
+}
+
+/// Checked size of the header: the guide asks readers to check all three fields that tell its kind.
+fn header_bytes(input: &Input) -> Result<usize, FormatError> {
+    let magic = input.u32("magic_number", 0)?;
+    let known = HEADERS.iter().find(|header| header.magic == magic);
+    let header = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "that of a MetroPro file"))?;
+    let (format, bytes) = (input.u16("header_format", 4)?, input.u32("header_size", 6)?);
+    if format != header.format {
+        return Err(input.wrong("header_format", 4, format, &header.format.to_string()));
+    }
+    if bytes != header.bytes {
+        return Err(input.wrong("header_size", 6, bytes, &header.bytes.to_string()));
+    }
+    let bytes = bytes as usize;
+    input.take("the bytes of the header", 0, bytes)?;
+    Ok(bytes)
+}
+
+/// The height of one count in metre.
+fn scale_m(input: &Input) -> Result<f64, FormatError> {
+    let code = input.u16("phase_res", 218)?;
+    let counts = COUNTS_PER_FRINGE.get(usize::from(code));
+    let counts = counts.ok_or_else(|| input.wrong("phase_res", 218, code, "0, 1 or 2"))?;
+    let factor = |field, offset| -> Result<f64, FormatError> {
+        let found = input.f32(field, offset)?;
+        if found.is_finite() && found != 0.0 {
+            Ok(f64::from(found))
+        } else {
+            Err(input.wrong(field, offset, found, "a finite number other than 0"))
+        }
+    };
+    let waves_per_fringe = factor("intf_scale_factor", 164)? * factor("obliquity_factor", 176)?;
+    Ok(factor("wavelength_in", 168)? * waves_per_fringe / counts)
+}
+
+/// Bytes of the intensities before the phase; `others` are the bytes of everything else.
+fn intensity_bytes(input: &Input, others: usize, warnings: &mut Vec<String>) -> Result<usize, FormatError> {
+    let stated = input.u32("ac_n_bytes", 60)? as usize;
+    let mut counted = size_of::<u16>();
+    for (field, offset) in [("ac_width", 52), ("ac_height", 54), ("ac_n_buckets", 56)] {
+        counted = counted.saturating_mul(input.u16(field, offset)?.into());
+    }
+    if stated == counted {
+        return Ok(stated);
+    }
+    let skipped = if stated.saturating_add(others) == input.len() { stated } else { counted };
+    warnings.push(format!(
+        "the header states {stated} bytes of intensities, whose dimensions need {counted}; {skipped} were skipped"
+    ));
+    Ok(skipped)
+}
+
+/// The distance of points: what one pixel of the camera sees, by the guide the same along both axes.
+fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+    let lateral_res = input.f32("lateral_res", 184)?;
+    if lateral_res == 0.0 {
+        warnings.push("the lateral resolution is 0, which means unknown; no pixel size was read".into());
+        return Ok(None);
+    }
+    let (width, height) = (input.f32("pixel_width", 486)?, input.f32("pixel_height", 490)?);
+    if width > 0.0 && height > 0.0 && (width / height - 1.0).abs() > SQUARE_TOLERANCE {
+        warnings.push(format!(
+            "the pixels of the camera are {width:e} × {height:e} m, but the lateral resolution is one number; it was \
+             used along both axes"
+        ));
+    }
+    Ok(Some((lateral_res.into(), lateral_res.into())))
+}
+
+/// What else the header says; texts that are empty are left out.
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
+    let mut metadata = BTreeMap::new();
+    let tables = [(ByteOrder::Big, &BIG_ENDIAN_FIELDS[..]), (ByteOrder::Little, &LITTLE_ENDIAN_FIELDS)];
+    for (order, fields) in tables {
+        let input = input.with_order(order);
+        for (name, offset, kind) in fields {
+            let value = match *kind {
+                Text(length) => input.latin1(name, *offset, length)?,
+                I16 => input.i16(name, *offset)?.to_string(),
+                U16 => input.u16(name, *offset)?.to_string(),
+                I32 => input.i32(name, *offset)?.to_string(),
+                F32 => input.f32(name, *offset)?.to_string(),
+            };
+            if !value.is_empty() {
+                metadata.insert((*name).into(), value);
+            }
+        }
+    }
+    let [major, minor, bug] = [42, 44, 46].map(|offset| input.i16("swinfo_vers", offset));
+    metadata.insert("swinfo_vers".into(), format!("{}.{}.{}", major?, minor?, bug?));
+    let seconds = input.i32("time_stamp", 76)?;
+    if seconds > 0 {
+        metadata.insert("time_stamp".into(), utc(seconds));
+    }
+    Ok(metadata)
+}
+
+/// Day and time of a C time stamp, seconds since the start of 1970.
+fn utc(seconds: i32) -> String {
+    let (mut day, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    let is_leap = |year: i32| (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+    let mut year = 1970;
+    while day >= 365 + i32::from(is_leap(year)) {
+        day -= 365 + i32::from(is_leap(year));
+        year += 1;
+    }
+    let mut month = 1;
+    for length in [31, 28 + i32::from(is_leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30] {
+        if day < length {
+            break;
+        }
+        day -= length;
+        month += 1;
+    }
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{year}-{month:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", day + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::utc;
+
+    #[test]
+    fn time_stamps_are_days_of_the_gregorian_calendar() {
+        for (seconds, wanted) in [
+            (1, "1970-01-01T00:00:01Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (1_230_767_999, "2008-12-31T23:59:59Z"),
+            (i32::MAX, "2038-01-19T03:14:07Z"),
+        ] {
+            assert_eq!(utc(seconds), wanted);
+        }
+    }
 }

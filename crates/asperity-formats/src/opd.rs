@@ -1,7 +1,27 @@
-//! OPD.
+//! Wyko (Veeco, Bruker) OPD: a directory of named blocks, then the blocks in the order of the directory.
+//!
+//! The file starts with two bytes and the directory, whose entries are a name (16 bytes), a type (`int16`), a length
+//! (`int32`) and attributes (`uint16`), little-endian; the first entry is that of the directory itself. Blocks of an
+//! array start with the number of columns, the number of rows and the bytes of an element (`uint16`), and hold one
+//! column after the other, each from the bottom up: so reads `ReadOPD.m`, the vendor's own routine, and so does
+//! Gwyddion.
+//!
+//! A stored number v is the height v·`Wavelength`/`Mult` in nanometre; `Mult` is there for integers only. `Pixel_size`
+//! is the distance of points along x in millimetre (newer files repeat it as `PixelSize` with its unit), and
+//! `Aspect` times it that along y.
+//!
+//! The vendor's routine takes float heights from 1e38 on for missing, and integers from 32766 on, which are signed. One
+//! reader takes the integers for unsigned, another takes nothing but 32767 for missing.
+
+mod object;
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Input, latin1};
+use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -10,23 +30,236 @@ pub(crate) const CODEC: Codec = Codec {
         name: "OPD",
         extensions: &["opd"],
         vendor: "Wyko (Veeco, Bruker)",
-        known_by: "",
-        reads: "",
+        known_by: "`\\x01\\x00Directory`",
+        reads: "float32, int16, uint8",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "1e38 and above, 32766 and above (int16), NaN",
+        orientation: "columns from the bottom up; row 0 is the last number of every column",
+        tested: Tested::InstrumentFiles,
     },
-    detect,
+    detect: |bytes| bytes.starts_with(SIGNATURE),
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// First bytes of a file: the start of the directory's own entry after two bytes.
+const SIGNATURE: &[u8] = b"\x01\x00Directory";
+/// Bytes before the directory.
+const DIRECTORY_START: usize = 2;
+const ENTRY_BYTES: usize = 24;
+const NAME_BYTES: usize = 16;
+/// The most entries that a directory may have; files of the vendor have a thousand.
+const MAX_ENTRIES: usize = 1 << 16;
+/// Bytes of an array before its numbers.
+const ARRAY_HEADER_BYTES: usize = 6;
+/// The most bytes of a text or object that are kept.
+const MAX_TEXT_BYTES: usize = 4096;
+
+/// Columns that are turned into parts of rows together: neighbours in a row share a line of the processor's cache.
+const COLUMNS_AT_ONCE: usize = 16;
+
+/// Names of the arrays that hold heights.
+const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"];
+/// The object that names the main array.
+const PRIMARY: &str = "PrimaryData2D";
+
+/// Floats from here on are no heights. The mark is 1e38 or more (2¹²⁷ in new files); 1e38 as `float32` is a little less.
+const BAD_FLOAT: f64 = 9.9e37;
+/// Integers from here on are no heights.
+const BAD_INT16: f64 = 32766.0;
+
+/// Types of blocks.
+mod kind {
+    pub(super) const ARRAY: i16 = 3;
+    pub(super) const TEXT: i16 = 5;
+    pub(super) const SHORT: i16 = 6;
+    pub(super) const FLOAT: i16 = 7;
+    pub(super) const DOUBLE: i16 = 8;
+    pub(super) const LONG: i16 = 12;
+    pub(super) const OBJECT: i16 = 15;
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Opd, bytes).unsupported("a file", "another format"))
+/// A block as the directory describes it.
+struct Block {
+    name: String,
+    kind: i16,
+    /// Where its entry stands.
+    entry: usize,
+    start: usize,
+    length: usize,
+}
+
+/// Reads a height map.
+///
+/// # Errors
+/// A damaged directory, no array of heights, no wavelength, and arrays that their blocks or the file cannot hold.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let input = Input::new(Format::Opd, bytes);
+    let blocks = directory(&input)?;
+    let maps: Vec<&Block> =
+        blocks.iter().filter(|block| block.kind == kind::ARRAY && HEIGHTS.contains(&block.name.as_str())).collect();
+    if maps.is_empty() {
+        let arrays: Vec<&str> =
+            blocks.iter().filter(|block| block.kind == kind::ARRAY).map(|block| block.name.as_str()).take(8).collect();
+        let found = if arrays.is_empty() { "no array".into() } else { format!("the arrays {}", arrays.join(", ")) };
+        return Err(input.unsupported(format!("the file holds {found}"), "heights (RAW_DATA, Raw, OPD or SAMPLE_DATA)"));
+    }
+    let names: Vec<String> = maps.iter().map(|block| block.name.clone()).collect();
+    let primary = find(&blocks, PRIMARY).and_then(|block| value(&input, block));
+    let main = names.iter().position(|name| options.channel.is_none() && Some(name) == primary.as_ref());
+    let channel = main.map_or_else(|| options.choose(Format::Opd, &names), Ok)?;
+
+    let mut warnings = Vec::new();
+    let heights_m = heights(&input, maps[channel], scale_m(&input, &blocks)?)?;
+    let pitch_m = pitch(&input, &blocks, &mut warnings)?;
+    let lost: Vec<&Block> =
+        blocks.iter().filter(|block| block.start.saturating_add(block.length) > bytes.len()).collect();
+    if let Some(first) = lost.first() {
+        warnings.push(format!("the file ends before {} of its blocks, the first of them `{}`", lost.len(), first.name));
+    }
+    let metadata = metadata(&input, &blocks);
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, channel))
+}
+
+/// The blocks that hold something, in the order of the file.
+fn directory(input: &Input) -> Result<Vec<Block>, FormatError> {
+    let length_at = DIRECTORY_START + NAME_BYTES + 2;
+    let stated = input.i32("the length of the directory", length_at)?;
+    let length = usize::try_from(stated).unwrap_or(0);
+    if length < ENTRY_BYTES || length % ENTRY_BYTES != 0 || length > MAX_ENTRIES * ENTRY_BYTES {
+        let wanted = format!("a multiple of {ENTRY_BYTES}, up to {MAX_ENTRIES} times");
+        return Err(input.wrong("the length of the directory", length_at, stated, &wanted));
+    }
+    input.take("the entries of the directory", DIRECTORY_START, length)?;
+    let mut blocks = Vec::new();
+    let mut start = DIRECTORY_START + length;
+    for entry in (DIRECTORY_START..start).step_by(ENTRY_BYTES).skip(1) {
+        // No block is where a length is not positive.
+        let length = usize::try_from(input.i32("the length of a block", entry + NAME_BYTES + 2)?).unwrap_or(0);
+        if length > 0 {
+            let name = input.latin1("the name of a block", entry, NAME_BYTES)?;
+            blocks.push(Block {
+                name,
+                kind: input.i16("the type of a block", entry + NAME_BYTES)?,
+                entry,
+                start,
+                length,
+            });
+        }
+        // At most 2¹⁶ times 2³¹.
+        start = start.saturating_add(length);
+    }
+    Ok(blocks)
+}
+
+fn find<'a>(blocks: &'a [Block], name: &str) -> Option<&'a Block> {
+    blocks.iter().find(|block| block.name == name)
+}
+
+/// The number in the block of that name, `None` where there is no such block.
+fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>, FormatError> {
+    let Some(block) = find(blocks, name) else { return Ok(None) };
+    let size = match block.kind {
+        kind::SHORT => 2,
+        kind::FLOAT | kind::LONG => 4,
+        kind::DOUBLE => 8,
+        other => {
+            let field = format!("the type of {name}");
+            return Err(input.wrong(&field, block.entry + NAME_BYTES, other, "6, 7, 8 or 12 for a number"));
+        }
+    };
+    if block.length < size {
+        let field = format!("the length of {name}");
+        return Err(input.wrong(&field, block.entry + NAME_BYTES + 2, block.length, &size.to_string()));
+    }
+    Ok(Some(match block.kind {
+        kind::SHORT => input.i16(name, block.start)?.into(),
+        kind::FLOAT => input.f32(name, block.start)?.into(),
+        kind::LONG => input.i32(name, block.start)?.into(),
+        _ => input.f64(name, block.start)?,
+    }))
+}
+
+/// The height in metre of a stored 1.
+fn scale_m(input: &Input, blocks: &[Block]) -> Result<f64, FormatError> {
+    let positive = |name: &str, found: Option<f64>| match found {
+        Some(found) if found > 0.0 && found.is_finite() => Ok(found),
+        Some(found) => {
+            let at = find(blocks, name).map_or(0, |block| block.start);
+            Err(input.wrong(name, at, found, "a positive number"))
+        }
+        None => Err(input.missing(name, DIRECTORY_START, "a block with the wavelength in nanometre")),
+    };
+    let wavelength_nm = positive("Wavelength", number(input, blocks, "Wavelength")?)?;
+    let mult = positive("Mult", Some(number(input, blocks, "Mult")?.unwrap_or(1.0)))?;
+    Ok(wavelength_nm / mult / 1e9)
+}
+
+fn pitch(input: &Input, blocks: &[Block], warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+    let Some(pixel_size_mm) = number(input, blocks, "Pixel_size")? else {
+        warnings.push("the file has no block `Pixel_size`; no pixel size was read".into());
+        return Ok(None);
+    };
+    let dx_m = pixel_size_mm / 1e3;
+    Ok(Some((dx_m, dx_m * number(input, blocks, "Aspect")?.unwrap_or(1.0))))
+}
+
+/// The heights of an array in metre, row 0 at the top.
+fn heights(input: &Input, block: &Block, scale_m: f64) -> Result<Array2<f64>, FormatError> {
+    let name = block.name.as_str();
+    let (columns, rows) = (input.u16(name, block.start)?, input.u16(name, block.start + 2)?);
+    let (field_x, field_y) = (format!("columns of {name}"), format!("rows of {name}"));
+    let (ny, nx) = input.shape((&field_y, block.start + 2, rows.into()), (&field_x, block.start, columns.into()))?;
+    let (sample, is_height): (Sample, fn(f64) -> bool) = match input.u16(name, block.start + 4)? {
+        4 => (Sample::F32, |v| v.abs() < BAD_FLOAT),
+        2 => (Sample::I16, |v| v < BAD_INT16),
+        1 => (Sample::U8, |_| true),
+        found => {
+            let field = format!("bytes of an element of {name}");
+            return Err(input.wrong(&field, block.start + 4, found, "1, 2 or 4"));
+        }
+    };
+    let data_bytes = nx * ny * sample.size();
+    if block.length < ARRAY_HEADER_BYTES + data_bytes {
+        let wanted = format!("{} or more for {nx} × {ny} numbers", ARRAY_HEADER_BYTES + data_bytes);
+        return Err(input.wrong(&format!("the length of {name}"), block.entry + NAME_BYTES + 2, block.length, &wanted));
+    }
+    let bytes = input.take(name, block.start + ARRAY_HEADER_BYTES, data_bytes)?;
+    let mut heights_m = Array2::from_elem((ny, nx), f64::NAN);
+    let mut columns = Vec::with_capacity(COLUMNS_AT_ONCE * ny);
+    for (strip, stored) in bytes.chunks(COLUMNS_AT_ONCE * ny * sample.size()).enumerate() {
+        columns.clear();
+        sample.decode(ByteOrder::Little, stored, &mut columns);
+        for (y, mut row) in heights_m.rows_mut().into_iter().rev().enumerate() {
+            let row = row.iter_mut().skip(strip * COLUMNS_AT_ONCE);
+            for (z, &v) in row.zip(columns.iter().skip(y).step_by(ny)) {
+                if is_height(v) {
+                    *z = v * scale_m;
+                }
+            }
+        }
+    }
+    Ok(heights_m)
+}
+
+/// What texts, numbers and simple objects say.
+fn metadata(input: &Input, blocks: &[Block]) -> BTreeMap<String, String> {
+    let values = blocks.iter().filter_map(|block| Some((block.name.clone(), value(input, block)?)));
+    values.filter(|(name, value)| !name.is_empty() && !value.is_empty()).collect()
+}
+
+/// The content of a block in words, `None` for arrays, unknown types and what is not there.
+fn value(input: &Input, block: &Block) -> Option<String> {
+    let bytes = input.take(&block.name, block.start, block.length.min(MAX_TEXT_BYTES)).ok()?;
+    let whole = Input::new(Format::Opd, bytes);
+    match block.kind {
+        kind::TEXT => Some(latin1(bytes)),
+        kind::SHORT => whole.i16("", 0).ok().map(|number| number.to_string()),
+        kind::FLOAT => whole.f32("", 0).ok().map(|number| number.to_string()),
+        kind::DOUBLE => whole.f64("", 0).ok().map(|number| number.to_string()),
+        kind::LONG => whole.i32("", 0).ok().map(|number| number.to_string()),
+        kind::OBJECT => object::value(bytes),
+        _ => None,
+    }
 }

@@ -1,7 +1,23 @@
-//! TMD.
+//! TrueMap TMD: a title line, a comment, the size of the grid, and the heights as `float32`.
+//!
+//! Title and comment end with a zero byte. Then follow, little-endian, the numbers of columns and rows (`uint32`), the
+//! lengths of both axes and, in version 2 only, the offsets of the map in the instrument's field of view (`float32`); the
+//! heights follow row by row. All lengths and all heights are in millimetre, as in the routines that GelSight
+//! publishes for the format, <https://github.com/gelsightinc/gsmatlab>.
+//!
+//! Some readers take micrometre. In a file of TrueMap v6 with a coin of 17.9 mm on 300 points, the axes are 18.96 long:
+//! these are millimetres, and so are the 0.35 of the coin's relief.
+//!
+//! Version 1 is known from another reader's description alone.
+//!
+//! An axis is as long as its number of points times their distance: the file states the field of view, not the distance
+//! between the outermost points.
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Input, latin1};
+use crate::sample::Sample;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -9,24 +25,124 @@ pub(crate) const CODEC: Codec = Codec {
         format: Format::Tmd,
         name: "TMD",
         extensions: &["tmd"],
-        vendor: "TrueMap",
-        known_by: "",
-        reads: "",
+        vendor: "TrueMap, GelSight",
+        known_by: "`Binary TrueMap Data File`",
+        reads: "float32, versions 1 and 2",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "NaN, ±inf",
+        orientation: "the first stored line is row 0",
+        tested: Tested::InstrumentFiles,
     },
-    detect,
+    detect: |bytes| bytes.starts_with(TITLE),
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// First bytes of the title in every version.
+const TITLE: &[u8] = b"Binary TrueMap Data File";
+/// What may follow in the title.
+const VERSION_2: &str = "v2.0";
+/// Bytes of the title in version 2, with the zero at its end.
+const TITLE_2_BYTES: usize = 32;
+/// The longest title that is looked for.
+const MAX_TITLE_BYTES: usize = 64;
+/// Bytes of the comment where writers fill it up with zeros.
+const FILLED_COMMENT_BYTES: usize = 24;
+/// The longest comment that GelSight's routines take.
+const MAX_COMMENT_BYTES: usize = 2048;
+const METRES_PER_MILLIMETRE: f64 = 1e-3;
+
+/// Where the fields after the comment stand.
+#[derive(Clone, Copy)]
+struct Layout {
+    columns: usize,
+    has_offsets: bool,
 }
 
+impl Layout {
+    fn rows(self) -> usize {
+        self.columns + 4
+    }
+
+    fn lengths(self) -> [usize; 2] {
+        [self.columns + 8, self.columns + 12]
+    }
+
+    fn offsets(self) -> [usize; 2] {
+        [self.columns + 16, self.columns + 20]
+    }
+
+    fn heights(self) -> usize {
+        self.columns + if self.has_offsets { 24 } else { 16 }
+    }
+
+    /// Bytes of the whole file by the stated numbers of columns and rows.
+    fn file_bytes(self, input: &Input) -> Result<u64, FormatError> {
+        let columns = u64::from(input.u32("the number of columns", self.columns)?);
+        let rows = u64::from(input.u32("the number of rows", self.rows())?);
+        Ok((self.heights() as u64).saturating_add(columns.saturating_mul(rows).saturating_mul(4)))
+    }
+}
+
+/// Reads a map.
+///
+/// # Errors
+/// Other versions than 1 and 2, no point along an axis, and fewer heights than stated.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Tmd, bytes).unsupported("a file", "another format"))
+    let input = Input::new(Format::Tmd, bytes);
+    let title_end = text_end(&input, "the title", 0, MAX_TITLE_BYTES)?;
+    let version = latin1(bytes.get(TITLE.len()..title_end).unwrap_or_default());
+    let is_version_2 = version == VERSION_2;
+    if !is_version_2 && !version.is_empty() {
+        // Ambios files share the first words; what their second length means is not known.
+        return Err(input.unsupported(format!("the title goes on with `{version}`"), "version 1 (nothing) or `v2.0`"));
+    }
+    let comment = if is_version_2 { TITLE_2_BYTES } else { title_end + 1 };
+    let comment_end = text_end(&input, "the comment", comment, MAX_COMMENT_BYTES)?;
+    let layout = layout(&input, comment, comment_end, is_version_2)?;
+
+    let (columns, rows) = (input.u32("columns", layout.columns)?, input.u32("rows", layout.rows())?);
+    let (ny, nx) = input.shape(("rows", layout.rows(), rows.into()), ("columns", layout.columns, columns.into()))?;
+    let heights = input.samples("the heights", layout.heights(), nx * ny, Sample::F32)?;
+    let heights_m = Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|_| input.wrong("columns", layout.columns, columns, "as many as there are heights"))?
+        .mapv_into(|z| z * METRES_PER_MILLIMETRE);
+    let [length_x, length_y] = layout.lengths();
+    let dx_m = f64::from(input.f32("the length of x", length_x)?) / f64::from(columns) * METRES_PER_MILLIMETRE;
+    let dy_m = f64::from(input.f32("the length of y", length_y)?) / f64::from(rows) * METRES_PER_MILLIMETRE;
+
+    let mut scan = Scan::new(heights_m, Some((dx_m, dy_m)));
+    let comment = latin1(&bytes[comment..comment_end]);
+    if !comment.is_empty() {
+        scan.metadata.insert("comment".into(), comment);
+    }
+    if layout.has_offsets {
+        for (name, place) in ["offset x", "offset y"].into_iter().zip(layout.offsets()) {
+            scan.metadata.insert(name.into(), format!("{} mm", input.f32(name, place)?));
+        }
+    }
+    let surplus = (bytes.len() as u64).saturating_sub(layout.file_bytes(&input)?);
+    if surplus > 0 {
+        scan.warnings.push(format!("{surplus} bytes follow the heights and were not read"));
+    }
+    Ok(scan)
+}
+
+/// Where the zero after a text stands.
+fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usize, FormatError> {
+    let bytes = input.bytes().get(start..).unwrap_or_default();
+    let end = bytes.iter().take(limit).position(|&byte| byte == 0);
+    end.map(|length| start + length).ok_or_else(|| input.missing(part, start, "a text that a zero byte ends"))
+}
+
+/// The fields after the comment.
+///
+/// They follow its zero byte, but some writers fill the comment up to 24 bytes. The size of the file tells which.
+fn layout(input: &Input, comment: usize, comment_end: usize, has_offsets: bool) -> Result<Layout, FormatError> {
+    let plain = Layout { columns: comment_end + 1, has_offsets };
+    let filled = Layout { columns: comment + FILLED_COMMENT_BYTES, has_offsets };
+    let fits = |layout: Layout| layout.file_bytes(input).is_ok_and(|bytes| bytes == input.len() as u64);
+    let is_filled = comment_end < filled.columns && !fits(plain) && fits(filled);
+    Ok(if is_filled { filled } else { plain })
 }
