@@ -102,6 +102,9 @@ pub struct Description {
     pub tested: Tested,
 }
 
+/// Bytes of a file from a scan.
+type Write = fn(&Scan) -> Result<Vec<u8>, FormatError>;
+
 /// A format with the functions behind it.
 pub(crate) struct Codec {
     pub(crate) description: Description,
@@ -110,7 +113,7 @@ pub(crate) struct Codec {
     /// Reads a map.
     pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan, FormatError>,
     /// Writes the form that [`write`](crate::write) uses, where the format is written.
-    pub(crate) write: Option<fn(&Scan) -> Result<Vec<u8>, FormatError>>,
+    pub(crate) write: Option<Write>,
 }
 
 /// All formats, in the order in which content is compared with them: signatures first, text of any kind last.
