@@ -22,7 +22,7 @@ const FREE_NUMBERS: u64 = 1 << 22;
 const MAX_RATIO_OF_NUMBERS: u64 = 256;
 /// Bytes unpacked at a time.
 const CHUNK_BYTES: usize = 1 << 16;
-/// Numbers that memory is reserved for before any has been unpacked.
+/// Numbers that memory is reserved for before any has been unpacked, where the packed bytes do not hold more.
 const RESERVED_NUMBERS: usize = 1 << 20;
 /// Files that a desktop leaves in archives beside the real ones.
 const DESKTOP_FOLDER: &str = "__MACOSX/";
@@ -165,7 +165,8 @@ impl<'a> Archive<'a> {
                 format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
             return Err(damaged(format, link, reason));
         }
-        let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS));
+        let held = usize::try_from(packed).unwrap_or(usize::MAX) / sample.size();
+        let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS.max(held)));
         let mut md5 = Md5::new();
         let mut chunk = vec![0; CHUNK_BYTES];
         let mut found = 0;
