@@ -111,7 +111,7 @@ fn blocks<'a>(input: Input<'a>, size_bytes: usize, warnings: &mut Vec<String>) -
         let start = place + 2 + size_bytes;
         let size = usize::try_from(size).unwrap_or(usize::MAX);
         let end = start + input.take(&format!("the bytes of block {tag:#06x}"), start, size)?.len();
-        let block = Block { input: Input::new(Format::Frt, &input.bytes()[..end]), start };
+        let block = Block { input: input.up_to(end), start };
         if blocks.contains_key(&tag) && [CURRENT_IMAGE, IMAGE_SIZE, SCAN_SIZE, SENSOR, IMAGES].contains(&tag) {
             return Err(input.wrong("a block's tag", place, format!("{tag:#06x}"), "a tag that did not occur yet"));
         }

@@ -311,3 +311,15 @@ fn a_block_longer_than_the_file_is_refused_with_its_tag() {
         "{message}"
     );
 }
+
+#[test]
+fn many_small_images_take_no_more_than_their_bytes_justify() {
+    let image = [u32s(&[4, 2, 2, 16]), u16s(&[5, 6, 7, 8])].concat();
+    let images = [u16s(&[0; 4]), image.repeat(4 << 20 >> 5)].concat();
+    let bytes = Frt::single().with(0x007d, images).bytes();
+    let start = std::time::Instant::now();
+    let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(&bytes).unwrap());
+    assert_eq!(scan.channels.len(), 1 << 17);
+    assert!(peak < (64 << 20) + 2 * bytes.len(), "{peak} bytes for {}", bytes.len());
+    assert!(start.elapsed() < std::time::Duration::from_secs(2), "{:?}", start.elapsed());
+}
