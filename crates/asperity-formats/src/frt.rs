@@ -13,17 +13,23 @@
 //!
 //! Where block 0x007d holds images, block 0x000b repeats one of them, of whichever type, so it is left alone.
 //!
-//! The number 1 marks a point that was not measured. That stands nowhere in the file; all published readers agree.
+//! The number 1 marks a point that was not measured. That stands nowhere in the file, but the published readers that
+//! know of missing points agree on it.
 //!
 //! A range is the number of points times their distance: published files of 500 points on 12 mm, 150 on 30 mm and 300
 //! on 60 mm have round distances only so.
 
+mod blocks;
+mod image;
 mod metadata;
-
-use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
+use self::blocks::{
+    BUFFERS, Block, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT,
+    blocks,
+};
+use self::image::{Image, TOPOGRAPHY, images};
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::Sample;
@@ -52,149 +58,10 @@ pub(crate) const CODEC: Codec = Codec {
 const SIGNATURE: &[u8] = b"FRTM_GLIDERV";
 /// Bytes of the version, such as `1.00`.
 const VERSION_BYTES: usize = 4;
-/// Where the number of blocks stands.
+/// Where the number of blocks stands, and blocks start after it.
 const BLOCK_COUNT: usize = SIGNATURE.len() + VERSION_BYTES;
 /// The number that marks a missing point.
 const VOID: f64 = 1.0;
-/// Bytes before the first image of block 0x007d: what the current image is.
-const IMAGES_HEADER_BYTES: usize = 8;
-/// Bytes before the numbers of an image in block 0x007d.
-const IMAGE_HEADER_BYTES: usize = 16;
-
-/// Tags of the blocks that heights come from. No other tag matters twice.
-const CURRENT_IMAGE: u16 = 0x000b;
-const IMAGE_SIZE: u16 = 0x0066;
-const SCAN_SIZE: u16 = 0x0067;
-const SENSOR: u16 = 0x006c;
-const VALID_VALUES: u16 = 0x0070;
-const IMAGES: u16 = 0x007d;
-const ROUNDNESS: u16 = 0x009b;
-const Z_UNIT: u16 = 0x009f;
-const BUFFERS: u16 = 0x00ab;
-
-/// One block: the file up to its end, and where it starts.
-#[derive(Clone, Copy)]
-struct Block<'a> {
-    input: Input<'a>,
-    start: usize,
-}
-
-impl Block<'_> {
-    fn u32(&self, field: &str, offset: usize) -> Result<u32, FormatError> {
-        self.input.u32(field, self.start + offset)
-    }
-
-    fn f64(&self, field: &str, offset: usize) -> Result<f64, FormatError> {
-        self.input.f64(field, self.start + offset)
-    }
-
-    fn len(&self) -> usize {
-        self.input.len() - self.start
-    }
-}
-
-/// The blocks of a file by their tags.
-type Blocks<'a> = BTreeMap<u16, Block<'a>>;
-
-/// All blocks up to the end of the file.
-fn blocks<'a>(input: Input<'a>, size_bytes: usize, warnings: &mut Vec<String>) -> Result<Blocks<'a>, FormatError> {
-    let mut blocks = Blocks::new();
-    let mut place = BLOCK_COUNT + 2;
-    let mut found = 0;
-    while place + 2 + size_bytes <= input.len() {
-        let tag = input.u16("a block's tag", place)?;
-        let field = format!("the size of block {tag:#06x}");
-        let size = match size_bytes {
-            4 => input.u32(&field, place + 2)?.into(),
-            _ => input.u64(&field, place + 2)?,
-        };
-        let start = place + 2 + size_bytes;
-        let size = usize::try_from(size).unwrap_or(usize::MAX);
-        let end = start + input.take(&format!("the bytes of block {tag:#06x}"), start, size)?.len();
-        let block = Block { input: input.up_to(end), start };
-        if blocks.contains_key(&tag) && [CURRENT_IMAGE, IMAGE_SIZE, SCAN_SIZE, SENSOR, IMAGES].contains(&tag) {
-            return Err(input.wrong("a block's tag", place, format!("{tag:#06x}"), "a tag that did not occur yet"));
-        }
-        blocks.entry(tag).or_insert(block);
-        found += 1;
-        place = end;
-    }
-    let stated = input.u16("the number of blocks", BLOCK_COUNT)?;
-    if found != usize::from(stated) {
-        warnings.push(format!("the file states {stated} blocks and holds {found}"));
-    }
-    Ok(blocks)
-}
-
-/// What an image shows, by the lower bits of its type.
-const KINDS: [(u32, &str); 4] =
-    [(0x0004, "Topography"), (0x0080, "Thickness"), (0x0800, "Sample thickness"), (0x1000, "AFM")];
-/// The bits of a type that say what the image shows.
-const KIND_MASK: u32 = 0xffdf;
-/// Flags of a type.
-const FLAGS: [(u32, &str); 3] = [(0x1_0000, "extended"), (0x2_0000, "computed"), (0x20, "filtered")];
-
-/// An image and where its numbers stand.
-#[derive(Clone, Copy)]
-struct Image<'a> {
-    kind: u32,
-    shape: (usize, usize),
-    sample: Sample,
-    numbers: Block<'a>,
-}
-
-impl<'a> Image<'a> {
-    /// An image whose size stands at `offset` of `header` and whose numbers start at `numbers.start`.
-    fn new(kind: u32, header: Block, offset: usize, numbers: Block<'a>) -> Result<Self, FormatError> {
-        let [x, y, bits] = ["points along x", "points along y", "bits per point"];
-        let at = header.start + offset;
-        let (nx, ny) = (header.u32(x, offset)?, header.u32(y, offset + 4)?);
-        let shape = header.input.shape((y, at + 4, ny.into()), (x, at, nx.into()))?;
-        let sample = match header.u32(bits, offset + 8)? {
-            16 => Sample::U16,
-            32 => Sample::I32,
-            found => return Err(header.input.wrong(bits, at + 8, found, "16 or 32")),
-        };
-        let image = Self { kind, shape, sample, numbers };
-        numbers.input.take("the numbers of an image", numbers.start, image.bytes())?;
-        Ok(image)
-    }
-
-    /// Bytes of its numbers.
-    fn bytes(&self) -> usize {
-        self.shape.0 * self.shape.1 * self.sample.size()
-    }
-
-    /// Its name; `None` where it shows no lengths.
-    fn name(&self) -> Option<String> {
-        let (_, kind) = KINDS.into_iter().find(|(kind, _)| self.kind & KIND_MASK == *kind)?;
-        let sensor = match self.kind >> 28 & 3 {
-            0 => "top sensor".to_owned(),
-            1 => "bottom sensor".to_owned(),
-            other => format!("sensor {}", other + 1),
-        };
-        let buffer = (self.kind >> 24 & 0xf) + 1;
-        let flags = FLAGS.iter().filter(|(flag, _)| self.kind & flag != 0);
-        Some(flags.fold(format!("{kind} ({sensor}) {buffer}"), |name, (_, flag)| name + ", " + flag))
-    }
-}
-
-/// The images of block 0x007d, whatever they show.
-fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>, FormatError> {
-    let mut images = Vec::new();
-    let mut offset = IMAGES_HEADER_BYTES;
-    while offset + IMAGE_HEADER_BYTES < block.len() {
-        let kind = block.u32("type of an image", offset)?;
-        let numbers = Block { start: block.start + offset + IMAGE_HEADER_BYTES, ..block };
-        let image = Image::new(kind, block, offset + 4, numbers)?;
-        offset += IMAGE_HEADER_BYTES + image.bytes();
-        images.push(image);
-    }
-    if offset < block.len() {
-        warnings.push(format!("{} bytes after the last image were left out", block.len() - offset));
-    }
-    Ok(images)
-}
 
 /// Reads an image of heights.
 ///
@@ -245,7 +112,7 @@ fn single_image<'a>(
     let missing = |what: &str| input.missing(what, BLOCK_COUNT + 2, "an image");
     let numbers = *blocks.get(&CURRENT_IMAGE).ok_or_else(|| missing("block 0x000b or an image in block 0x007d"))?;
     let size = *blocks.get(&IMAGE_SIZE).ok_or_else(|| missing("block 0x0066 (image size)"))?;
-    let image = Image::new(KINDS[0].0, size, 0, numbers)?;
+    let image = Image::new(TOPOGRAPHY, size, 0, numbers)?;
     if image.bytes() < numbers.len() {
         let more = numbers.len() - image.bytes();
         warnings.push(format!("block 0x000b is {more} bytes longer than its image; they were left out"));
@@ -264,7 +131,7 @@ fn choose<'a>(
     if names.is_empty() {
         return Err(input.unsupported("the file holds no topography, only other images", "an image of heights"));
     }
-    let main = maps.iter().position(|image| image.kind & KIND_MASK == KINDS[0].0).filter(|_| options.channel.is_none());
+    let main = maps.iter().position(Image::is_topography).filter(|_| options.channel.is_none());
     let channel = main.map_or_else(|| options.choose(Format::Frt, &names), Ok)?;
     let image = maps[channel];
     Ok((names, channel, image))

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Block, Blocks};
+use super::blocks::{Block, Blocks, Z_UNIT};
 use crate::input::latin1;
 
 /// How a field is stored and shown.
@@ -68,7 +68,7 @@ pub(super) fn metadata(blocks: &Blocks) -> BTreeMap<String, String> {
             metadata.insert(name.into(), value);
         }
     }
-    if let Some(unit) = blocks.get(&super::Z_UNIT).and_then(z_unit) {
+    if let Some(unit) = blocks.get(&Z_UNIT).and_then(z_unit) {
         metadata.insert("z unit".into(), unit);
     }
     metadata

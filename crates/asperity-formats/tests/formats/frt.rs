@@ -262,8 +262,10 @@ fn roundness_and_units_of_no_length_are_doubted() {
 fn a_count_of_blocks_that_does_not_fit_is_doubted() {
     let mut bytes = Frt::single().bytes();
     bytes[16] += 1;
+    bytes.extend([0; 5]);
     let scan = read_bytes(&bytes).unwrap();
     assert!(scan.warnings.contains(&"the file states 15 blocks and holds 14".to_owned()), "{:?}", scan.warnings);
+    assert!(scan.warnings.contains(&"5 bytes after the last block were left out".to_owned()), "{:?}", scan.warnings);
 }
 
 #[test]
@@ -315,8 +317,10 @@ fn a_block_longer_than_the_file_is_refused_with_its_tag() {
 #[test]
 fn many_small_images_take_no_more_than_their_bytes_justify() {
     let image = [u32s(&[4, 2, 2, 16]), u16s(&[5, 6, 7, 8])].concat();
-    let images = [u16s(&[0; 4]), image.repeat(4 << 20 >> 5)].concat();
-    let bytes = Frt::single().with(0x007d, images).bytes();
+    let images = [u16s(&[0; 4]), image.repeat(1 << 17)].concat();
+    // As many empty blocks besides.
+    let empty = [u16s(&[9]), u32s(&[0])].concat();
+    let bytes = [Frt::single().with(0x007d, images).bytes(), empty.repeat(1 << 17)].concat();
     let start = std::time::Instant::now();
     let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(&bytes).unwrap());
     assert_eq!(scan.channels.len(), 1 << 17);
