@@ -44,6 +44,11 @@ impl<'a> Input<'a> {
         Self { order, ..self }
     }
 
+    /// The same bytes up to `end`, so that nothing beyond it is read.
+    pub(crate) fn up_to(self, end: usize) -> Self {
+        Self { bytes: &self.bytes[..end.min(self.bytes.len())], ..self }
+    }
+
     /// All bytes.
     pub(crate) fn bytes(&self) -> &'a [u8] {
         self.bytes
@@ -198,6 +203,14 @@ mod tests {
         assert_eq!(message, "text: width (a.bin, byte 1) stop after 2 bytes; wanted 4");
         assert!(input.take("all", usize::MAX, 2).is_err());
         assert!(input.samples("all", 0, usize::MAX, Sample::F64).is_err());
+    }
+
+    #[test]
+    fn nothing_is_read_beyond_a_nearer_end() {
+        let input = Input::new(Format::Text, &[1, 2, 3]).up_to(2);
+        assert_eq!(input.u16("a", 0).unwrap(), 0x0201);
+        assert!(input.u16("a", 1).is_err());
+        assert_eq!(input.up_to(9).len(), 2);
     }
 
     #[test]
