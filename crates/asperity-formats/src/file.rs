@@ -51,7 +51,9 @@ pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
 
 fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
     let file = File::open(path).map_err(|error| FormatError::io(path, error))?;
-    let mut bytes = Vec::new();
+    // What the system says of the length only sizes the buffer; a pipe has none.
+    let length = file.metadata().map_or(0, |metadata| metadata.len().min(MAX_FILE_BYTES));
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or_default() + 1);
     file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| FormatError::io(path, error))?;
     Ok(bytes)
 }

@@ -98,9 +98,7 @@ impl<'a> Input<'a> {
     ) -> Result<Vec<f64>, FormatError> {
         let length = count.saturating_mul(sample.size());
         let bytes = self.take(part, offset, length)?;
-        let mut values = Vec::with_capacity(count);
-        sample.decode(self.order, bytes, &mut values);
-        Ok(values)
+        Ok(sample.decode_all(self.order, bytes))
     }
 
     /// Checked shape `(rows, columns)` of a map from fields that hold its dimensions, each `(name, offset, value)`.

@@ -91,7 +91,8 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let (values, left_over) = array(bytes, data_start, &header, rows * columns)?;
     let heights_m = Array2::from_shape_vec((rows, columns).set_f(header.column_major), values)
         .map_err(|error| wrong("shape", &format!("({rows}, {columns})"), &error.to_string()))?;
-    let mut scan = Scan::new(heights_m.as_standard_layout().into_owned(), None);
+    let heights_m = if header.column_major { heights_m.as_standard_layout().into_owned() } else { heights_m };
+    let mut scan = Scan::new(heights_m, None);
     if left_over > 0 {
         scan.warnings.push(format!("{left_over} bytes after the array were left out"));
     }
@@ -123,9 +124,7 @@ fn array(bytes: &[u8], start: usize, header: &Header, points: usize) -> Result<(
     let wanted = points * header.sample.size();
     let present = bytes.get(start..).unwrap_or_default();
     let data = present.get(..wanted).ok_or_else(|| truncated("the array", start, present.len(), wanted))?;
-    let mut values = Vec::with_capacity(points);
-    header.sample.decode(header.order, data, &mut values);
-    Ok((values, present.len() - wanted))
+    Ok((header.sample.decode_all(header.order, data), present.len() - wanted))
 }
 
 /// The dictionary and the byte where the array starts.

@@ -1,5 +1,11 @@
 //! Numbers as files store them.
 
+use rayon::prelude::*;
+
+/// Numbers from which on all threads decode, and how many each takes at a time.
+const PARALLEL_NUMBERS: usize = 1 << 18;
+const CHUNK_NUMBERS: usize = 1 << 16;
+
 /// Order of the bytes of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ByteOrder {
@@ -33,16 +39,40 @@ impl Sample {
         }
     }
 
-    /// Appends the numbers in `bytes` to `values`; bytes that do not fill a number are left out.
+    /// The numbers in `bytes`; bytes that do not fill a number are left out.
     ///
-    /// 64-bit integers beyond 2⁵³ are rounded.
+    /// 64-bit integers beyond 2⁵³ are rounded. Large arrays are decoded by all threads: most of the time goes into the
+    /// first touch of new memory.
+    pub(crate) fn decode_all(self, order: ByteOrder, bytes: &[u8]) -> Vec<f64> {
+        let mut values = vec![0.0; bytes.len() / self.size()];
+        if values.len() < PARALLEL_NUMBERS {
+            self.decode_into(order, bytes, &mut values);
+        } else {
+            let chunks = bytes.par_chunks(CHUNK_NUMBERS * self.size());
+            values
+                .par_chunks_mut(CHUNK_NUMBERS)
+                .zip(chunks)
+                .for_each(|(values, bytes)| self.decode_into(order, bytes, values));
+        }
+        values
+    }
+
+    /// Appends the numbers in `bytes` to `values`, as [`Sample::decode_all`].
     pub(crate) fn decode(self, order: ByteOrder, bytes: &[u8], values: &mut Vec<f64>) {
+        let start = values.len();
+        values.resize(start + bytes.len() / self.size(), 0.0);
+        self.decode_into(order, bytes, &mut values[start..]);
+    }
+
+    /// Decodes as many numbers as `values` has room for and `bytes` hold.
+    pub(crate) fn decode_into(self, order: ByteOrder, bytes: &[u8], values: &mut [f64]) {
         macro_rules! decode {
             ($number:ty) => {{
                 let (numbers, _) = bytes.as_chunks::<{ size_of::<$number>() }>();
+                let pairs = values.iter_mut().zip(numbers);
                 match order {
-                    ByteOrder::Little => values.extend(numbers.iter().map(|&raw| <$number>::from_le_bytes(raw) as f64)),
-                    ByteOrder::Big => values.extend(numbers.iter().map(|&raw| <$number>::from_be_bytes(raw) as f64)),
+                    ByteOrder::Little => pairs.for_each(|(value, &raw)| *value = <$number>::from_le_bytes(raw) as f64),
+                    ByteOrder::Big => pairs.for_each(|(value, &raw)| *value = <$number>::from_be_bytes(raw) as f64),
                 }
             }};
         }
@@ -66,9 +96,7 @@ mod tests {
     use super::*;
 
     fn decoded(sample: Sample, order: ByteOrder, bytes: &[u8]) -> Vec<f64> {
-        let mut values = Vec::new();
-        sample.decode(order, bytes, &mut values);
-        values
+        sample.decode_all(order, bytes)
     }
 
     #[test]
@@ -83,6 +111,14 @@ mod tests {
     fn floats_read_in_both_orders() {
         assert_eq!(decoded(Sample::F32, ByteOrder::Big, &[0x3f, 0x80, 0, 0]), [1.0]);
         assert_eq!(decoded(Sample::F64, ByteOrder::Little, &[0, 0, 0, 0, 0, 0, 0xf0, 0xbf]), [-1.0]);
+    }
+
+    #[test]
+    fn large_arrays_are_decoded_like_small_ones() {
+        let count = 2 * PARALLEL_NUMBERS + 7;
+        let bytes: Vec<u8> = (0..count as u32).flat_map(u32::to_be_bytes).collect();
+        let values = decoded(Sample::U32, ByteOrder::Big, &bytes);
+        assert!(values.len() == count && values.iter().enumerate().all(|(i, value)| *value == i as f64));
     }
 
     #[test]

@@ -3,12 +3,15 @@
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
+use rayon::prelude::*;
 
 use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
 pub const MAX_POINTS: u64 = 1 << 28;
 
+/// Points from which on all threads look at the heights.
+const PARALLEL_POINTS: usize = 1 << 18;
 /// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
 /// Ratio of the two pitches above which the map is doubted.
@@ -66,7 +69,7 @@ impl Scan {
             let warning = format!("the file holds {} height maps ({names}); `{read}` was read", self.channels.len());
             self.warnings.push(warning);
         }
-        self.heights_m.mapv_inplace(|z| if z.is_finite() { z } else { f64::NAN });
+        let range_m = tidy(&mut self.heights_m);
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
         let Some((dx_m, dy_m)) = self.pitch_m else { return self };
         if !(is_pitch(dx_m) && is_pitch(dy_m)) {
@@ -84,7 +87,7 @@ impl Scan {
         }
         let (ny, nx) = self.heights_m.dim();
         let field_m = (nx as f64 * dx_m).max(ny as f64 * dy_m);
-        if let Some((low, high)) = self.height_range_m()
+        if let Some((low, high)) = range_m
             && high - low > field_m
         {
             self.warnings.push(format!(
@@ -94,6 +97,30 @@ impl Scan {
         }
         self
     }
+}
+
+/// Makes NaN of every height that is not finite; the lowest and the highest of the others, `None` when there are none.
+fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
+    let range = |values: &mut [f64]| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for z in values {
+            *z = if z.is_finite() { *z } else { f64::NAN };
+            // Comparisons with NaN keep what was there.
+            low = low.min(*z);
+            high = high.max(*z);
+        }
+        (low, high)
+    };
+    let join = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    let empty = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = match heights_m.as_slice_memory_order_mut() {
+        Some(values) if values.len() >= PARALLEL_POINTS => {
+            values.par_chunks_mut(PARALLEL_POINTS / 4).map(range).reduce(|| empty, join)
+        }
+        Some(values) => range(values),
+        None => heights_m.iter_mut().map(|z| range(std::slice::from_mut(z))).fold(empty, join),
+    };
+    (low <= high).then_some((low, high))
 }
 
 /// Where one declared dimension stands in a file.

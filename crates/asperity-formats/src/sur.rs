@@ -271,8 +271,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
             wanted: data_bytes as u64,
         });
     };
-    let mut heights = Vec::with_capacity(nx * ny);
-    sample.decode(ByteOrder::Little, data, &mut heights);
+    let mut heights = sample.decode_all(ByteOrder::Little, data);
     scale(&header, &mut heights, &mut warnings)?;
 
     let pitch_m = pitch(&header, &mut warnings);

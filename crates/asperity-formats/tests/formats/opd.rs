@@ -208,7 +208,7 @@ fn of_several_maps_the_primary_or_the_first_or_the_chosen_is_read() {
     let mut blocks = old_file();
     blocks.push(second);
     let read = |blocks: &[Block], channel: Option<&str>| {
-        let options = ReadOptions { channel: channel.map(|name| name.parse().unwrap()) };
+        let options = ReadOptions { channel: channel.map(Into::into) };
         read_bytes_with(&file(blocks), &options).unwrap()
     };
     let scan = read(&blocks, None);
