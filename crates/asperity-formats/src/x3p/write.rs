@@ -6,11 +6,12 @@ use std::io::{Cursor, Write as _};
 
 use md5::{Digest, Md5};
 use quick_xml::escape::escape;
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipWriter};
+use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
-use crate::archive::{damaged, hexadecimal};
+use crate::archive::{damaged, hexadecimal, may_hold, unpacked_limit};
 use crate::{Format, FormatError, Scan};
 
 /// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
@@ -56,7 +57,7 @@ pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
     let mut files: Vec<(&str, &[u8])> = vec![(MAIN, main.as_bytes()), (POINT_DATA, &stored.points)];
     files.extend(stored.valid.as_deref().map(|valid| (VALID_POINTS, valid)));
     files.push((CHECKSUM, checksum.as_bytes()));
-    archive(&files)
+    archive(&files, data)
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
@@ -64,19 +65,46 @@ fn not_storable(found: String, wanted: &'static str) -> FormatError {
 }
 
 /// A zip archive whose bytes depend on nothing but its files: no clock, no host.
-fn archive(files: &[(&str, &[u8])]) -> Result<Vec<u8>, FormatError> {
+///
+/// Files are deflated, unless that makes them so small that the reader would take them for a bomb: ideal gratings.
+fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>, FormatError> {
+    let deflated = zip(files, |_| CompressionMethod::Deflated).map_err(unwritten)?;
+    let mut written = ZipArchive::new(Cursor::new(&deflated)).map_err(unwritten)?;
+    let mut refused = Vec::new();
+    for (place, &(name, bytes)) in files.iter().enumerate() {
+        let packed = written.by_index_raw(place).map_err(unwritten)?.compressed_size();
+        let is_read = match name {
+            POINT_DATA => may_hold(packed, (bytes.len() / data.sample().size()) as u64, data.sample()),
+            // Bounded by the points.
+            VALID_POINTS => true,
+            _ => bytes.len() as u64 <= unpacked_limit(packed),
+        };
+        if !is_read {
+            refused.push(name);
+        }
+    }
+    if refused.is_empty() {
+        return Ok(deflated);
+    }
+    let method = |name| if refused.contains(&name) { CompressionMethod::Stored } else { CompressionMethod::Deflated };
+    zip(files, method).map_err(unwritten)
+}
+
+fn unwritten(error: ZipError) -> FormatError {
+    damaged(Format::X3p, "archive", error.to_string())
+}
+
+fn zip<'a>(files: &[(&'a str, &[u8])], method: impl Fn(&'a str) -> CompressionMethod) -> Result<Vec<u8>, ZipError> {
     let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .system(System::Unix)
         .unix_permissions(0o644);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in files {
-        let large = options.large_file(u32::try_from(bytes.len()).is_err());
-        zip.start_file(*name, large).map_err(|error| damaged(Format::X3p, name, error.to_string()))?;
-        zip.write_all(bytes).map_err(|error| damaged(Format::X3p, name, error.to_string()))?;
+    for &(name, bytes) in files {
+        zip.start_file(name, options.compression_method(method(name)).large_file(u32::try_from(bytes.len()).is_err()))?;
+        zip.write_all(bytes)?;
     }
-    Ok(zip.finish().map_err(|error| damaged(Format::X3p, "archive", error.to_string()))?.into_inner())
+    Ok(zip.finish()?.into_inner())
 }
 
 fn float64(scan: &Scan) -> Stored {

@@ -107,6 +107,18 @@ fn x3p_bytes_depend_on_nothing_but_the_scan() {
 }
 
 #[test]
+fn x3p_stores_unpacked_what_would_look_like_a_bomb() {
+    // 2100² points are more than the 2²² that any archive may hold, and zeros deflate a thousandfold.
+    let mut flat = Scan::new(Array2::zeros((2100, 2100)), Some((1e-6, 1e-6)));
+    flat.heights_m[[7, 5]] = NAN;
+    for (data, size) in [(X3pData::Int16, 2), (X3pData::Float32, 4)] {
+        let bytes = write_x3p(&flat, data).unwrap();
+        assert!(bytes.len() > size * flat.heights_m.len());
+        assert_eq!(bits(&read_bytes(&bytes).unwrap()), bits(&flat));
+    }
+}
+
+#[test]
 fn npy_keeps_every_bit() {
     let scan = scan();
     let bytes = write_npy(&scan);
