@@ -13,6 +13,10 @@ use crate::{Format, FormatError, Location};
 
 /// Elements inside each other; descriptions of instruments need about five.
 const MAX_DEPTH: usize = 32;
+/// Bytes of the names of all elements that are open at one place.
+const MAX_PATH_BYTES: usize = 1 << 10;
+/// Elements of different paths; descriptions of instruments need hundreds.
+const MAX_VALUES: usize = 1 << 14;
 
 /// The text of one element and where it ends.
 pub(crate) struct Value {
@@ -72,6 +76,11 @@ impl Document {
                         }
                         open.push_str(start.local_name().into_inner());
                     }
+                    // Every path is kept: long ones around many elements would take far more memory than their text.
+                    if open.len() > MAX_PATH_BYTES {
+                        let reason = format!("names of more than {MAX_PATH_BYTES} bytes inside each other");
+                        return Err(damaged(reason, reader.buffer_position()));
+                    }
                     content.clear();
                     is_leaf = true;
                 }
@@ -111,10 +120,15 @@ impl Document {
                 datum.ok_or_else(|| self.wrong(path, text, offset, "one number, or nothing for a missing point"))?;
             self.list.get_or_insert_default().push(datum);
         } else if !text.is_empty() {
+            let is_full = self.values.len() >= MAX_VALUES;
             match self.values.get_mut(path) {
                 Some(value) => {
                     value.text.push('\n');
                     value.text.push_str(text);
+                }
+                None if is_full => {
+                    let reason = format!("more than {MAX_VALUES} different elements");
+                    return Err(FormatError::Xml { format: self.format, at: self.at(offset), reason });
                 }
                 None => {
                     self.values.insert(path.into(), Value { text: text.into(), offset });

@@ -6,6 +6,7 @@ use ndarray::array;
 use crate::assert_heights;
 use crate::fixture::{Content, Fixture};
 use crate::fixtures::{X3p, md5, zip};
+use crate::memory::peak_bytes;
 
 const NAN: f64 = f64::NAN;
 
@@ -456,4 +457,20 @@ fn an_axis_without_increment_leaves_the_pitch_out() {
         read_bytes(&file.with_main(file.main_xml().replace("<Increment> 5e-6 </Increment>", "").as_bytes())).unwrap();
     assert_eq!(scan.pitch_m, None);
     assert_eq!(scan.warnings.len(), 1);
+}
+
+#[test]
+fn descriptions_that_would_take_more_memory_than_they_are_long_are_refused() {
+    let many = (0..100_000).map(|n| format!("<e{n}>1</e{n}>")).collect::<String>();
+    let long = "x".repeat(100_000);
+    let mains = [
+        (format!("<a>{many}</a>"), "different elements"),
+        (format!("<a><{long}>{many}</{long}></a>"), "names of more than"),
+    ];
+    for (main, reason) in mains {
+        let bytes = X3p::default().with_main(main.as_bytes());
+        let (error, peak) = peak_bytes(|| read_bytes(&bytes).unwrap_err());
+        assert!(error.to_string().contains(reason), "{error}");
+        assert!(peak < 4 * bytes.len(), "{peak} bytes for {}", bytes.len());
+    }
 }
