@@ -84,6 +84,7 @@ mod path {
     pub(super) const AXES: &str = "Record1/Axes";
     /// Not in the standard; written by some programs.
     pub(super) const ORIGIN: &str = "Record1/Axes/Origin";
+    pub(super) const MANUFACTURER: &str = "Record2/Instrument/Manufacturer";
     pub(super) const SIZE_X: &str = "Record3/MatrixDimension/SizeX";
     pub(super) const SIZE_Y: &str = "Record3/MatrixDimension/SizeY";
     pub(super) const SIZE_Z: &str = "Record3/MatrixDimension/SizeZ";

@@ -21,6 +21,8 @@ const VALIDITY_PADDING: u64 = 1 << 12;
 const MAX_LAYERS: u64 = 1 << 12;
 /// The origin of files whose first line is at the top, where a file states one.
 const TOP_LEFT: &str = "NW";
+/// A program that takes the integers of the format for unsigned when it writes; it names itself as the manufacturer.
+const UNSIGNED_WRITER: &str = "SurfaceTopography";
 /// The only feature type that is a height map.
 const SURFACE: &str = "SUR";
 
@@ -97,6 +99,13 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
     let sample =
         sample(&letter.text).ok_or_else(|| document.wrong(&type_path, &letter.text, letter.offset, "I, L, F or D"))?;
     let is_integer = matches!(sample, Sample::I16 | Sample::I32);
+    let sample = match sample {
+        Sample::I16 | Sample::I32 if document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER) => {
+            warnings.push(format!("{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read so"));
+            if sample == Sample::I16 { Sample::U16 } else { Sample::U32 }
+        }
+        _ => sample,
+    };
     let increment = match document.number(&increment_path)? {
         // The schema asks for an increment of integers only; a zero of floats can but mean that there is none.
         Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),

@@ -33,7 +33,10 @@ struct Stored {
 
 /// The scan as an X3P file. Equal scans give equal bytes.
 ///
-/// The measurement's description (`Record2/…` of the metadata) is kept; what is unknown reads "not available".
+/// The measurement's description (`Record2/…` of the metadata; operator, date and comment of other formats) is kept; what
+/// is unknown reads "not available".
+///
+/// Files are deflated, unless they would become so small that the reader would take them for a bomb.
 ///
 /// # Errors
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
@@ -148,12 +151,24 @@ fn int16(scan: &Scan) -> Result<Stored, FormatError> {
     Ok(Stored { points, valid: (!complete).then_some(valid), increment, offset_m: low })
 }
 
+/// Elements of `Record2` that scans of other formats know by other names.
+const OTHER_NAMES: [(&str, &str); 3] = [("Date", "date"), ("Creator", "operator name"), ("Comment", "comment")];
+
 /// The text of a metadata field as XML content.
-fn known<'a>(metadata: &'a BTreeMap<String, String>, field: &str) -> Option<String> {
-    let value: &'a str = metadata.get(&format!("Record2/{field}"))?;
+fn known(metadata: &BTreeMap<String, String>, field: &str) -> Option<String> {
+    let other_name = OTHER_NAMES.iter().find(|(element, _)| *element == field).map(|(_, name)| *name);
+    let other = || metadata.get(other_name?).filter(|text| field != "Date" || is_date_time(text));
+    let value = metadata.get(&format!("Record2/{field}")).or_else(other)?;
     // XML 1.0 has no place for other control characters, not even escaped.
     let text: String = value.chars().filter(|c| !c.is_control() || matches!(c, '\n' | '\t')).collect();
     Some(escape(text.as_str()).into_owned())
+}
+
+/// Whether a text has the form `yyyy-mm-ddThh:mm:ss`, which the schema demands of dates.
+fn is_date_time(text: &str) -> bool {
+    let form = b"0000-00-00T00:00:00";
+    let fits = |(found, form): (u8, &u8)| if *form == b'0' { found.is_ascii_digit() } else { found == *form };
+    text.len() == form.len() && text.bytes().zip(form).all(fits)
 }
 
 /// The description, in the order that the schema demands.

@@ -47,6 +47,21 @@ fn x3p_keeps_doubles_pitch_and_description() {
 }
 
 #[test]
+fn x3p_keeps_operator_date_and_comment_of_other_formats() {
+    let mut scan = Scan::new(array![[0.0, 1e-6]], Some((1e-6, 1e-6)));
+    for (field, text) in [("operator name", "A. Operator"), ("date", "2016-12-01T14:30:59"), ("comment", "a < b")] {
+        scan.metadata.insert(field.into(), text.into());
+    }
+    let read = x3p(&scan, X3pData::Float64);
+    assert_eq!(read.metadata["Record2/Creator"], "A. Operator");
+    assert_eq!(read.metadata["Record2/Date"], "2016-12-01T14:30:59");
+    assert_eq!(read.metadata["Record2/Comment"], "a < b");
+    // The schema has no place for dates of other forms.
+    scan.metadata.insert("date".into(), "1 Dec 2016".into());
+    assert_eq!(x3p(&scan, X3pData::Float64).metadata["Record2/Date"], "1970-01-01T00:00:00Z");
+}
+
+#[test]
 fn x3p_rounds_floats_to_single_precision() {
     let (scan, read) = (scan(), x3p(&scan(), X3pData::Float32));
     for (z, wanted) in read.heights_m.iter().zip(&scan.heights_m) {

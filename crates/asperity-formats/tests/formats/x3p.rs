@@ -79,6 +79,21 @@ fn int32_is_signed_and_scaled() {
 }
 
 #[test]
+fn integers_of_a_program_that_writes_unsigned_ones_are_unsigned() {
+    let file = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-12</Increment>",
+        size: (2, 1, 1),
+        data: le([0_u16, 65535].map(u16::to_le_bytes)),
+        ..X3p::default()
+    };
+    let main = file.main_xml().replace("Meyer &amp; S&#246;hne", "SurfaceTopography");
+    let scan = read_bytes(&file.with_main(main.as_bytes())).unwrap();
+    assert_heights(&scan, &[0.0, 65535e-12]);
+    assert!(scan.warnings.iter().any(|warning| warning.contains("unsigned")), "{:?}", scan.warnings);
+    assert_heights(&read_bytes(&file.bytes()).unwrap(), &[0.0, -1e-12]);
+}
+
+#[test]
 fn nan_and_infinities_of_floats_are_missing_and_increments_apply() {
     let file = X3p {
         z_axis: "<AxisType>A</AxisType><DataType>F</DataType><Increment>1E-6</Increment><Offset>1e-6</Offset>",
