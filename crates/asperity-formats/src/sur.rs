@@ -8,7 +8,7 @@
 //!
 //! Heights are stored as they are (signature `DIGITAL SURF`) or in zlib streams (`DSCOMPRESSED`): the number of streams,
 //! for each its unpacked and packed size, all of 32 bits, and the streams. Numbers are little-endian; a format field of
-//! 257 stands for the big-endian ones of 68000 processors, which are taken for such where the header makes sense so.
+//! 257 stands for big-endian ones (Macintosh II), which are read as such where the header makes sense so.
 //!
 //! The header names two units per axis, one for the step and one for lengths, and the ratio between them. Only the
 //! step's unit gives the scale here; a ratio that contradicts the units is reported.
@@ -18,6 +18,7 @@
 mod header;
 mod object;
 mod read;
+mod streams;
 mod write;
 
 use crate::Format;

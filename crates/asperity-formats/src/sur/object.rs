@@ -1,10 +1,9 @@
 //! An object: where its parts lie, and its numbers.
 
-use flate2::read::ZlibDecoder;
-
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
+use super::streams::Unpacked;
 use super::{SIGNATURE_COMPRESSED, is_object};
-use crate::archive::{CHUNK_BYTES, RESERVED_NUMBERS, beyond_reason, damaged, fill, may_hold};
+use crate::archive::{beyond_reason, damaged, may_hold};
 use crate::input::Input;
 use crate::sample::Sample;
 use crate::{Format, FormatError};
@@ -106,7 +105,7 @@ impl<'a> Object<'a> {
         }
         let streams = count as usize;
         let mut object = Self { streams: Some(streams), ..self };
-        object.end = object.data_start + COUNT_BYTES + SIZES_BYTES * streams;
+        object.end = object.streams_start(streams);
         for number in 0..streams {
             let (raw, bytes) = object.stream(number, object.end)?;
             object.raw += raw;
@@ -114,6 +113,11 @@ impl<'a> Object<'a> {
             object.end += bytes.len();
         }
         Ok(object)
+    }
+
+    /// The byte behind the directory of so many streams.
+    fn streams_start(&self, streams: usize) -> usize {
+        self.data_start + COUNT_BYTES + SIZES_BYTES * streams
     }
 
     /// Size of an unpacked stream, and its packed bytes, which start at `start`.
@@ -145,37 +149,15 @@ impl<'a> Object<'a> {
         if !may_hold(self.packed, count as u64, self.sample) {
             return Err(beyond_reason(Format::Sur, "the heights", self.packed, wanted));
         }
-        let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS));
-        let mut chunk = vec![0; CHUNK_BYTES];
-        // Bytes of a number that goes on in the next stream.
-        let mut kept = 0;
-        let mut start = self.data_start + COUNT_BYTES + SIZES_BYTES * streams;
+        let mut unpacked = Unpacked::new(self.sample, self.header.order, count);
+        let mut start = self.streams_start(streams);
         for number in 0..streams {
-            let (raw, bytes) = self.stream(number, start)?;
-            start += bytes.len();
-            let mut source = ZlibDecoder::new(bytes);
-            let damaged = |reason: String| damaged(Format::Sur, &format!("stream {}", number + 1), reason);
-            let mut left = raw;
-            while left > 0 {
-                let room = (chunk.len() - kept).min(usize::try_from(left).unwrap_or(usize::MAX));
-                let filled = fill(&mut source, &mut chunk[kept..kept + room]).map_err(|e| damaged(e.to_string()))?;
-                if filled < room {
-                    let unpacked = raw - left + filled as u64;
-                    return Err(damaged(format!("it unpacks to {unpacked} bytes, not to the stated {raw}")));
-                }
-                left -= filled as u64;
-                kept += filled;
-                let whole = kept - kept % self.sample.size();
-                self.sample.decode(self.header.order, &chunk[..whole], &mut values);
-                chunk.copy_within(whole..kept, 0);
-                kept -= whole;
-            }
-            // The end of the stream holds its checksum.
-            if fill(&mut source, &mut [0]).map_err(|e| damaged(e.to_string()))? > 0 {
-                return Err(damaged(format!("it unpacks to more than the stated {raw} bytes")));
-            }
+            let (size, stream) = self.stream(number, start)?;
+            start += stream.len();
+            let name = format!("stream {}", number + 1);
+            unpacked.add(stream, size).map_err(|reason| damaged(Format::Sur, &name, reason))?;
         }
-        Ok(values)
+        Ok(unpacked.values)
     }
 }
 
