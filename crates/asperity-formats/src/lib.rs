@@ -2,8 +2,8 @@
 //!
 //! | format | read | write | pixel size |
 //! |---|---|---|---|
-//! | X3P (ISO 25178-72) | int16, int32, float32, float64, text lists | int16, float32, float64 | yes |
-//! | SUR (Digital Surf) | int16, int32, uncompressed | no | yes |
+//! | X3P (ISO 25178-72) | int16, int32, float32, float64, text lists, layers | int16, float32, float64 | yes |
+//! | SUR (Digital Surf) | int16, int32, plain or compressed | int16, int32 | yes |
 //! | NPY (NumPy) | integers and floats, 2-D | float64 | no |
 //! | text, CSV | matrices of numbers | yes | no |
 //!
@@ -57,5 +57,6 @@ pub use format::{Description, Format, Tested, descriptions};
 pub use npy::write_npy;
 pub use scan::{MAX_POINTS, Scan};
 pub use selection::{Channel, ReadOptions};
+pub use sur::{SurData, write_sur};
 pub use text::{Separator, write_text};
 pub use x3p::{X3pData, write_x3p};

@@ -13,11 +13,10 @@ use crate::{Format, FormatError, Location};
 
 /// Elements inside each other; descriptions of instruments need about five.
 const MAX_DEPTH: usize = 32;
-
-/// Bytes of paths and texts that are held at most: short files may name long paths very often.
-const MAX_HELD_BYTES: usize = 1 << 24;
-/// What an element costs beside its path and text.
-const ELEMENT_BYTES: usize = 64;
+/// Bytes of the names of all elements that are open at one place.
+const MAX_PATH_BYTES: usize = 1 << 10;
+/// Elements of different paths; descriptions of instruments need hundreds.
+const MAX_VALUES: usize = 1 << 14;
 
 /// The text of one element and where it ends.
 pub(crate) struct Value {
@@ -36,8 +35,6 @@ pub(crate) struct Document {
     pub(crate) values: BTreeMap<String, Value>,
     /// The numbers at `list_path`, NaN for empty ones; `None` when there are none.
     pub(crate) list: Option<Vec<f64>>,
-    /// Bytes that `values` hold.
-    held: usize,
 }
 
 impl Document {
@@ -56,7 +53,7 @@ impl Document {
         let text = decode(bytes);
         let mut reader = Reader::from_str(&text);
         reader.config_mut().expand_empty_elements = true;
-        let mut document = Self { format, entry, list_path, values: BTreeMap::new(), list: None, held: 0 };
+        let mut document = Self { format, entry, list_path, values: BTreeMap::new(), list: None };
         // Names of the open elements below the root, joined, and the lengths to cut back to.
         let (mut open, mut lengths) = (String::new(), Vec::new());
         let (mut content, mut is_leaf) = (String::new(), false);
@@ -78,6 +75,11 @@ impl Document {
                             open.push('/');
                         }
                         open.push_str(start.local_name().into_inner());
+                    }
+                    // Every path is kept: long ones around many elements would take far more memory than their text.
+                    if open.len() > MAX_PATH_BYTES {
+                        let reason = format!("names of more than {MAX_PATH_BYTES} bytes inside each other");
+                        return Err(damaged(reason, reader.buffer_position()));
                     }
                     content.clear();
                     is_leaf = true;
@@ -118,15 +120,15 @@ impl Document {
                 datum.ok_or_else(|| self.wrong(path, text, offset, "one number, or nothing for a missing point"))?;
             self.list.get_or_insert_default().push(datum);
         } else if !text.is_empty() {
-            self.held += path.len() + text.len() + ELEMENT_BYTES;
-            if self.held > MAX_HELD_BYTES {
-                let reason = format!("the elements take more than {MAX_HELD_BYTES} bytes");
-                return Err(FormatError::Xml { format: self.format, at: self.at(offset), reason });
-            }
+            let is_full = self.values.len() >= MAX_VALUES;
             match self.values.get_mut(path) {
                 Some(value) => {
                     value.text.push('\n');
                     value.text.push_str(text);
+                }
+                None if is_full => {
+                    let reason = format!("more than {MAX_VALUES} different elements");
+                    return Err(FormatError::Xml { format: self.format, at: self.at(offset), reason });
                 }
                 None => {
                     self.values.insert(path.into(), Value { text: text.into(), offset });

@@ -60,7 +60,7 @@ fn extensions_choose_what_is_written() {
         assert_eq!(read.pitch_m, scan().pitch_m.filter(|_| keeps_pitch));
     }
     assert_eq!(fs::read_to_string(folder.path().join("a.csv")).unwrap(), "1e-6,nan\n3e-6,-4e-6\n");
-    for name in ["a.sur", "a.xyz", "a"] {
+    for name in ["a.opd", "a.xyz", "a"] {
         let error = write(&scan(), &folder.path().join(name)).unwrap_err();
         assert!(error.to_string().contains("no format is written as"), "{error}");
     }
