@@ -32,6 +32,17 @@ pub(crate) fn unpacked_limit(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO).clamp(FREE_BYTES, 2 * 8 * MAX_POINTS)
 }
 
+/// Whether `packed` bytes may unpack to `count` numbers that take `bytes` bytes.
+pub(crate) fn may_unpack(packed: u64, count: u64, bytes: u64) -> bool {
+    count <= FREE_NUMBERS || bytes <= packed.saturating_mul(MAX_RATIO_OF_NUMBERS)
+}
+
+/// The error for numbers that [`may_unpack`] does not allow.
+pub(crate) fn packed_beyond_reason(format: Format, entry: &str, packed: u64, bytes: u64) -> FormatError {
+    let reason = format!("{packed} bytes would unpack to {bytes}, more than {MAX_RATIO_OF_NUMBERS} times as many");
+    damaged(format, entry, reason)
+}
+
 /// An archive and the folder inside it that holds the files of a format.
 pub(crate) struct Archive<'a> {
     format: Format,
@@ -132,6 +143,69 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
+    /// The first bytes of a file, at most `length` of them.
+    ///
+    /// # Errors
+    /// [`FormatError::Archive`] where the file is absent or damaged.
+    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>, FormatError> {
+        let format = self.format;
+        let mut bytes = vec![0; length];
+        let filled = fill(&mut self.stream(link)?, &mut bytes);
+        bytes.truncate(filled.map_err(|error| damaged(format, link, error.to_string()))?);
+        Ok(bytes)
+    }
+
+    /// Hands `count` numbers of a file, from byte `start` on, to `take`, piece by piece.
+    ///
+    /// # Errors
+    /// As [`Archive::read_numbers`].
+    pub(crate) fn read_array(
+        &mut self,
+        link: &str,
+        start: usize,
+        (sample, order): (Sample, ByteOrder),
+        count: usize,
+        mut take: impl FnMut(&[f64]),
+    ) -> Result<(), FormatError> {
+        let (format, packed_bytes) = (self.format, self.packed_bytes);
+        let mut entry = self.stream(link)?;
+        let wanted = count as u64 * sample.size() as u64;
+        let truncated = |found: u64| FormatError::Truncated {
+            format,
+            part: "the numbers".into(),
+            at: Location::Entry { entry: shown(link), offset: start as u64 },
+            found: found.saturating_sub(start as u64),
+            wanted,
+        };
+        if entry.size() < start as u64 + wanted {
+            return Err(truncated(entry.size()));
+        }
+        let packed = entry.compressed_size().min(packed_bytes);
+        if !may_unpack(packed, count as u64, wanted) {
+            return Err(packed_beyond_reason(format, link, packed, wanted));
+        }
+        let mut values = Vec::new();
+        let mut chunk = vec![0; CHUNK_BYTES];
+        let (mut found, end) = (0, start as u64 + wanted);
+        while found < end {
+            // The bytes before the numbers come alone, so that no number is cut.
+            let stop = if found < start as u64 { start as u64 } else { end };
+            let room = chunk.len().min(usize::try_from(stop - found).unwrap_or(usize::MAX));
+            let filled =
+                fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            if found >= start as u64 {
+                values.clear();
+                sample.decode(order, &chunk[..filled], &mut values);
+                take(&values);
+            }
+            found += filled as u64;
+            if filled < room {
+                return Err(truncated(found));
+            }
+        }
+        Ok(())
+    }
+
     /// The first `count` little-endian numbers of a file that should hold `total` of them.
     ///
     /// Sizes that the packed bytes cannot reach are refused at once, and memory grows with what is unpacked.
@@ -160,10 +234,8 @@ impl<'a> Archive<'a> {
             return Err(truncated(entry.size()));
         }
         let packed = entry.compressed_size().min(packed_bytes);
-        if count as u64 > FREE_NUMBERS && wanted > packed.saturating_mul(MAX_RATIO_OF_NUMBERS) {
-            let reason =
-                format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
-            return Err(damaged(format, link, reason));
+        if !may_unpack(packed, count as u64, wanted) {
+            return Err(packed_beyond_reason(format, link, packed, wanted));
         }
         let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS));
         let mut md5 = Md5::new();

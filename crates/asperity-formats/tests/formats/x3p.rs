@@ -316,7 +316,7 @@ fn damaged_descriptions_are_errors_that_name_their_place() {
 
 #[test]
 fn a_zip_archive_of_something_else_is_refused() {
-    let error = read_bytes(&zip(&[("a.npy", b"\x93NUMPY")])).unwrap_err();
+    let error = read_bytes(&zip(&[("a.txt", b"a")])).unwrap_err();
     assert!(matches!(&error, FormatError::Archive { .. }) && error.to_string().contains("no main.xml"), "{error}");
 }
 
