@@ -64,7 +64,7 @@ pub(super) fn decode(
         return Err(input.unsupported("the bits of every byte are reversed (FillOrder 2)", "FillOrder 1"));
     }
     let packing = packing(directory)?;
-    let predictor = predictor(directory, sample)?;
+    let predictor = predictor(directory, packing, sample)?;
     let chunks = chunks(directory, (ny, nx), sample, packing)?;
     let mut values = vec![f64::NAN; ny * nx];
     let mut row = vec![0; chunks.shape.0 * sample.size()];
@@ -118,7 +118,12 @@ fn packing(directory: &Directory) -> Result<Packing, FormatError> {
     Err(directory.input.unsupported(format!("the page is compressed by {found}"), wanted))
 }
 
-fn predictor(directory: &Directory, sample: Sample) -> Result<Predictor, FormatError> {
+/// The predictor, which the specification knows of LZW only and libtiff of LZW and Deflate: files of other packings may
+/// state one that was never applied.
+fn predictor(directory: &Directory, packing: Packing, sample: Sample) -> Result<Predictor, FormatError> {
+    if matches!(packing, Packing::None | Packing::PackBits) {
+        return Ok(Predictor::None);
+    }
     match directory.integer(tag::PREDICTOR)? {
         None | Some(1) => Ok(Predictor::None),
         Some(2) => Ok(Predictor::Horizontal),
@@ -212,7 +217,7 @@ impl Read for Lzw<'_> {
             self.bytes = self.bytes.get(step.consumed_in..).unwrap_or_default();
             match step.status {
                 Err(error) => return Err(io::Error::new(io::ErrorKind::InvalidData, error)),
-                Ok(LzwStatus::Ok) if step.consumed_out == 0 && step.consumed_in > 0 => (),
+                Ok(LzwStatus::Ok | LzwStatus::NoProgress) if step.consumed_out == 0 && step.consumed_in > 0 => (),
                 Ok(_) => return Ok(step.consumed_out),
             }
         }

@@ -241,7 +241,7 @@ fn damage_is_told_with_field_and_place() {
     };
     let size = [integer("xres", 3), integer("yres", 2)].concat();
     assert!(message(&with(&[size.clone(), doubles("data", &[0.0; 5])])).contains("wanted 3 × 2 = 6"));
-    assert!(message(&with(&[size.clone()])).contains("data is missing"));
+    assert!(message(&with(std::slice::from_ref(&size))).contains("data is missing"));
     assert!(message(&with(&[integer("xres", 0), integer("yres", 2), doubles("data", &[])])).contains("xres"));
     assert!(message(&with(&[double("xres", 3.0)])).contains("type of the component xres"));
     let huge = component("data", b'D', u32::MAX.to_le_bytes());

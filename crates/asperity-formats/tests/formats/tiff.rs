@@ -9,6 +9,7 @@ use weezl::BitOrder;
 
 use crate::assert_heights;
 use crate::fixture::Fixture;
+use crate::memory::peak_bytes;
 
 const NAN: f64 = f64::NAN;
 
@@ -273,9 +274,13 @@ fn every_packing_reads() {
 fn differences_of_neighbours_are_summed() {
     for kind in KINDS {
         // Rows 500, 502, 501 and 65535, 0, 1 modulo 2¹⁶.
-        let raw = [500, 2, 0xffff, 0xffff, 1, 1].iter().flat_map(|&z| kind.number(z, 2)).collect();
-        let page = Page::new(16, 1, raw).with(317, Value::Short(2));
-        assert_heights(&read_bytes(&tiff(kind, &[page])).unwrap(), &[500.0, 502.0, 501.0, 65535.0, 0.0, 1.0]);
+        let raw: Vec<u8> = [500, 2, 0xffff, 0xffff, 1, 1].iter().flat_map(|&z| kind.number(z, 2)).collect();
+        let page = |packed| Page::new(16, 1, packed).with(317, Value::Short(2));
+        let packed = page(zlib(&raw)).with(259, Value::Short(8));
+        assert_heights(&read_bytes(&tiff(kind, &[packed])).unwrap(), &[500.0, 502.0, 501.0, 65535.0, 0.0, 1.0]);
+        // Without packing there is no predictor, whatever its field says.
+        let plain = page(raw);
+        assert_heights(&read_bytes(&tiff(kind, &[plain])).unwrap(), &[500.0, 2.0, 65535.0, 65535.0, 1.0, 1.0]);
     }
 }
 
@@ -292,10 +297,10 @@ fn differences_of_sorted_bytes_are_summed() {
                 sorted.iter().zip(before).map(|(byte, before)| byte.wrapping_sub(before)).collect::<Vec<_>>()
             })
             .collect();
-        let page = Page::new(32, 3, encoded).with(317, Value::Short(3));
+        let page = Page::new(32, 3, zlib(&encoded)).with(259, Value::Short(8)).with(317, Value::Short(3));
         assert_heights(&read_bytes(&tiff(kind, &[page])).unwrap(), &HEIGHTS);
     }
-    let integers = Page::new(16, 1, vec![0; 12]);
+    let integers = Page::new(16, 1, zlib(&[0; 12])).with(259, Value::Short(8));
     assert!(message(&integers.with(317, Value::Short(3))).contains("Predictor"));
 }
 
@@ -446,6 +451,22 @@ fn declared_sizes_are_not_believed() {
     bytes[sizes..].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
     let error = read_bytes(&bytes).unwrap_err().to_string();
     assert!(error.contains("at most the"), "{error}");
+}
+
+#[test]
+fn a_flat_page_unpacks_within_bounds_and_a_bomb_does_not() {
+    let page = |size: u64, strip: Vec<u8>| {
+        let page = Page::new(64, 3, strip).with(256, Value::Long(size)).with(257, Value::Long(size));
+        tiff(CLASSIC, &[page.with(259, Value::Short(8))])
+    };
+    let flat = page(2048, zlib(&vec![0; 8 << 22]));
+    assert!(flat.len() < 1 << 16);
+    let (scan, peak) = peak_bytes(|| read_bytes(&flat).unwrap());
+    assert_eq!(scan.heights_m.dim(), (2048, 2048));
+    // The heights, and what unpacking one row takes.
+    assert!(peak < (8 << 22) + (1 << 20), "{peak}");
+    let error = read_bytes(&page(2049, zlib(&vec![0; 8 * 2049 * 2049]))).unwrap_err().to_string();
+    assert!(error.contains("more than 256 times as many"), "{error}");
 }
 
 #[test]
