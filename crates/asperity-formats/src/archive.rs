@@ -32,13 +32,17 @@ pub(crate) fn unpacked_limit(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO).clamp(FREE_BYTES, 2 * 8 * MAX_POINTS)
 }
 
-/// Whether `packed` bytes may unpack to so many numbers of a type.
-pub(crate) fn may_hold(packed: u64, numbers: u64, sample: Sample) -> bool {
-    let wanted = numbers.saturating_mul(sample.size() as u64);
-    numbers <= FREE_NUMBERS || wanted <= packed.saturating_mul(MAX_RATIO_OF_NUMBERS)
+/// Whether `packed` bytes may unpack to `count` numbers that take `bytes` bytes.
+pub(crate) fn may_unpack(packed: u64, count: u64, bytes: u64) -> bool {
+    count <= FREE_NUMBERS || bytes <= packed.saturating_mul(MAX_RATIO_OF_NUMBERS)
 }
 
-/// The error for `packed` bytes that would have to unpack beyond [`may_hold`].
+/// Whether `packed` bytes may unpack to so many numbers of a type.
+pub(crate) fn may_hold(packed: u64, numbers: u64, sample: Sample) -> bool {
+    may_unpack(packed, numbers, numbers.saturating_mul(sample.size() as u64))
+}
+
+/// The error for `packed` bytes that would have to unpack beyond [`may_unpack`].
 pub(crate) fn beyond_reason(format: Format, entry: &str, packed: u64, wanted: u64) -> FormatError {
     let reason = format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
     damaged(format, entry, reason)
@@ -163,6 +167,69 @@ impl<'a> Archive<'a> {
             return Err(too_large(bytes.len() as u64));
         }
         Ok(bytes)
+    }
+
+    /// The first bytes of a file, at most `length` of them.
+    ///
+    /// # Errors
+    /// [`FormatError::Archive`] where the file is absent or damaged.
+    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>, FormatError> {
+        let format = self.format;
+        let mut bytes = vec![0; length];
+        let filled = fill(&mut self.stream(link)?, &mut bytes);
+        bytes.truncate(filled.map_err(|error| damaged(format, link, error.to_string()))?);
+        Ok(bytes)
+    }
+
+    /// Hands `count` numbers of a file, from byte `start` on, to `take`, piece by piece.
+    ///
+    /// # Errors
+    /// As [`Archive::read_numbers`].
+    pub(crate) fn read_array(
+        &mut self,
+        link: &str,
+        start: usize,
+        (sample, order): (Sample, ByteOrder),
+        count: usize,
+        mut take: impl FnMut(&[f64]),
+    ) -> Result<(), FormatError> {
+        let (format, packed_bytes) = (self.format, self.packed_bytes);
+        let mut entry = self.stream(link)?;
+        let wanted = count as u64 * sample.size() as u64;
+        let truncated = |found: u64| FormatError::Truncated {
+            format,
+            part: "the numbers".into(),
+            at: Location::Entry { entry: shown(link), offset: start as u64 },
+            found: found.saturating_sub(start as u64),
+            wanted,
+        };
+        if entry.size() < start as u64 + wanted {
+            return Err(truncated(entry.size()));
+        }
+        let packed = entry.compressed_size().min(packed_bytes);
+        if !may_unpack(packed, count as u64, wanted) {
+            return Err(beyond_reason(format, link, packed, wanted));
+        }
+        let mut values = Vec::new();
+        let mut chunk = vec![0; CHUNK_BYTES];
+        let (mut found, end) = (0, start as u64 + wanted);
+        while found < end {
+            // The bytes before the numbers come alone, so that no number is cut.
+            let stop = if found < start as u64 { start as u64 } else { end };
+            let room = chunk.len().min(usize::try_from(stop - found).unwrap_or(usize::MAX));
+            let filled =
+                fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            if found >= start as u64 {
+                values.clear();
+                sample.decode(order, &chunk[..filled], &mut values);
+                take(&values);
+            }
+            found += filled as u64;
+            if filled < room {
+                return Err(truncated(found));
+            }
+        }
+        Ok(())
     }
 
     /// The first `count` little-endian numbers of a file that should hold `total` of them.

@@ -116,8 +116,8 @@ pub(crate) struct Codec {
     pub(crate) write: Option<Write>,
 }
 
-/// All formats, in the order in which content is compared with them: signatures first, text of any kind last; X3P
-/// claims the zip archives that no format before it does.
+/// All formats, in the order in which content is compared with them: signatures first, X3P after the other zip archives,
+/// text of any kind last.
 pub(crate) const CODECS: [&Codec; 22] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
