@@ -56,6 +56,7 @@ pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, write}
 pub use format::{Description, Format, Tested, descriptions};
 pub use npy::write_npy;
 pub use scan::{MAX_POINTS, Scan};
+pub use sdf::{SdfData, write_sdf};
 pub use selection::{Channel, ReadOptions};
 pub use text::{Separator, write_text};
 pub use x3p::{X3pData, write_x3p};
