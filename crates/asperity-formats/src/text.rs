@@ -153,7 +153,7 @@ impl Head {
             self.header.insert(key, value.trim());
             return true;
         }
-        let is_pair = line.split_once([':', '=']).is_some_and(|(key, _)| !key.trim().is_empty());
+        let is_pair = line.contains([':', '=']) && line.trim_start().starts_with(char::is_alphabetic);
         if is_pair {
             self.header.add(line);
         }

@@ -49,8 +49,6 @@ const ZYGO: &[u8] = b"Zygo XYZ Data File";
 const AGAINST: usize = 4;
 /// Points of the probe that must step along a line where no second line is in sight.
 const MIN_STEPS: usize = 8;
-/// Part of a step that the other coordinate may change by along a line, for the probe.
-const PROBE_JITTER: f64 = 0.1;
 /// Spacing beyond which coordinates are not likely to be metre.
 const MAX_PLAUSIBLE_M: f64 = 1e-3;
 
@@ -93,7 +91,7 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
         if fast_step.is_nan() || slow_step.is_nan() {
             continue;
         }
-        if slow_step.abs() > PROBE_JITTER * usual[fast] {
+        if slow_step.abs() > TOLERANCE * usual[fast] {
             between += 1;
             direction = 0.0;
         } else if fast_step.abs() >= 0.5 * usual[fast] && fast_step * direction >= 0.0 && fast_step != 0.0 {

@@ -308,6 +308,9 @@ impl Lengths {
         loop {
             rest = rest.trim_start_matches([' ', '\t', ',', ';', '(', ')', '[', ']', '*', '×']);
             let Some(first) = rest.chars().next() else { break };
+            if lengths.stated.len() > 2 {
+                return None;
+            }
             let times = rest.strip_prefix(['x', 'X']).filter(|after| !after.starts_with(char::is_alphabetic));
             if first.is_ascii_digit() || matches!(first, '+' | '-' | '.') {
                 let (number, length) = leading_number(rest)?;

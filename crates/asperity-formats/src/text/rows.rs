@@ -62,7 +62,8 @@ impl Layout {
     /// Number of values in the first line of `bytes`, if all of them are values.
     pub(crate) fn count(&self, bytes: &[u8]) -> Option<usize> {
         let mut scanner = Scanner { bytes, cursor: 0, layout: self };
-        let mut table = Table::default();
+        // A byte is at most one value; growing by doubling would take more.
+        let mut table = Table { values: Vec::with_capacity(bytes.len() + 1), ..Table::default() };
         scanner.line(&mut table).ok().map(|()| table.values.len())
     }
 
@@ -102,8 +103,10 @@ enum Fault {
 /// A field that is no number, a row that is longer or shorter than the layout says, or too many values, each with the
 /// number of its line.
 pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table, FormatError> {
-    let available = thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS);
-    let pieces = cut(bytes, layout.line_end, available.min(bytes.len() / BYTES_PER_THREAD).max(1));
+    let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_THREADS);
+    // To ask for the number of processors takes longer than to read a short text.
+    let available = if wanted > 1 { thread::available_parallelism().map_or(1, NonZero::get) } else { 1 };
+    let pieces = cut(bytes, layout.line_end, wanted.min(available));
     let per_byte = values_per_byte(bytes, layout);
     let (&own, others) = pieces.split_first().unwrap_or((&bytes, &[]));
     let results = thread::scope(|scope| {
@@ -164,16 +167,16 @@ fn cut(bytes: &[u8], line_end: u8, count: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// Values that a byte stands for, judged by the first line and a little above: two bytes are the least that one takes.
+/// Values that a byte stands for, judged by the first line and a little above; one is the most.
 fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
     let line = bytes.iter().position(|&byte| byte == layout.line_end).map_or(bytes.len(), |place| place + 1);
     let values = layout.count(&bytes[..line]).unwrap_or(0);
-    (1.01 * values as f64 / line.max(1) as f64).min(0.5)
+    (1.01 * values as f64 / line.max(1) as f64).min(1.0)
 }
 
 fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
     let mut scanner = Scanner { bytes, cursor: 0, layout };
-    let mut table = Table { values: Vec::with_capacity(expected), ..Table::default() };
+    let mut table = Table { values: Vec::with_capacity(expected + 1), ..Table::default() };
     while scanner.cursor < bytes.len() {
         scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
         scanner.cursor += 1;

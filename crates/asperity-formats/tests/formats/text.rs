@@ -290,6 +290,8 @@ fn a_header_without_comment_signs_must_be_keys_with_values() {
     let scan = read_bytes(b"Instrument: stylus\nDate = 2016-12-01\n\n1 2\n").unwrap();
     assert_eq!((scan.metadata["Instrument"].as_str(), scan.metadata["Date"].as_str()), ("stylus", "2016-12-01"));
     assert_heights(&scan, &[1.0, 2.0]);
+    let error = read_bytes(b"12:30 1 2\n").unwrap_err();
+    assert!(error.to_string().starts_with("text: value 1 (line 1) is `12:30`"), "{error}");
     let error = read_bytes(b"a: b\nsome words\n1 2\n").unwrap_err();
     assert!(error.to_string().starts_with("text: value 1 (line 2) is `some`"), "{error}");
     let error = read_bytes(b"1 2\na: b\n3 4\n").unwrap_err();

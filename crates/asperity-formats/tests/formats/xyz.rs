@@ -176,7 +176,7 @@ fn coordinates_may_jitter_by_a_tenth_of_a_step() {
             text += &format!("{x} {y} {}\n", height((19 - row, column)));
         }
     }
-    let scan = read_bytes(text.as_bytes()).unwrap();
+    let scan = read(&text);
     assert_eq!(scan.heights_m.dim(), (20, 30));
     let wanted: Vec<f64> = (0..20).flat_map(|row| (0..30).map(move |column| height((row, column)))).collect();
     assert_heights(&scan, &wanted);
