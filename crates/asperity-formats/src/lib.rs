@@ -57,6 +57,7 @@ pub use format::{Description, Format, Tested, descriptions};
 pub use gwy::write_gwy;
 pub use npy::write_npy;
 pub use scan::{MAX_POINTS, Scan};
+pub use sdf::{SdfData, write_sdf};
 pub use selection::{Channel, ReadOptions};
 pub use sur::{SurData, write_sur};
 pub use text::{Separator, write_text};

@@ -26,11 +26,8 @@ fn the_table_names_every_format_and_what_it_was_tried_on() {
         assert!(line.is_some_and(|line| line.contains(&format!(".{extension}"))), "{name}: {line:?}");
         assert!(table.stdout.contains(format["tested_on"].as_str().unwrap()));
     }
-    let written: Vec<&str> = formats
-        .iter()
-        .filter(|format| format["writes"] != "")
-        .map(|format| format["name"].as_str().unwrap())
-        .collect();
+    let written: Vec<&str> =
+        formats.iter().filter(|format| format["writes"] != "").map(|format| format["name"].as_str().unwrap()).collect();
     for wanted in ["X3P", "SUR", "SDF", "GWY", "NPY", "text"] {
         assert!(written.contains(&wanted), "{wanted} is not among {written:?}");
     }
@@ -48,9 +45,14 @@ fn map() -> Array2<f64> {
 fn a_map_goes_through_every_written_format_and_comes_back() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", map());
-    for (name, steps) in
-        [("a.x3p", 0.0), ("a.sur", 1.0 / 2_f64.powi(30)), ("a.sdf", 0.0), ("a.gwy", 0.0), ("a.txt", 0.0), ("a.csv", 0.0)]
-    {
+    for (name, steps) in [
+        ("a.x3p", 0.0),
+        ("a.sur", 1.0 / 2_f64.powi(30)),
+        ("a.sdf", 0.0),
+        ("a.gwy", 0.0),
+        ("a.txt", 0.0),
+        ("a.csv", 0.0),
+    ] {
         let convert = format!("surface convert map.npy {name} --pixel-size 2um,3um");
         let ended = asperity_in(folder.path(), &words(&convert));
         assert_eq!(ended.code, 0, "{name}: {ended:?}");
@@ -60,7 +62,10 @@ fn a_map_goes_through_every_written_format_and_comes_back() {
         assert!((dx_m / 2e-6 - 1.0).abs() < 1e-7 && (dy_m / 3e-6 - 1.0).abs() < 1e-7, "{name}: {dx_m} × {dy_m}");
         let tolerance_m = 2e-6 * steps + 1e-21;
         for (found, wanted) in scan.heights_m.iter().zip(&map()) {
-            assert!(found.is_nan() && wanted.is_nan() || (found - wanted).abs() <= tolerance_m, "{name}: {found} {wanted}");
+            assert!(
+                found.is_nan() && wanted.is_nan() || (found - wanted).abs() <= tolerance_m,
+                "{name}: {found} {wanted}"
+            );
         }
         let stats = asperity_in(folder.path(), &words(&format!("surface stats {name} --json"))).json(0);
         assert_eq!((number(&stats, "nx"), number(&stats, "ny"), number(&stats, "missing_points")), (9.0, 7.0, 2.0));
@@ -74,7 +79,8 @@ fn a_map_goes_through_every_written_format_and_comes_back() {
 fn a_map_of_several_is_chosen_by_name_or_number() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", Array2::from_shape_fn((16, 16), |(row, column)| 1e-7 * (row * column % 7) as f64));
-    let press = "contact map.npy --pixel-size 1um --youngs-modulus 1GPa --boundary periodic --mean-pressure 1MPa --out f.npz";
+    let press =
+        "contact map.npy --pixel-size 1um --youngs-modulus 1GPa --boundary periodic --mean-pressure 1MPa --out f.npz";
     assert_eq!(asperity_in(folder.path(), &words(press)).code, 0);
     let first = asperity_in(folder.path(), &words("surface convert f.npz a.npy"));
     assert!(first.stderr.contains("warning: f.npz: the file holds 3 height maps"), "{first:?}");

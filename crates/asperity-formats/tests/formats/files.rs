@@ -45,9 +45,10 @@ fn extensions_choose_what_is_written() {
         ("a.x3p", Format::X3p, true),
         ("a.X3P", Format::X3p, true),
         ("a.npy", Format::Npy, false),
-        ("a.txt", Format::Text, false),
-        ("a.dat", Format::Text, false),
-        ("a.csv", Format::Text, false),
+        ("a.txt", Format::Text, true),
+        ("a.dat", Format::Text, true),
+        ("a.csv", Format::Text, true),
+        ("a.sdf", Format::Sdf, true),
     ] {
         let path = folder.path().join(name);
         write(&scan(), &path).unwrap();
@@ -59,7 +60,8 @@ fn extensions_choose_what_is_written() {
         assert_eq!(bits(&read), bits(&scan()));
         assert_eq!(read.pitch_m, scan().pitch_m.filter(|_| keeps_pitch));
     }
-    assert_eq!(fs::read_to_string(folder.path().join("a.csv")).unwrap(), "1e-6,nan\n3e-6,-4e-6\n");
+    let csv = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    assert_eq!(csv, "# unit: m\n# pixel size: 2e-6 m x 3e-6 m\n1e-6,nan\n3e-6,-4e-6\n");
     for name in ["a.opd", "a.xyz", "a"] {
         let error = write(&scan(), &folder.path().join(name)).unwrap_err();
         assert!(error.to_string().contains("no format is written as"), "{error}");

@@ -305,11 +305,26 @@ fn npy_keeps_every_bit() {
 }
 
 #[test]
-fn text_keeps_every_bit_with_every_separator() {
+fn text_keeps_every_bit_and_the_pitch_with_every_separator() {
     let scan = scan();
     for separator in [Separator::Space, Separator::Comma, Separator::Semicolon, Separator::Tab] {
-        assert_eq!(bits(&read_bytes(&write_text(&scan, separator)).unwrap()), bits(&scan));
+        let read = read_bytes(&write_text(&scan, separator)).unwrap();
+        assert_eq!(bits(&read), bits(&scan));
+        assert_eq!(read.pitch_m, scan.pitch_m);
+        assert_eq!(read.warnings, [] as [String; 0]);
     }
     let extremes = Scan::new(array![[f64::MIN_POSITIVE / 8.0, f64::MAX], [-0.0, 0.1 + 0.2]], None);
-    assert_eq!(bits(&read_bytes(&write_text(&extremes, Separator::Comma)).unwrap()), bits(&extremes));
+    let read = read_bytes(&write_text(&extremes, Separator::Comma)).unwrap();
+    assert_eq!(bits(&read), bits(&extremes));
+    assert_eq!(read.pitch_m, None);
+}
+
+#[test]
+fn a_map_that_looks_like_points_is_written_so_that_it_stays_a_map() {
+    let map = Scan::new(
+        Array2::from_shape_fn((30, 3), |(row, column)| [row % 5, row / 5, row][column] as f64),
+        Some((1.0, 1.0)),
+    );
+    let read = read_bytes(&write_text(&map, Separator::Space)).unwrap();
+    assert_eq!(bits(&read), bits(&map));
 }
