@@ -3,18 +3,16 @@
 //! A long text is cut at ends of lines and its pieces are read at the same time; the answer is the same for any number
 //! of them.
 
-use std::num::NonZero;
-use std::panic::resume_unwind;
-use std::thread;
+use rayon::prelude::*;
 
 use crate::error::shown;
 use crate::text::Separator;
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
-/// Bytes below which starting a thread costs more than it saves.
+/// Bytes below which another thread costs more than it saves.
 const BYTES_PER_THREAD: usize = 1 << 20;
-/// Threads beyond which the memory, not the numbers, takes the time.
-const MAX_THREADS: usize = 8;
+/// Pieces beyond which the memory, not the numbers, takes the time.
+const MAX_PIECES: usize = 8;
 /// Comments between rows that are kept; further ones are left out.
 const MAX_COMMENTS: usize = 10_000;
 
@@ -103,28 +101,19 @@ enum Fault {
 /// A field that is no number, a row that is longer or shorter than the layout says, or too many values, each with the
 /// number of its line.
 pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table, FormatError> {
-    let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_THREADS);
-    // To ask for the number of processors takes longer than to read a short text.
-    let available = if wanted > 1 { thread::available_parallelism().map_or(1, NonZero::get) } else { 1 };
-    let pieces = cut(bytes, layout.line_end, wanted.min(available));
+    let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_PIECES);
+    // To ask for the number of threads starts them, which takes longer than to read a short text.
+    let pieces = cut(bytes, layout.line_end, if wanted > 1 { wanted.min(rayon::current_num_threads()) } else { 1 });
     let per_byte = values_per_byte(bytes, layout);
-    let (&own, others) = pieces.split_first().unwrap_or((&bytes, &[]));
-    let results = thread::scope(|scope| {
-        let spawned: Vec<_> = others
-            .iter()
-            .map(|&piece| {
-                let work = move || read_piece(piece, layout, (piece.len() as f64 * per_byte) as usize);
-                (piece, thread::Builder::new().spawn_scoped(scope, work).ok())
-            })
-            .collect();
-        // All other pieces end up behind the first.
-        let mut results = vec![read_piece(own, layout, (bytes.len() as f64 * per_byte) as usize)];
-        results.extend(spawned.into_iter().map(|(piece, handle)| match handle {
-            Some(handle) => handle.join().unwrap_or_else(|panic| resume_unwind(panic)),
-            None => read_piece(piece, layout, 0),
-        }));
-        results
-    });
+    let results: Vec<_> = pieces
+        .par_iter()
+        .enumerate()
+        .map(|(place, piece)| {
+            // All other pieces end up behind the first.
+            let length = if place == 0 { bytes.len() } else { piece.len() };
+            read_piece(piece, layout, (length as f64 * per_byte) as usize)
+        })
+        .collect();
     let mut table = Table::default();
     for result in results {
         let line = |lines: usize| lines_before + table.lines + lines + 1;
