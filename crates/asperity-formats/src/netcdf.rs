@@ -64,6 +64,8 @@ struct Contents {
     dimensions: Vec<Dimension>,
     attributes: Vec<Attribute>,
     variables: Vec<Variable>,
+    /// What was wrong with the first variable that could not be read.
+    first_error: Option<FormatError>,
 }
 
 struct Dimension {
@@ -147,7 +149,7 @@ impl Source<'_> {
 
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let input = Input::new(Format::NetCdf, bytes);
-    let (source, contents) = if classic::version(bytes).is_some() {
+    let (source, mut contents) = if classic::version(bytes).is_some() {
         let (input, contents) = classic::read(bytes)?;
         (Source::Classic(input), contents)
     } else {
@@ -155,11 +157,12 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         let contents = enhanced::read(&file)?;
         (Source::Enhanced(file), contents)
     };
+    let first_error = contents.first_error.take();
     let mut maps: Vec<&Variable> = contents.variables.iter().filter(|variable| variable.is_height()).collect();
     maps.sort_by_key(|variable| variable.name != HEIGHTS);
     let names: Vec<String> = maps.iter().map(|variable| variable.name.clone()).collect();
     if maps.is_empty() {
-        return Err(no_map(&input, &contents));
+        return Err(first_error.unwrap_or_else(|| no_map(&input, &contents)));
     }
     let chosen = options.choose(Format::NetCdf, &names)?;
     let map = maps[chosen];

@@ -102,7 +102,7 @@ fn newer_index(message: &mut Piece, flags: u8) -> Result<Index, FormatError> {
     };
     Err(message.unsupported(
         format!("chunks under {name}"),
-        "chunks under a version 1 B-tree; `h5repack --low=0 --high=0` writes such a file",
+        "chunks under a version 1 B-tree, as HDF5 writes them for readers of its version 1.8",
     ))
 }
 

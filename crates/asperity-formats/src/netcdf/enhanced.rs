@@ -30,8 +30,15 @@ pub(super) fn read(file: &File) -> Result<Contents, FormatError> {
     let mut tied = Vec::new();
     for link in file.links(&root)? {
         let object = file.object(link.address)?;
-        // A dataset of a kind that is not read is no map; others may be.
-        let Ok(Some(dataset)) = file.dataset(&object) else { continue };
+        let dataset = match file.dataset(&object) {
+            Ok(Some(dataset)) => dataset,
+            Ok(None) => continue,
+            // A dataset of a kind that is not read is no map; others may be.
+            Err(error) => {
+                contents.first_error = contents.first_error.or(Some(error));
+                continue;
+            }
+        };
         let name = shown_name(link.name);
         let (mut references, mut is_variable) = (None, true);
         for attribute in file.attributes(&object)? {
