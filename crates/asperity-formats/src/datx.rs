@@ -13,7 +13,7 @@
 //! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
 //! Numbers beyond it, and as far below zero, are no heights either.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use ndarray::Array2;
 
@@ -37,7 +37,7 @@ pub(crate) const CODEC: Codec = Codec {
         stores_pitch: true,
         missing_points: "`No Data`, NaN",
         orientation: "the first index is the row, from the top",
-        tested: Tested::OtherPrograms,
+        tested: Tested::Specification,
     },
     detect,
     read,
@@ -67,10 +67,10 @@ fn detect(bytes: &[u8]) -> bool {
     File::is_one(bytes) && File::open(Format::Datx, bytes).and_then(has_names).unwrap_or(true)
 }
 
-/// A dataset of heights.
+/// A dataset of heights and where its header starts.
 struct Map {
     name: String,
-    object: Object,
+    at: usize,
 }
 
 /// What the attributes of a dataset say of its numbers.
@@ -99,33 +99,31 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let maps = maps(&file, &input)?;
     let names: Vec<String> = maps.iter().map(|map| map.name.clone()).collect();
     let chosen = options.choose(Format::Datx, &names)?;
-    let object = &maps[chosen].object;
-    let missing = |field: &str| input.missing(field, object.at, "a dataset of numbers in rows and columns");
-    let dataset = file.dataset(object)?.ok_or_else(|| missing("the map"))?;
-    let meaning = meaning(&file, object)?;
-    let (ny, nx) = (dataset.shape[0], dataset.shape[1]);
-    let (ny, nx) = input.shape(("rows", object.at, as_i64(ny)), ("columns", object.at, as_i64(nx)))?;
+    let at = maps[chosen].at;
+    let missing = |field: &str| input.missing(field, at, "a dataset of numbers in rows and columns");
+    let object = file.object(at)?;
+    let dataset = file.dataset(&object)?.ok_or_else(|| missing("the map"))?;
+    let meaning = meaning(&file, &object)?;
+    let &[ny, nx] = dataset.shape.as_slice() else { return Err(missing("the map")) };
+    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
+    let (ny, nx) = input.shape(("rows", at, as_i64(ny)), ("columns", at, as_i64(nx)))?;
 
     let mut warnings = Vec::new();
     let mut heights = file.numbers(&dataset)?.ok_or_else(|| missing("the numbers"))?;
-    let to_metre = meaning.to_metre(&input, object.at, &mut warnings)?;
+    let to_metre = meaning.to_metre(&input, at, &mut warnings)?;
     let no_data = meaning.no_data.unwrap_or(f64::NAN);
     for z in &mut heights {
         let is_void = *z == no_data || no_data > 0.0 && z.abs() >= no_data;
         *z = if is_void { f64::NAN } else { to_metre(*z) };
     }
     let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|_| input.wrong("the map", object.at, "data of another size", "rows × columns"))?;
+        .map_err(|_| input.wrong("the map", at, "data of another size", "rows × columns"))?;
     let mut metadata = BTreeMap::new();
-    describe(&file, object, &mut metadata);
+    describe(&file, &object, &mut metadata);
     let lateral_m = attributes_group(&file, &mut metadata);
     let pitch_m = meaning.pitch_m(lateral_m, &mut warnings);
     let scan = Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, chosen))
-}
-
-fn as_i64(size: usize) -> i64 {
-    i64::try_from(size).unwrap_or(i64::MAX)
 }
 
 /// The datasets of heights, that of the measurement first.
@@ -133,18 +131,24 @@ fn as_i64(size: usize) -> i64 {
 /// # Errors
 /// What is wrong with the first dataset when none can be read; other datasets than heights alone.
 fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
-    let main = file.find(TABLE)?.and_then(|table| main_path(file, &table).ok().flatten());
-    let main = main.and_then(|path| file.find(&path).ok().flatten()).map(|object| object.at);
-    let mut objects = Vec::new();
+    let main = file.aside(|| main(file)).flatten();
+    // What is linked twice counts once, under its first name.
+    let (mut objects, mut known) = (Vec::new(), HashSet::new());
     if let Some(data) = file.find(DATA)? {
         for kind in file.links(&data)? {
+            if !known.insert(kind.address) {
+                continue;
+            }
             let name = shown_name(kind.name);
             let members = file.object(kind.address).and_then(|object| file.links(&object)).unwrap_or_default();
-            let room = MAX_MAPS - objects.len();
-            objects.extend(members.iter().take(room).map(|member| (name.clone(), member.address)));
+            let addresses = members.iter().map(|member| member.address).filter(|&address| known.insert(address));
+            objects.extend(addresses.take(MAX_MAPS - objects.len()).map(|address| (name.clone(), address)));
+            if objects.len() == MAX_MAPS {
+                break;
+            }
         }
     }
-    if let Some(main) = main.filter(|main| objects.iter().all(|(_, at)| at != main)) {
+    if let Some(main) = main.filter(|main| !known.contains(main)) {
         objects.push((MAIN_KIND.into(), main));
     }
     // A stable order: the main map, then the surfaces, then the rest as in the file.
@@ -152,14 +156,14 @@ fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
     let (mut maps, mut first_error, mut counts): (Vec<Map>, _, BTreeMap<String, usize>) =
         (vec![], None, BTreeMap::new());
     for (kind, at) in objects {
-        match file.object(at).and_then(|object| Ok(is_height(file, &object)?.then_some(object))) {
-            Ok(Some(object)) => {
+        match file.object(at).and_then(|object| is_height(file, &object)) {
+            Ok(true) => {
                 let count = counts.entry(kind.clone()).or_default();
                 *count += 1;
                 let name = if *count == 1 { kind } else { format!("{kind} {count}") };
-                maps.push(Map { name, object });
+                maps.push(Map { name, at });
             }
-            Ok(None) => (),
+            Ok(false) => (),
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
@@ -170,20 +174,22 @@ fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
     }
 }
 
-/// The path that the table of links states for the surface of the measurement.
-fn main_path(file: &File, table: &Object) -> Result<Option<String>, FormatError> {
-    let Some(dataset) = file.dataset(table)? else { return Ok(None) };
+/// The dataset that the table of links states for the surface of the measurement.
+fn main(file: &File) -> Result<Option<usize>, FormatError> {
+    let Some(dataset) = file.find(TABLE)?.map(|table| file.dataset(&table)).transpose()?.flatten() else {
+        return Ok(None);
+    };
     let bytes = file.bytes(&dataset)?;
     let mut node = b"Root".to_vec();
     for link in ["Measurement", MAIN_KIND, "Path"] {
         let next = file.find_element(&dataset, &bytes, |row| {
-            let is_it = row.member_text("Source")? == Some(&node) && row.member_text("Link")? == Some(link.as_bytes());
+            let is_it = row.has_text("Link", link.as_bytes())? && row.has_text("Source", &node)?;
             if is_it { Ok(row.member_text("Destination")?.map(<[u8]>::to_vec)) } else { Ok(None) }
         })?;
         let Some(next) = next else { return Ok(None) };
         node = next;
     }
-    Ok(String::from_utf8(node).ok())
+    Ok(file.find(&String::from_utf8_lossy(&node))?.map(|object| object.at))
 }
 
 /// Whether an object is a map of heights.

@@ -118,6 +118,15 @@ impl<'a> File<'a> {
         Ok(Some(object))
     }
 
+    /// Reads something that may be left out: it gets a quarter of the work that is left.
+    pub(crate) fn aside<T>(&self, read: impl FnOnce() -> Result<T, FormatError>) -> Option<T> {
+        let share = self.work.get() / 4;
+        let rest = self.work.replace(share) - share;
+        let found = read().ok();
+        self.work.set(rest + self.work.get());
+        found
+    }
+
     /// `length` bytes of a structure; they count as work.
     fn piece(&self, name: &'static str, at: usize, length: usize) -> Result<Piece<'a>, FormatError> {
         self.charge(name, at, length)?;

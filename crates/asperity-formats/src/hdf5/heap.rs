@@ -48,7 +48,11 @@ impl<'a> File<'a> {
     pub(super) fn name(&self, heap: &LocalHeap, offset: usize) -> Result<&'a [u8], FormatError> {
         let end = heap.length.min(self.input.len().saturating_sub(heap.start));
         let length = end.saturating_sub(offset).min(MAX_NAME_BYTES);
-        self.piece("local heap", heap.start.saturating_add(offset), length)?.text("name")
+        let at = heap.start.saturating_add(offset);
+        let rest = self.input.take("name in a local heap", at, length)?;
+        let name = rest.iter().position(|&byte| byte == 0).map_or(rest, |length| &rest[..length]);
+        self.charge("local heap", at, name.len())?;
+        Ok(name)
     }
 
     /// An object of a global heap, `None` where a reference leads to nothing.
@@ -58,9 +62,11 @@ impl<'a> File<'a> {
         head.version(&[1])?;
         head.skip("reserved", 3)?;
         let end = at.saturating_add(head.size("size", 8)?).min(self.input.len());
-        let mut next = at + 16;
-        while next.saturating_add(16) <= end {
-            let mut object = self.piece("global heap", next, 16)?;
+        let (mut next, mut found) = (at + 16, None);
+        let mut passed = 0_usize;
+        while found.is_none() && next.saturating_add(16) <= end {
+            let mut object = Piece::new(self.input, self.format, "global heap", next, 16)?;
+            passed += 16;
             let index = object.u16("index")?;
             object.skip("counts", 6)?;
             let length = object.size("object size", 8)?;
@@ -69,11 +75,13 @@ impl<'a> File<'a> {
                 break;
             }
             if u32::from(index) == wanted {
-                return self.piece("global heap", next + 16, length)?.rest().map(Some);
+                found = Some(self.input.take("object of the global heap", next + 16, length)?);
+                passed = passed.saturating_add(length);
             }
             next = next.saturating_add(16).saturating_add(length.checked_next_multiple_of(8).unwrap_or(usize::MAX));
         }
-        Ok(None)
+        self.charge("global heap", at, passed)?;
+        Ok(found)
     }
 
     pub(super) fn fractal_heap(&self, at: usize) -> Result<FractalHeap, FormatError> {
@@ -155,7 +163,7 @@ impl<'a> File<'a> {
             block = self.piece("indirect block", place, 8)?.address("address of a block")?;
             // A child of an indirect row covers as much as its row says, with a table of its own.
             let is_direct = row < heap.direct_rows;
-            rows = if is_direct { 0 } else { u64::from(bytes.ilog2()).saturating_sub(heap.first_row_bits()) + 1 };
+            rows = if is_direct { 0 } else { heap.rows_of_child(bytes) };
             block_bytes = bytes;
         }
         Err(id.wrong("place", id_at, offset, "a place in the heap"))
@@ -185,8 +193,36 @@ impl FractalHeap {
         }
     }
 
-    /// Binary logarithm of the bytes of the first row.
-    fn first_row_bits(&self) -> u64 {
-        u64::from((self.first_block_bytes * self.width).ilog2())
+    /// Rows of the indirect block that a place of so many bytes refers to.
+    fn rows_of_child(&self, bytes: u64) -> u64 {
+        u64::from(bytes.ilog2().saturating_sub((self.first_block_bytes * self.width).ilog2())) + 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_blocks_double_from_the_third_on() {
+        let heap = FractalHeap {
+            offset_bytes: 5,
+            length_bytes: 2,
+            width: 4,
+            first_block_bytes: 512,
+            direct_rows: 9,
+            root: None,
+            root_rows: 0,
+        };
+        // Rows of four blocks of 512, 512, 1024, 2048, … bytes.
+        let mut start = 0;
+        for (row, bytes) in (0..12).zip([512].into_iter().chain((0..).map(|doublings| 512 << doublings))) {
+            assert_eq!((heap.row_start(row), heap.row(start)), (start, (row, bytes)));
+            start += 4 * bytes;
+            assert_eq!(heap.row(start - 1), (row, bytes));
+        }
+        // The rows of a child, whose table starts over, cover as much as its own row says.
+        let (row, bytes) = heap.row(start);
+        assert_eq!(heap.row_start(heap.rows_of_child(bytes)), bytes, "row {row}");
     }
 }

@@ -141,3 +141,23 @@ impl Nodes {
 pub(super) fn width(limit: u64) -> usize {
     limit.max(1).ilog2() as usize / 8 + 1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_take_as_many_bytes_as_their_limit() {
+        for (limit, bytes) in [(0, 1), (1, 1), (255, 1), (256, 2), (65535, 2), (65536, 3), (u64::MAX, 8)] {
+            assert_eq!(width(limit), bytes, "{limit}");
+        }
+    }
+
+    #[test]
+    fn widths_in_inner_nodes_follow_from_what_the_levels_below_can_hold() {
+        // Nodes of 512 bytes with records of 17: 29 in a leaf; (512 − 10 − 9) / (17 + 9) = 18 above, with 19 · 29 + 18
+        // = 569 records below; (512 − 10 − 11) / (17 + 11) = 17 above that.
+        let nodes = Nodes::new(512, 17, 2);
+        assert_eq!((nodes.count_bytes, nodes.total_bytes), (1, vec![0, 2, 2]));
+    }
+}

@@ -167,6 +167,18 @@ impl<'v> Value<'v> {
         self.member(name).map_or(Ok(None), |member| member.raw_text())
     }
 
+    /// Whether a text in the first compound is the one wanted.
+    pub(crate) fn has_text(&self, name: &str, wanted: &[u8]) -> Result<bool, FormatError> {
+        let Some(member) = self.member(name) else { return Ok(false) };
+        // Texts of another length, but for a zero at the end, need not be looked up in their heap.
+        let length = member.reference(0, 4);
+        let is_long = matches!(member.datatype.class, Class::TextElsewhere);
+        if is_long && ![wanted.len() as u64, wanted.len() as u64 + 1].contains(&length) {
+            return Ok(false);
+        }
+        Ok(member.raw_text()? == Some(wanted))
+    }
+
     /// The addresses that object references lead to: the first of each sequence.
     pub(crate) fn objects(&self) -> Result<Vec<usize>, FormatError> {
         let Class::Sequence(base) = &self.datatype.class else { return Ok(Vec::new()) };
@@ -199,12 +211,14 @@ impl<'v> Value<'v> {
         Ok((!numbers.is_empty()).then(|| numbers.join(" ")))
     }
 
+    /// A part of a reference into a global heap.
+    fn reference(&self, start: usize, width: usize) -> u64 {
+        self.bytes.iter().skip(start).take(width).rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
+    }
+
     /// The elements in a global heap that a reference leads to, none for an empty sequence.
     fn elsewhere(&self, element_bytes: usize) -> Result<&'v [u8], FormatError> {
-        let reference = |start: usize, width: usize| -> u64 {
-            self.bytes.iter().skip(start).take(width).rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
-        };
-        let (length, address, index) = (reference(0, 4), reference(4, 8), reference(12, 4));
+        let (length, address, index) = (self.reference(0, 4), self.reference(4, 8), self.reference(12, 4));
         let address = usize::try_from(address).unwrap_or(usize::MAX);
         if length == 0 || index == 0 {
             return Ok(&[]);

@@ -129,7 +129,9 @@ impl Map {
                         address,
                     ));
                 }
-                let tree = file.tree(1, 0, &children, &[0; 32]);
+                // The key after the last chunk is beyond it.
+                let end = self.shape[0].next_multiple_of(u64::from(shape[0]));
+                let tree = file.tree(1, 0, &children, &fields![[0; 8], end.to_le_bytes(), [0; 16]]);
                 // The element is the last of the dimensions.
                 let element = self.datatype[4..8].to_vec();
                 let [rows, columns] = shape.map(u32::to_le_bytes);
@@ -172,10 +174,22 @@ fn file(maps: &[Map], main: Option<usize>, attributes: &[Message]) -> Vec<u8> {
 
 /// The table of links (source, link, destination) as texts in a global heap.
 fn table(file: &mut Hdf5, path: &str) -> u64 {
-    let texts =
-        ["Root", "Measurement", "{M}", "Attributes", "{A}", "Surface", "{S}", "Path", path, "File Layout Version", "1"];
+    let texts = [
+        "Root",
+        "Measurement",
+        "{M}",
+        "Attributes",
+        "{A}",
+        "Surface",
+        "{S}",
+        "Path",
+        path,
+        "/Attributes/{A}",
+        "Layout",
+        "1",
+    ];
     let cells = texts.map(|text| file.keep(text.as_bytes()).of(text.len()));
-    let rows = [[0, 9, 10], [0, 1, 2], [2, 3, 4], [2, 5, 6], [4, 7, 3], [6, 7, 8]];
+    let rows = [[0, 10, 11], [0, 1, 2], [2, 3, 4], [2, 5, 6], [4, 7, 9], [6, 7, 8]];
     let content: Vec<u8> = rows.iter().flatten().flat_map(|cell| cells[*cell].clone()).collect();
     let text = datatype::long_text;
     let row = datatype::compound(&[("Source", 16, text()), ("Link", 16, text()), ("Destination", 16, text())]);
@@ -347,7 +361,7 @@ fn numbers_at_or_beyond_the_mark_have_no_data() {
 fn a_map_of_uncalibrated_pixels_takes_the_lateral_resolution_or_has_no_pitch() {
     let zero = Some(("LateralCat", "Pixels", [0.0; 4]));
     let map = Map { converters: [zero, zero, Map::default().converters[2]], ..Map::default() };
-    let scan = read_bytes(&file(&[map.clone()], Some(0), &system())).unwrap();
+    let scan = read_bytes(&file(std::slice::from_ref(&map), Some(0), &system())).unwrap();
     assert_eq!(scan.pitch_m, Some((4e-6, 4e-6)));
     let scan = read(map);
     assert_eq!(scan.pitch_m, None);

@@ -11,7 +11,6 @@ pub(crate) const DATASPACE: u16 = 0x01;
 pub(crate) const LINK_INFO: u16 = 0x02;
 pub(crate) const DATATYPE: u16 = 0x03;
 pub(crate) const FILL_VALUE: u16 = 0x05;
-pub(crate) const LINK: u16 = 0x06;
 pub(crate) const LAYOUT: u16 = 0x08;
 pub(crate) const FILTERS: u16 = 0x0b;
 pub(crate) const ATTRIBUTE: u16 = 0x0c;
@@ -231,13 +230,59 @@ impl Hdf5 {
         self.bytes
     }
 
-    /// Links or attributes in a fractal heap (III.G) under a version 2 B-tree (III.A.2): their addresses.
-    pub(crate) fn dense(&mut self, kind: u8, id_bytes: usize, objects: &[DenseObject]) -> (u64, u64) {
+    /// The message of links in a fractal heap under a tree by the hashes of their names.
+    pub(crate) fn dense_links(&mut self, links: &[(&str, u64)]) -> Message {
+        let mut objects: Vec<Dense> = links
+            .iter()
+            .map(|(name, address)| {
+                // Version, flags (the length of the name has 1 byte), length, name, address (IV.A.2.g).
+                let content = fields![[1, 0, name.len() as u8], name.as_bytes(), address.to_le_bytes()];
+                Dense { hash: lookup3(name.as_bytes()), content }
+            })
+            .collect();
+        objects.sort_by_key(|object| object.hash);
+        // A record of type 5: hash, identifier.
+        let record = |object: &Dense, id: Vec<u8>| fields![object.hash.to_le_bytes(), id];
+        let (heap, tree) = self.dense(5, 7, &objects, record);
+        // Version, flags, heap, tree.
+        (LINK_INFO, fields![[0, 0], heap.to_le_bytes(), tree.to_le_bytes()])
+    }
+
+    /// The message of attributes in a fractal heap.
+    pub(crate) fn dense_attributes(&mut self, attributes: &[(&str, Vec<u8>)]) -> Message {
+        let hashed =
+            |(name, content): &(&str, Vec<u8>)| Dense { hash: lookup3(name.as_bytes()), content: content.clone() };
+        let mut objects: Vec<Dense> = attributes.iter().map(hashed).collect();
+        objects.sort_by_key(|object| object.hash);
+        // A record of type 8: identifier, flags, creation order, hash.
+        let record = |object: &Dense, id: Vec<u8>| fields![id, [0], [0; 4], object.hash.to_le_bytes()];
+        let (heap, tree) = self.dense(8, 8, &objects, record);
+        (ATTRIBUTE_INFO, fields![[0, 0], heap.to_le_bytes(), tree.to_le_bytes()])
+    }
+
+    /// Objects in a fractal heap (III.G) under a version 2 B-tree (III.A.2): the addresses of both.
+    fn dense(
+        &mut self,
+        kind: u8,
+        id_bytes: usize,
+        objects: &[Dense],
+        record: impl Fn(&Dense, Vec<u8>) -> Vec<u8>,
+    ) -> (u64, u64) {
         // The header of the heap refers to the block and the block to the header, which has a known size.
-        self.bytes.resize(self.bytes.len().next_multiple_of(8), 0);
-        let heap_address = self.bytes.len() as u64;
+        let heap_address = self.append(&[]);
         let block_address = heap_address + 146_u64.next_multiple_of(8);
-        let block_bytes = 1024_u64;
+        let block_bytes = 512_u64;
+        let mut block = fields![*b"FHDB", [0], heap_address.to_le_bytes(), 0_u32.to_le_bytes()];
+        let mut records = Vec::new();
+        for object in objects {
+            // Kind 0, an offset of 4 bytes, a length of 2 bytes.
+            let mut id = fields![[0], (block.len() as u32).to_le_bytes(), (object.content.len() as u16).to_le_bytes()];
+            id.resize(id_bytes, 0);
+            records.extend(record(object, id));
+            block.extend(&object.content);
+        }
+        let free = block_bytes - block.len() as u64;
+        block.resize(block_bytes as usize, 0);
         let heap = fields![
             *b"FRHP",
             [0],
@@ -249,12 +294,12 @@ impl Hdf5 {
             512_u32.to_le_bytes(),
             0_u64.to_le_bytes(),
             UNDEFINED.to_le_bytes(),
-            0_u64.to_le_bytes(),
+            free.to_le_bytes(),
             UNDEFINED.to_le_bytes(),
             // Managed space, allocated, iterator, objects; huge objects: bytes, number; tiny ones: bytes, number.
             block_bytes.to_le_bytes(),
             block_bytes.to_le_bytes(),
-            0_u64.to_le_bytes(),
+            block_bytes.to_le_bytes(),
             (objects.len() as u64).to_le_bytes(),
             [0; 32],
             // Width of the table, first and largest block, bits of the heap, rows at the start.
@@ -269,28 +314,20 @@ impl Hdf5 {
         ];
         let sum = lookup3(&heap);
         assert_eq!(self.append(&fields![heap, sum.to_le_bytes()]), heap_address);
-        // A direct block (III.G): signature, version, heap, offset of 32 bits, objects.
-        let mut block = fields![*b"FHDB", [0], heap_address.to_le_bytes(), 0_u32.to_le_bytes()];
-        let mut records = Vec::new();
-        for object in objects {
-            // Kind 0, an offset of 4 bytes, a length of 2 bytes.
-            let mut id = fields![[0], (block.len() as u32).to_le_bytes(), (object.content.len() as u16).to_le_bytes()];
-            id.resize(id_bytes, 0);
-            records.extend(fields![object.before, id, object.behind]);
-            block.extend(object.content);
-        }
-        block.resize(block_bytes as usize, 0);
         assert_eq!(self.append(&block), block_address);
-        // A leaf (III.A.2): signature, version, type, records, checksum.
-        let leaf = fields![*b"BTLF", [0, kind], records];
-        let sum = lookup3(&leaf);
-        let leaf = self.append(&fields![leaf, sum.to_le_bytes()]);
+        let node_bytes = 256_usize;
         let record_bytes = records.len() / objects.len();
+        // A leaf: signature, version, type, records, checksum; a node has its full size.
+        let mut leaf = fields![*b"BTLF", [0, kind], records];
+        let sum = lookup3(&leaf);
+        leaf.extend(sum.to_le_bytes());
+        leaf.resize(node_bytes, 0);
+        let leaf = self.append(&leaf);
         let header = fields![
             *b"BTHD",
             [0, kind],
             // Bytes of a node and a record, depth, percentages of splitting and merging.
-            512_u32.to_le_bytes(),
+            (node_bytes as u32).to_le_bytes(),
             (record_bytes as u16).to_le_bytes(),
             0_u16.to_le_bytes(),
             [100, 40],
@@ -303,11 +340,10 @@ impl Hdf5 {
     }
 }
 
-/// An object in a fractal heap, with the parts of its record around the identifier.
-pub(crate) struct DenseObject<'o> {
-    pub(crate) before: Vec<u8>,
-    pub(crate) behind: Vec<u8>,
-    pub(crate) content: &'o [u8],
+/// An object in a fractal heap and the hash of its name.
+struct Dense {
+    hash: u32,
+    content: Vec<u8>,
 }
 
 /// A value of variable length in a global heap.
@@ -378,6 +414,11 @@ pub(crate) mod datatype {
         fields![[0x19, 0, 0, 0], 16_u32.to_le_bytes(), base]
     }
 
+    /// The address of an object.
+    pub(crate) fn reference() -> Vec<u8> {
+        fields![[0x17, 0, 0, 0], 8_u32.to_le_bytes()]
+    }
+
     /// Parts side by side: name, bytes, type.
     pub(crate) fn compound(members: &[(&str, u32, Vec<u8>)]) -> Vec<u8> {
         let size: u32 = members.iter().map(|(_, bytes, _)| bytes).sum();
@@ -416,9 +457,9 @@ pub(crate) fn attribute(name: &str, datatype: &[u8], value: &[u8]) -> Message {
     (ATTRIBUTE, message)
 }
 
-/// A version 3 attribute of one element: its parts follow each other.
-pub(crate) fn new_attribute(name: &str, datatype: &[u8], value: &[u8]) -> Vec<u8> {
-    let (name, space) = (format!("{name}\0"), dataspace(&[1]));
+/// A version 3 attribute of elements in a row: its parts follow each other.
+pub(crate) fn new_attribute(name: &str, datatype: &[u8], count: u64, value: &[u8]) -> Vec<u8> {
+    let (name, space) = (format!("{name}\0"), dataspace(&[count]));
     fields![
         // Version, flags, sizes, character set.
         [3, 0],
