@@ -1,14 +1,17 @@
 //! Zygo DATX, written by Mx: an HDF5 file with one dataset per map and a table that says which is which.
 //!
-//! Maps are the datasets `/Data/{kind}/{identifier}`, rows of columns with row 0 at the top. The kinds are Surface, and
-//! by method of measurement Bottom Surface, Thickness, Intensity, Quality and others; those whose `Z Converter` is of
-//! the category `HeightCat` are heights. `/MetaData` is a table of links (source, link, destination); the chain Root,
-//! Measurement, Surface, Path leads to the map that was measured.
+//! Maps are the datasets `/Data/{kind}/{identifier}`. The kinds are Surface, and by method of measurement Bottom Surface,
+//! Thickness, Intensity, Quality and others; those in a unit of length or whose `Z Converter` is of the category
+//! `HeightCat` are heights. `/MetaData` is a table of links (source, link, destination); the chain Root, Measurement,
+//! Surface, Path leads to the map that was measured.
 //!
 //! A stored number n is a height in the `Unit` of the dataset. In `Fringes` it is the height n·W·S·O in metre, with the
 //! wavelength W, the interferometric scale factor S and the obliquity factor O, which are attributes of the dataset and
-//! the parameters 1 to 3 of its `Z Converter`. Parameter 1 of the `X Converter` is the distance between columns in metre,
-//! that of the `Y Converter` the distance between rows.
+//! the parameters 1 to 3 of its `Z Converter`. Readers that look at neither unit nor factors are off by the wavelength.
+//!
+//! The shape of a dataset is (height, width) of the camera window, row 0 at the top; parameter 1 of the `X Converter` is
+//! the distance between columns in metre, that of the `Y Converter` the distance between rows. (Some readers take the
+//! first index for x, which shows on maps that are not square. Others turn the rows over to let y point upwards.)
 //!
 //! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
 //! Numbers beyond it, and as far below zero, are no heights either.
@@ -199,11 +202,8 @@ fn is_height(file: &File, object: &Object) -> Result<bool, FormatError> {
         return Ok(false);
     }
     let meaning = meaning(file, object)?;
-    Ok(match (&meaning.z, meaning.unit()) {
-        (Some(z), _) => z.category == "HeightCat",
-        (None, Some(unit)) => unit == FRINGES || length_unit(unit).is_some(),
-        (None, None) => false,
-    })
+    let is_named_height = meaning.z.as_ref().is_some_and(|z| z.category == "HeightCat");
+    Ok(is_named_height || meaning.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
 }
 
 fn meaning(file: &File, object: &Object) -> Result<Meaning, FormatError> {

@@ -2,13 +2,14 @@
 //!
 //! Read are: superblocks of version 0 to 3 with 8-byte addresses; object headers of version 1 and 2; groups as symbol
 //! tables, link messages and dense links; attributes in the header and in a fractal heap; numbers, texts, compounds,
-//! arrays and variable-length values in the global heap; data that are compact, contiguous, or in chunks under a
-//! version 1 B-tree, with deflate, shuffle and Fletcher-32. The rest of the format is refused by name: chunk indices of
-//! HDF5 1.10 and later, other filters, soft and external links, shared messages beyond committed datatypes.
+//! arrays and variable-length values in the global heap; data that are compact, contiguous, one chunk, or chunks under a
+//! version 1 B-tree, with deflate, shuffle and Fletcher-32. Soft and external links are passed over. The rest is refused
+//! by name: chunk indices of HDF5 1.10 and later, other filters, shared messages beyond committed datatypes.
 //!
 //! Structures refer to each other by address, so a small file can describe a large or an endless one. Every byte of a
-//! structure that is looked at counts against a [`WORK_BYTES`] budget of the file: a loop or a shared piece that is
-//! reached too often ends as an error. Checksums of structures are not verified; wrong fields are found by their values.
+//! structure that is looked at counts against a budget of the file ([`WORK_BYTES`]): a loop, or a piece that is shared
+//! too often, ends as an error. Names, texts and data are slices of the file until they are copied for good. Checksums
+//! of structures are not verified; wrong fields are found by their values.
 //!
 //! Layout: HDF5 File Format Specification, version 3.0.
 

@@ -51,7 +51,7 @@ const HEIGHTS: &str = "heights";
 const MASK: &str = "mask";
 /// Attributes that name a unit.
 const UNITS: [&str; 3] = ["unit", "units", "length_unit"];
-/// Dimensions, variables or attributes of one file; the library of the format allows fewer.
+/// Dimensions, variables and attributes of one file together.
 const MAX_ENTRIES: usize = 1 << 16;
 /// Numbers of an attribute that are kept.
 const MAX_NUMBERS: usize = 16;
@@ -254,11 +254,13 @@ fn unpack(variable: &Variable, per_metre: f64, numbers: &mut [f64]) {
     }
 }
 
-/// What the library of the format fills variables with that are not written; bytes are not filled.
+/// What the library of the format fills variables with that are not written; those of bytes may hold any number.
 fn default_fill(sample: Sample) -> Option<f64> {
     match sample {
         Sample::I16 => Some(-32767.0),
+        Sample::U16 => Some(65535.0),
         Sample::I32 => Some(-2147483647.0),
+        Sample::U32 => Some(4294967295.0),
         Sample::F32 | Sample::F64 => Some(f64::from_bits(0x479e_0000_0000_0000)),
         _ => None,
     }

@@ -18,6 +18,9 @@ const MAX_RATIO: usize = 64;
 /// Bytes that an element counts with at least: numbers become `f64`.
 const LEAST_ELEMENT_BYTES: usize = 8;
 
+/// Filters of one dataset: each of the three once.
+const MAX_FILTERS: u8 = 3;
+
 /// How a dataset is cut into chunks.
 pub(super) struct Chunks {
     /// Elements of a chunk along each dimension.
@@ -109,7 +112,11 @@ fn newer_index(message: &mut Piece, flags: u8) -> Result<Index, FormatError> {
 /// The filters in a pipeline message.
 pub(super) fn filters(mut message: Piece) -> Result<Vec<Filter>, FormatError> {
     let version = message.version(&[1, 2])?;
+    let count_at = message.at();
     let count = message.u8("number of filters")?;
+    if count > MAX_FILTERS {
+        return Err(message.wrong("number of filters", count_at, count, &format!("at most {MAX_FILTERS}")));
+    }
     if version == 1 {
         message.skip("reserved", 6)?;
     }

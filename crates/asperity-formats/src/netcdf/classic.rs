@@ -31,7 +31,7 @@ pub(super) fn version(bytes: &[u8]) -> Option<u8> {
 pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents), FormatError> {
     let input = Input::new(Format::NetCdf, bytes).with_order(ByteOrder::Big);
     let version = version(bytes).ok_or_else(|| input.wrong("version", 3, "other", "1, 2 or 5"))?;
-    let mut header = Header { input, at: ALIGNMENT, version };
+    let mut header = Header { input, at: ALIGNMENT, version, room: MAX_ENTRIES };
     let records_at = header.at;
     let records = header.raw_count("number of records")?;
     let mut contents = Contents::default();
@@ -114,6 +114,8 @@ struct Header<'a> {
     input: Input<'a>,
     at: usize,
     version: u8,
+    /// Dimensions, attributes and variables that the file may still have.
+    room: usize,
 }
 
 impl Header<'_> {
@@ -168,15 +170,13 @@ impl Header<'_> {
         if tag != wanted && (tag, count) != (0, 0) {
             return Err(self.input.wrong(field, at, format!("tag {tag}"), &format!("tag {wanted}")));
         }
-        if count > MAX_ENTRIES {
-            return Err(FormatError::TooLarge {
-                format: Format::NetCdf,
-                field: format!("the number of {field}"),
-                at: self.input.at(at + 4),
-                found: count as u64,
-                limit: MAX_ENTRIES as u64,
-            });
-        }
+        self.room = self.room.checked_sub(count).ok_or_else(|| FormatError::TooLarge {
+            format: Format::NetCdf,
+            field: format!("the number of {field}"),
+            at: self.input.at(at + 4),
+            found: count as u64,
+            limit: self.room as u64,
+        })?;
         Ok(count)
     }
 

@@ -4,7 +4,6 @@ use crate::assert_heights;
 use crate::fixture::Fixture;
 use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
 
-#[path = "datx/hdf5.rs"]
 pub(crate) mod hdf5;
 
 const NAN: f64 = f64::NAN;
