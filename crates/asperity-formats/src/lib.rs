@@ -27,6 +27,7 @@ mod file;
 mod format;
 mod frt;
 mod gwy;
+mod hdf5;
 mod input;
 mod metropro;
 mod netcdf;
