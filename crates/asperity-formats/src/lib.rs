@@ -1,11 +1,7 @@
 //! Reads and writes files of measured surfaces.
 //!
-//! | format | read | write | pixel size |
-//! |---|---|---|---|
-//! | X3P (ISO 25178-72) | int16, int32, float32, float64, text lists, layers | int16, float32, float64 | yes |
-//! | SUR (Digital Surf) | int16, int32, plain or compressed | int16, int32 | yes |
-//! | NPY (NumPy) | integers and floats, 2-D | float64 | no |
-//! | text, CSV | matrices of numbers | yes | no |
+//! X3P, SUR, SDF, GWY, OPD, MetroPro, DATX, PLU, PLUX, AL3D, NMS, FRT, BCR, TMD, VK4, NetCDF, NPY, NPZ, TIFF, XYZ and text are
+//! read, X3P, SUR, SDF, GWY, NPY, text and VTK images written; [`descriptions`] is the table of what each holds.
 //!
 //! Every byte is taken for hostile: sizes that a file declares are believed only as far as its bytes reach, archives
 //! are unpacked through limits, arithmetic on sizes is checked, and no input makes the reader panic. A file is known
