@@ -10,7 +10,7 @@ use crate::stats::Moments;
 
 /// Scales of S_U that are searched, in standard deviations of the sample; at the largest the law is lognormal or normal to
 /// the sample.
-const SCALES: [f64; 2] = [1e-3, 1e3];
+const SCALES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 /// How far ξ of S_U may lie from the mean, in units of max(λ, standard deviation).
 const FARTHEST_CENTRE: f64 = 30.0;
 /// The nearest that an end of S_B may come to the sample, in units of its range. Nearer ones belong to the maximum at the
@@ -52,7 +52,7 @@ fn unbounded(sorted: &[f64]) -> Option<Fit> {
     let moments = Moments::of(sorted);
     let at = |[centre, log_scale]: [f64; 2]| {
         let scale = log_scale.exp();
-        let inside = scale >= SCALES[0] && scale <= SCALES[1] && centre.abs() <= FARTHEST_CENTRE * scale.max(1.0);
+        let inside = SCALES.contains(&scale) && centre.abs() <= FARTHEST_CENTRE * scale.max(1.0);
         let (xi, lambda) = (moments.mean + moments.std * centre, moments.std * scale);
         if inside { profile(sorted, JohnsonSystem::Unbounded, xi, lambda) } else { None }
     };
@@ -145,7 +145,7 @@ mod tests {
             let direct: f64 = values.iter().map(|x| fitted.law.ln_pdf(*x)).sum();
             assert!((direct - fitted.log_likelihood).abs() < 1e-7, "{text}");
             assert_most_likely(&fitted, &values, &neighbours(johnson(&fitted)));
-            assert_most_likely(&fitted, &values, &[truth.clone()]);
+            assert_most_likely(&fitted, &values, std::slice::from_ref(&truth));
             for p in [0.02, 0.2, 0.5, 0.8, 0.98] {
                 let x = truth.quantile(p);
                 let error = (p * (1.0 - p) / n as f64).sqrt() / truth.pdf(x);

@@ -60,13 +60,14 @@ impl Johnson {
 
 /// A law of this shape, of any mean and standard deviation; skewness ≥ 0.
 fn unit_law(skewness: f64, excess: f64) -> Option<Johnson> {
-    if skewness <= NORMAL && excess.abs() <= NORMAL {
+    let skewness = if skewness <= NORMAL { 0.0 } else { skewness };
+    if skewness == 0.0 && excess.abs() <= NORMAL {
         return Some(Johnson { system: JohnsonSystem::Normal, gamma: 0.0, delta: 1.0, xi: 0.0, lambda: 1.0 });
     }
     let d = lognormal_d(skewness);
     let lognormal = d * (16.0 + d * (15.0 + d * (6.0 + d)));
     let above = excess - lognormal;
-    let (system, gamma, delta) = if skewness > NORMAL && above.abs() <= LOGNORMAL * (1.0 + lognormal) {
+    let (system, gamma, delta) = if skewness > 0.0 && above.abs() <= LOGNORMAL * (1.0 + lognormal) {
         (JohnsonSystem::Lognormal, 0.0, 1.0 / d.ln_1p().sqrt())
     } else if above > 0.0 {
         let (gamma, delta) = unbounded::solve(skewness, excess, d)?;
@@ -86,7 +87,7 @@ pub(super) fn lognormal_d(skewness: f64) -> f64 {
     for _ in 0..100 {
         let step = (d * (3.0 + d).powi(2) - square) / (3.0 * (3.0 + d) * (1.0 + d));
         d -= step;
-        if !(step.abs() > 1e-16 * d) {
+        if step.abs() <= 1e-16 * d {
             break;
         }
     }

@@ -7,6 +7,9 @@ use crate::correlation::StationaryCovariance;
 use crate::fourier::{RealFft2, Workspace};
 use crate::map::Grid;
 
+/// How far a correlation may leave [−1, 1].
+const ROUNDING: f64 = 1e-12;
+
 /// The lags of a periodic domain, of which those up to `rows` − 1 and `columns` − 1 points count.
 ///
 /// Spectra are unnormalised transforms S of correlations, stored as [`RealFft2`] does; ρ(0) = 1 is ΣS = number of points.
@@ -44,7 +47,7 @@ impl Lags {
                 let (lag_x_m, lag_y_m) = (column as f64 * self.domain.dx_m(), row as f64 * self.domain.dy_m());
                 let value = correlation.correlation(lag_x_m, lag_y_m);
                 let at_zero = row == 0 && column == 0;
-                if !(value.abs() <= 1.0 + 1e-12) || (at_zero && (value - 1.0).abs() > 1e-12) {
+                if value.is_nan() || value.abs() > 1.0 + ROUNDING || (at_zero && value < 1.0 - ROUNDING) {
                     return Err(TranslationError::Target { lag_x_m, lag_y_m, value });
                 }
                 for r in [row, (ny - row) % ny] {
