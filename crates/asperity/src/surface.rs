@@ -16,7 +16,10 @@ pub use karhunen_loeve::{
     KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_memory_bytes, profile_modes,
 };
 pub use spectral::SpectralField;
-pub use translation::{Predistorted, Translated, TranslationError, TranslationReport};
+pub use translation::{
+    CorrectedField, CorrectionReport, Feasibility, Predistorted, Translated, TranslationCorrection, TranslationError,
+    TranslationReport,
+};
 pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};
 
 use crate::map::{Grid, HeightMap};

@@ -12,7 +12,7 @@ use crate::correlation::{Covariance, StationaryCovariance};
 use crate::fourier::{RealFft2, good_length, signed_index};
 use crate::map::{Grid, HeightMap};
 
-pub(super) use modes::{FourierModes, wrapped_eigenvalues_m2, wrapped_spectrum};
+pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
 
 /// Share of negative circulant variance that counts as rounding.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -94,8 +94,19 @@ impl SpectralField {
     fn on_domain(covariance: &dyn StationaryCovariance, grid: Grid, domain: Grid) -> Self {
         let fft = RealFft2::new(domain.nx(), domain.ny());
         let spectrum = wrapped_spectrum(covariance, domain, &fft);
+        Self::from_spectrum(grid, domain, fft, covariance.std_m(), &spectrum)
+    }
+
+    /// A crop of `domain` with given eigenvalues.
+    pub(super) fn from_spectrum(
+        grid: Grid,
+        domain: Grid,
+        fft: RealFft2,
+        std_m: f64,
+        spectrum: &WrappedSpectrum,
+    ) -> Self {
         let modes = FourierModes::new(domain, fft, &spectrum.eigenvalues_m2);
-        Self { grid, std_m: covariance.std_m(), modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
+        Self { grid, std_m, modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
     }
 
     /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].
