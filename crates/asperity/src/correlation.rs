@@ -7,10 +7,10 @@
 
 mod bessel;
 mod estimate;
-
 mod fit;
 mod least_squares;
 mod model;
+pub(crate) mod profiles;
 mod record;
 mod spectrum;
 
@@ -22,4 +22,7 @@ pub use record::{
     LagNormalisation, RecordCorrelation, RecordFit, RecordModel, autocorrelation_1d, fit_record,
     fit_windowed_exponential, windowed_exponential,
 };
-pub use spectrum::{ProfileSpectrum, RadialSpectrum, SpectrumRoute, profile_spectrum, radial_spectrum};
+pub use spectrum::{
+    AngularSpectrum, AreaSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute, UpperLimit,
+    profile_spectrum, radial_spectrum,
+};
