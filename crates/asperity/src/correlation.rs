@@ -15,7 +15,7 @@ mod record;
 mod spectrum;
 
 pub use bessel::bessel_k;
-pub use estimate::{Autocorrelation, Axis, EstimateError};
+pub use estimate::{Autocorrelation, Axis, EstimateError, axis_correlation, axis_correlation_length_m};
 pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
 pub use model::{CorrelationModel, Covariance, CovarianceError, SeparableCovariance, StationaryCovariance};
 pub use record::{

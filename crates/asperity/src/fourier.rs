@@ -277,6 +277,27 @@ mod tests {
     }
 
     #[test]
+    fn the_bits_do_not_depend_on_the_number_of_threads() {
+        let (nx, ny) = (360, 250);
+        let map = random::standard_normal(&mut random::stream(3, "fourier", 0), 300 * 200);
+        let fft = RealFft2::new(nx, ny);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
+                fft.forward_padded(&map, 200, 300, &mut spectrum, &mut work);
+                let forward = spectrum.clone();
+                let mut back = vec![0.0; 300 * 200];
+                fft.inverse_cropped(&mut spectrum, &mut back, 200, 300, &mut work);
+                (forward, back)
+            })
+        };
+        let alone = with(1);
+        assert!(alone == with(2) && alone == with(3));
+        assert!(alone.1.iter().zip(&map).all(|(a, b)| (a - b).abs() < 1e-13));
+    }
+
+    #[test]
     fn padding_with_zeros_and_cropping_undo_each_other() {
         let (rows, columns) = (5, 7);
         let map = random::standard_normal(&mut random::stream(2, "fourier", 0), rows * columns);

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::fourier::{lag_sums_of_power, summed_power};
 use crate::map::HeightMap;
 
 use super::estimate::Axis;
@@ -38,6 +39,17 @@ pub(crate) fn copy(map: &HeightMap, axis: Axis, range: Range<usize>, heights_m: 
             }
         }
     }
+}
+
+/// Sums of products of `term` of the heights over the pairs of the same profile, at the lags 0 … padded/2. Lags are free of
+/// wrapped pairs up to `padded` less the points of a profile.
+pub(super) fn lag_sums(map: &HeightMap, axis: Axis, padded: usize, term: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+    let (all, points, _) = dimensions(map, axis);
+    let power = summed_power(all, points, padded, |range, out| {
+        copy(map, axis, range, out);
+        out.iter_mut().for_each(|z| *z = term(*z));
+    });
+    lag_sums_of_power(&power, padded)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod band;
 
 use std::f64::consts::{PI, TAU};
 
-use crate::fourier::{good_length, lag_sums_of_power, real_transform, summed_power};
+use crate::fourier::{good_length, real_transform, summed_power};
 use crate::map::HeightMap;
 use crate::stats::Extent;
 
@@ -136,8 +136,8 @@ fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
     let (_, n, pitch_m) = profiles::dimensions(map, axis);
     let half = (n - 1) / 2;
     let padded = good_length(n + half);
-    let products = lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { z - mean_m });
-    let counts = lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { 1.0 });
+    let products = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { z - mean_m });
+    let counts = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { 1.0 });
     // Counts are whole numbers but for rounding.
     let end = (0..=half).find(|lag| counts[*lag] < 0.5).unwrap_or(half + 1);
     let mut lags = vec![0.0; n];
@@ -147,16 +147,6 @@ fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
         lags[(n - lag) % n] = value;
     }
     real_transform(&lags).into_iter().map(|value| pitch_m * value).collect()
-}
-
-/// Sums of products of `term` of the heights over the pairs of the same profile, at the lags 0, 1, …
-fn lag_sums(map: &HeightMap, axis: Axis, padded: usize, term: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
-    let (all, n, _) = profiles::dimensions(map, axis);
-    let power = summed_power(all, n, padded, |range, out| {
-        profiles::copy(map, axis, range, out);
-        out.iter_mut().for_each(|z| *z = term(*z));
-    });
-    lag_sums_of_power(&power, padded)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! What a scan says: its statistics, and the series behind the figures of its heights.
 
-use crate::correlation::{Autocorrelation, Axis, Covariance, ProfileSpectrum, profile_spectrum};
+use crate::correlation::{
+    Autocorrelation, Axis, Covariance, ProfileSpectrum, axis_correlation_length_m, profile_spectrum,
+};
 use crate::law::Marginal;
 use crate::law::fit::{Family, rank_by_aic};
 use crate::map::HeightMap;
@@ -16,6 +18,11 @@ use crate::surface::{areal, fractal};
 /// The map is flat.
 pub fn statistics(map: &HeightMap, outliers: usize) -> Result<SurfaceStatistics, StudyError> {
     let Analysis { parameters, correlation, spectrum } = areal::analyse(map)?;
+    // Where the correlation does not fall to 1/e within half the field, the farther lags are asked as well.
+    let correlation_length_m = |axis: Axis| match correlation.correlation_length_m(axis) {
+        Some(length_m) => Ok(Some(length_m)),
+        None => axis_correlation_length_m(map, axis),
+    };
     let scaling = fractal::scaling(map, None)?;
     let grid = map.grid();
     Ok(SurfaceStatistics {
@@ -59,8 +66,8 @@ pub fn statistics(map: &HeightMap, outliers: usize) -> Result<SurfaceStatistics,
         psd_reliable_low_rad_per_m: spectrum.reliable.low_rad_per_m,
         psd_reliable_high_rad_per_m: spectrum.reliable.high_rad_per_m,
         psd_upper_limit: spectrum.reliable.upper_limit.name(),
-        correlation_length_x_m: correlation.correlation_length_m(Axis::X),
-        correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
+        correlation_length_x_m: correlation_length_m(Axis::X)?,
+        correlation_length_y_m: correlation_length_m(Axis::Y)?,
         hurst: scaling.map(|s| s.hurst),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
     })

@@ -347,7 +347,7 @@ mod tests {
                 count += fft.multiplicity(kx);
             }
         }
-        assert!((rays / sum - 1.0).abs() < 4.0 * (8.0 / count as f64).sqrt(), "{rays} {sum}");
+        assert!((rays / sum - 1.0).abs() < 4.0 * (8.0 / count).sqrt(), "{rays} {sum}");
     }
 
     #[test]

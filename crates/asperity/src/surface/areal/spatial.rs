@@ -34,6 +34,9 @@ impl Decay {
 /// The correlation is normalised by the number of present pairs, interpolated bilinearly, and sampled every half pixel;
 /// the crossing is linear between samples. On a lag without pairs the ray ends undecayed.
 ///
+/// Distances run along straight rays to the *first* crossing, as ISO 25178-2 defines Str. Programs that take the farthest point
+/// of the region above the level find longer ones where that region bends or branches.
+///
 /// # Errors
 /// The heights do not vary.
 pub fn decay(map: &HeightMap, level: f64) -> Result<Decay, EstimateError> {
