@@ -185,7 +185,18 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
     let mut compared = 0;
     for (file, expected) in reference.as_object().unwrap() {
         let wanted = &expected["own_numpy_after_LS_plane"];
-        let (true, Ok(scan)) = (wanted.is_object(), asperity_formats::read(&folder.join(file))) else { continue };
+        if !wanted["Sq_m"].is_f64() {
+            continue;
+        }
+        let mut scan = asperity_formats::read(&folder.join(file)).unwrap();
+        // Where the reference's loader is wrong: it took the millimetres of one file for micrometres, and of another the
+        // range of its numbers for one less than the header says (asperity-formats, README).
+        if file == "st_tmd-1.tmd" {
+            scan.heights_m *= 1e-3;
+            scan.pitch_m = scan.pitch_m.map(|(dx, dy)| (1e-3 * dx, 1e-3 * dy));
+        } else if file == "st_nms-1.nms" {
+            scan.heights_m *= 65535.0 / 65534.0;
+        }
         let map = remove_form(&HeightMap::try_from(scan).unwrap(), Level::Plane).unwrap().map;
         let p = parameters(&map).unwrap();
         assert_eq!(Some(p.missing as u64), expected["n_missing"].as_u64(), "{file}");
@@ -201,10 +212,19 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
             ("Sdq_iso7pt", p.sdq_7point),
             ("Sdr_triangulated", p.sdr),
         ] {
-            close(&format!("{file}: {name}"), found.unwrap(), wanted[name].as_f64().unwrap(), 1e-6);
+            // A map of fewer rows than the stencil has no such gradient, whatever a program with other edges says.
+            let Some(found) = found else {
+                assert!(name == "Sdq_iso7pt" && map.grid().ny() < 7, "{file}: {name}");
+                continue;
+            };
+            close(&format!("{file}: {name}"), found, wanted[name].as_f64().unwrap(), 1e-6);
         }
-        let (sal_m, pixel_m) = (wanted["Sal_rays_s0.2_m"].as_f64().unwrap(), map.grid().dx_m());
-        assert!((p.sal_m.unwrap() - sal_m).abs() < pixel_m, "{file}: Sal {:?}, not {sal_m}", p.sal_m);
+        let pixel_m = map.grid().dx_m();
+        // On the smallest map the reference gives up; here one ray decays within half the field.
+        if let Some(sal_m) = wanted["Sal_rays_s0.2_m"].as_f64() {
+            let sal_m = sal_m * pixel_m / expected["dx_m"].as_f64().unwrap();
+            assert!((p.sal_m.unwrap() - sal_m).abs() < pixel_m, "{file}: Sal {:?}, not {sal_m}", p.sal_m);
+        }
         assert_eq!(p.str_ratio.is_some(), wanted["Str_rays_s0.2"].is_f64(), "{file}: Str");
         // Another package lays the same least-squares line through a curve resampled to 10,000 ratios, which misjudges spikes
         // that are rarer: with a million ratios its Svk of such a map moves by 1 % towards ours. Reduced heights and volumes
@@ -223,7 +243,6 @@ fn instrument_files_have_the_parameters_of_an_independent_program() {
                 ("Vvc", p.vvc_m, 1e-6, 1e-3),
                 ("Vvv", p.vvv_m, 1e-6, if spiky { f64::INFINITY } else { 5e-3 }),
             ] {
-                println!("{file}: {name} {:+.2e}", found / (peer[name].as_f64().unwrap() * unit) - 1.0);
                 close(&format!("{file}: {name}"), found, peer[name].as_f64().unwrap() * unit, tolerance);
             }
         }
