@@ -53,7 +53,7 @@ pub struct ProfileSpectrum {
     pub reliable: ReliableBand,
 }
 
-/// The periodic Hann window, sin²(πi/n).
+/// The Hann window, sin²(π(i + ½)/n).
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2)).collect()
 }

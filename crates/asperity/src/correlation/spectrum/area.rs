@@ -57,7 +57,7 @@ pub struct AngularSpectrum {
 
 impl AngularSpectrum {
     /// The direction of the lay in rad, from 0 to below π: the centre of the peak around the largest density, smoothed over
-    /// ±1°, as far as it stays above half its height. Of one wave of k periods across the field it errs by about 0.1/k rad.
+    /// ±1°, as far as it stays above half its height. Of one wave of k periods across the field it errs by less than 0.2/k rad.
     ///
     /// Every map has such a maximum; whether it has a lay, Str says.
     pub fn direction_rad(&self) -> f64 {
