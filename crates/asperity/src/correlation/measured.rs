@@ -13,21 +13,22 @@ use self::taper::Taper;
 use super::estimate::Autocorrelation;
 use super::model::StationaryCovariance;
 
-/// Share of the variance in the map's mean from which a correlation is not known.
-const LARGEST_MEAN_SHARE: f64 = 0.5;
+/// Independent patches N/Σρ² of a map below which its correlation is not known.
+const FEWEST_PATCHES: f64 = 10.0;
 
 /// Why an autocorrelation makes no covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeasuredCovarianceError {
-    /// The correlation reaches over the map, so that most of the variance went with the map's mean.
+    /// The correlation reaches so far that the map is a sample of a few patches.
     #[error(
-        "{:.0} % of the variance went with the map's mean: the correlation reaches over the map, which is too short for \
-         its roughness or still has form to remove",
-        100.0 * share
+        "the correlation reaches so far that the map holds only {patches:.1} independent patches, at least {wanted} are \
+         needed: it is too short for its roughness or still has form to remove"
     )]
-    NotDecayed {
-        /// Share of the variance in the mean of a map of this size.
-        share: f64,
+    FewPatches {
+        /// Points over the sum of squared correlations, N/Σρ².
+        patches: f64,
+        /// Patches needed.
+        wanted: f64,
     },
     /// Lags next to zero rest on no pair of present heights.
     #[error("no two neighbouring heights are present, so the correlation near zero is unknown")]
@@ -96,17 +97,18 @@ impl MeasuredCovariance {
     /// The covariance of the map from which `estimate` was made.
     ///
     /// # Errors
-    /// A correlation that reaches over the map, or no pair of neighbours.
+    /// A map of few independent patches, or no pair of neighbours.
     pub fn new(estimate: &Autocorrelation) -> Result<Self, MeasuredCovarianceError> {
         let grid = estimate.grid();
         if estimate.pairs(1, 0) + estimate.pairs(0, 1) == 0.0 {
             return Err(MeasuredCovarianceError::NoPairs);
         }
         let taper = Taper::of(estimate);
-        let mean_share = mean_share(estimate, &taper);
-        if mean_share > LARGEST_MEAN_SHARE {
-            return Err(MeasuredCovarianceError::NotDecayed { share: mean_share });
+        let patches = taper.standard_error().powi(-2);
+        if patches < FEWEST_PATCHES {
+            return Err(MeasuredCovarianceError::FewPatches { patches, wanted: FEWEST_PATCHES });
         }
+        let mean_share = mean_share(estimate, &taper);
         // Rows are lags 0 … along y, columns all lags along x.
         let (reach_x, reach_y) = taper.reach();
         let mut taper_change = 0.0_f64;

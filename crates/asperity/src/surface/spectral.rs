@@ -39,7 +39,6 @@ const LARGEST_DOMAIN: usize = 1 << 24;
 #[derive(Debug, Clone)]
 pub struct SpectralField {
     grid: Grid,
-    domain: Grid,
     std_m: f64,
     modes: FourierModes,
     captured_variance: f64,
@@ -64,7 +63,7 @@ impl SpectralField {
             .collect();
         let modes = FourierModes::new(grid, fft, &eigenvalues_m2);
         let captured_variance = modes.eigenvalues_m2().sum::<f64>() / grid.area_m2();
-        Self { grid, domain: grid, std_m: covariance.std_m(), modes, captured_variance, clipped_variance: 0.0 }
+        Self { grid, std_m: covariance.std_m(), modes, captured_variance, clipped_variance: 0.0 }
     }
 
     /// A field that is not periodic on `grid`, with the exact covariance where the embedding is non-negative.
@@ -91,9 +90,9 @@ impl SpectralField {
         }
     }
 
-    /// The domain on which the modes live: the grid itself, or the embedding of a free field.
-    pub(super) fn domain(&self) -> Grid {
-        self.domain
+    /// The modes, on the grid itself or on the embedding of a free field.
+    pub(super) fn modes(&self) -> &FourierModes {
+        &self.modes
     }
 
     fn on_domain(covariance: &dyn StationaryCovariance, grid: Grid, domain: Grid) -> Self {
@@ -101,7 +100,7 @@ impl SpectralField {
         let spectrum = wrapped_spectrum(covariance, domain, &fft);
         let modes = FourierModes::new(domain, fft, &spectrum.eigenvalues_m2);
         let clipped_variance = spectrum.clipped;
-        Self { grid, domain, std_m: covariance.std_m(), modes, captured_variance: 1.0, clipped_variance }
+        Self { grid, std_m: covariance.std_m(), modes, captured_variance: 1.0, clipped_variance }
     }
 
     /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].

@@ -134,6 +134,23 @@ impl FourierModes {
         self.modes.truncate(count);
     }
 
+    /// The transform of the domain.
+    pub(in crate::surface) fn fft(&self) -> &RealFft2 {
+        &self.fft
+    }
+
+    /// Eigenvalues in m² of all stored wavevectors, laid out as the spectrum of [`RealFft2`]; zero where modes were cut.
+    pub(in crate::surface) fn spectrum_m2(&self) -> Vec<f64> {
+        let mut spectrum = vec![0.0; self.fft.spectrum_len()];
+        for mode in &self.modes {
+            spectrum[mode.place] = mode.eigenvalue_m2;
+            if let Some(mirror) = mode.mirror {
+                spectrum[mirror] = mode.eigenvalue_m2;
+            }
+        }
+        spectrum
+    }
+
     /// Number of modes.
     pub(in crate::surface) fn len(&self) -> usize {
         self.modes.len()
