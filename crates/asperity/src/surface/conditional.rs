@@ -341,9 +341,7 @@ pub fn surrounded(map: &HeightMap, columns: usize, rows: usize) -> Result<Height
     let inner = map.grid();
     let grid = Grid::new(inner.nx() + 2 * columns, inner.ny() + 2 * rows, inner.dx_m(), inner.dy_m())?;
     let mut heights = Array2::from_elem(grid.shape(), f64::NAN);
-    heights
-        .slice_mut(ndarray::s![rows..rows + inner.ny(), columns..columns + inner.nx()])
-        .assign(map.heights_m());
+    heights.slice_mut(ndarray::s![rows..rows + inner.ny(), columns..columns + inner.nx()]).assign(map.heights_m());
     HeightMap::new(grid, heights)
 }
 

@@ -250,9 +250,8 @@ mod tests {
 
     #[test]
     fn a_flat_map_is_refused() {
-        let flat = HeightMap::from_function(Grid::new(16, 16, 1.0, 1.0).unwrap(), |x, _| {
-            if x > 8.0 { f64::NAN } else { 2.0 }
-        });
+        let flat =
+            HeightMap::from_function(Grid::new(16, 16, 1.0, 1.0).unwrap(), |x, _| if x > 8.0 { f64::NAN } else { 2.0 });
         let error = Filling::new(&flat.unwrap(), FillOptions::default()).unwrap_err();
         assert!(matches!(error, FillError::Estimate(EstimateError::Constant { .. })), "{error}");
     }

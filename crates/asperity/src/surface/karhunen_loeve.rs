@@ -8,8 +8,8 @@ mod profile;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use super::gaussian::{check_germ, map_of};
 use self::general::ClassModes;
+use super::gaussian::{check_germ, map_of};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};

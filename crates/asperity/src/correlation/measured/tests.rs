@@ -1,5 +1,7 @@
 use super::*;
-use crate::correlation::{CorrelationFamily, CorrelationModel, Covariance, Rotated, SeparableCovariance, fit_covariance};
+use crate::correlation::{
+    CorrelationFamily, CorrelationModel, Covariance, Rotated, SeparableCovariance, fit_covariance,
+};
 use crate::law::standard_normal_quantile;
 use crate::map::{Grid, HeightMap};
 use crate::random;

@@ -45,7 +45,8 @@ impl SparseInverse {
             };
             let mut near: Vec<(isize, isize, u32)> = Vec::with_capacity(NEIGHBOURS + 1);
             for (step_x, step_y) in &offsets[level as usize] {
-                let (Some(other_x), Some(other_y)) = (x.checked_add_signed(*step_x), y.checked_add_signed(*step_y)) else {
+                let (Some(other_x), Some(other_y)) = (x.checked_add_signed(*step_x), y.checked_add_signed(*step_y))
+                else {
                     continue;
                 };
                 if other_x < nx && other_y < ny && is_before((other_x, other_y)) {

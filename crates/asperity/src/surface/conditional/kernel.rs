@@ -82,11 +82,8 @@ impl Kernel {
         tolerance: f64,
         iterations: usize,
     ) -> Result<Vec<f64>, SolveError> {
-        let mut work = Work {
-            map: vec![0.0; self.grid.points()],
-            spectrum: self.fft.spectrum(),
-            fft: self.fft.workspace(),
-        };
+        let mut work =
+            Work { map: vec![0.0; self.grid.points()], spectrum: self.fft.spectrum(), fft: self.fft.workspace() };
         let weights = self.solve(misses, tolerance, iterations, &mut work)?;
         self.spread(&weights, &mut work);
         Ok(work.map)

@@ -42,9 +42,8 @@ fn dense(covariance: &dyn StationaryCovariance, measured: &HeightMap, mean: f64,
         variance * covariance.correlation(x, y)
     };
     let (at, n) = (places(measured), grid.points());
-    let between = Mat::from_fn(at.len(), at.len(), |i, j| {
-        c(at[i], at[j]) + if i == j { nugget * variance } else { 0.0 }
-    });
+    let between =
+        Mat::from_fn(at.len(), at.len(), |i, j| c(at[i], at[j]) + if i == j { nugget * variance } else { 0.0 });
     let to_all = Mat::from_fn(at.len(), n, |i, p| c(at[i], p));
     let values: Vec<f64> = measured.present_m().collect();
     let misses = Mat::from_fn(at.len(), 1, |i, _| values[i] - mean);
@@ -98,7 +97,8 @@ fn mean_and_covariance_are_those_of_dense_kriging() {
     let some = |row: usize, column: usize| (3 * row + 5 * column) % 7 < 5;
     let exponential = covariance(CorrelationModel::Exponential, 2.5);
     is_kriging(&exponential, &measured(&exponential, grid(9, 7), some), 0.0);
-    let smooth = Rotated::new(Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 2.0, 3.0, 1.2).unwrap(), 0.5).unwrap();
+    let smooth =
+        Rotated::new(Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 2.0, 3.0, 1.2).unwrap(), 0.5).unwrap();
     is_kriging(&smooth, &measured(&smooth, grid(8, 7), some), 0.0);
     is_kriging(&smooth, &measured(&smooth, grid(8, 7), some), 0.05);
 }
@@ -313,9 +313,6 @@ fn options_outside_their_ranges_are_refused() {
         Conditioning { iterations: 0, ..Conditioning::default() },
         Conditioning { mean_m: f64::INFINITY, ..Conditioning::default() },
     ] {
-        assert!(matches!(
-            ConditionalSurface::new(&rough, &map, options),
-            Err(ConditionalError::Parameter { .. })
-        ));
+        assert!(matches!(ConditionalSurface::new(&rough, &map, options), Err(ConditionalError::Parameter { .. })));
     }
 }

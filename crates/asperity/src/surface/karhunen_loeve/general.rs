@@ -86,8 +86,7 @@ pub(super) fn iterated_modes(
     if eigenvalues_m2.iter().any(|value| !value.is_finite()) {
         return Err(GeneratorError::Eigen { points: grid.points() });
     }
-    let operator =
-        Convolution { grid, fft, eigenvalues_m2, classes: Class::all(grid, covariance.mirror_symmetric()) };
+    let operator = Convolution { grid, fft, eigenvalues_m2, classes: Class::all(grid, covariance.mirror_symmetric()) };
     let pairs = largest_eigenpairs(&operator, modes, TOLERANCE, SEED)?;
     let found = pairs.into_iter().map(|pairs| (pairs.values, pairs.vectors)).collect();
     Ok(ClassModes::merge(grid, operator.classes, found, modes))
@@ -155,11 +154,8 @@ impl ClassModes {
         let functions = found.into_iter().enumerate().map(|(class, (_, vectors))| {
             // Modes of one class are its first rows, for its values fall.
             let used = all.iter().filter(|(_, place)| place.0 == class).count();
-            let mut functions = if used == vectors.nrows() {
-                vectors
-            } else {
-                vectors.slice(ndarray::s![..used, ..]).to_owned()
-            };
+            let mut functions =
+                if used == vectors.nrows() { vectors } else { vectors.slice(ndarray::s![..used, ..]).to_owned() };
             for mut row in functions.rows_mut() {
                 row.mapv_inplace(|v| v / norm);
                 if let Some(row) = row.as_slice_mut() {

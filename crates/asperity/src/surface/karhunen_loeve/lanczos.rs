@@ -448,10 +448,9 @@ mod tests {
     #[test]
     fn the_largest_of_all_spaces_are_found_wherever_they_are() {
         // Slowly falling values, most of them in one space, so that its subspace is filled and restarted.
-        let spaces: Vec<Vec<f64>> =
-            [(900, 1.0, 1e-3), (500, 0.95, 1e-2), (40, 0.5, 1e-2), (3, 0.99, 0.3)]
-                .map(|(n, first, step): (usize, f64, f64)| (0..n).map(|i| first / (1.0 + step * i as f64)).collect())
-                .into();
+        let spaces: Vec<Vec<f64>> = [(900, 1.0, 1e-3), (500, 0.95, 1e-2), (40, 0.5, 1e-2), (3, 0.99, 0.3)]
+            .map(|(n, first, step): (usize, f64, f64)| (0..n).map(|i| first / (1.0 + step * i as f64)).collect())
+            .into();
         let mut all: Vec<f64> = spaces.iter().flatten().copied().collect();
         all.sort_by(|a, b| b.total_cmp(a));
         let found = largest_eigenpairs(&Diagonal(spaces.clone()), 80, 1e-9, 2).unwrap();

@@ -85,8 +85,7 @@ fn the_separable_exponential_has_its_published_spectrum_on_the_unit_square() {
         0.016_420_885_587_705_82,
     ];
     let covariance = unit(CorrelationModel::Exponential, 0.2, 0.2);
-    let found =
-        [256, 512].map(|n| modes(&covariance, &[1.0, 1.0], &[n, n], 101, ModesRoute::Separable).unwrap());
+    let found = [256, 512].map(|n| modes(&covariance, &[1.0, 1.0], &[n, n], 101, ModesRoute::Separable).unwrap());
     for (value, wanted) in found[1].eigenvalues.iter().zip(published) {
         assert!((value / wanted - 1.0).abs() < 2e-4, "{value} {wanted}");
     }
