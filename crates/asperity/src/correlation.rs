@@ -9,6 +9,7 @@ mod bessel;
 mod estimate;
 mod fit;
 mod least_squares;
+mod measured;
 mod model;
 pub(crate) mod profiles;
 mod record;
@@ -17,7 +18,8 @@ mod spectrum;
 pub use bessel::bessel_k;
 pub use estimate::{Autocorrelation, Axis, EstimateError, axis_correlation, axis_correlation_length_m};
 pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
-pub use model::{CorrelationModel, Covariance, CovarianceError, SeparableCovariance, StationaryCovariance};
+pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
+pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use record::{
     LagNormalisation, RecordCorrelation, RecordFit, RecordModel, autocorrelation_1d, fit_record,
     fit_windowed_exponential, windowed_exponential,

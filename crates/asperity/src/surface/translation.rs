@@ -139,11 +139,12 @@ impl<S: GaussianSurface> Translated<S> {
         let met = self.correlation_with(row, column)?;
         let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
         for ((r, c), value) in met.indexed_iter() {
-            let (x, y) = (c.abs_diff(column) as f64 * grid.dx_m(), r.abs_diff(row) as f64 * grid.dy_m());
-            let deviation = (value - target.correlation(x, y)).abs();
+            let lag_x = (c as f64 - column as f64) * grid.dx_m();
+            let lag_y = (r as f64 - row as f64) * grid.dy_m();
+            let deviation = (value - target.correlation(lag_x, lag_y)).abs();
             report.rms_deviation += deviation * deviation / grid.points() as f64;
             if deviation > report.largest_deviation {
-                (report.largest_deviation, report.lag_x_m, report.lag_y_m) = (deviation, x, y);
+                (report.largest_deviation, report.lag_x_m, report.lag_y_m) = (deviation, lag_x, lag_y);
             }
         }
         report.rms_deviation = report.rms_deviation.sqrt();

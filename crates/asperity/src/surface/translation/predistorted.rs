@@ -43,4 +43,8 @@ impl<C: StationaryCovariance> StationaryCovariance for Predistorted<C> {
         // A value that is not finite is found by the generators.
         self.translation.normal_correlation(wanted).unwrap_or(f64::NAN)
     }
+
+    fn mirror_symmetric(&self) -> bool {
+        self.target.mirror_symmetric()
+    }
 }
