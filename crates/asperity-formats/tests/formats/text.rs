@@ -330,6 +330,21 @@ fn marks_of_other_programs_are_missing_too() {
 }
 
 #[test]
+fn what_c_libraries_write_for_no_number_is_missing_and_no_comment() {
+    for text in ["1.#QNAN 2 -1.#IND\n4 1.#INF00 -nan(ind)\n", "1.#SNAN;2;1.#qnan0\n4;-1.#INF;nan(snan) # 1.#IND\n"] {
+        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        assert_heights(&scan, &[NAN, 2.0, NAN, 4.0, NAN, NAN]);
+    }
+    // With a decimal comma.
+    assert_heights(&read_bytes(b"0,5;1,#QNAN\n-1,#IND;2,5\n").unwrap(), &[0.5, NAN, NAN, 2.5]);
+    // At the end of a line without anything behind it.
+    assert_heights(&read_bytes(b"2 1.#IND").unwrap(), &[2.0, NAN]);
+    // Comments that touch a number stay comments.
+    assert_heights(&read_bytes(b"2 1.#a comment\n3 1.#INFO\n4 1#IND\n").unwrap(), &[2.0, 1.0, 3.0, 1.0, 4.0, 1.0]);
+    assert_heights(&read_bytes(b"2,1,#IND\n").unwrap(), &[2.0, 1.0]);
+}
+
+#[test]
 fn a_long_text_is_the_same_in_pieces() {
     // Beyond a few MiB a text is read in pieces; comments, blank lines and voids fall anywhere.
     let (rows, columns) = (3001, 257);
