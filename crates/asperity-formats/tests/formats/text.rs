@@ -278,7 +278,12 @@ fn heights_in_another_unit_are_converted() {
 
 #[test]
 fn a_unit_that_is_no_length_is_doubted() {
-    for (header, shown) in [("# Value units: V", "`Value units: V`"), ("# signal unit: deg", "`signal unit: deg`")] {
+    for (header, shown) in [
+        ("# Value units: V", "`Value units: V`"),
+        // A current, and no Ångström.
+        ("# Value units: A", "`Value units: A`"),
+        ("# signal unit: deg", "`signal unit: deg`"),
+    ] {
         let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
         assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert!(matches!(scan.warnings.as_slice(), [one] if one.contains(shown)), "{:?}", scan.warnings);
