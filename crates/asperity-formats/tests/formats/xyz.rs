@@ -90,7 +90,8 @@ fn lines_may_lie_closer_than_the_points_on_them() {
     // Pixels of 5 µm × 1 µm in lines along x: a new line starts a fifth of a step further.
     for (columns, rows) in [(4, 3), (2, 9), (7, 5), (3, 40)] {
         let line = |row: usize| (0..columns).map(move |column| (row, column));
-        let there = |row: usize| if row % 2 == 0 { line(row).collect() } else { line(row).rev().collect::<Vec<_>>() };
+        let there =
+            |row: usize| if row.is_multiple_of(2) { line(row).collect() } else { line(row).rev().collect::<Vec<_>>() };
         let one_way: Vec<_> = (0..rows).flat_map(line).collect();
         let serpentine: Vec<_> = (0..rows).flat_map(there).collect();
         for points in [one_way, serpentine] {
