@@ -192,7 +192,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
         }
     }
     if let Some(texture) = texture {
-        filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings)?;
+        filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings);
     }
     // Sides of a pixel: the field of view is n of them.
     let pitch_m = header.number("PixelSizeXMeter")?.zip(header.number("PixelSizeYMeter")?);
@@ -213,33 +213,46 @@ fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
     move |z: f64| z.is_nan() || if value > 0.0 { z >= value - tolerance } else { (z - value).abs() <= tolerance }
 }
 
+/// The repeatability of every depth: codes in rows of `stride` bytes, and what turns them into metre.
+struct Repeatability<'a> {
+    codes: &'a [u8],
+    stride: usize,
+    shift: f64,
+    low: f64,
+    /// The largest that the vendor's program shows.
+    filter: f64,
+}
+
+impl<'a> Repeatability<'a> {
+    /// What the file says of it, `None` where it has no such plane or no filter; one of 0 would leave nothing.
+    fn of(header: &Header<'a>, texture: usize, (ny, nx): (usize, usize)) -> Result<Option<Self>, FormatError> {
+        let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
+        let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
+        let stride = stride(nx, Sample::U8);
+        let plane = usize::try_from(plane)
+            .map_err(|_| header.input.wrong("DepthImageResPtr", at, plane, "the number of a plane"))?;
+        let start = plane.saturating_mul(stride * ny).saturating_add(texture);
+        let codes = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;
+        let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
+        let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
+        Ok(Some(Self { codes, stride, shift, low, filter }))
+    }
+}
+
 /// Takes out depths that are less repeatable than the file's filter allows.
 ///
-/// The plane is left out with a warning where the bytes do not hold it: depths without it are whole.
+/// Where tags or plane are damaged there is a warning instead: depths without them are whole.
 fn filter_by_repeatability(
     header: &Header,
     texture: usize,
     (ny, nx): (usize, usize),
     depths: &mut [f64],
     warnings: &mut Vec<String>,
-) -> Result<(), FormatError> {
-    let Some(((plane, plane_at), filter)) =
-        header.integer("DepthImageResPtr")?.zip(header.number("DepthResFilterVal")?)
-    else {
-        return Ok(());
-    };
-    let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
-    let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
-    let stride = stride(nx, Sample::U8);
-    let plane = usize::try_from(plane)
-        .map_err(|_| header.input.wrong("DepthImageResPtr", plane_at, plane, "the number of a plane"))?;
-    let start = plane.saturating_mul(stride * ny).saturating_add(texture);
-    let codes = match header.image("the repeatabilities", start, (ny, nx), Sample::U8) {
-        Ok(codes) => codes,
-        Err(error) => {
-            warnings.push(format!("no depth was left out for its repeatability: {error}"));
-            return Ok(());
-        }
+) {
+    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::of(header, texture, (ny, nx)) {
+        Ok(Some(repeatability)) => repeatability,
+        Ok(None) => return,
+        Err(error) => return warnings.push(format!("no depth was left out for its repeatability: {error}")),
     };
     let mut filtered = 0_usize;
     for (row, depths) in codes.chunks(stride).zip(depths.chunks_mut(nx)) {
@@ -253,7 +266,6 @@ fn filter_by_repeatability(
     if filtered > 0 {
         warnings.push(format!("{filtered} depths were left out: less repeatable than DepthResFilterVal, {filter:e} m"));
     }
-    Ok(())
 }
 
 /// All tags whose values are texts, and the comment.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 use rayon::prelude::*;
 
+use crate::selection::some_of;
 use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
@@ -65,7 +66,7 @@ impl Scan {
         if options.channel.is_none()
             && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
         {
-            let names = self.channels.join(", ");
+            let names = some_of(&self.channels);
             let warning = format!("the file holds {} height maps ({names}); `{read}` was read", self.channels.len());
             self.warnings.push(warning);
         }
@@ -205,6 +206,21 @@ mod tests {
             assert_eq!(scan.pitch_m, None);
             assert_eq!(scan.warnings.len(), 1);
         }
+    }
+
+    #[test]
+    fn the_map_that_was_read_is_told_with_the_first_of_the_others() {
+        let names = |count: usize| (1..=count).map(|number| format!("n{number}")).collect();
+        let told = |count: usize, options: &ReadOptions| {
+            Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).warnings
+        };
+        let default = ReadOptions::default();
+        assert_eq!(told(1, &default), [] as [String; 0]);
+        assert_eq!(told(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
+        let many = "the file holds 500 height maps (n1, n2, n3, n4, n5, n6, n7, n8 and 492 more); `n1` was read";
+        assert_eq!(told(500, &default), [many]);
+        let chosen = ReadOptions { channel: Some("n1".into()) };
+        assert_eq!(told(2, &chosen), [] as [String; 0]);
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! Values are separated by semicolons, tabs, commas or spaces, whichever of these, in this order, the first row holds.
 //! The decimal sign is the point, or a comma between digits where commas separate nothing. `#` and `%` start a comment.
 //! What comments and lines `key: value` or `key = value` before the first row say of units, pixel size and missing
-//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD` and `No Data` are
-//! missing heights.
+//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD`, `No Data` and
+//! what C libraries write for no number (`1.#QNAN`, `-nan(ind)`) are missing heights.
 //!
 //! Some programs put the matrices of several channels into one file, each below a comment `Channel: name`; those whose
 //! unit is no length are left out.
@@ -32,7 +32,7 @@ pub(crate) const CODEC: Codec = Codec {
                 Nova, ESRI grids, and plain keys",
         writes: ".csv with commas, others with spaces; unit and pixel size as comments",
         stores_pitch: true,
-        missing_points: "empty, nan, inf, BAD, No Data, the NODATA_value of the header",
+        missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, the NODATA_value of the header",
         orientation: "the first line is row 0",
         tested: Tested::OtherPrograms,
     },
@@ -124,7 +124,7 @@ impl Head {
     pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool) -> Self {
         let (mut head, mut lines) = (Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new() }, 0);
         for line in bytes.split(|&byte| byte == line_end) {
-            let comment = line.iter().position(|byte| COMMENT.contains(byte)).unwrap_or(line.len());
+            let comment = rows::comment_start(line, COMMENT);
             let row = &line[..comment];
             let layout = Layout::new(Format::Text, Separator::of(row), COMMENT, line_end);
             let words = rows::text(row);

@@ -34,7 +34,7 @@ pub(crate) const CODEC: Codec = Codec {
         reads: "points on a grid in any order of lines; spaces, tabs, commas or semicolons; units from the header",
         writes: "",
         stores_pitch: true,
-        missing_points: "nan, BAD, No Data, grid points without a point",
+        missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
         orientation: "y points up: the largest y is row 0; in Zygo files y points down",
         tested: Tested::Specification,
     },
@@ -45,6 +45,8 @@ pub(crate) const CODEC: Codec = Codec {
 
 /// First bytes of a Zygo file.
 const ZYGO: &[u8] = b"Zygo XYZ Data File";
+/// Steps between lines are longer than so many usual steps across a line, which are jitter or none.
+const JITTER: f64 = 4.0;
 /// Steps along a line that outweigh one that breaks the grid.
 const AGAINST: usize = 4;
 /// Points of the probe that must step along a line where no second line is in sight.
@@ -91,10 +93,13 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
         if fast_step.is_nan() || slow_step.is_nan() {
             continue;
         }
-        if slow_step.abs() > TOLERANCE * usual[fast] {
+        let goes_on = fast_step.abs() >= 0.5 * usual[fast] && fast_step * direction >= 0.0 && fast_step != 0.0;
+        // Where lines lie closer than the points on them, only the turn tells that a new one starts.
+        let is_far = slow_step.abs() > TOLERANCE * usual[fast];
+        if is_far || !goes_on && slow_step.abs() > JITTER * usual[1 - fast] {
             between += 1;
             direction = 0.0;
-        } else if fast_step.abs() >= 0.5 * usual[fast] && fast_step * direction >= 0.0 && fast_step != 0.0 {
+        } else if goes_on {
             along += 1;
             direction = fast_step;
         } else {

@@ -159,11 +159,11 @@ impl Units {
 
     /// How often the unit of the values goes into a metre, `None` where they are no lengths.
     fn per_metre_z(&self) -> Option<f64> {
-        if self.states_none() { Some(1.0) } else { length(&self.z) }
+        if self.states_none() { Some(1.0) } else { per_metre(&self.z) }
     }
 
     fn per_metre_xy(&self) -> Option<f64> {
-        if self.states_none() { Some(1.0) } else { length(&self.xy) }
+        if self.states_none() { Some(1.0) } else { per_metre(&self.xy) }
     }
 
     fn states_none(&self) -> bool {
@@ -178,15 +178,11 @@ impl Units {
             warnings.push(format!("the lateral unit is `{unit}`, which is no unit of length; no pixel size was read"));
         }
         for (unit, what) in [(&self.z, "heights"), (&self.xy, "sizes")] {
-            if length(unit).is_some_and(|per_metre| per_metre != 1.0) {
+            if per_metre(unit).is_some_and(|per_metre| per_metre != 1.0) {
                 warnings.push(format!("{what} were taken in {unit}; Gwyddion itself leaves prefixes out of account"));
             }
         }
     }
-}
-
-fn length(unit: &str) -> Option<f64> {
-    per_metre(unit).filter(|_| unit != "A")
 }
 
 /// The fields of a `GwyDataField`.

@@ -106,7 +106,9 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
     let unit = header.unit(Z.step_unit)?;
     let per_metre = per_metre(&unit).ok_or_else(|| header.wrong(Z.step_unit, unit, "a unit of length"))?;
     let spacing_m = f64::from(header.f32(Z.spacing)?) / per_metre;
-    if !(spacing_m.is_finite() && spacing_m != 0.0) {
+    // Programs that divide the range of a flat map by the steps state 0: its one number is the offset.
+    let is_flat = heights.iter().all(|z| Some(z) == heights.first());
+    if !(spacing_m.is_finite() && (spacing_m != 0.0 || is_flat)) {
         return Err(header.wrong(Z.spacing, header.f32(Z.spacing)?, "a finite number other than 0"));
     }
     let offset_m = f64::from(header.f32(Z.offset)?) / per_metre;

@@ -254,6 +254,12 @@ impl Scanner<'_> {
     /// where it is no number or beyond the range of `f64`.
     fn field(&mut self, table: &mut Table) -> Option<f64> {
         let rest = &self.bytes[self.cursor..];
+        let is_one = |length: &usize| self.layout.separator != Separator::Comma || !rest[..*length].contains(&b',');
+        if let Some(length) = no_number(rest).filter(is_one) {
+            self.cursor += length;
+            self.skip_blanks();
+            return Some(f64::NAN);
+        }
         if let Ok((value, length)) = fast_float2::parse_partial::<f64, _>(rest)
             && !value.is_infinite()
         {
@@ -313,7 +319,28 @@ const NO_DATA: &[u8] = b"No Data";
 
 /// Whether a field marks a point without a height.
 fn missing(field: &[u8]) -> bool {
-    field.is_empty() || field.eq_ignore_ascii_case(b"bad") || field.eq_ignore_ascii_case(NO_DATA)
+    let is_nan = || {
+        let unsigned = field.strip_prefix(b"-").unwrap_or(field);
+        // As C libraries write it: `-nan(ind)`.
+        unsigned.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"nan(")) && field.ends_with(b")")
+    };
+    field.is_empty() || field.eq_ignore_ascii_case(b"bad") || field.eq_ignore_ascii_case(NO_DATA) || is_nan()
+}
+
+/// The length of what Microsoft's C library wrote for no number (`1.#QNAN`, `-1.#IND00`, `1,#INF`), where it starts here.
+fn no_number(bytes: &[u8]) -> Option<usize> {
+    let unsigned = bytes.strip_prefix(b"-").unwrap_or(bytes);
+    let word = unsigned.strip_prefix(b"1.#").or_else(|| unsigned.strip_prefix(b"1,#"))?;
+    let letters = word.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(word.len());
+    let is_mark = [&b"QNAN"[..], b"SNAN", b"IND", b"INF"].iter().any(|mark| word[..letters].eq_ignore_ascii_case(mark));
+    let digits = word[letters..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    is_mark.then_some(bytes.len() - word.len() + letters + digits)
+}
+
+/// Where the comment of a line starts: at the first of the signs that is no part of a number.
+pub(crate) fn comment_start(line: &[u8], signs: &[u8]) -> usize {
+    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| no_number(&line[start..]).is_some());
+    (0..line.len()).find(|&place| signs.contains(&line[place]) && !is_number(place)).unwrap_or(line.len())
 }
 
 /// A number, NaN where it is infinite, `None` where it is beyond the range of `f64`.

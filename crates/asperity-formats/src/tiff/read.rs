@@ -14,8 +14,8 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 const MAX_PAGES: usize = 4096;
 /// Bytes of a page's name beyond which it goes without.
 const MAX_NAME_BYTES: u64 = 256;
-/// Resolutions per inch that programs write that know of no size.
-const SCREENS: [f64; 2] = [72.0, 96.0];
+/// Resolutions per inch that programs write that know of no size: none, those of screens, those of printers.
+const DEFAULTS: [f64; 7] = [1.0, 72.0, 96.0, 100.0, 150.0, 300.0, 600.0];
 /// Texts that are metadata.
 const TEXTS: [Tag; 9] = [
     tag::DOCUMENT_NAME,
@@ -172,8 +172,10 @@ fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<
         // Other values say that there is no absolute size.
         _ => return Ok(None),
     };
-    if unit_m == 0.0254 && SCREENS.contains(&x) {
-        warnings.push(format!("the resolution of {x} points per inch may be a screen's and not the instrument's"));
+    if unit_m == 0.0254 && DEFAULTS.contains(&x) {
+        warnings.push(format!(
+            "the resolution of {x} points per inch may be a screen's or printer's, not the instrument's"
+        ));
     }
     Ok(Some((unit_m / x, unit_m / y)))
 }

@@ -181,6 +181,27 @@ fn without_the_plane_of_repeatabilities_all_depths_are_kept() {
 }
 
 #[test]
+fn damaged_tags_of_the_repeatability_leave_all_depths() {
+    for (key, value, reason) in [
+        ("DepthImageResPtr", "3;4", "DepthImageResPtr"),
+        ("DepthImageResPtr", "-1", "the number of a plane"),
+        ("DepthResFilterVal", "1.#QNAN", "DepthResFilterVal"),
+        ("DepthResShiftVal", "fine", "DepthResShiftVal"),
+        // A filter of 0 would leave nothing: there is none.
+        ("DepthResFilterVal", "0", ""),
+    ] {
+        let mut file = Al3d::with_texture();
+        file.tags.iter_mut().filter(|(known, _)| *known == key).for_each(|tag| tag.1 = value);
+        let scan = read_bytes(&file.bytes()).unwrap_or_else(|error| panic!("{key}: {error}"));
+        assert_heights(&scan, &[0.25, NAN, 0.5, NAN, -0.125, 0.0]);
+        let told = scan.warnings.iter().any(|warning| {
+            warning.starts_with("no depth was left out for its repeatability") && warning.contains(reason)
+        });
+        assert_eq!(told, !reason.is_empty(), "{key}: {:?}", scan.warnings);
+    }
+}
+
+#[test]
 fn depths_that_do_not_reach_the_texture_are_doubted() {
     let doubted = |bytes: &[u8]| {
         read_bytes(bytes).unwrap().warnings.iter().any(|warning| warning.contains("another image starts after"))

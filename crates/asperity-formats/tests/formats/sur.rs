@@ -64,6 +64,18 @@ fn a_height_outside_of_the_stated_range_is_doubted() {
 }
 
 #[test]
+fn a_spacing_of_0_is_that_of_a_flat_map() {
+    let flat = |numbers: [i16; 6]| {
+        let data = numbers.iter().flat_map(|z| z.to_le_bytes()).collect();
+        Sur { spacing: [1.0, 1.0, 0.0], special_points: 0, z_range: (0, 7), data, ..Sur::default() }.bytes()
+    };
+    // The offset of 1000 nm is the height of every point.
+    assert_heights(&read_bytes(&flat([7; 6])).unwrap(), &[1e-6; 6]);
+    let error = read_bytes(&flat([7, 7, 7, 7, 7, 8])).unwrap_err().to_string();
+    assert!(error.starts_with("SUR: z spacing (byte 128) is `0`"), "{error}");
+}
+
+#[test]
 fn int32_heights_read_up_to_the_ends_of_their_range() {
     let heights = [i32::MIN, i32::MIN + 2, 0, i32::MAX];
     let file = Sur {

@@ -278,7 +278,12 @@ fn heights_in_another_unit_are_converted() {
 
 #[test]
 fn a_unit_that_is_no_length_is_doubted() {
-    for (header, shown) in [("# Value units: V", "`Value units: V`"), ("# signal unit: deg", "`signal unit: deg`")] {
+    for (header, shown) in [
+        ("# Value units: V", "`Value units: V`"),
+        // A current, and no Ångström.
+        ("# Value units: A", "`Value units: A`"),
+        ("# signal unit: deg", "`signal unit: deg`"),
+    ] {
         let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
         assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert!(matches!(scan.warnings.as_slice(), [one] if one.contains(shown)), "{:?}", scan.warnings);
@@ -327,6 +332,21 @@ fn marks_of_other_programs_are_missing_too() {
     assert_heights(&read_bytes(b"1 BAD bad\nNo Data 2 no data\n").unwrap(), &[1.0, NAN, NAN, NAN, 2.0, NAN]);
     assert_heights(&read_bytes(b"1,BAD,\nNo Data,2,3\n").unwrap(), &[1.0, NAN, NAN, NAN, 2.0, 3.0]);
     assert_heights(&read_bytes(b"# NODATA_value: -1\n-1 2\n").unwrap(), &[NAN, 2.0]);
+}
+
+#[test]
+fn what_c_libraries_write_for_no_number_is_missing_and_no_comment() {
+    for text in ["1.#QNAN 2 -1.#IND\n4 1.#INF00 -nan(ind)\n", "1.#SNAN;2;1.#qnan0\n4;-1.#INF;nan(snan) # 1.#IND\n"] {
+        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        assert_heights(&scan, &[NAN, 2.0, NAN, 4.0, NAN, NAN]);
+    }
+    // With a decimal comma.
+    assert_heights(&read_bytes(b"0,5;1,#QNAN\n-1,#IND;2,5\n").unwrap(), &[0.5, NAN, NAN, 2.5]);
+    // At the end of a line without anything behind it.
+    assert_heights(&read_bytes(b"2 1.#IND").unwrap(), &[2.0, NAN]);
+    // Comments that touch a number stay comments.
+    assert_heights(&read_bytes(b"2 1.#a comment\n3 1.#INFO\n4 1#IND\n").unwrap(), &[2.0, 1.0, 3.0, 1.0, 4.0, 1.0]);
+    assert_heights(&read_bytes(b"2,1,#IND\n").unwrap(), &[2.0, 1.0]);
 }
 
 #[test]

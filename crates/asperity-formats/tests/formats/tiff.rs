@@ -343,9 +343,13 @@ fn resolutions_per_inch_and_centimetre_give_the_pitch() {
     assert_eq!(read(&page(3)).pitch_m, Some((0.01 / 2540.0, 0.01 / 1270.0)));
     // No absolute unit.
     assert_eq!(read(&page(1)).pitch_m, None);
-    let screen = read(&floats().with(282, Value::Rational(72, 1)).with(283, Value::Rational(72, 1)));
-    assert_eq!(screen.pitch_m, Some((0.0254 / 72.0, 0.0254 / 72.0)));
-    assert!(screen.warnings.iter().any(|warning| warning.contains("screen")), "{:?}", screen.warnings);
+    for (per_inch, doubted) in [(1, true), (72, true), (300, true), (25400, false)] {
+        let page = floats().with(282, Value::Rational(per_inch, 1)).with(283, Value::Rational(per_inch, 1));
+        let scan = read(&page);
+        assert_eq!(scan.pitch_m, Some((0.0254 / per_inch as f64, 0.0254 / per_inch as f64)));
+        let told = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
+        assert_eq!(told, doubted, "{per_inch}: {:?}", scan.warnings);
+    }
     let none = floats().with(282, Value::Rational(1, 0)).with(283, Value::Rational(1, 0));
     assert_eq!(read(&none).pitch_m, None);
 }

@@ -86,6 +86,29 @@ fn points_are_put_in_their_places_in_any_order() {
 }
 
 #[test]
+fn lines_may_lie_closer_than_the_points_on_them() {
+    // Pixels of 5 µm × 1 µm in lines along x: a new line starts a fifth of a step further.
+    for (columns, rows) in [(4, 3), (2, 9), (7, 5), (3, 40)] {
+        let line = |row: usize| (0..columns).map(move |column| (row, column));
+        let there =
+            |row: usize| if row.is_multiple_of(2) { line(row).collect() } else { line(row).rev().collect::<Vec<_>>() };
+        let one_way: Vec<_> = (0..rows).flat_map(line).collect();
+        let serpentine: Vec<_> = (0..rows).flat_map(there).collect();
+        for points in [one_way, serpentine] {
+            let text: String = points
+                .iter()
+                .map(|&(row, column)| format!("{}e-6 {}e-6 {}e-7\n", 5 * column, rows - 1 - row, 10 * row + column))
+                .collect();
+            let scan = read(&text);
+            assert_eq!(scan.heights_m.dim(), (rows, columns));
+            let (dx_m, dy_m) = scan.pitch_m.unwrap();
+            assert!((dx_m / 5e-6 - 1.0).abs() < 1e-12 && (dy_m / 1e-6 - 1.0).abs() < 1e-12, "{dx_m} {dy_m}");
+            assert!(scan.heights_m.indexed_iter().all(|((y, x), z)| (z * 1e7 - (10 * y + x) as f64).abs() < 1e-9));
+        }
+    }
+}
+
+#[test]
 fn separators_comments_and_a_line_of_names_are_understood() {
     let points = by_rows();
     for text in [
@@ -150,10 +173,11 @@ fn missing_points_and_heights_are_nan() {
     let mut lines: Vec<&str> = text.lines().collect();
     lines[2] = "11 -1 nan";
     lines[3] = "11.5 -1 BAD";
-    lines[4] = "10 -1.25 No Data";
+    lines[4] = "10 -1.25 1.#QNAN";
+    lines[7] = "11.5 -1.25 No Data";
     lines.remove(6);
     let mut wanted = heights();
-    for missing in [2, 3, 4, 6] {
+    for missing in [2, 3, 4, 6, 7] {
         wanted[missing] = NAN;
     }
     assert_heights(&read(&lines.join("\n")), &wanted);
