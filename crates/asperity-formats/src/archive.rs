@@ -232,6 +232,12 @@ impl<'a> Archive<'a> {
         Ok(())
     }
 
+    /// Room for `count` numbers, as far as the archive's bytes make them likely.
+    pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
+        let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
+        Vec::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
+    }
+
     /// The first `count` little-endian numbers of a file that should hold `total` of them.
     ///
     /// # Errors
@@ -265,8 +271,7 @@ impl<'a> Archive<'a> {
         let numbers = skipped.saturating_add(count as u64);
         let part =
             Part { name: "the numbers", start: bytes(skipped), length: bytes(count as u64), total: bytes(total) };
-        let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
-        let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS.max(held)));
+        let mut values = self.room_for(sample, count);
         let is_reachable = |packed| may_hold(packed, numbers, sample);
         // Chunks are multiples of every number's size, so no number is cut.
         let take = |chunk: &[u8]| sample.decode(ByteOrder::Little, chunk, &mut values);

@@ -42,8 +42,9 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Characters of a header that does not state its size.
+/// Characters of a header that does not state its size, and the most that one may state.
 const HEADER_CHARACTERS: usize = 2048;
+const MAX_HEADER_CHARACTERS: usize = 1 << 20;
 /// Marks of missing points.
 const VOID_INTEGER: f64 = 32767.0;
 const VOID_FLOAT: f64 = 1.7e38;
@@ -146,7 +147,9 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let mut header = Header::parse(input, &header_text(HEADER_CHARACTERS));
     let mut characters = HEADER_CHARACTERS;
     if let Some(size) = header.get("headersize") {
-        characters = size.parse().map_err(|_| input.wrong("headersize", 0, size, "a number of characters"))?;
+        let wanted = format!("a number of characters, at most {MAX_HEADER_CHARACTERS}");
+        let number = size.parse().ok().filter(|&size: &usize| size <= MAX_HEADER_CHARACTERS);
+        characters = number.ok_or_else(|| input.wrong("headersize", 0, size, &wanted))?;
         header = Header::parse(input, &header_text(characters));
     }
     if header.number("forcecurve")?.is_some_and(|curves| curves != 0.0) {

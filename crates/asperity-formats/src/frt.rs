@@ -33,6 +33,7 @@ use self::image::{Image, TOPOGRAPHY, images};
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::Sample;
+use crate::selection::unique;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -131,6 +132,7 @@ fn choose<'a>(
     if names.is_empty() {
         return Err(input.unsupported("the file holds no topography, only other images", "an image of heights"));
     }
+    let names = unique(names);
     let main = maps.iter().position(Image::is_topography).filter(|_| options.channel.is_none());
     let channel = main.map_or_else(|| options.choose(Format::Frt, &names), Ok)?;
     let image = maps[channel];

@@ -4,7 +4,7 @@
 //! One-dimensional arrays are records along a path.
 //! Layout: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use ndarray::{Array2, ShapeBuilder};
+use ndarray::Array2;
 
 use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
@@ -35,6 +35,8 @@ pub(crate) const CODEC: Codec = Codec {
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 /// Bytes before the header's length: magic word and version.
 const VERSION_END: usize = 8;
+/// The longest dictionary; NumPy itself refuses more than 10,000 characters.
+const MAX_HEADER_BYTES: usize = 1 << 16;
 /// The array starts at a multiple of this many bytes.
 const ALIGNMENT: usize = 64;
 /// What can be read, for messages.
@@ -61,11 +63,13 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let input = Input::new(Format::Npy, bytes);
     let header = Header::parse(&input)?;
     let (rows, columns) = header.matrix(&input)?;
-    let (values, left_over) = array(&input, &header, rows * columns)?;
-    let heights_m = Array2::from_shape_vec((rows, columns).set_f(header.column_major), values)
+    let (bytes, left_over) = array(&input, &header, rows * columns)?;
+    let values = match header.column_major {
+        true => header.sample.decode_columns(header.order, bytes, (rows, columns)),
+        false => header.sample.decode_all(header.order, bytes),
+    };
+    let heights_m = Array2::from_shape_vec((rows, columns), values)
         .map_err(|error| wrong(&input, "shape", &format!("({rows}, {columns})"), &error.to_string()))?;
-    let heights_m =
-        if heights_m.is_standard_layout() { heights_m } else { heights_m.as_standard_layout().into_owned() };
     let mut scan = Scan::new(heights_m, None);
     if left_over > 0 {
         scan.warnings.push(format!("{left_over} bytes after the array were left out"));
@@ -84,21 +88,22 @@ pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>, FormatError> {
         return Err(wrong(&input, "shape", &header.shape, "one whole number"));
     };
     let (rows, columns) = input.shape(("length", VERSION_END, length), ("columns", VERSION_END, 1))?;
-    let (values, left_over) = array(&input, &header, rows * columns)?;
+    let (bytes, left_over) = array(&input, &header, rows * columns)?;
     if left_over > 0 {
         return Err(wrong(&input, "shape", &header.shape, "an array that ends with the file"));
     }
-    Ok(values)
+    Ok(header.sample.decode_all(header.order, bytes))
 }
 
 fn wrong(input: &Input, field: &str, found: &str, wanted: &str) -> FormatError {
     input.wrong(field, VERSION_END, found, wanted)
 }
 
-/// The `points` numbers of the array in the file's order, and the number of bytes behind them.
-fn array(input: &Input, header: &Header, points: usize) -> Result<(Vec<f64>, usize), FormatError> {
-    let values = input.with_order(header.order).samples("the array", header.start, points, header.sample)?;
-    Ok((values, input.len() - header.start - points * header.sample.size()))
+/// The bytes of the `points` numbers of the array, and the number of bytes behind them.
+fn array<'a>(input: &Input<'a>, header: &Header, points: usize) -> Result<(&'a [u8], usize), FormatError> {
+    let length = points.saturating_mul(header.sample.size());
+    let bytes = input.take("the array", header.start, length)?;
+    Ok((bytes, input.len() - header.start - length))
 }
 
 impl Header {
@@ -159,6 +164,9 @@ fn header_text(input: &Input) -> Result<(String, usize), FormatError> {
         2 | 3 => (usize::try_from(input.u32(PART, VERSION_END)?).unwrap_or(usize::MAX), VERSION_END + 4),
         _ => return Err(input.unsupported(format!("version {version}"), "version 1, 2 or 3")),
     };
+    if length > MAX_HEADER_BYTES {
+        return Err(input.too_large("the length of the header", VERSION_END, length, MAX_HEADER_BYTES));
+    }
     let header = input.take(PART, start, length)?;
     let text = match version {
         3 => String::from_utf8_lossy(header).into_owned(),

@@ -203,7 +203,7 @@ fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Opti
 fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>, FormatError> {
     let (ny, nx) = map.shape;
     let number = (map.header.sample, map.header.order);
-    let mut heights = Vec::new();
+    let mut heights = archive.room_for(map.header.sample, nx * ny);
     if map.header.column_major {
         let mut place = 0;
         archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| {

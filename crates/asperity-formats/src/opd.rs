@@ -22,6 +22,7 @@ use ndarray::Array2;
 use crate::format::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::{ByteOrder, Sample};
+use crate::selection::unique;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -108,7 +109,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         let found = if arrays.is_empty() { "no array".into() } else { format!("the arrays {}", arrays.join(", ")) };
         return Err(input.unsupported(format!("the file holds {found}"), "heights (RAW_DATA, Raw, OPD or SAMPLE_DATA)"));
     }
-    let names: Vec<String> = maps.iter().map(|block| block.name.clone()).collect();
+    let names = unique(maps.iter().map(|block| block.name.clone()).collect());
     let primary = find(&blocks, PRIMARY).and_then(|block| value(&input, block));
     let main = names.iter().position(|name| options.channel.is_none() && Some(name) == primary.as_ref());
     let channel = main.map_or_else(|| options.choose(Format::Opd, &names), Ok)?;

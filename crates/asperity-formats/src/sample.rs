@@ -5,6 +5,8 @@ use rayon::prelude::*;
 /// Numbers from which on all threads decode, and how many each takes at a time.
 const PARALLEL_NUMBERS: usize = 1 << 18;
 const CHUNK_NUMBERS: usize = 1 << 16;
+/// Columns that are turned into parts of rows together.
+const COLUMNS_AT_ONCE: usize = 16;
 
 /// Order of the bytes of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +55,22 @@ impl Sample {
                 .par_chunks_mut(CHUNK_NUMBERS)
                 .zip(chunks)
                 .for_each(|(values, bytes)| self.decode_into(order, bytes, values));
+        }
+        values
+    }
+
+    /// The numbers of a map whose columns follow each other in `bytes`, in the order of rows.
+    pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): (usize, usize)) -> Vec<f64> {
+        let mut values = vec![0.0; ny * nx];
+        // Neighbours in a row share a line of the processor's cache.
+        let mut columns = Vec::new();
+        for (strip, stored) in bytes.chunks(COLUMNS_AT_ONCE * ny * self.size()).enumerate() {
+            columns.clear();
+            self.decode(order, stored, &mut columns);
+            for (y, row) in values.chunks_mut(nx).enumerate() {
+                let row = row.iter_mut().skip(strip * COLUMNS_AT_ONCE);
+                row.zip(columns.iter().skip(y).step_by(ny)).for_each(|(value, &stored)| *value = stored);
+            }
         }
         values
     }
@@ -119,6 +137,15 @@ mod tests {
         let bytes: Vec<u8> = (0..count as u32).flat_map(u32::to_be_bytes).collect();
         let values = decoded(Sample::U32, ByteOrder::Big, &bytes);
         assert!(values.len() == count && values.iter().enumerate().all(|(i, value)| *value == i as f64));
+    }
+
+    #[test]
+    fn columns_become_rows() {
+        // More columns than are turned at once; column 0 is 0, 1, column 1 is 2, 3.
+        let bytes: Vec<u8> = (0..40).collect();
+        let values = Sample::U8.decode_columns(ByteOrder::Little, &bytes, (2, 20));
+        let wanted = (0..2).flat_map(|y| (0..20).map(move |x| f64::from(2 * x + y)));
+        assert!(values.iter().copied().eq(wanted), "{values:?}");
     }
 
     #[test]

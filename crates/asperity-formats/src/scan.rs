@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 use rayon::prelude::*;
 
+use crate::error::{cut, shown};
 use crate::selection::some_of;
 use crate::{Format, FormatError, Location, ReadOptions};
 
@@ -15,6 +16,8 @@ pub const MAX_POINTS: u64 = 1 << 28;
 const PARALLEL_POINTS: usize = 1 << 18;
 /// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
+/// The most characters of a warning: some repeat what the file says.
+const WARNING_CHARS: usize = 1000;
 /// Ratio of the two pitches above which the map is doubted.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 
@@ -66,9 +69,11 @@ impl Scan {
         if options.channel.is_none()
             && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
         {
-            let names = some_of(&self.channels);
-            let warning = format!("the file holds {} height maps ({names}); `{read}` was read", self.channels.len());
-            self.warnings.push(warning);
+            let (count, names) = (self.channels.len(), some_of(&self.channels));
+            self.warnings.push(format!("the file holds {count} height maps ({names}); `{}` was read", shown(read)));
+        }
+        for warning in &mut self.warnings {
+            *warning = cut(warning, WARNING_CHARS);
         }
         let range_m = tidy(&mut self.heights_m);
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
@@ -221,6 +226,17 @@ mod tests {
         assert_eq!(told(500, &default), [many]);
         let chosen = ReadOptions { channel: Some("n1".into()) };
         assert_eq!(told(2, &chosen), [] as [String; 0]);
+    }
+
+    #[test]
+    fn warnings_are_short_and_steer_no_terminal() {
+        let long = ["\u{1b}]0;".to_owned() + &"x".repeat(10_000), "units\ncontradict".into()];
+        let scan = Scan { warnings: long.to_vec(), ..Scan::new(array![[0.0]], None) };
+        let scan =
+            scan.with_channels((0..9).map(|n| format!("{n}\u{7}")).collect(), 8).checked(&ReadOptions::default());
+        assert!(scan.warnings[0].starts_with("\\u{1b}]0;x") && scan.warnings[0].chars().count() == 6 + 999 + 1);
+        assert_eq!(scan.warnings[1], "units\\ncontradict");
+        assert!(scan.warnings[2].ends_with("6\\u{7}, 7\\u{7} and 1 more); `8\\u{7}` was read"), "{:?}", scan.warnings);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use crate::error::shown;
 use crate::{Format, FormatError};
 
 /// One of the height maps in a file that may hold several: channels, layers, pages, arrays.
@@ -46,7 +47,7 @@ impl ReadOptions {
             format,
             found: match &self.channel {
                 Some(Channel::Number(number)) => format!("number {number}"),
-                Some(Channel::Name(name)) => format!("`{}`", crate::error::shown(name)),
+                Some(Channel::Name(name)) => format!("`{}`", shown(name)),
                 None => "a first one".into(),
             },
             channels: names.to_vec(),
@@ -78,7 +79,8 @@ pub(crate) fn unique(names: Vec<String>) -> Vec<String> {
 pub(crate) fn some_of(names: &[String]) -> String {
     const SHOWN_NAMES: usize = 8;
     let more = names.len().saturating_sub(SHOWN_NAMES);
-    let first = names[..names.len() - more].join(", ");
+    let first: Vec<String> = names[..names.len() - more].iter().map(|name| shown(name)).collect();
+    let first = first.join(", ");
     if more > 0 { format!("{first} and {more} more") } else { first }
 }
 

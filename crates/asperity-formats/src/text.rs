@@ -3,8 +3,12 @@
 //! Values are separated by semicolons, tabs, commas or spaces, whichever of these, in this order, the first row holds.
 //! The decimal sign is the point, or a comma between digits where commas separate nothing. `#` and `%` start a comment.
 //! What comments and lines `key: value` or `key = value` before the first row say of units, pixel size and missing
-//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD`, `No Data` and
-//! what C libraries write for no number (`1.#QNAN`, `-nan(ind)`) are missing heights.
+//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD` and `No Data` are
+//! missing heights, as are the errors of spreadsheets (`#N/A`) and what C libraries write for no number (`1.#QNAN`,
+//! `-nan(ind)`). Text may be UTF-8, UTF-16 with a mark, or Latin-1.
+//!
+//! A first row and a first column that step evenly from an empty corner are labels, which spreadsheets and data frames
+//! export; they are left out with a warning.
 //!
 //! Some programs put the matrices of several channels into one file, each below a comment `Channel: name`; those whose
 //! unit is no length are left out.
@@ -13,9 +17,13 @@ pub(crate) mod header;
 pub(crate) mod rows;
 mod write;
 
+use std::borrow::Cow;
+
 use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
+use crate::input::{utf8_or_latin1, utf16};
+use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
 use header::{ESRI, Header, Meaning};
 use rows::{Layout, Table};
@@ -27,12 +35,12 @@ pub(crate) const CODEC: Codec = Codec {
         name: "text",
         extensions: &["txt", "dat", "csv", "asc"],
         vendor: "any",
-        known_by: "no control characters",
+        known_by: "no control characters in UTF-8, UTF-16 or Latin-1",
         reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; headers of Gwyddion, SPIP, Attocube, \
                 Nova, ESRI grids, and plain keys",
         writes: ".csv with commas, others with spaces; unit and pixel size as comments",
         stores_pitch: true,
-        missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, the NODATA_value of the header",
+        missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
         orientation: "the first line is row 0",
         tested: Tested::OtherPrograms,
     },
@@ -46,13 +54,15 @@ pub(crate) const TEXT_PROBE: usize = 4096;
 
 /// Whether bytes start without control characters.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
-    let probe = &bytes[..bytes.len().min(TEXT_PROBE)];
+    let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
     let is_text = |&byte: &u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
     !probe.is_empty() && probe.iter().all(is_text)
 }
 
 /// Rows from which three columns look like points rather than like a map.
 const POINT_LIST_ROWS: usize = 16;
+/// Part of a step by which labels may be off, as coordinates with few digits are.
+const LABEL_TOLERANCE: f64 = 1e-3;
 /// Matrices in one file that are told apart.
 const MAX_CHANNELS: usize = 256;
 /// Signs that start a comment.
@@ -102,6 +112,11 @@ impl Separator {
     }
 }
 
+/// The bytes of a text in UTF-8, or as they are where no mark says that it is UTF-16.
+pub(crate) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    utf16(bytes).map_or(Cow::Borrowed(bytes), |text| Cow::Owned(text.into_bytes()))
+}
+
 /// The text without the mark that some programs put before UTF-8, and the byte that ends its lines.
 pub(crate) fn lines(bytes: &[u8]) -> (&[u8], u8) {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -124,20 +139,20 @@ impl Head {
     pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool) -> Self {
         let (mut head, mut lines) = (Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new() }, 0);
         for line in bytes.split(|&byte| byte == line_end) {
-            let comment = rows::comment_start(line, COMMENT);
-            let row = &line[..comment];
-            let layout = Layout::new(Format::Text, Separator::of(row), COMMENT, line_end);
-            let words = rows::text(row);
-            let is_blank = row.trim_ascii().is_empty() && !row.contains(&b'\t');
-            if !is_blank && (layout.starts_with_value(row) || !free && !head.take_key(&words)) {
-                head.first_row = row.to_vec();
-                break;
+            let (row, comment) = line.split_at(rows::comment_start(line));
+            if !row.trim_ascii().is_empty() || row.contains(&b'\t') {
+                let layout = Layout::new(Format::Text, Separator::of(row), COMMENT, line_end);
+                let words = utf8_or_latin1(row);
+                if layout.starts_with_value(row) || !free && !head.take_key(&words) {
+                    head.first_row = row.to_vec();
+                    break;
+                }
+                if free {
+                    head.header.add(&words);
+                }
             }
-            if free && !is_blank {
-                head.header.add(&words);
-            }
-            if comment < line.len() {
-                head.header.add(&layout.comment(&line[comment..]));
+            if !comment.is_empty() && head.header.has_room() {
+                head.header.add(&rows::comment(comment, COMMENT));
             }
             head.start += line.len() + 1;
             lines += 1;
@@ -170,7 +185,8 @@ fn is_esri_key(key: &str) -> bool {
 /// # Errors
 /// A field that is no number, rows of different length (naming the line), or no row at all.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
-    let (bytes, line_end) = lines(bytes);
+    let text = utf8(bytes);
+    let (bytes, line_end) = lines(&text);
     let blocks = blocks(bytes, line_end);
     if blocks.len() < 2 {
         return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false));
@@ -184,7 +200,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         .collect();
     let is_height = |head: &Head| head.header.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some());
     let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| is_height(head)).collect();
-    let names: Vec<String> = maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect();
+    let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
     if names.is_empty() {
         return Err(FormatError::Unsupported {
             format: Format::Text,
@@ -199,13 +215,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
 
 /// Where the matrices of a file with several channels start and end, and the lines before each; empty for other files.
 fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
-    let is_start = |line: &[u8]| {
-        let mut header = Header::default();
-        line.strip_prefix(b"#").is_some_and(|comment| {
-            header.add(&rows::text(comment));
-            header.channel().is_some()
-        })
-    };
+    let is_start = |line: &[u8]| line.strip_prefix(b"#").is_some_and(Header::names_channel);
     let (mut blocks, mut place): (Vec<(usize, usize, usize)>, usize) = (Vec::new(), 0);
     for (index, line) in bytes.split(|&byte| byte == line_end).enumerate() {
         // Only a file that starts with a channel is looked through.
@@ -236,7 +246,15 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head) -> Result<Sc
         header.add(&comment);
     }
     let mut warnings = Vec::new();
-    let shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
+    let mut shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
+    let separator = Separator::of(&first_row);
+    let is_corner_empty = separator != Separator::Space
+        && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
+    if is_corner_empty && header.shape().is_none() && has_labels(&table.values, shape) {
+        table.values = unlabelled(&table.values, shape);
+        shape = (shape.0 - 1, shape.1 - 1);
+        warnings.push("the first row and the first column step evenly: they were taken for labels and left out".into());
+    }
     let meaning = header.meaning(shape);
     meaning.apply(&mut table.values);
     if table.decimal_comma {
@@ -294,6 +312,27 @@ fn shape(
             .push(format!("a map of 3 columns and {rows} rows; a list of points x y z is not what this format holds"));
     }
     Ok((rows, columns))
+}
+
+/// Whether the first row and the first column step evenly, behind the corner.
+fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
+    let steps_evenly = |labels: &[f64]| match labels {
+        [] | [_] => false,
+        // Any two numbers do.
+        [first, second] => matches!((*first, *second), (0.0, 1.0) | (1.0, 2.0)),
+        [first, second, ..] => {
+            let (step, tolerance) = (second - first, LABEL_TOLERANCE * (second - first).abs());
+            let fits = |(place, label): (usize, &f64)| (label - first - step * place as f64).abs() <= tolerance;
+            step != 0.0 && labels.iter().enumerate().all(fits)
+        }
+    };
+    let column: Vec<f64> = values.iter().copied().step_by(columns).skip(1).collect();
+    rows > 2 && columns > 2 && steps_evenly(&values[1..columns]) && steps_evenly(&column)
+}
+
+/// The values without the first row and the first column.
+fn unlabelled(values: &[f64], (_, columns): (usize, usize)) -> Vec<f64> {
+    values.chunks_exact(columns).skip(1).flat_map(|row| &row[1..]).copied().collect()
 }
 
 fn nothing() -> FormatError {

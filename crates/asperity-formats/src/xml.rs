@@ -9,6 +9,7 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
 use crate::error::shown;
+use crate::input::{MAX_TEXT_BYTES, utf16};
 use crate::{Format, FormatError, Location};
 
 /// Elements inside each other; descriptions of instruments need about five.
@@ -92,10 +93,10 @@ impl Document {
                     content.clear();
                     is_leaf = false;
                 }
-                Ok(Event::Text(text)) => content.push_str(&text.xml10_content()),
-                Ok(Event::CData(text)) => content.push_str(&text.xml10_content()),
+                Ok(Event::Text(text)) => append(&mut content, &text.xml10_content()),
+                Ok(Event::CData(text)) => append(&mut content, &text.xml10_content()),
                 Ok(Event::GeneralRef(reference)) => match resolve(&reference) {
-                    Some(text) => content.push_str(&text),
+                    Some(text) => append(&mut content, &text),
                     None => {
                         let reason = format!("the entity &{}; is unknown", shown(&reference));
                         return Err(damaged(reason, reader.buffer_position()));
@@ -123,8 +124,8 @@ impl Document {
             let is_full = self.values.len() >= MAX_VALUES;
             match self.values.get_mut(path) {
                 Some(value) => {
-                    value.text.push('\n');
-                    value.text.push_str(text);
+                    append(&mut value.text, "\n");
+                    append(&mut value.text, text);
                 }
                 None if is_full => {
                     let reason = format!("more than {MAX_VALUES} different elements");
@@ -187,6 +188,12 @@ impl Document {
     }
 }
 
+/// Adds to a text as much as is kept of it.
+fn append(text: &mut String, more: &str) {
+    let room = MAX_TEXT_BYTES.saturating_sub(text.len());
+    text.push_str(&more[..more.floor_char_boundary(room)]);
+}
+
 /// The text of a character reference or a predefined entity.
 fn resolve(reference: &BytesRef) -> Option<String> {
     match reference.resolve_char_ref() {
@@ -197,17 +204,17 @@ fn resolve(reference: &BytesRef) -> Option<String> {
 
 /// XML text from bytes: UTF-16 by its byte-order mark, UTF-8, and Latin-1 for what is not UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
-        let units = bytes.as_chunks::<2>().0.iter().map(|&pair| unit(pair));
-        char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
-    };
-    match bytes {
-        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
-        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-            let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
-            std::str::from_utf8(bytes).map_or_else(|_| Cow::Owned(latin1()), Cow::Borrowed)
-        }
+    if let Some(text) = utf16(bytes) {
+        return Cow::Owned(text);
     }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes).map_or_else(
+        |_| {
+            // Two bytes at most for each; growing by doubling would take more.
+            let mut text = String::with_capacity(2 * bytes.len());
+            text.extend(bytes.iter().map(|&byte| char::from(byte)));
+            Cow::Owned(text)
+        },
+        Cow::Borrowed,
+    )
 }

@@ -18,9 +18,10 @@ mod grid;
 use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
+use crate::input::utf8_or_latin1;
 use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
-use crate::text::{COMMENT, Head, Separator, TEXT_PROBE, is_text, lines};
+use crate::text::{COMMENT, Head, Separator, TEXT_PROBE, is_text, lines, utf8};
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 
@@ -64,7 +65,8 @@ fn detect(bytes: &[u8]) -> bool {
     if !is_text(bytes) {
         return false;
     }
-    let (probe, line_end) = lines(&bytes[..bytes.len().min(TEXT_PROBE)]);
+    let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
+    let (probe, line_end) = lines(&probe);
     let whole = bytes.len() <= TEXT_PROBE;
     // The last line of a longer text is cut.
     let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
@@ -113,7 +115,8 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
 }
 
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    let (bytes, line_end) = lines(bytes);
+    let text = utf8(bytes);
+    let (bytes, line_end) = lines(&text);
     if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end) }
 }
 
@@ -153,7 +156,7 @@ fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
     if keyed.iter().any(Option::is_some) {
         return keyed;
     }
-    let text = rows::text(head);
+    let text = utf8_or_latin1(head);
     let in_brackets = text.split(['[', '(']).skip(1).filter_map(|rest| unit(rest.split([']', ')']).next()?));
     // `mm mm um`, or `x/mm y/mm z/um`: every column ends with a unit.
     let in_columns = |line: &str| {
@@ -264,7 +267,7 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
         if line.trim_ascii() == b"#" {
             break;
         }
-        head.push(rows::text(line.trim_ascii()));
+        head.push(utf8_or_latin1(line.trim_ascii()));
     }
     if head.len() < ZYGO_LINES || start >= bytes.len() {
         return Err(FormatError::MissingField {

@@ -68,6 +68,9 @@ impl<'a> Image<'a> {
     }
 }
 
+/// The most images of a file; sensors have at most sixteen buffers.
+const MAX_IMAGES: usize = 1 << 12;
+
 /// The images of block 0x007d, whatever they show.
 pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>, FormatError> {
     let mut images = Vec::new();
@@ -78,6 +81,9 @@ pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result
         let image = Image::new(kind, block, offset + 4, numbers)?;
         offset += IMAGE_HEADER_BYTES + image.bytes();
         images.push(image);
+        if images.len() > MAX_IMAGES {
+            return Err(block.input.too_large("the number of images", block.start, images.len(), MAX_IMAGES));
+        }
     }
     if offset < block.len() {
         warnings.push(format!("{} bytes after the last image were left out", block.len() - offset));

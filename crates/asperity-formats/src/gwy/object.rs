@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use crate::FormatError;
-use crate::input::Input;
+use crate::error::shown;
+use crate::input::{Input, MAX_TEXT_BYTES};
 
 /// A serialised object.
 #[derive(Clone, Copy)]
@@ -24,19 +25,24 @@ pub(super) struct Component<'a> {
     pub(super) value: (usize, usize),
 }
 
-/// The text that ends with the next zero before `limit`, and the place behind the zero.
+/// The place behind the next zero before `limit`.
+fn behind_text(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize, FormatError> {
+    let bytes = input.bytes().get(offset..limit).unwrap_or_default();
+    let length = bytes.iter().position(|&byte| byte == 0);
+    let wrong = || input.wrong(field, offset, "a text without end", "a zero byte after it");
+    length.map(|length| offset + length + 1).ok_or_else(wrong)
+}
+
+/// The text that ends with the next zero before `limit`, as far as it is kept, and the place behind the zero.
 fn string<'a>(
     input: &Input<'a>,
     field: &str,
     offset: usize,
     limit: usize,
 ) -> Result<(Cow<'a, str>, usize), FormatError> {
-    let bytes = input.bytes().get(offset..limit).unwrap_or_default();
-    let length = bytes
-        .iter()
-        .position(|&byte| byte == 0)
-        .ok_or_else(|| input.wrong(field, offset, "a text without end", "a zero byte after it"))?;
-    Ok((String::from_utf8_lossy(&bytes[..length]), offset + length + 1))
+    let end = behind_text(input, field, offset, limit)?;
+    let kept = &input.bytes()[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
+    Ok((String::from_utf8_lossy(kept), end))
 }
 
 /// Where `length` bytes from `offset` end, if that is before `limit`.
@@ -54,7 +60,7 @@ impl<'a> Object<'a> {
     /// # Errors
     /// A size beyond `limit`.
     pub(super) fn at(input: Input<'a>, field: &str, offset: usize, limit: usize) -> Result<Self, FormatError> {
-        let (_, size_at) = string(&input, field, offset, limit)?;
+        let size_at = behind_text(&input, field, offset, limit)?;
         let start = end(&input, field, size_at, 4, limit)?;
         let content_end = end(&input, field, start, input.u32(field, size_at)?.into(), limit)?;
         Ok(Self { input, offset, content: (start, content_end) })
@@ -99,7 +105,7 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
         b'b' | b'c' => end(input, &name, start, 1, limit)?,
         b'i' => end(input, &name, start, 4, limit)?,
         b'q' | b'd' => end(input, &name, start, 8, limit)?,
-        b's' => string(input, &name, start, limit)?.1,
+        b's' => behind_text(input, &name, start, limit)?,
         b'o' => Object::at(*input, &name, start, limit)?.content.1,
         b'C' | b'I' | b'Q' | b'D' | b'S' | b'O' => {
             let items = end(input, &name, start, 4, limit)?;
@@ -109,13 +115,13 @@ fn component<'a>(input: &Input<'a>, offset: usize, limit: usize) -> Result<Compo
                 b'I' => end(input, &name, items, 4 * u64::from(count), limit)?,
                 b'Q' | b'D' => end(input, &name, items, 8 * u64::from(count), limit)?,
                 // Every text takes a byte and every object five, so that the count is bounded by the bytes.
-                b'S' => (0..count).try_fold(items, |at, _| Ok::<_, FormatError>(string(input, &name, at, limit)?.1))?,
+                b'S' => (0..count).try_fold(items, |at, _| behind_text(input, &name, at, limit))?,
                 _ => (0..count).try_fold(items, |at, _| Ok(Object::at(*input, &name, at, limit)?.content.1))?,
             }
         }
         _ => {
             let found = (kind as char).escape_default();
-            let field = format!("type of the component {name}");
+            let field = format!("type of the component {}", shown(&name));
             return Err(input.wrong(&field, kind_at, found, "one of b c i q d s o C I Q D S O"));
         }
     };

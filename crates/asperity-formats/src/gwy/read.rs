@@ -6,7 +6,8 @@ use ndarray::Array2;
 
 use super::object::{Component, Object};
 use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
-use crate::input::Input;
+use crate::error::shown;
+use crate::input::{Input, Room};
 use crate::sample::Sample;
 use crate::selection::{some_of, unique};
 use crate::unit::per_metre;
@@ -14,6 +15,8 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 
 /// Images that one file may hold.
 const MAX_IMAGES: usize = 1 << 16;
+/// The most bytes of a title, which is the name of its image.
+const MAX_TITLE_BYTES: usize = 256;
 /// Mask values above mark a point.
 const MASKED: f64 = 0.5;
 
@@ -44,14 +47,15 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
     for (number, parts) in &images {
         let Some(data) = parts.data else { continue };
         let field = object(&input, &format!("/{number}/data"), data)?;
-        let title = parts.title.map(|title| text(&input, title)).filter(|title| !title.is_empty());
+        let title = parts.title.map(|at| title(&input, at)).filter(|title| !title.is_empty());
         let title = title.unwrap_or_else(|| format!("/{number}/data"));
         let units = Units::of(&input, &field)?;
         if units.per_metre_z().is_some() {
             maps.push((field, parts, units));
             titles.push(title);
         } else {
-            others.push(format!("`{title}` ({})", if units.z.is_empty() { "no unit" } else { &units.z }));
+            let unit = if units.z.is_empty() { "no unit".into() } else { shown(&units.z) };
+            others.push(format!("`{title}` ({unit})"));
         }
     }
     if maps.is_empty() {
@@ -119,11 +123,11 @@ fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a
     Object::at(*input, field, offset, input.len())
 }
 
-/// A text whose place the walk through the root has found.
-fn text(input: &Input, offset: usize) -> String {
+/// A title whose place the walk through the root has found.
+fn title(input: &Input, offset: usize) -> String {
     let bytes = input.bytes().get(offset..).unwrap_or_default();
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
-    String::from_utf8_lossy(&bytes[..end]).into_owned()
+    String::from_utf8_lossy(&bytes[..end.min(MAX_TITLE_BYTES)]).into_owned()
 }
 
 /// The units of an image, empty where none is stated.
@@ -279,9 +283,15 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<(), Forma
 /// Adds the texts of a container to the metadata.
 fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<(), FormatError> {
     meta.expect(CONTAINER)?;
+    let mut room = Room::default();
     for component in meta.components() {
         let component = component?;
+        if !room.is_left() {
+            scan.warnings.push("the file holds more metadata than were read".into());
+            break;
+        }
         if let Some(text) = component.text(input)? {
+            room.take(component.name.len() + text.len());
             scan.metadata.insert(component.name.into_owned(), text);
         }
     }

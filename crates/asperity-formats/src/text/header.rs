@@ -7,11 +7,9 @@
 use std::collections::BTreeMap;
 
 use crate::error::shown;
+use crate::input::{MAX_TEXT_BYTES, Room, utf8_or_latin1};
 use crate::text::rows::decimal_comma;
 use crate::unit::per_metre;
-
-/// Pairs that are kept of one header; further ones are left out.
-const MAX_PAIRS: usize = 10_000;
 
 /// A key with its value, and a unit that stood in brackets behind the key.
 struct Pair {
@@ -26,6 +24,8 @@ struct Pair {
 #[derive(Default)]
 pub(crate) struct Header {
     pairs: Vec<Pair>,
+    /// Room for further pairs; what comes after is left out.
+    room: Room,
 }
 
 /// What a header says of the numbers below it.
@@ -105,6 +105,8 @@ const HEIGHT: &[&str] =
 const COLUMNS: &[&str] = &["x pixels", "ncols", "nx"];
 const ROWS: &[&str] = &["y pixels", "nrows", "ny"];
 const CHANNEL: &[&str] = &["channel", "kanal", "canal", "canale", "kanál"];
+/// Bytes of the longest of them.
+const MAX_CHANNEL_KEY: usize = 8;
 const NO_DATA: &[&str] = &["nodata value", "no data value", "nodata", "no data", "missing value", "fill value"];
 /// The keys of an ESRI grid, which stand before their values without a sign between.
 pub(super) const ESRI: &[&str] =
@@ -121,9 +123,15 @@ impl Header {
         self.insert(key, value);
     }
 
+    /// Whether further pairs are kept.
+    pub(crate) fn has_room(&self) -> bool {
+        self.room.is_left()
+    }
+
     /// Adds a pair.
     pub(crate) fn insert(&mut self, key: &str, value: &str) {
-        if value.is_empty() || self.pairs.len() == MAX_PAIRS {
+        let [key, value] = [key, value].map(|text| &text[..text.floor_char_boundary(MAX_TEXT_BYTES)]);
+        if value.is_empty() || !self.room.take(2 * key.len() + value.len()) {
             return;
         }
         let (words, unit) = match key.split_once(['(', '[']) {
@@ -139,6 +147,15 @@ impl Header {
 
     fn find(&self, names: &[&str]) -> Option<&Pair> {
         names.iter().find_map(|name| self.pairs.iter().find(|pair| pair.name == *name))
+    }
+
+    /// Whether a comment names a map.
+    pub(crate) fn names_channel(comment: &[u8]) -> bool {
+        let Some(end) = comment.iter().position(|byte| matches!(byte, b':' | b'=')) else { return false };
+        let (key, value) = (comment[..end].trim_ascii(), comment[end + 1..].trim_ascii());
+        key.len() <= MAX_CHANNEL_KEY
+            && !value.is_empty()
+            && CHANNEL.contains(&utf8_or_latin1(key).to_lowercase().as_str())
     }
 
     /// The name of the map, where the header gives one.

@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use crate::error::shown;
+use crate::input::{Room, utf8_or_latin1};
 use crate::text::Separator;
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
@@ -13,8 +14,9 @@ use crate::{Format, FormatError, Location, MAX_POINTS};
 const BYTES_PER_THREAD: usize = 1 << 20;
 /// Pieces beyond which the memory, not the numbers, takes the time.
 const MAX_PIECES: usize = 8;
-/// Comments between rows that are kept; further ones are left out.
-const MAX_COMMENTS: usize = 10_000;
+/// Places of a long text at which its numbers are counted to take memory for all, and bytes that are looked at there.
+const SAMPLES: usize = 8;
+const SAMPLE_BYTES: usize = 1 << 12;
 
 /// What a byte between numbers means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,11 +35,13 @@ pub(crate) struct Layout {
     line_end: u8,
     /// Values of every row; `None` where ends of lines mean nothing.
     columns: Option<usize>,
+    /// Signs that start a comment.
+    comment: &'static [u8],
     classes: [Class; 256],
 }
 
 impl Layout {
-    pub(crate) fn new(format: Format, separator: Separator, comment: &[u8], line_end: u8) -> Self {
+    pub(crate) fn new(format: Format, separator: Separator, comment: &'static [u8], line_end: u8) -> Self {
         let mut classes = [Class::Other; 256];
         for blank in *b" \t\r\x0c" {
             classes[usize::from(blank)] = Class::Blank;
@@ -49,7 +53,7 @@ impl Layout {
             classes[usize::from(sign)] = Class::Comment;
         }
         classes[usize::from(line_end)] = Class::LineEnd;
-        Self { format, separator, line_end, columns: None, classes }
+        Self { format, separator, line_end, columns: None, comment, classes }
     }
 
     /// The same where every row holds as many values.
@@ -60,24 +64,62 @@ impl Layout {
     /// Number of values in the first line of `bytes`, if all of them are values.
     pub(crate) fn count(&self, bytes: &[u8]) -> Option<usize> {
         let mut scanner = Scanner { bytes, cursor: 0, layout: self };
-        // A byte is at most one value; growing by doubling would take more.
-        let mut table = Table { values: Vec::with_capacity(bytes.len() + 1), ..Table::default() };
+        let mut table = Table::<Count>::default();
         scanner.line(&mut table).ok().map(|()| table.values.len())
+    }
+
+    /// Number of values before the first fault of a line.
+    fn tally(&self, bytes: &[u8]) -> usize {
+        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
+        let mut table = Table::<Count>::default();
+        // A part of a row has fewer columns than a row.
+        let _ = scanner.line(&mut table);
+        table.values.len()
     }
 
     /// Whether the first field of a line is a value.
     pub(crate) fn starts_with_value(&self, line: &[u8]) -> bool {
         let mut scanner = Scanner { bytes: line, cursor: 0, layout: self };
         scanner.skip_blanks();
-        !matches!(scanner.class(), Class::LineEnd | Class::Comment) && scanner.field(&mut Table::default()).is_some()
+        !scanner.is_at_end() && scanner.field(&mut Table::<Count>::default()).is_some()
+    }
+}
+
+/// What becomes of values.
+pub(crate) trait Values {
+    fn push(&mut self, value: f64);
+    fn len(&self) -> usize;
+}
+
+impl Values for Vec<f64> {
+    fn push(&mut self, value: f64) {
+        self.push(value);
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+}
+
+/// Values that are only counted.
+#[derive(Default)]
+struct Count(usize);
+
+impl Values for Count {
+    fn push(&mut self, _value: f64) {
+        self.0 += 1;
+    }
+
+    fn len(&self) -> usize {
+        self.0
     }
 }
 
 /// Rows that were read.
 #[derive(Default)]
-pub(crate) struct Table {
+pub(crate) struct Table<V = Vec<f64>> {
     /// All values, row by row; NaN where missing.
-    pub(crate) values: Vec<f64>,
+    pub(crate) values: V,
     pub(crate) rows: usize,
     /// Rows that end with a separator.
     pub(crate) open_rows: usize,
@@ -85,6 +127,8 @@ pub(crate) struct Table {
     pub(crate) comments: Vec<String>,
     /// Whether a number had a comma for its decimal sign.
     pub(crate) decimal_comma: bool,
+    /// Room for further comments.
+    room: Room,
     lines: usize,
 }
 
@@ -114,7 +158,7 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
             read_piece(piece, layout, (length as f64 * per_byte) as usize)
         })
         .collect();
-    let mut table = Table::default();
+    let mut table = Table::<Vec<f64>>::default();
     for result in results {
         let line = |lines: usize| lines_before + table.lines + lines + 1;
         let piece = result.map_err(|(lines, fault)| layout.error(fault, line(lines)))?;
@@ -137,8 +181,12 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
 
 /// The first line that has a point outside of a comment.
 fn line_with_point(bytes: &[u8], layout: &Layout) -> Option<usize> {
-    let is_comment = |&byte: &u8| layout.classes[usize::from(byte)] == Class::Comment;
-    let numbers = |line: &[u8]| line.iter().position(is_comment).unwrap_or(line.len());
+    let numbers = |line: &[u8]| {
+        let starts = |(place, &byte): (usize, &u8)| {
+            layout.classes[usize::from(byte)] == Class::Comment && spreadsheet_error(&line[place..]).is_none()
+        };
+        line.iter().enumerate().position(starts).unwrap_or(line.len())
+    };
     bytes.split(|&byte| byte == layout.line_end).position(|line| line[..numbers(line)].contains(&b'.'))
 }
 
@@ -156,16 +204,26 @@ fn cut(bytes: &[u8], line_end: u8, count: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// Values that a byte stands for, judged by the first line and a little above; one is the most.
+/// Values that a byte stands for, judged at some places and a little above; one is the most.
 fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
-    let line = bytes.iter().position(|&byte| byte == layout.line_end).map_or(bytes.len(), |place| place + 1);
-    let values = layout.count(&bytes[..line]).unwrap_or(0);
-    (1.01 * values as f64 / line.max(1) as f64).min(1.0)
+    let is_border = |&byte: &u8| layout.classes[usize::from(byte)] != Class::Other;
+    let samples = if bytes.len() > SAMPLES * SAMPLE_BYTES { SAMPLES } else { 1 };
+    let (mut values, mut length) = (0, 0);
+    for start in (0..samples).map(|sample| bytes.len() / samples * sample) {
+        let sample = &bytes[start..bytes.len().min(start + SAMPLE_BYTES)];
+        length += sample.len();
+        // Fields that the sample cuts would not read as numbers.
+        let first = if start == 0 { Some(0) } else { sample.iter().position(is_border) };
+        let end = sample.iter().rposition(is_border);
+        let whole = first.zip(end).and_then(|(first, end)| sample.get(first..end)).unwrap_or_default();
+        values += whole.split(|&byte| byte == layout.line_end).map(|line| layout.tally(line)).sum::<usize>();
+    }
+    (1.01 * values as f64 / length.max(1) as f64).min(1.0)
 }
 
 fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
     let mut scanner = Scanner { bytes, cursor: 0, layout };
-    let mut table = Table { values: Vec::with_capacity(expected + 1), ..Table::default() };
+    let mut table = Table { values: Vec::with_capacity(expected + 1), ..Table::<Vec<f64>>::default() };
     while scanner.cursor < bytes.len() {
         scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
         scanner.cursor += 1;
@@ -185,8 +243,11 @@ impl Table {
         self.open_rows += piece.open_rows;
         self.decimal_comma |= piece.decimal_comma;
         self.lines += piece.lines;
-        let room = MAX_COMMENTS.saturating_sub(self.comments.len());
-        self.comments.extend(piece.comments.into_iter().take(room));
+        for comment in piece.comments {
+            if self.room.take(comment.len()) {
+                self.comments.push(comment);
+            }
+        }
     }
 }
 
@@ -212,22 +273,31 @@ impl Scanner<'_> {
         }
     }
 
+    /// Whether a row ends here.
+    fn is_at_end(&self) -> bool {
+        match self.class() {
+            Class::LineEnd => true,
+            Class::Comment => spreadsheet_error(&self.bytes[self.cursor..]).is_none(),
+            _ => false,
+        }
+    }
+
     /// Reads one line up to its end.
-    fn line(&mut self, table: &mut Table) -> Result<(), Fault> {
+    fn line<V: Values>(&mut self, table: &mut Table<V>) -> Result<(), Fault> {
         let before = table.values.len();
         self.skip_blanks();
-        while !matches!(self.class(), Class::LineEnd | Class::Comment) {
+        while !self.is_at_end() {
             match self.field(table) {
                 Some(value) => table.values.push(value),
                 None => {
-                    let (column, found) = (table.values.len() - before + 1, shown(&text(self.odd_field())));
+                    let (column, found) = (table.values.len() - before + 1, shown(&utf8_or_latin1(self.odd_field())));
                     return Err(Fault::Value { column, found });
                 }
             }
             if self.class() == Class::Separator {
                 self.cursor += 1;
                 self.skip_blanks();
-                if matches!(self.class(), Class::LineEnd | Class::Comment) {
+                if self.is_at_end() {
                     table.values.push(f64::NAN);
                     table.open_rows += 1;
                 }
@@ -236,8 +306,10 @@ impl Scanner<'_> {
         if self.class() == Class::Comment {
             let rest = &self.bytes[self.cursor..];
             let length = rest.iter().position(|&byte| byte == self.layout.line_end).unwrap_or(rest.len());
-            if table.comments.len() < MAX_COMMENTS {
-                table.comments.push(self.layout.comment(&rest[..length]));
+            if table.room.is_left() {
+                let comment = comment(&rest[..length], self.layout.comment);
+                table.room.take(comment.len());
+                table.comments.push(comment);
             }
             self.cursor += length;
         }
@@ -252,7 +324,7 @@ impl Scanner<'_> {
 
     /// The value at the cursor, which moves to the separator or the field behind it; NaN where it is missing, `None`
     /// where it is no number or beyond the range of `f64`.
-    fn field(&mut self, table: &mut Table) -> Option<f64> {
+    fn field<V: Values>(&mut self, table: &mut Table<V>) -> Option<f64> {
         let rest = &self.bytes[self.cursor..];
         let is_one = |length: &usize| self.layout.separator != Separator::Comma || !rest[..*length].contains(&b',');
         if let Some(length) = no_number(rest).filter(is_one) {
@@ -301,6 +373,9 @@ impl Scanner<'_> {
         if let Some(words) = words.filter(|_| self.class_at(self.cursor + NO_DATA.len()) != Class::Other) {
             return words;
         }
+        if let Some(error) = spreadsheet_error(rest) {
+            return error;
+        }
         let length = rest.iter().position(ends).unwrap_or(rest.len());
         rest[..length].trim_ascii_end()
     }
@@ -324,7 +399,11 @@ fn missing(field: &[u8]) -> bool {
         // As C libraries write it: `-nan(ind)`.
         unsigned.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"nan(")) && field.ends_with(b")")
     };
-    field.is_empty() || field.eq_ignore_ascii_case(b"bad") || field.eq_ignore_ascii_case(NO_DATA) || is_nan()
+    field.is_empty()
+        || field.eq_ignore_ascii_case(b"bad")
+        || field.eq_ignore_ascii_case(NO_DATA)
+        || spreadsheet_error(field) == Some(field)
+        || is_nan()
 }
 
 /// The length of what Microsoft's C library wrote for no number (`1.#QNAN`, `-1.#IND00`, `1,#INF`), where it starts here.
@@ -335,12 +414,6 @@ fn no_number(bytes: &[u8]) -> Option<usize> {
     let is_mark = [&b"QNAN"[..], b"SNAN", b"IND", b"INF"].iter().any(|mark| word[..letters].eq_ignore_ascii_case(mark));
     let digits = word[letters..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     is_mark.then_some(bytes.len() - word.len() + letters + digits)
-}
-
-/// Where the comment of a line starts: at the first of the signs that is no part of a number.
-pub(crate) fn comment_start(line: &[u8], signs: &[u8]) -> usize {
-    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| no_number(&line[start..]).is_some());
-    (0..line.len()).find(|&place| signs.contains(&line[place]) && !is_number(place)).unwrap_or(line.len())
 }
 
 /// A number, NaN where it is infinite, `None` where it is beyond the range of `f64`.
@@ -365,20 +438,33 @@ pub(super) fn decimal_comma(field: &[u8]) -> Option<f64> {
     number(&field)
 }
 
-/// Text in UTF-8, or else in Latin-1.
-pub(crate) fn text(bytes: &[u8]) -> String {
-    let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
-    std::str::from_utf8(bytes).map_or_else(|_| latin1(), str::to_owned)
+/// What spreadsheets export where a cell has no value; the sign would start a comment otherwise.
+const SPREADSHEET_ERRORS: [&[u8]; 8] =
+    [b"#N/A", b"#DIV/0!", b"#VALUE!", b"#REF!", b"#NAME?", b"#NUM!", b"#NULL!", b"#NV"];
+
+/// The error of a spreadsheet at the start of a field.
+fn spreadsheet_error(rest: &[u8]) -> Option<&[u8]> {
+    let is_end = |byte: Option<&u8>| byte.is_none_or(|byte| matches!(byte, b',' | b';') || byte.is_ascii_whitespace());
+    let error = SPREADSHEET_ERRORS.iter().find(|error| rest.starts_with(error) && is_end(rest.get(error.len())))?;
+    rest.get(..error.len())
+}
+
+/// Where the comment of a line starts: its length where there is none.
+pub(super) fn comment_start(line: &[u8]) -> usize {
+    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| no_number(&line[start..]).is_some());
+    let starts = |(place, byte): (usize, &u8)| {
+        super::COMMENT.contains(byte) && spreadsheet_error(&line[place..]).is_none() && !is_number(place)
+    };
+    line.iter().enumerate().position(starts).unwrap_or(line.len())
+}
+
+/// What a comment says, without the signs that start it.
+pub(super) fn comment(comment: &[u8], signs: &[u8]) -> String {
+    let start = comment.iter().position(|byte| !signs.contains(byte)).unwrap_or(comment.len());
+    utf8_or_latin1(comment[start..].trim_ascii())
 }
 
 impl Layout {
-    /// What a comment says, without its signs.
-    pub(crate) fn comment(&self, comment: &[u8]) -> String {
-        let is_sign = |&byte: &u8| self.classes[usize::from(byte)] == Class::Comment;
-        let start = comment.iter().position(|byte| !is_sign(byte)).unwrap_or(comment.len());
-        text(comment[start..].trim_ascii())
-    }
-
     fn error(&self, fault: Fault, line: usize) -> FormatError {
         let (format, at) = (self.format, Location::Line(line));
         match fault {

@@ -1,7 +1,7 @@
 //! Directories of a TIFF file and the fields in them, of classic and of big files.
 
 use crate::FormatError;
-use crate::input::{Input, latin1};
+use crate::input::{Input, utf8_or_latin1};
 use crate::sample::{ByteOrder, Sample};
 
 /// Fields that one directory may have; files of any kind have less than a hundred.
@@ -174,7 +174,7 @@ impl Directory<'_> {
         let length = usize::try_from(entry.count).unwrap_or(usize::MAX);
         let bytes = self.input.take(tag.1, entry.values, length)?;
         let bytes = bytes.split(|&byte| byte == 0).next().unwrap_or_default();
-        let text = std::str::from_utf8(bytes).map_or_else(|_| latin1(bytes), |text| text.trim().to_owned());
+        let text = utf8_or_latin1(bytes.trim_ascii()).trim().to_owned();
         Ok(Some(text).filter(|text| !text.is_empty()))
     }
 

@@ -11,8 +11,8 @@ use crate::scan::{Dimension, shape};
 use crate::xml::Document;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// The largest `main.xml`, in bytes: room for a data list of a few million points.
-const MAX_MAIN_BYTES: u64 = 1 << 28;
+/// The largest `main.xml`, in bytes: room for a data list of two million points.
+const MAX_MAIN_BYTES: u64 = 1 << 26;
 /// The largest checksum file, in bytes.
 const MAX_CHECKSUM_BYTES: u64 = 1 << 12;
 /// Bytes that a validity file may have beyond those that its points need.

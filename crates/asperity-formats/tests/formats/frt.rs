@@ -317,13 +317,20 @@ fn a_block_longer_than_the_file_is_refused_with_its_tag() {
 #[test]
 fn many_small_images_take_no_more_than_their_bytes_justify() {
     let image = [u32s(&[4, 2, 2, 16]), u16s(&[5, 6, 7, 8])].concat();
-    let images = [u16s(&[0; 4]), image.repeat(1 << 17)].concat();
-    // As many empty blocks besides.
+    // Many empty blocks besides.
     let empty = [u16s(&[9]), u32s(&[0])].concat();
-    let bytes = [Frt::single().with(0x007d, images).bytes(), empty.repeat(1 << 17)].concat();
+    let bytes = |images: usize| {
+        let images = [u16s(&[0; 4]), image.repeat(images)].concat();
+        [Frt::single().with(0x007d, images).bytes(), empty.repeat(1 << 17)].concat()
+    };
+    let many = bytes(1 << 12);
     let start = std::time::Instant::now();
-    let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(&bytes).unwrap());
-    assert_eq!(scan.channels.len(), 1 << 17);
-    assert!(peak < (64 << 20) + 2 * bytes.len(), "{peak} bytes for {}", bytes.len());
+    let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(&many).unwrap());
+    assert_eq!(scan.channels.len(), 1 << 12);
+    // Each has a name of its own.
+    assert_eq!(scan.channels[1], format!("{} 2", scan.channels[0]));
+    assert!(peak < (1 << 20) + 2 * many.len(), "{peak} bytes for {}", many.len());
     assert!(start.elapsed() < std::time::Duration::from_secs(2), "{:?}", start.elapsed());
+    let error = read_bytes(&bytes((1 << 12) + 1)).unwrap_err();
+    assert!(error.to_string().ends_with("is 4097; the limit is 4096"), "{error}");
 }

@@ -1,4 +1,4 @@
-use asperity_formats::{FormatError, ReadOptions, read_bytes, read_bytes_with};
+use asperity_formats::{Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
 
 use crate::assert_heights;
 use crate::fixture::Fixture;
@@ -62,6 +62,67 @@ fn empty_fields_nan_and_inf_are_missing() {
     for text in ["1,,nan\n,2,-inf", "1;;NaN\n;2;Infinity", "1\t\tNAN\n\t2\tinf", "1 nan nan\ninf 2 -INF"] {
         assert_heights(&read_bytes(text.as_bytes()).unwrap(), &[1.0, NAN, NAN, NAN, 2.0, NAN]);
     }
+}
+
+#[test]
+fn errors_of_spreadsheets_are_missing_and_no_comments() {
+    for text in ["1,#N/A,3\n#DIV/0!,5,6 # both\n", "1\t#NV\t3\r\n#VALUE!\t5\t6\r\n", "1 #NUM! 3\n#REF! 5 6"] {
+        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        assert_heights(&scan, &[1.0, NAN, 3.0, NAN, 5.0, 6.0]);
+    }
+    let scan = read_bytes(b"#N/A,1\n2,3\n").unwrap();
+    assert_heights(&scan, &[NAN, 1.0, 2.0, 3.0]);
+    assert!(scan.metadata.is_empty());
+    assert_eq!(read_bytes(b"#N/Applicable\n2,3\n").unwrap().metadata["comment"], "N/Applicable");
+}
+
+#[test]
+fn text_in_utf16_is_read_as_spreadsheets_write_it() {
+    let text = "# unit: µm\r\n1,5\t2,5\r\n3,5\t4,5\r\n";
+    let little = text.encode_utf16().flat_map(u16::to_le_bytes);
+    let big = text.encode_utf16().flat_map(u16::to_be_bytes);
+    for bytes in [[0xff, 0xfe].into_iter().chain(little).collect(), [0xfe, 0xff].into_iter().chain(big).collect()] {
+        let bytes: Vec<u8> = bytes;
+        assert_eq!(Format::detect(&bytes), Some(Format::Text));
+        assert_heights(&read_bytes(&bytes).unwrap(), &[1.5e-6, 2.5e-6, 3.5e-6, 4.5e-6]);
+    }
+    // Bytes that only start like it.
+    assert_eq!(Format::detect(b"\xff\xfe\x00\x00\x01\x00"), None);
+}
+
+#[test]
+fn labels_of_rows_and_columns_are_no_heights() {
+    let heights = [1e-6, 2e-6, 3e-6, 4e-6];
+    for text in [
+        // As pandas writes a frame, and a spreadsheet with coordinates.
+        ",0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n",
+        ";1;2\n1;1e-6;2e-6\n2;3e-6;4e-6\n",
+    ] {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!(scan.heights_m.dim(), (2, 2), "{text:?}");
+        assert_heights(&scan, &heights);
+        assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("labels")), "{:?}", scan.warnings);
+    }
+    let scan = read_bytes(b"\t0.0\t0.33\t0.67\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n").unwrap();
+    assert_eq!(scan.heights_m.dim(), (4, 4), "0.33 is not half of 0.67");
+    let scan = read_bytes(b"\t0.0\t0.333\t0.666\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n").unwrap();
+    assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+    // A plane without its first point, as numbers; two columns; a corner that is there.
+    for (text, shape) in
+        [("nan,1,2\n1,2,3\n2,3,4\n", (3, 3)), (",1\n1,2\n2,3\n", (3, 2)), ("0,0,1\n0,5,6\n1,7,8\n", (3, 3))]
+    {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!((scan.heights_m.dim(), scan.warnings.len()), (shape, 0), "{text:?}");
+    }
+}
+
+#[test]
+fn channels_of_the_same_name_are_numbered() {
+    let text = "# Channel: Z\n1 2\n# Channel: Z\n3 4\n";
+    let scan = read_bytes(text.as_bytes()).unwrap();
+    assert_eq!(scan.channels, ["Z", "Z 2"]);
+    let options = ReadOptions { channel: Some("z 2".into()) };
+    assert_heights(&read_bytes_with(text.as_bytes(), &options).unwrap(), &[3.0, 4.0]);
 }
 
 #[test]
