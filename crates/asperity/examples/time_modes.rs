@@ -4,6 +4,7 @@
 //!
 //! A square of `points` × `points` with correlation length a fifth of the side. On Linux the processor time of all threads
 //! and the largest resident memory are told as well, which matter on a shared machine.
+#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
 
 use std::error::Error;
 use std::time::Instant;

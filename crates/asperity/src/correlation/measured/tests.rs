@@ -212,7 +212,7 @@ fn a_map_that_is_all_form_or_has_no_neighbours_has_no_covariance() {
     let error = MeasuredCovariance::new(&estimate).unwrap_err();
     assert!(matches!(error, MeasuredCovarianceError::FewPatches { patches, .. } if patches < 10.0), "{error}");
     let chess = HeightMap::from_function(unit_grid(16, 16), |x, y| {
-        if (x as usize + y as usize) % 2 == 0 { x.sin() } else { f64::NAN }
+        if (x as usize + y as usize).is_multiple_of(2) { x.sin() } else { f64::NAN }
     });
     let estimate = Autocorrelation::estimate(&chess.unwrap()).unwrap();
     assert_eq!(MeasuredCovariance::new(&estimate).unwrap_err(), MeasuredCovarianceError::NoPairs);
