@@ -109,6 +109,14 @@ def sur_int16(path, heights):
     path.write_bytes(bytes(header) + stored.tobytes())
 
 
+def tmd(path, heights):
+    """A TrueMap file by the vendor's own routines: lengths and heights in millimetre. surfalize writes micrometre."""
+    rows, columns = heights.shape
+    header = b"Binary TrueMap Data File v2.0\r\n\0" + b"map".ljust(24, b"\0")
+    header += struct.pack("<2I4f", columns, rows, columns * PITCH_M * 1e3, rows * PITCH_M * 1e3, 0.0, 0.0)
+    path.write_bytes(header + (heights * 1e3).astype("<f4").tobytes())
+
+
 def numbers(path, count):
     """The last bytes of a file as so many numbers: the fastest that NumPy can read them."""
     size = path.stat().st_size
@@ -145,7 +153,7 @@ def cases():
         Case("SUR", "sur", *surfalize, fromfile, numbers, tolerance=loose),
         Case("SDF, binary", "sdf", *surfalize, fromfile, numbers, tolerance=loose),
         Case("AL3D", "al3d", *surfalize, fromfile, numbers, tolerance=loose),
-        Case("TMD", "tmd", *surfalize, fromfile, numbers, tolerance=loose),
+        Case("TMD", "tmd", "this script", tmd, fromfile, numbers, tolerance=loose, ask=False),
         Case("NetCDF, classic", "nc", both[0], lambda path, z: topography(z).to_netcdf(str(path)), fromfile, numbers,
              peers=both[:1]),
         Case("GWY", "gwy", both[0], lambda path, z: topography(z).to_gwy(str(path)), fromfile, numbers),
@@ -260,13 +268,18 @@ def run(arguments, folder):
                 if apart > max(case.tolerance, 1e-9) or words:
                     notes.append(f"{case.name}: {name} differs by {apart:.1e} of the range {words}".rstrip())
             except Exception as error:
-                notes.append(f"{case.name}: {name} does not read it: {type(error).__name__}: {str(error)[:100]}")
+                notes.append(f"{case.name}: {name} does not read it: {type(error).__name__}: {first_line(error)}")
         megabytes = path.stat().st_size / 1e6
         rows.append((case, writer, megabytes, baseline, best, median, ratio, met, peers))
         print(f"{case.name}: {best:.4f} s, {case.baseline_name} {baseline:.4f} s, ratio {ratio:.2f}", flush=True)
         if not arguments.keep:
             path.unlink()
     return rows, notes, failed
+
+
+def first_line(error):
+    """What an error says, short enough for a list."""
+    return (str(error).strip().splitlines() or [""])[0][:100].strip()
 
 
 def machine():

@@ -17,6 +17,7 @@ use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -181,16 +182,11 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     if let Some(room) = room.filter(|&room| room != ny * stride) {
         warnings.push(format!("the depths take {} bytes, but another image starts after {room}", ny * stride));
     }
-    let mut depths = Vec::with_capacity(ny * nx);
-    for row in image.chunks(stride) {
-        Sample::F32.decode(ByteOrder::Little, &row[..nx * Sample::F32.size()], &mut depths);
-    }
     let is_missing = invalid(&header);
-    for z in &mut depths {
-        if is_missing(*z) {
-            *z = f64::NAN;
-        }
-    }
+    let mut depths = large::rows(nx, image, stride, |record, row| {
+        Sample::F32.decode_into(ByteOrder::Little, record, row);
+        row.iter_mut().filter(|z| is_missing(**z)).for_each(|z| *z = f64::NAN);
+    });
     if let Some(texture) = texture {
         filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings);
     }

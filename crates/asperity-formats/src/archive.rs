@@ -8,6 +8,7 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 
 use crate::error::shown;
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
@@ -235,7 +236,7 @@ impl<'a> Archive<'a> {
     /// Room for `count` numbers, as far as the archive's bytes make them likely.
     pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
         let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
-        Vec::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
+        large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
     }
 
     /// The first `count` little-endian numbers of a file that should hold `total` of them.

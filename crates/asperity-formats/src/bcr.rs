@@ -18,6 +18,7 @@ use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::text::header::Header as Notes;
 use crate::unit::per_metre;
@@ -175,12 +176,11 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     })?;
     let scale = scale(&header, sample, &mut warnings)?;
     let keeps_code = sample == Sample::I16 && header.number("voidpixels")? == Some(0.0);
-    let mut codes = 0_usize;
-    for z in &mut heights {
+    let codes = large::count(&mut heights, |z| {
         let is_code = if sample == Sample::I16 { *z == VOID_INTEGER } else { *z > VOID_FLOAT };
-        codes += usize::from(is_code);
         *z = if is_code && !keeps_code { f64::NAN } else { *z * scale / per_metre };
-    }
+        is_code
+    });
     if keeps_code && codes > 0 {
         warnings.push(format!(
             "{codes} heights equal the code for missing points, but the header says that none are missing; they were kept"

@@ -1,11 +1,12 @@
 //! Files on disk: what kind they are, and how they are replaced.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::archive::gunzip;
+use crate::large;
 use crate::text::{Separator, write_text};
 use crate::x3p::ZIP_MAGIC;
 use crate::{Format, FormatError, Location, ReadOptions, Scan, npy};
@@ -19,6 +20,9 @@ const MAX_ATTEMPTS: u32 = 100;
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
 /// Bytes from which content is known but for archives: headers that tell a format take a few hundred.
 const PROBE_BYTES: u64 = 1 << 16;
+/// Bytes from which on all threads read a file, and how many each takes at a time.
+const PARALLEL_BYTES: usize = 4 << 20;
+const PIECE_BYTES: usize = 1 << 20;
 /// Bytes that an error shows of content it does not know.
 const SHOWN_BYTES: usize = 12;
 
@@ -64,10 +68,42 @@ fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
     }
     // What the system says of the length only sizes the buffer; a pipe has none.
     let length = file.metadata().map_or(0, |metadata| metadata.len().min(MAX_FILE_BYTES));
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or_default().max(start.len()) + 1);
-    bytes.append(&mut start);
+    let length = usize::try_from(length).unwrap_or_default();
+    let mut bytes = match whole(&file, length) {
+        Some(bytes) => {
+            file.seek(SeekFrom::Start(length as u64)).map_err(failed)?;
+            bytes
+        }
+        None => {
+            start.reserve(length.saturating_sub(start.len()) + 1);
+            start
+        }
+    };
+    // A file may grow.
     file.take(MAX_FILE_BYTES + 1 - bytes.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
     Ok(bytes)
+}
+
+/// The first bytes of a large file, read by all threads; `None` where that gains nothing or does not succeed.
+#[cfg(unix)]
+fn whole(file: &File, length: usize) -> Option<Vec<u8>> {
+    use rayon::prelude::*;
+    use std::os::unix::fs::FileExt;
+
+    if length < PARALLEL_BYTES {
+        return None;
+    }
+    // One more byte, so that the end is found without more memory.
+    let mut bytes = large::zeros(length + 1);
+    bytes.truncate(length);
+    let pieces = bytes.par_chunks_mut(PIECE_BYTES).enumerate();
+    pieces.try_for_each(|(place, piece)| file.read_exact_at(piece, (place * PIECE_BYTES) as u64)).ok()?;
+    Some(bytes)
+}
+
+#[cfg(not(unix))]
+fn whole(_file: &File, _length: usize) -> Option<Vec<u8>> {
+    None
 }
 
 /// Whether the start of a long file leaves hope for the rest, so that a film is not read to its end. The directory of

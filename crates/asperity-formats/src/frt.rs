@@ -32,6 +32,7 @@ use self::blocks::{
 use self::image::{Image, TOPOGRAPHY, images};
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large;
 use crate::sample::Sample;
 use crate::selection::unique;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -166,12 +167,12 @@ fn scale(
         (range.0 < range.1).then_some(range)
     });
     let (first, last) = valid.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    let mut outside = 0_usize;
-    for z in heights {
+    let outside = large::count(heights, |z| {
         let is_void = *z == VOID;
-        outside += usize::from(!is_void && (*z < first || *z > last));
+        let is_outside = !is_void && (*z < first || *z > last);
         *z = if is_void { f64::NAN } else { *z * scale_m };
-    }
+        is_outside
+    });
     if outside > 0 {
         warnings.push(format!(
             "{outside} heights are outside of the valid numbers that the file states, {first} to {last}; they were kept"

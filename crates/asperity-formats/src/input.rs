@@ -96,9 +96,20 @@ impl<'a> Input<'a> {
         count: usize,
         sample: Sample,
     ) -> Result<Vec<f64>, FormatError> {
-        let length = count.saturating_mul(sample.size());
-        let bytes = self.take(part, offset, length)?;
-        Ok(sample.decode_all(self.order, bytes))
+        self.samples_as(part, offset, count, sample, |value| value)
+    }
+
+    /// As [`Input::samples`], with every number changed.
+    pub(crate) fn samples_as(
+        &self,
+        part: &str,
+        offset: usize,
+        count: usize,
+        sample: Sample,
+        change: impl Fn(f64) -> f64 + Sync,
+    ) -> Result<Vec<f64>, FormatError> {
+        let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
+        Ok(sample.decode_and_map(self.order, bytes, change))
     }
 
     /// Checked shape `(rows, columns)` of a map from fields that hold its dimensions, each `(name, offset, value)`.

@@ -25,6 +25,7 @@ mod frt;
 mod gwy;
 mod hdf5;
 mod input;
+mod large;
 mod metropro;
 mod netcdf;
 mod nms;

@@ -22,6 +22,7 @@ use ndarray::Array2;
 use crate::format::{Codec, Description, Tested};
 use crate::hdf5;
 use crate::input::Input;
+use crate::large;
 use crate::sample::Sample;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -145,6 +146,20 @@ impl Source<'_> {
             Self::Enhanced(file) => enhanced::numbers(file, variable),
         }
     }
+
+    /// The numbers of a map of so many rows and columns, in the order of its columns where it is turned.
+    fn map(&self, variable: &Variable, shape: (usize, usize), is_turned: bool) -> Result<Vec<f64>, FormatError> {
+        match self {
+            Self::Classic(input) if is_turned => classic::columns(input, variable, shape),
+            _ if is_turned => self.numbers(variable).map(|numbers| transposed(numbers, shape)),
+            _ => self.numbers(variable),
+        }
+    }
+}
+
+/// The numbers of a map in the order of its columns; of another count as they are, which no shape will fit.
+fn transposed(numbers: Vec<f64>, shape: (usize, usize)) -> Vec<f64> {
+    if numbers.len() == shape.0 * shape.1 { large::transposed(&numbers, shape) } else { numbers }
 }
 
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
@@ -177,37 +192,37 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     if unit.is_none() {
         warnings.push("the file states no unit; heights and positions were taken for metre".into());
     }
-    let heights = heights(&source, &contents, map, unit.unwrap_or("m"), &input)?;
-    let heights_m = Array2::from_shape_vec((rows, columns), heights)
-        .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
+    let is_turned = slow.is_named("x") || fast.is_named("y");
+    let numbers = |variable: &Variable| source.map(variable, (rows, columns), is_turned);
+    let heights = heights(numbers, &contents, map, unit.unwrap_or("m"), &input)?;
     let mut pitch_m = |axis: &Axis| axis.pitch_m(&source, unit.is_none().then_some("m"), &mut warnings);
     let (along_slow, along_fast) = (pitch_m(&slow)?, pitch_m(&fast)?);
-    let is_turned = slow.is_named("x") || fast.is_named("y");
     let read = [slow.positions, fast.positions, Some(map)].into_iter().flatten().map(|one| one.name.clone());
     let read: Vec<String> = read.collect();
-    let (heights_m, pitch_m) = if is_turned {
-        (heights_m.reversed_axes().as_standard_layout().into_owned(), along_slow.zip(along_fast))
-    } else {
-        (heights_m, along_fast.zip(along_slow))
+    let (shape, pitch_m) = match is_turned {
+        true => ((columns, rows), along_slow.zip(along_fast)),
+        false => ((rows, columns), along_fast.zip(along_slow)),
     };
+    let heights_m = Array2::from_shape_vec(shape, heights)
+        .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
     let metadata = metadata(contents, &read);
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))
 }
 
-/// The heights in metre in the order of the file, NaN where they are missing.
+/// The heights in metre, NaN where they are missing.
 fn heights(
-    source: &Source,
+    numbers: impl Fn(&Variable) -> Result<Vec<f64>, FormatError>,
     contents: &Contents,
     map: &Variable,
     unit: &str,
     input: &Input,
 ) -> Result<Vec<f64>, FormatError> {
     let per_metre = per_metre(unit).ok_or_else(|| input.wrong("unit", map.at, unit, "a unit of length"))?;
-    let mut heights = source.numbers(map)?;
+    let mut heights = numbers(map)?;
     unpack(map, per_metre, &mut heights);
     let mask = contents.variables.iter().find(|variable| variable.name == MASK && variable.sample.is_some());
     if let Some(mask) = mask.filter(|mask| map.name == HEIGHTS && mask.shape == map.shape) {
-        for (z, masked) in heights.iter_mut().zip(source.numbers(mask)?) {
+        for (z, masked) in heights.iter_mut().zip(numbers(mask)?) {
             if masked != 0.0 {
                 *z = f64::NAN;
             }
@@ -249,8 +264,11 @@ fn unpack(variable: &Variable, per_metre: f64, numbers: &mut [f64]) {
     }
     let first = |name, default| variable.numbers(name).first().copied().unwrap_or(default);
     let (scale, offset) = (first("scale_factor", 1.0), first("add_offset", 0.0));
-    for z in numbers {
-        *z = if missing.contains(z) { f64::NAN } else { (*z * scale + offset) / per_metre };
+    let in_metre = |z: f64| (z * scale + offset) / per_metre;
+    match missing[..] {
+        // One is the rule, and is compared with without a loop.
+        [missing] => large::map(numbers, |z| if z == missing { f64::NAN } else { in_metre(z) }),
+        _ => large::map(numbers, |z| if missing.contains(&z) { f64::NAN } else { in_metre(z) }),
     }
 }
 

@@ -13,6 +13,7 @@ use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large;
 use crate::sample::Sample;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -137,15 +138,11 @@ fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Resu
     };
     let (f_low, f_high) = (bound(F_LOW)?, bound(F_HIGH)?);
     let step = (f_high - f_low) / (n_high - n_low);
-    let mut outside = 0_usize;
-    for z in heights {
-        if *z < n_low || *z > n_high {
-            *z = f64::NAN;
-            outside += 1;
-        } else {
-            *z = (f_low + (*z - n_low) * step) / MICROMETRES;
-        }
-    }
+    let outside = large::count(heights, |z| {
+        let is_outside = *z < n_low || *z > n_high;
+        *z = if is_outside { f64::NAN } else { (f_low + (*z - n_low) * step) / MICROMETRES };
+        is_outside
+    });
     if outside > 0 {
         warnings
             .push(format!("{outside} numbers are outside of {n_low} to {n_high} and were taken for missing points"));

@@ -150,10 +150,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
             stated.1, stated.0
         ));
     }
-    let mut heights = input.samples("the heights", start, ny * nx, Sample::F32)?;
-    for z in &mut heights {
-        *z = if *z == LOST { f64::NAN } else { *z / PER_METRE };
-    }
+    let in_metre = |z| if z == LOST { f64::NAN } else { z / PER_METRE };
+    let heights = input.samples_as("the heights", start, ny * nx, Sample::F32, in_metre)?;
     // Micrometres per pixel are the distance between points; the field of view is n of them.
     let pitch_m = Some((
         f64::from(input.f32(PITCH_X.0, PITCH_X.1)?) / PER_METRE,

@@ -1,12 +1,9 @@
 //! Numbers as files store them.
 
-use rayon::prelude::*;
+use crate::large;
 
-/// Numbers from which on all threads decode, and how many each takes at a time.
-const PARALLEL_NUMBERS: usize = 1 << 18;
-const CHUNK_NUMBERS: usize = 1 << 16;
-/// Columns that are turned into parts of rows together.
-const COLUMNS_AT_ONCE: usize = 16;
+/// Numbers that are decoded at a time.
+const ROW_NUMBERS: usize = 1 << 12;
 
 /// Order of the bytes of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,36 +40,29 @@ impl Sample {
 
     /// The numbers in `bytes`; bytes that do not fill a number are left out.
     ///
-    /// 64-bit integers beyond 2⁵³ are rounded. Large arrays are decoded by all threads: most of the time goes into the
-    /// first touch of new memory.
+    /// 64-bit integers beyond 2⁵³ are rounded. Large arrays are decoded by all threads.
     pub(crate) fn decode_all(self, order: ByteOrder, bytes: &[u8]) -> Vec<f64> {
-        let mut values = vec![0.0; bytes.len() / self.size()];
-        if values.len() < PARALLEL_NUMBERS {
-            self.decode_into(order, bytes, &mut values);
-        } else {
-            let chunks = bytes.par_chunks(CHUNK_NUMBERS * self.size());
-            values
-                .par_chunks_mut(CHUNK_NUMBERS)
-                .zip(chunks)
-                .for_each(|(values, bytes)| self.decode_into(order, bytes, values));
-        }
+        self.decode_and_map(order, bytes, |value| value)
+    }
+
+    /// As [`Sample::decode_all`], with every number changed while it is at hand.
+    pub(crate) fn decode_and_map(self, order: ByteOrder, bytes: &[u8], change: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+        let whole = &bytes[..bytes.len() / self.size() * self.size()];
+        // Any number of columns will do.
+        let columns = (whole.len() / self.size()).clamp(1, ROW_NUMBERS);
+        let mut values = large::rows(columns, whole, columns * self.size(), |record, row| {
+            self.decode_into(order, record, row);
+            row.iter_mut().for_each(|value| *value = change(*value));
+        });
+        values.truncate(whole.len() / self.size());
         values
     }
 
     /// The numbers of a map whose columns follow each other in `bytes`, in the order of rows.
     pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): (usize, usize)) -> Vec<f64> {
-        let mut values = vec![0.0; ny * nx];
-        // Neighbours in a row share a line of the processor's cache.
-        let mut columns = Vec::new();
-        for (strip, stored) in bytes.chunks(COLUMNS_AT_ONCE * ny * self.size()).enumerate() {
-            columns.clear();
-            self.decode(order, stored, &mut columns);
-            for (y, row) in values.chunks_mut(nx).enumerate() {
-                let row = row.iter_mut().skip(strip * COLUMNS_AT_ONCE);
-                row.zip(columns.iter().skip(y).step_by(ny)).for_each(|(value, &stored)| *value = stored);
-            }
-        }
-        values
+        large::turned((nx, ny), |column, first, part| {
+            self.decode_into(order, &bytes[(column * ny + first) * self.size()..], part);
+        })
     }
 
     /// Appends the numbers in `bytes` to `values`, as [`Sample::decode_all`].
@@ -133,7 +123,7 @@ mod tests {
 
     #[test]
     fn large_arrays_are_decoded_like_small_ones() {
-        let count = 2 * PARALLEL_NUMBERS + 7;
+        let count = (1 << 19) + 7;
         let bytes: Vec<u8> = (0..count as u32).flat_map(u32::to_be_bytes).collect();
         let values = decoded(Sample::U32, ByteOrder::Big, &bytes);
         assert!(values.len() == count && values.iter().enumerate().all(|(i, value)| *value == i as f64));
@@ -141,7 +131,7 @@ mod tests {
 
     #[test]
     fn columns_become_rows() {
-        // More columns than are turned at once; column 0 is 0, 1, column 1 is 2, 3.
+        // Column 0 is 0, 1, column 1 is 2, 3.
         let bytes: Vec<u8> = (0..40).collect();
         let values = Sample::U8.decode_columns(ByteOrder::Little, &bytes, (2, 20));
         let wanted = (0..2).flat_map(|y| (0..20).map(move |x| f64::from(2 * x + y)));

@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use crate::error::{cut, shown};
+use crate::large;
 use crate::selection::some_of;
 use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
 pub const MAX_POINTS: u64 = 1 << 28;
 
-/// Points from which on all threads look at the heights.
-const PARALLEL_POINTS: usize = 1 << 18;
 /// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
 /// The most characters of a warning: some repeat what the file says.
@@ -107,26 +105,30 @@ impl Scan {
 
 /// Makes NaN of every height that is not finite; the lowest and the highest of the others, `None` when there are none.
 fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
-    let range = |values: &mut [f64]| {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for z in values {
-            *z = if z.is_finite() { *z } else { f64::NAN };
-            // Comparisons with NaN keep what was there.
-            low = low.min(*z);
-            high = high.max(*z);
-        }
-        (low, high)
+    let pieces = match heights_m.as_slice_memory_order_mut() {
+        Some(values) => large::pass(values, range),
+        None => heights_m.iter_mut().map(|z| range(std::slice::from_mut(z))).collect(),
     };
     let join = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-    let empty = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = match heights_m.as_slice_memory_order_mut() {
-        Some(values) if values.len() >= PARALLEL_POINTS => {
-            values.par_chunks_mut(PARALLEL_POINTS / 4).map(range).reduce(|| empty, join)
-        }
-        Some(values) => range(values),
-        None => heights_m.iter_mut().map(|z| range(std::slice::from_mut(z))).fold(empty, join),
-    };
+    let (low, high) = pieces.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), join);
     (low <= high).then_some((low, high))
+}
+
+/// As [`tidy`] for a part of the heights; an empty range where there are none.
+fn range(values: &mut [f64]) -> (f64, f64) {
+    /// Ranges that grow side by side: one alone would wait for its last comparison.
+    const LANES: usize = 8;
+
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    for values in values.chunks_mut(LANES) {
+        for ((z, low), high) in values.iter_mut().zip(&mut low).zip(&mut high) {
+            *z = if z.is_finite() { *z } else { f64::NAN };
+            // Comparisons with NaN keep what was there.
+            *low = if *z < *low { *z } else { *low };
+            *high = if *z > *high { *z } else { *high };
+        }
+    }
+    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Where one declared dimension stands in a file.

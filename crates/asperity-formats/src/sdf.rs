@@ -25,6 +25,7 @@ use ndarray::Array2;
 use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
+use crate::large;
 use crate::sample::Sample;
 use crate::scan::{Dimension, shape};
 use crate::text::header::Header as Notes;
@@ -170,9 +171,7 @@ impl Header {
         let [x, y, z] = [0, 1, 2].map(|axis| self.scales[axis].value);
         let is_void = voids(sample, self.is_bcr);
         let mut heights = numbers;
-        for height in &mut heights {
-            *height = if is_void(*height) { f64::NAN } else { *height * z };
-        }
+        large::map(&mut heights, |height| if is_void(height) { f64::NAN } else { height * z });
         let heights_m =
             Array2::from_shape_vec(shape, heights).map_err(|_| self.points.wrong("the number of columns"))?;
         Ok(Scan::new(heights_m, Some((x, y))))
@@ -180,23 +179,26 @@ impl Header {
 }
 
 /// Which numbers mark missing points.
-fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool {
+fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
     // Floats are compared with a margin: texts round them.
+    let (none_low, none_high) = (f64::NEG_INFINITY, f64::INFINITY);
     let (least, greatest) = match sample {
-        Sample::U8 => (None, Some(f64::from(u8::MAX))),
-        Sample::U16 => (None, Some(f64::from(u16::MAX))),
-        Sample::I8 => (Some(f64::from(i8::MIN)), Some(f64::from(i8::MAX))),
-        Sample::I16 => (Some(f64::from(i16::MIN)), Some(f64::from(i16::MAX))),
-        Sample::I32 => (Some(f64::from(i32::MIN)), Some(f64::from(i32::MAX))),
-        Sample::F32 => (Some(-3.4e38), Some(3.4e38)),
-        Sample::F64 => (Some(-1.79e308), Some(1.79e308)),
-        _ => (None, Some(f64::from(u32::MAX))),
+        Sample::U8 => (none_low, f64::from(u8::MAX)),
+        Sample::U16 => (none_low, f64::from(u16::MAX)),
+        Sample::I8 => (f64::from(i8::MIN), f64::from(i8::MAX)),
+        Sample::I16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
+        Sample::I32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
+        Sample::F32 => (-3.4e38, 3.4e38),
+        Sample::F64 => (-1.79e308, 1.79e308),
+        _ => (none_low, f64::from(u32::MAX)),
     };
     let is_float = matches!(sample, Sample::F32 | Sample::F64);
-    let greatest = greatest.filter(|_| is_bcr || is_float || least.is_none());
+    let has_greatest = is_bcr || is_float || least == none_low;
+    let greatest = if has_greatest { greatest } else { none_high };
     move |number| match is_float {
-        true => number.is_nan() || least.is_some_and(|z| number <= z) || greatest.is_some_and(|z| number >= z),
-        false => Some(number) == least || Some(number) == greatest,
+        // NaN lies between no two numbers.
+        true => !(number > least && number < greatest),
+        false => number == least || number == greatest,
     }
 }
 

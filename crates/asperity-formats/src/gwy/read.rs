@@ -231,11 +231,8 @@ fn layout(
 fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatError> {
     let fields = fields(input, field)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
-    let mut heights = input.samples("data", data_at, nx * ny, Sample::F64)?;
     let per_metre = units.per_metre_z().unwrap_or(1.0);
-    if per_metre != 1.0 {
-        heights.iter_mut().for_each(|z| *z /= per_metre);
-    }
+    let heights = input.samples_as("data", data_at, nx * ny, Sample::F64, |z| z / per_metre)?;
     let heights_m =
         Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("data", data_at, nx * ny, "xres · yres"))?;
 

@@ -5,6 +5,7 @@
 
 use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
 use crate::input::Input;
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError};
 
@@ -101,12 +102,22 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, Fo
     }
     // Memory is taken when the last record is there.
     input.take(&variable.name, variable.at.saturating_add(record_bytes.saturating_mul(records - 1)), bytes)?;
-    let mut values = Vec::with_capacity(count);
+    let mut values = large::with_capacity(count);
     for record in 0..records {
         let slab = input.take(&variable.name, variable.at + record * record_bytes, bytes)?;
         sample.decode(ByteOrder::Big, slab, &mut values);
     }
     Ok(values)
+}
+
+/// The numbers of a map of so many rows and columns in the order of its columns.
+pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize)) -> Result<Vec<f64>, FormatError> {
+    let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
+        return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
+    };
+    let (rows, columns) = shape;
+    let bytes = input.take(&variable.name, variable.at, (rows * columns).saturating_mul(sample.size()))?;
+    Ok(sample.decode_columns(ByteOrder::Big, bytes, (columns, rows)))
 }
 
 /// The header, read from its start to its end.

@@ -9,6 +9,7 @@ use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJ
 use super::header::{NAME_BYTES, SPECIAL_POINTS, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
 use crate::input::Input;
+use crate::large;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -119,13 +120,17 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
     let (low, high) = (f64::from(header.i32(Z_MIN)?), f64::from(header.i32(Z_MAX)?));
     let void = low - f64::from(VOID_BELOW_MINIMUM);
     let marked = header.i16(SPECIAL_POINTS)? != 0;
-    let (mut coded, mut outside) = (0_usize, 0_usize);
-    for z in heights {
-        let is_code = *z == void;
-        coded += usize::from(is_code);
-        outside += usize::from(!is_code && (*z < low || *z > high));
-        *z = if is_code && marked { f64::NAN } else { *z * spacing_m + offset_m };
-    }
+    let counts = large::pass(heights, |piece| {
+        let (mut coded, mut outside) = (0_usize, 0_usize);
+        for z in piece {
+            let is_code = *z == void;
+            coded += usize::from(is_code);
+            outside += usize::from(!is_code && (*z < low || *z > high));
+            *z = if is_code && marked { f64::NAN } else { *z * spacing_m + offset_m };
+        }
+        (coded, outside)
+    });
+    let (coded, outside) = counts.into_iter().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
     if coded > 0 && !marked {
         warnings.push(format!(
             "{coded} heights equal the code for missing points, but the header says that none are missing; they were kept"

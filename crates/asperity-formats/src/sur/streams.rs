@@ -3,6 +3,7 @@
 use flate2::read::ZlibDecoder;
 
 use crate::archive::{CHUNK_BYTES, RESERVED_NUMBERS, fill};
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 
 /// Numbers that grow stream by stream; a number may go on in the next.
@@ -18,7 +19,7 @@ pub(super) struct Unpacked {
 impl Unpacked {
     /// No numbers yet, of `count` that are to come.
     pub(super) fn new(sample: Sample, order: ByteOrder, count: usize) -> Self {
-        let values = Vec::with_capacity(count.min(RESERVED_NUMBERS));
+        let values = large::with_capacity(count.min(RESERVED_NUMBERS));
         Self { sample, order, chunk: vec![0; CHUNK_BYTES], kept: 0, values }
     }
 

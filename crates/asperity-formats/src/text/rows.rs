@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::shown;
 use crate::input::{Room, utf8_or_latin1};
+use crate::large;
 use crate::text::Separator;
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
@@ -223,7 +224,7 @@ fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
 
 fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
     let mut scanner = Scanner { bytes, cursor: 0, layout };
-    let mut table = Table { values: Vec::with_capacity(expected + 1), ..Table::<Vec<f64>>::default() };
+    let mut table = Table { values: large::with_capacity(expected + 1), ..Table::<Vec<f64>>::default() };
     while scanner.cursor < bytes.len() {
         scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
         scanner.cursor += 1;

@@ -11,6 +11,7 @@ use ndarray::Array2;
 
 use super::metadata::metadata;
 use crate::input::Input;
+use crate::large;
 use crate::sample::Sample;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -133,11 +134,10 @@ fn heights(
         return Err(input.wrong(Z_LENGTH.0, conditions.at(Z_LENGTH), 0, "a length above 0"));
     }
     let mut heights = input.samples("the heights", start + IMAGE_HEADER_BYTES, nx * ny, sample)?;
-    let mut zeros = 0_usize;
-    for z in &mut heights {
-        zeros += usize::from(*z == 0.0);
+    let zeros = large::count(&mut heights, |z| {
         *z *= scale_m;
-    }
+        *z == 0.0
+    });
     if zeros > 0 {
         warnings.push(format!("{zeros} heights are 0, which may stand for missing points; they were kept"));
     }
