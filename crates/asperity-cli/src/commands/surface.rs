@@ -3,7 +3,9 @@
 mod convert;
 mod generate;
 mod modes;
+mod preparation;
 mod stats;
+mod twin;
 
 use clap::Subcommand;
 
@@ -19,6 +21,8 @@ pub(crate) enum Surface {
     Convert(convert::Convert),
     /// Draw random maps like a specified surface.
     Generate(generate::Generate),
+    /// Draw random maps like a measured one, and compare them with it.
+    Twin(Box<twin::Twin>),
     /// Karhunen–Loève eigenvalues of a covariance.
     Modes(modes::Modes),
 }
@@ -29,6 +33,7 @@ impl Surface {
             Self::Stats(stats) => stats.run(monitor),
             Self::Convert(convert) => convert.run(monitor),
             Self::Generate(generate) => generate.run(monitor),
+            Self::Twin(twin) => twin.run(monitor),
             Self::Modes(modes) => modes.run(monitor),
         }
     }

@@ -6,5 +6,6 @@ mod contact;
 mod study;
 mod support;
 mod surface;
+mod twin;
 mod usage;
 mod vibration;
