@@ -172,14 +172,16 @@ impl StationaryCovariance for MeasuredCovariance {
 ///
 /// With N pairs at a lag, β = Σ N w ((1 − β)ρ̂ + β)/Σ N, which is linear in β.
 fn mean_share(estimate: &Autocorrelation, taper: &Taper) -> f64 {
-    let (nx, ny) = (estimate.grid().nx() as isize, estimate.grid().ny() as isize);
-    let (mut all, mut weights, mut products) = (0.0, 0.0, 0.0);
-    for lag_y in 0..ny {
+    let (reach_x, reach_y) = estimate.reach();
+    let (reach_x, reach_y) = (reach_x as isize, reach_y as isize);
+    // Every point makes a pair with every other and with itself.
+    let all = (estimate.present() as f64).powi(2);
+    let (mut weights, mut products) = (0.0, 0.0);
+    for lag_y in 0..=reach_y {
         // A lag and its opposite.
         let times = if lag_y == 0 { 1.0 } else { 2.0 };
-        for lag_x in 1 - nx..nx {
+        for lag_x in -reach_x..=reach_x {
             let pairs = times * estimate.pairs(lag_x, lag_y);
-            all += pairs;
             let weight = taper.weight(lag_x, lag_y);
             if weight > 0.0 && pairs > 0.0 {
                 weights += pairs * weight;

@@ -98,6 +98,7 @@ pub struct SurfaceStatistics {
     /// Points rejected as outliers.
     pub outliers: usize,
     /// Radius of the cylinder or sphere that was removed, positive for a ridge or cap.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub form_radius_m: Option<f64>,
     /// Arithmetical mean height.
     pub Sa_m: f64,
