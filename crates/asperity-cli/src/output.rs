@@ -92,6 +92,17 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Rows of text in aligned columns, one line each.
+pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    rows.iter().fold(String::new(), |mut text, row| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
+        text
+    })
+}
+
 /// Units by the ending of a key, longest first, and whether they take prefixes (µm, MPa).
 const UNITS: &[(&str, &str, bool)] = &[
     ("_rad_per_m", "rad/m", false),
@@ -102,7 +113,8 @@ const UNITS: &[(&str, &str, bool)] = &[
     ("_n", "N", true),
 ];
 
-fn row(key: &str, value: &Value) -> (String, String) {
+/// Name and value of a result as a table shows them.
+pub(crate) fn row(key: &str, value: &Value) -> (String, String) {
     let (name, unit, prefixed) = UNITS
         .iter()
         .find_map(|(ending, unit, prefixed)| Some((key.strip_suffix(ending)?, *unit, *prefixed)))

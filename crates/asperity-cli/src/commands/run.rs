@@ -125,10 +125,10 @@ fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
 }
 
 /// The folders above a destination that are not there yet. Those that are empty when the run ends are removed again.
-struct NewParents(Vec<PathBuf>);
+pub(super) struct NewParents(Vec<PathBuf>);
 
 impl NewParents {
-    fn of(destination: &Path) -> Self {
+    pub(super) fn of(destination: &Path) -> Self {
         let above = destination.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
         Self(above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect())
     }

@@ -135,6 +135,32 @@ pub struct SurfaceSection {
     pub modes: usize,
 }
 
+impl Default for SurfaceSection {
+    /// What an empty section says.
+    fn default() -> Self {
+        Self {
+            file: None,
+            channel: None,
+            pixel_size: None,
+            level: Level::default(),
+            outliers: None,
+            s_filter: None,
+            l_filter: None,
+            robust_filter: false,
+            generator: GeneratorChoice::default(),
+            covariance: CovarianceChoice::default(),
+            rms_height: None,
+            correlation_length: None,
+            hurst: None,
+            smoothness: None,
+            fractal_dimension: None,
+            marginal: measured(),
+            translation: TranslationChoice::default(),
+            modes: modes(),
+        }
+    }
+}
+
 impl SurfaceSection {
     /// The scan, `None` for a surface without one. `folder` is that of the study file.
     ///

@@ -36,35 +36,42 @@ pub(super) struct SurfaceStage {
 pub(super) fn run(section: &SurfaceSection, scan: Option<(&str, Scan)>) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
     let measured = scan.map(|(file, scan)| measure(section, file, scan, &mut output)).transpose()?;
-    let fits = measured.as_ref().map(|m| fit_covariance(&m.correlation, &CorrelationFamily::ALL));
-    let (model, misfit) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
-        (fractal_model(section, measured.as_ref())?, None)
-    } else {
-        translated_model(section, measured.as_ref(), fits.as_ref())?
-    };
-    let fits = fits.and_then(Result::ok);
-    let covariance = match &model.texture {
-        Texture::Translated { covariance, .. } => Some(covariance),
-        Texture::WeierstrassMandelbrot { .. } => None,
-    };
-    if let Some(fits) = fits.as_ref().filter(|_| section.covariance == CovarianceChoice::Measured) {
-        output.warnings.extend(fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")));
-    }
+    let (model, result) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
     if let Some(measured) = &measured {
-        output.tables.extend(measured.tables(covariance, &model.marginal)?);
+        output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
     }
-    output.assumptions.push(model_sentence(section, &model));
-    let result = SurfaceResult {
-        statistics: measured.as_ref().map(|m| m.statistics.clone()),
-        covariance: covariance.map(|covariance| covariance_result(covariance, misfit, fits.as_ref())),
-        marginal: law_result(&model.marginal),
-        karhunen_loeve: None,
-    };
     Ok(SurfaceStage { model, result, output })
 }
 
+/// The random surfaces of a section; a measured covariance is the best fit of `families`.
+pub(super) fn model_of(
+    section: &SurfaceSection,
+    measured: Option<&Measured>,
+    families: &[CorrelationFamily],
+    output: &mut StageOutput,
+) -> Result<(SurfaceModel, SurfaceResult), StudyError> {
+    let fits = measured.map(|m| fit_covariance(&m.correlation, families));
+    let (model, misfit) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
+        (fractal_model(section, measured)?, None)
+    } else {
+        translated_model(section, measured, fits.as_ref())?
+    };
+    let fits = fits.and_then(Result::ok);
+    if let Some(fits) = fits.as_ref().filter(|_| section.covariance == CovarianceChoice::Measured) {
+        output.warnings.extend(fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")));
+    }
+    output.assumptions.push(model_sentence(section, &model));
+    let result = SurfaceResult {
+        statistics: measured.map(|m| m.statistics.clone()),
+        covariance: model.covariance().map(|covariance| covariance_result(covariance, misfit, fits.as_ref())),
+        marginal: law_result(&model.marginal),
+        karhunen_loeve: None,
+    };
+    Ok((model, result))
+}
+
 /// Levels the scan and takes its statistics.
-fn measure(
+pub(super) fn measure(
     section: &SurfaceSection,
     file: &str,
     mut scan: Scan,
