@@ -15,7 +15,7 @@ test:
     cargo test --workspace
 
 # Damages small files of every surface format, COUNT times each, and reads them: about a minute.
-fuzz COUNT="20000":
+fuzz COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
 
 # Everything but the tests.

@@ -6,12 +6,14 @@ mod taper;
 mod tests;
 
 use ndarray::Array2;
+use serde::Serialize;
 use thiserror::Error;
 
 use self::positive::{PositiveCorrelation, Spline, made_positive};
 use self::taper::Taper;
-use super::estimate::Autocorrelation;
+use super::estimate::{Autocorrelation, EstimateError};
 use super::model::StationaryCovariance;
+use crate::map::HeightMap;
 
 /// Independent patches N/Σρ² of a map below which its correlation is not known.
 const FEWEST_PATCHES: f64 = 10.0;
@@ -30,13 +32,16 @@ pub enum MeasuredCovarianceError {
         /// Patches needed.
         wanted: f64,
     },
+    /// The autocorrelation cannot be estimated.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
     /// Lags next to zero rest on no pair of present heights.
     #[error("no two neighbouring heights are present, so the correlation near zero is unknown")]
     NoPairs,
 }
 
 /// What was done to an autocorrelation to make it a covariance. All correlations are over the variance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MeasuredReport {
     /// Share of the variance that went with the map's mean; lags and variance are corrected for it.
     pub mean_share: f64,
@@ -68,7 +73,7 @@ pub struct MeasuredReport {
 ///    (Bartlett), and not at all beyond twice that, or beyond half of the map. Distance is measured by the ellipse of the
 ///    central lobe ρ > 0.2, so that a lay at any angle is followed. The flat top leaves short lags as they are. Along an
 ///    axis on which the lobe reaches beyond a quarter of the map, or on both when nothing falls into noise, as on a periodic
-///    surface, Bohman's window over the whole side takes the place of the flat top: positive semi-definite itself, it
+///    surface, Bohman's window over all the lags estimated takes the place of the flat top: positive semi-definite itself, it
 ///    shortens the correlation smoothly instead of cutting it.
 /// 3. *Clipping.* Negative values of the tapered spectrum are set to zero.
 /// 4. *Factor.* The root of that spectrum is a moving average, cut where the taper ends; the covariance is the correlation
@@ -94,7 +99,17 @@ pub struct MeasuredCovariance {
 }
 
 impl MeasuredCovariance {
-    /// The covariance of the map from which `estimate` was made.
+    /// The covariance of a map, from its autocorrelation at all lags.
+    ///
+    /// # Errors
+    /// Heights that do not vary, a map of few independent patches, or no pair of neighbours.
+    pub fn of(map: &HeightMap) -> Result<Self, MeasuredCovarianceError> {
+        let grid = map.grid();
+        Self::new(&Autocorrelation::within(map, grid.nx() - 1, grid.ny() - 1)?)
+    }
+
+    /// The covariance of the map from which `estimate` was made. One that reaches over all lags of the map keeps most of a
+    /// correlation that does not decay within it.
     ///
     /// # Errors
     /// A map of few independent patches, or no pair of neighbours.
@@ -139,6 +154,24 @@ impl MeasuredCovariance {
         };
         let std_m = (estimate.variance_m2() / (1.0 - mean_share)).sqrt();
         Ok(Self { std_m, spline, dx_m: grid.dx_m(), dy_m: grid.dy_m(), report })
+    }
+
+    /// The same correlation with another standard deviation of the heights.
+    #[must_use]
+    pub fn with_std(self, std_m: f64) -> Self {
+        Self { std_m, ..self }
+    }
+
+    /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
+    ///
+    /// It is that of the lags times the factor of the spline through them, which falls like q⁻⁴ beyond their Nyquist
+    /// wavenumber π/dx, where the map says nothing.
+    pub fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
+        let (phase, reach) = (q_rad_per_m * self.dx_m, self.spline.reach().0);
+        let lags: f64 = (1..=reach).map(|k| 2.0 * self.spline.value(k as f64, 0.0) * (phase * k as f64).cos()).sum();
+        let half = 0.5 * phase;
+        let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
+        self.std_m * self.std_m * self.dx_m * (1.0 + lags) * 3.0 * sinc.powi(4) / (2.0 + phase.cos())
     }
 
     /// What was changed on the way.

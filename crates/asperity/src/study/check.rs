@@ -113,7 +113,7 @@ impl Study {
         if s.file.is_none() {
             let missing =
                 |key, what: &str| problem(SECTION, key, format!("{what} cannot be measured without `file`; state it"));
-            if gaussian && s.covariance == CovarianceChoice::Measured {
+            if gaussian && s.covariance.is_of_the_scan() {
                 return Err(missing("covariance", "the covariance"));
             }
             if gaussian && s.marginal == "measured" {
@@ -123,7 +123,7 @@ impl Study {
                 return Err(missing("rms_height", "the rms height"));
             }
         }
-        if s.covariance != CovarianceChoice::Measured && s.correlation_length.is_none() {
+        if !s.covariance.is_of_the_scan() && s.correlation_length.is_none() {
             return Err(problem(SECTION, "correlation_length", "a stated covariance needs its lengths along x and y"));
         }
         if s.covariance == CovarianceChoice::SelfAffine && s.hurst.is_none() {
@@ -354,7 +354,7 @@ impl SurfaceSection {
     /// Its keys that are stated and change nothing, each in a sentence.
     pub(super) fn idle_keys(&self) -> Vec<String> {
         let fractal = self.generator == GeneratorChoice::WeierstrassMandelbrot;
-        let measured = self.covariance == CovarianceChoice::Measured;
+        let measured = self.covariance.is_of_the_scan();
         [
             ("correlation_length", self.correlation_length.is_some() && measured, "with a measured covariance"),
             ("hurst", self.hurst.is_some() && self.covariance != CovarianceChoice::SelfAffine, "without self_affine"),

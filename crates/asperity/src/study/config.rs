@@ -54,6 +54,8 @@ pub enum CovarianceChoice {
     /// Fitted to the scan: the best of the models below.
     #[default]
     Measured,
+    /// The scan's own autocorrelation, made positive definite: no model, lays at any angle.
+    Empirical,
     /// e^{−r²}.
     SquaredExponential,
     /// e^{−r}.
@@ -158,6 +160,13 @@ impl Default for SurfaceSection {
             translation: TranslationChoice::default(),
             modes: modes(),
         }
+    }
+}
+
+impl CovarianceChoice {
+    /// Whether the scan says all of it.
+    pub fn is_of_the_scan(self) -> bool {
+        matches!(self, Self::Measured | Self::Empirical)
     }
 }
 

@@ -4,7 +4,7 @@ use asperity_formats::FormatError;
 use thiserror::Error;
 
 use crate::contact::ContactError;
-use crate::correlation::{CovarianceError, EstimateError, FitError};
+use crate::correlation::{CovarianceError, EstimateError, FitError, MeasuredCovarianceError};
 use crate::friction::FrictionError;
 use crate::friction::process::ProcessError;
 use crate::friction::window::WindowError;
@@ -49,6 +49,9 @@ pub enum StudyError {
     /// The covariance cannot be fitted.
     #[error("covariance of the scan: {0}; state a covariance in [surface]")]
     Fit(#[from] FitError),
+    /// The scan's own correlation makes no covariance.
+    #[error("covariance of the scan: {0}; state a covariance in [surface]")]
+    Empirical(#[from] MeasuredCovarianceError),
     /// The stated covariance is not one.
     #[error("[surface] covariance: {0}")]
     Covariance(#[from] CovarianceError),
@@ -143,6 +146,7 @@ impl StudyError {
             | Self::Fractal(_)
             | Self::Estimate(_)
             | Self::Fit(_)
+            | Self::Empirical(_)
             | Self::Heights(_) => FailureKind::Input,
             Self::Cancelled(_)
             | Self::Pressure(PressureError::Cancelled(_))

@@ -1,13 +1,14 @@
 //! What a scan says: its statistics, and the series behind the figures of its heights.
 
 use crate::correlation::{
-    Autocorrelation, Axis, Covariance, ProfileSpectrum, axis_correlation_length_m, profile_spectrum,
+    Autocorrelation, Axis, ProfileSpectrum, StationaryCovariance, axis_correlation_length_m, profile_spectrum,
 };
 use crate::law::Marginal;
 use crate::law::fit::{Family, rank_by_aic};
 use crate::map::HeightMap;
 use crate::stats::{Histogram, Moments};
 use crate::study::result::SurfaceStatistics;
+use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
 use crate::surface::areal::Analysis;
 use crate::surface::preparation::Prepared;
@@ -94,7 +95,7 @@ impl Measured {
     /// Density, correlation and spectra, beside the law and the covariance of the random surfaces, where they have one.
     pub(super) fn tables(
         &self,
-        covariance: Option<&Covariance>,
+        covariance: Option<&SurfaceCovariance>,
         marginal: &Marginal,
     ) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = vec![("height_pdf", self.pdf_table(marginal)?), ("height_acf", self.acf_table(covariance))];
@@ -127,7 +128,7 @@ impl Measured {
     }
 
     /// Correlation at the lags of both axes, up to half a side, where lags rest on enough pairs.
-    fn acf_table(&self, covariance: Option<&Covariance>) -> Table {
+    fn acf_table(&self, covariance: Option<&SurfaceCovariance>) -> Table {
         let grid = self.map.grid();
         let sides = [
             Side { acf: self.correlation.along(Axis::X), pitch_m: grid.dx_m(), points: grid.nx() },
@@ -145,7 +146,7 @@ impl Measured {
     }
 
     /// Profile spectra at the wavenumbers of both axes; an axis without a complete profile is empty.
-    fn psd_table(&self, covariance: Option<&Covariance>) -> Option<Table> {
+    fn psd_table(&self, covariance: Option<&SurfaceCovariance>) -> Option<Table> {
         let [x, y] = [Axis::X, Axis::Y].map(|axis| profile_spectrum(&self.map, axis).ok());
         let of_both = [&x, &y].into_iter().flatten().flat_map(|spectrum| spectrum.q_rad_per_m.iter().copied());
         let wavenumbers = merged(of_both.filter(|q| *q > 0.0));

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::correlation::MeasuredReport;
 use crate::stats::Interval;
 use crate::study::{Field, Table};
 
@@ -181,11 +182,11 @@ pub struct SurfaceStatistics {
 /// Covariance of the random surfaces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CovarianceResult {
-    /// Name of the model.
+    /// Name of the model; `empirical` is the scan's own.
     pub model: String,
     /// Standard deviation.
     pub std_m: f64,
-    /// Length along x.
+    /// Length along x; without a model where the correlation falls to 1/e.
     pub length_x_m: f64,
     /// Length along y.
     pub length_y_m: f64,
@@ -197,6 +198,9 @@ pub struct CovarianceResult {
     pub misfit: Option<f64>,
     /// Other models that were tried, with their misfits.
     pub candidates: Vec<CovarianceCandidate>,
+    /// What was done to the scan's own autocorrelation to make it a covariance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub empirical: Option<MeasuredReport>,
 }
 
 /// A covariance model that was tried.

@@ -1,6 +1,6 @@
 //! Random surfaces of a study, on any grid.
 
-use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};
+use crate::correlation::{CorrelationModel, Covariance, MeasuredCovariance, StationaryCovariance};
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::study::StudyError;
@@ -30,12 +30,59 @@ pub(super) struct SurfaceModel {
     pub(super) texture: Texture,
 }
 
+/// The covariance of random surfaces.
+#[derive(Debug, Clone)]
+pub(super) enum SurfaceCovariance {
+    /// A function of few parameters.
+    Model(Covariance),
+    /// The scan's own.
+    Empirical(Box<MeasuredCovariance>),
+}
+
+impl SurfaceCovariance {
+    /// Power spectral density of profiles along x in m³, at q in rad/m.
+    pub(super) fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
+        match self {
+            Self::Model(covariance) => covariance.profile_psd_x_m3(q_rad_per_m),
+            Self::Empirical(covariance) => covariance.profile_psd_x_m3(q_rad_per_m),
+        }
+    }
+
+    /// Whether it is a product of one along x and one along y.
+    fn is_product(&self) -> bool {
+        matches!(self, Self::Model(covariance) if covariance.model() == CorrelationModel::SquaredExponential)
+    }
+}
+
+impl StationaryCovariance for SurfaceCovariance {
+    fn std_m(&self) -> f64 {
+        match self {
+            Self::Model(covariance) => covariance.std_m(),
+            Self::Empirical(covariance) => covariance.std_m(),
+        }
+    }
+
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        match self {
+            Self::Model(covariance) => covariance.correlation(dx_m, dy_m),
+            Self::Empirical(covariance) => covariance.correlation(dx_m, dy_m),
+        }
+    }
+
+    fn mirror_symmetric(&self) -> bool {
+        match self {
+            Self::Model(covariance) => covariance.mirror_symmetric(),
+            Self::Empirical(covariance) => covariance.mirror_symmetric(),
+        }
+    }
+}
+
 /// How heights at different points belong together.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum Texture {
     /// A Gaussian field of this covariance under a translation.
     Translated {
-        covariance: Covariance,
+        covariance: SurfaceCovariance,
         translation: TranslationChoice,
         /// Terms of the Karhunen–Loève expansion of patches; none: all Fourier modes.
         modes: Option<usize>,
@@ -53,7 +100,7 @@ pub(super) struct Generated {
 
 impl SurfaceModel {
     /// The covariance, where the surfaces are made from one.
-    pub(super) fn covariance(&self) -> Option<&Covariance> {
+    pub(super) fn covariance(&self) -> Option<&SurfaceCovariance> {
         match &self.texture {
             Texture::Translated { covariance, .. } => Some(covariance),
             Texture::WeierstrassMandelbrot { .. } => None,
@@ -62,32 +109,31 @@ impl SurfaceModel {
 
     /// Surfaces for small patches, by the generator of the study.
     pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        match self.texture {
-            Texture::Translated { covariance, translation, modes: Some(modes) } => match translation {
+        match &self.texture {
+            &Texture::Translated { ref covariance, translation, modes: Some(modes) } => match translation {
                 TranslationChoice::Plain => {
-                    let product = covariance.model() == CorrelationModel::SquaredExponential;
-                    self.karhunen_loeve(&covariance, modes, product, grid, periodic)
+                    self.karhunen_loeve(covariance, modes, covariance.is_product(), grid, periodic)
                 }
                 TranslationChoice::Corrected => {
                     let corrected = Predistorted::new(covariance, &self.marginal)?;
                     self.karhunen_loeve(&corrected, modes, false, grid, periodic)
                 }
             },
-            Texture::Translated { covariance, translation, modes: None } => {
+            &Texture::Translated { ref covariance, translation, modes: None } => {
                 self.spectral(covariance, translation, grid, periodic)
             }
-            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+            &Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
     }
 
     /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
     /// place.
     pub(super) fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        match self.texture {
-            Texture::Translated { covariance, translation, .. } => {
+        match &self.texture {
+            &Texture::Translated { ref covariance, translation, .. } => {
                 self.spectral(covariance, translation, grid, periodic)
             }
-            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+            &Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
     }
 
@@ -129,7 +175,7 @@ impl SurfaceModel {
 
     fn spectral(
         &self,
-        covariance: Covariance,
+        covariance: &SurfaceCovariance,
         translation: TranslationChoice,
         grid: Grid,
         periodic: bool,
@@ -139,13 +185,13 @@ impl SurfaceModel {
         };
         let mut warnings = Vec::new();
         let field = match translation {
-            TranslationChoice::Plain => make(&covariance)?,
+            TranslationChoice::Plain => make(covariance)?,
             TranslationChoice::Corrected => {
                 let correction = TranslationCorrection::default();
                 let CorrectedField { field, report } = if periodic {
-                    correction.periodic(&covariance, &self.marginal, grid)?
+                    correction.periodic(covariance, &self.marginal, grid)?
                 } else {
-                    correction.free(&covariance, &self.marginal, grid)?
+                    correction.free(covariance, &self.marginal, grid)?
                 };
                 let left = report.corrected.largest_deviation;
                 if left > CORRELATION_LEFT {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use asperity_formats::Scan;
 
 use crate::correlation::{
-    CorrelationFamily, CorrelationModel, Covariance, CovarianceFit, CovarianceFits, FitError, fit_covariance,
+    CorrelationFamily, CorrelationModel, Covariance, CovarianceFit, CovarianceFits, FitError, MeasuredCovariance,
+    StationaryCovariance, fit_covariance,
 };
 use crate::law::Marginal;
 use crate::map::HeightMap;
@@ -13,7 +14,7 @@ use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, Tr
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
 use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
-use crate::study::surface_model::{GAMMA, RIDGES, SurfaceModel, Texture};
+use crate::study::surface_model::{GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
@@ -150,8 +151,9 @@ fn translated_model(
         GeneratorChoice::KarhunenLoeve => Some(section.modes),
         GeneratorChoice::Spectral | GeneratorChoice::WeierstrassMandelbrot => None,
     };
+    let marginal = marginal_of(section, measured, covariance.std_m())?;
     let texture = Texture::Translated { covariance, translation: section.translation, modes };
-    Ok((SurfaceModel { marginal: marginal_of(section, measured, covariance.std_m())?, texture }, misfit))
+    Ok((SurfaceModel { marginal, texture }, misfit))
 }
 
 /// A Weierstrass–Mandelbrot surface. Its heights sum many cosines of random phase, so their law is nearly normal, whatever
@@ -164,23 +166,19 @@ fn fractal_model(section: &SurfaceSection, measured: Option<&Measured>) -> Resul
 }
 
 fn model_sentence(section: &SurfaceSection, model: &SurfaceModel) -> String {
-    match model.texture {
+    match &model.texture {
         Texture::WeierstrassMandelbrot { dimension } => format!(
             "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
              {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
              are taken as normal; covariance and marginal law of the study play no part.",
-            sentence::digits(dimension),
+            sentence::digits(*dimension),
             if section.fractal_dimension.is_some() { "stated" } else { "measured on the scan" },
             sentence::si(model.marginal.std(), "m"),
         ),
         Texture::Translated { covariance, translation, .. } => format!(
-            "Random surfaces have a {} covariance ({}) of rms height {} and lengths {} along x and {} along y. {} imposed by \
-             {} translation.",
-            covariance.model().name(),
-            if section.covariance == CovarianceChoice::Measured { "fitted to the scan" } else { "stated" },
+            "Random surfaces have {} of rms height {}. {} imposed by {} translation.",
+            covariance_words(section, covariance),
             sentence::si(covariance.std_m(), "m"),
-            sentence::si(covariance.length_x_m(), "m"),
-            sentence::si(covariance.length_y_m(), "m"),
             if section.marginal == "measured" {
                 "The marginal law of the measured heights is".to_owned()
             } else {
@@ -194,6 +192,29 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel) -> String {
     }
 }
 
+/// A covariance in words.
+fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance) -> String {
+    let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
+    match covariance {
+        SurfaceCovariance::Model(model) => format!(
+            "a {} covariance ({}, lengths {})",
+            model.model().name(),
+            if section.covariance == CovarianceChoice::Measured { "fitted to the scan" } else { "stated" },
+            along(model.length_x_m(), model.length_y_m()),
+        ),
+        SurfaceCovariance::Empirical(own) => {
+            let report = own.report();
+            format!(
+                "the scan's own covariance (lags up to {} as estimated, then tapered; to make it positive definite {} % of \
+                 the variance was clipped and correlations changed by at most {})",
+                along(report.reliable_x_m, report.reliable_y_m),
+                sentence::digits(100.0 * report.clipped_variance),
+                sentence::digits(report.clipping_change),
+            )
+        }
+    }
+}
+
 /// The stated rms height, or the scan's Sq.
 fn rms_height_m(section: &SurfaceSection, measured: Option<&Measured>) -> Result<f64, StudyError> {
     let sq_m = measured.map(|m| m.statistics.Sq_m);
@@ -204,7 +225,7 @@ fn covariance_of(
     section: &SurfaceSection,
     measured: Option<&Measured>,
     fits: Option<&Result<CovarianceFits, FitError>>,
-) -> Result<(Covariance, Option<f64>), StudyError> {
+) -> Result<(SurfaceCovariance, Option<f64>), StudyError> {
     let model = match section.covariance {
         CovarianceChoice::Measured => {
             let fits = match fits {
@@ -216,7 +237,12 @@ fn covariance_of(
             // The fit's own variance is extrapolated beyond the scan's field; the scan's Sq is what was measured.
             let std_m = rms_height_m(section, measured)?;
             let covariance = Covariance::new(best.model(), std_m, best.length_x_m(), best.length_y_m())?;
-            return Ok((covariance, Some(fits.fits[0].misfit)));
+            return Ok((SurfaceCovariance::Model(covariance), Some(fits.fits[0].misfit)));
+        }
+        CovarianceChoice::Empirical => {
+            let map = &measured.ok_or(StudyError::NoStage("surface"))?.map;
+            let covariance = MeasuredCovariance::of(map)?.with_std(rms_height_m(section, measured)?);
+            return Ok((SurfaceCovariance::Empirical(Box::new(covariance)), None));
         }
         CovarianceChoice::SquaredExponential => CorrelationModel::SquaredExponential,
         CovarianceChoice::Exponential => CorrelationModel::Exponential,
@@ -225,7 +251,7 @@ fn covariance_of(
     };
     let std_m = rms_height_m(section, measured)?;
     let [x, y] = section.correlation_length.map_or([f64::NAN; 2], |lengths| lengths.map(|length| length.0));
-    Ok((Covariance::new(model, std_m, x, y)?, None))
+    Ok((SurfaceCovariance::Model(Covariance::new(model, std_m, x, y)?), None))
 }
 
 /// The marginal law of mean zero and of the covariance's standard deviation.
@@ -237,26 +263,62 @@ fn marginal_of(section: &SurfaceSection, measured: Option<&Measured>, std_m: f64
     Ok(law.standardised(0.0, std_m)?)
 }
 
-fn covariance_result(covariance: &Covariance, misfit: Option<f64>, fits: Option<&CovarianceFits>) -> CovarianceResult {
-    let (smoothness, hurst) = match covariance.model() {
+fn covariance_result(
+    covariance: &SurfaceCovariance,
+    misfit: Option<f64>,
+    fits: Option<&CovarianceFits>,
+) -> CovarianceResult {
+    let candidates = fits.map_or_else(Vec::new, |fits| {
+        let candidate = |fit: &CovarianceFit| CovarianceCandidate {
+            model: fit.covariance.model().name().into(),
+            misfit: fit.misfit,
+        };
+        fits.fits.iter().map(candidate).collect()
+    });
+    let model = match covariance {
+        SurfaceCovariance::Model(model) => model,
+        SurfaceCovariance::Empirical(own) => {
+            let (x_m, y_m) = own.support_m();
+            return CovarianceResult {
+                model: "empirical".into(),
+                std_m: own.std_m(),
+                length_x_m: decay_length_m(x_m, |lag_m| own.correlation(lag_m, 0.0)),
+                length_y_m: decay_length_m(y_m, |lag_m| own.correlation(0.0, lag_m)),
+                smoothness: None,
+                hurst: None,
+                misfit,
+                candidates,
+                empirical: Some(own.report()),
+            };
+        }
+    };
+    let (smoothness, hurst) = match model.model() {
         CorrelationModel::Matern { nu } => (Some(nu), None),
         CorrelationModel::SelfAffine { hurst } => (None, Some(hurst)),
         _ => (None, None),
     };
     CovarianceResult {
-        model: covariance.model().name().into(),
-        std_m: covariance.std_m(),
-        length_x_m: covariance.length_x_m(),
-        length_y_m: covariance.length_y_m(),
+        model: model.model().name().into(),
+        std_m: model.std_m(),
+        length_x_m: model.length_x_m(),
+        length_y_m: model.length_y_m(),
         smoothness,
         hurst,
         misfit,
-        candidates: fits.map_or_else(Vec::new, |fits| {
-            let candidate = |fit: &CovarianceFit| CovarianceCandidate {
-                model: fit.covariance.model().name().into(),
-                misfit: fit.misfit,
-            };
-            fits.fits.iter().map(candidate).collect()
-        }),
+        candidates,
+        empirical: None,
     }
+}
+
+/// The first lag at which a correlation that ends at `end_m` is 1/e.
+fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: usize = 4096;
+    let (level, step_m) = ((-1.0_f64).exp(), end_m / STEPS as f64);
+    let after = (1..=STEPS).find(|&step| correlation(step as f64 * step_m) <= level).unwrap_or(STEPS);
+    let (mut low_m, mut high_m) = ((after - 1) as f64 * step_m, after as f64 * step_m);
+    while high_m - low_m > 1e-12 * end_m {
+        let middle_m = 0.5 * (low_m + high_m);
+        if correlation(middle_m) > level { low_m = middle_m } else { high_m = middle_m }
+    }
+    0.5 * (low_m + high_m)
 }

@@ -19,7 +19,7 @@ use crate::law::Marginal;
 use crate::map::{Grid, HeightMap};
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
-use crate::study::config::{BoundaryChoice, GeneratorChoice, SurfaceSection};
+use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection};
 use crate::study::output::StageOutput;
 use crate::study::surface_stage::{law_result, measure, model_of};
 use crate::study::{StudyError, sentence};
@@ -108,7 +108,7 @@ impl Twins {
                 covariance: result.covariance,
                 marginal: result.marginal,
             },
-            limits: limits(section.generator),
+            limits: limits(section),
             assumptions: output.assumptions,
             warnings: output.warnings,
         };
@@ -320,12 +320,12 @@ impl Twins {
 }
 
 /// What the twins of a generator cannot be, whatever was fitted.
-fn limits(generator: GeneratorChoice) -> Vec<String> {
+fn limits(section: &SurfaceSection) -> Vec<String> {
     let mut limits = vec![
         "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."
             .into(),
     ];
-    if generator == GeneratorChoice::WeierstrassMandelbrot {
+    if section.generator == GeneratorChoice::WeierstrassMandelbrot {
         limits.push(
             "Twins sum cosines of random phase: their heights are nearly normal, whatever those of the scan.".into(),
         );
@@ -335,9 +335,19 @@ fn limits(generator: GeneratorChoice) -> Vec<String> {
              come back as heights that are as frequent, not as connected features."
                 .into(),
         );
-        limits.push(
-            "The covariance models are symmetric about x and y: a lay at an angle to the axes is averaged away.".into(),
-        );
+        if section.covariance == CovarianceChoice::Empirical {
+            limits.push(
+                "The scan's own correlation is kept at short lags and tapered where it falls into its noise: longer waves \
+                 come back weaker."
+                    .into(),
+            );
+        } else {
+            limits.push(
+                "The covariance models are symmetric about x and y: a lay at an angle to the axes is averaged away; the \
+                 empirical covariance keeps it."
+                    .into(),
+            );
+        }
     }
     limits
 }

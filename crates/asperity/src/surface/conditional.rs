@@ -38,7 +38,7 @@ pub struct Conditioning {
 
 impl Default for Conditioning {
     fn default() -> Self {
-        Self { mean_m: 0.0, nugget: 0.0, tolerance: 1e-10, iterations: 1000 }
+        Self { mean_m: 0.0, nugget: 0.0, tolerance: 1e-8, iterations: 2000 }
     }
 }
 

@@ -118,8 +118,10 @@ enum Generator {
 #[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 enum CovarianceOption {
-    /// The best of the others, fitted to the scan.
+    /// The best of the models, fitted to the scan.
     Measured,
+    /// The scan's own, made positive definite: no model, lays at any angle.
+    Empirical,
     /// e^{−r²}.
     SquaredExponential,
     /// e^{−r}.
@@ -168,6 +170,7 @@ impl ModelOptions {
     fn covariance(&self) -> Result<(CovarianceChoice, Vec<CorrelationFamily>), Failure> {
         let (choice, family) = match self.covariance {
             CovarianceOption::Measured => (CovarianceChoice::Measured, None),
+            CovarianceOption::Empirical => (CovarianceChoice::Empirical, None),
             CovarianceOption::SquaredExponential => {
                 (CovarianceChoice::SquaredExponential, Some(CorrelationFamily::SquaredExponential))
             }
@@ -177,10 +180,12 @@ impl ModelOptions {
         };
         let families = family.map_or(CorrelationFamily::ALL.to_vec(), |family| vec![family]);
         if self.correlation_length.is_none() {
-            return Ok((CovarianceChoice::Measured, families));
+            // A model that is not stated is fitted.
+            let is_empirical = choice == CovarianceChoice::Empirical;
+            return Ok((if is_empirical { choice } else { CovarianceChoice::Measured }, families));
         }
         match choice {
-            CovarianceChoice::Measured => Err(Failure::usage(
+            CovarianceChoice::Measured | CovarianceChoice::Empirical => Err(Failure::usage(
                 "--correlation-length: a measured covariance has its own; name one with --covariance",
             )),
             CovarianceChoice::Matern if self.smoothness.is_none() => {
@@ -324,6 +329,10 @@ impl Twin {
                 Failure::usage(format_args!("{file}: {}", MapError::NoPitch))
             }
             StudyError::Fit(error) => Failure::new(
+                Kind::Data,
+                format!("{file}: covariance: {error}; state one with --covariance and --correlation-length"),
+            ),
+            StudyError::Empirical(error) => Failure::new(
                 Kind::Data,
                 format!("{file}: covariance: {error}; state one with --covariance and --correlation-length"),
             ),

@@ -81,9 +81,11 @@ impl Ellipse {
 impl Taper {
     pub(super) fn of(estimate: &Autocorrelation) -> Self {
         let grid = estimate.grid();
-        let share = |n: usize, share: f64| ((share * n as f64).floor() as isize).max(1);
-        let near = (share(grid.nx(), NOISE_SHARE), share(grid.ny(), NOISE_SHARE));
-        let limit = (share(grid.nx(), LARGEST_SHARE), share(grid.ny(), LARGEST_SHARE));
+        let (reach_x, reach_y) = estimate.reach();
+        let share =
+            |n: usize, share: f64, reach: usize| ((share * n as f64).floor() as isize).max(1).min(reach as isize);
+        let near = (share(grid.nx(), NOISE_SHARE, reach_x), share(grid.ny(), NOISE_SHARE, reach_y));
+        let limit = (share(grid.nx(), LARGEST_SHARE, reach_x), share(grid.ny(), LARGEST_SHARE, reach_y));
         // Σρ² over all lags, the number of lags over which the noise of the estimate is itself correlated.
         let squares: f64 = half_plane(near)
             .map(|(x, y)| (estimate.correlation(x, y), if y == 0 { 1.0 } else { 2.0 }))
@@ -92,13 +94,13 @@ impl Taper {
             .sum();
         let lobe = Lobe::of(estimate, limit);
         let reliable = decay(estimate, limit, &lobe.ellipse, squares);
-        let side = |pitch_m: f64, n: usize, limit: isize, reach: isize| {
+        let side = |pitch_m: f64, estimated: usize, limit: isize, reach: isize| {
             let open = 2 * reach > limit || reliable.is_infinite();
-            Side { pitch_m, limit: if open { n as isize - 1 } else { limit }, open }
+            Side { pitch_m, limit: if open { estimated as isize } else { limit }, open }
         };
         Self {
-            x: side(grid.dx_m(), grid.nx(), limit.0, lobe.reach.0),
-            y: side(grid.dy_m(), grid.ny(), limit.1, lobe.reach.1),
+            x: side(grid.dx_m(), reach_x, limit.0, lobe.reach.0),
+            y: side(grid.dy_m(), reach_y, limit.1, lobe.reach.1),
             ellipse: lobe.ellipse,
             reliable,
             standard_error: (squares / estimate.pairs(0, 0)).sqrt(),

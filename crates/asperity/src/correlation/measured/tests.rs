@@ -209,6 +209,34 @@ fn a_lay_that_does_not_decay_is_reported_and_stays_a_covariance() {
 }
 
 #[test]
+fn an_estimate_of_fewer_lags_gives_a_shorter_covariance() {
+    let long = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 150.0).unwrap();
+    let map = sample(&SeparableCovariance(long), unit_grid(128, 128), 8);
+    let all = MeasuredCovariance::of(&map).unwrap();
+    for (reach_x, reach_y) in [(64, 64), (5, 9), (1, 1)] {
+        let few = MeasuredCovariance::new(&Autocorrelation::within(&map, reach_x, reach_y).unwrap()).unwrap();
+        // The correlation of the moving average ends at twice the taper; its spline has tails of sixteen lags.
+        assert!(few.support_m().1 <= 2.0 * reach_y as f64 + 16.0 + 2.0);
+        assert!(few.correlation(0.0, 12.0) < all.correlation(0.0, 12.0) && !few.report().decayed_y);
+    }
+}
+
+#[test]
+fn the_profile_spectrum_is_the_transform_of_the_covariance_along_x() {
+    let (_, measured) = measure(&sample(&ridge(), unit_grid(96, 80), 3));
+    let end_m = measured.support_m().0;
+    for q in [0.0, 0.05, 0.3, 1.0, 2.5, 4.0] {
+        // The rule of trapezoids: the spline has a continuous second derivative, so that errors fall like the fourth power.
+        let step_m = 1.0 / 64.0;
+        let terms = (1..(end_m / step_m) as usize).map(|k| k as f64 * step_m);
+        let sum: f64 = terms.map(|x| measured.value_m2(x, 0.0) * (q * x).cos()).sum();
+        let wanted = step_m * (measured.value_m2(0.0, 0.0) + 2.0 * sum);
+        let found = measured.profile_psd_x_m3(q);
+        assert!((found - wanted).abs() < 1e-6 * measured.profile_psd_x_m3(0.0).max(wanted), "{q}: {found} {wanted}");
+    }
+}
+
+#[test]
 fn a_map_that_is_all_form_or_has_no_neighbours_has_no_covariance() {
     let bowl = HeightMap::from_function(unit_grid(64, 64), |x, y| x * x + y * y).unwrap();
     let estimate = all_lags(&bowl);
