@@ -1,16 +1,18 @@
-//! Best and median seconds of the surface analysis of one map: `time_surface MAP.npy [REPEATS [ONLY]]`.
+//! Best and median seconds of the surface analysis of one map: `time_surface MAP.npy [REPEATS [ONLY [FOLDER]]]`.
 //!
-//! ONLY names the lines to run, by a part of their names.
+//! ONLY names the lines to run, by a part of their names. In FOLDER, where it is named, the radial spectrum is left as CSV.
 //! The map's heights are in metre; without a pixel size in the file the pixels are 1 µm wide. `RAYON_NUM_THREADS` sets the
 //! number of threads. Each line is one analysis, from the heights in memory to its numbers.
 
 #![expect(clippy::print_stdout, reason = "the times are the program's output")]
 
 use std::error::Error;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use asperity::correlation::{Autocorrelation, Axis, profile_spectrum, radial_spectrum};
 use asperity::map::HeightMap;
+use asperity::study::Table;
 use asperity::surface::level::Level;
 use asperity::surface::preparation::Preparation;
 use asperity::surface::{areal, fractal};
@@ -20,6 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = arguments.next().ok_or("usage: time_surface MAP.npy [REPEATS]")?;
     let repeats = arguments.next().map_or(Ok(7), |count| count.parse())?;
     let only = arguments.next().unwrap_or_default();
+    let folder = arguments.next().map(PathBuf::from);
     let mut scan = asperity_formats::read(file.as_ref())?;
     scan.pitch_m.get_or_insert((1e-6, 1e-6));
     let map = HeightMap::try_from(scan)?;
@@ -42,6 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     time("texture parameters (ISO 25178-2)", &|| Ok(areal::parameters(&map).map(drop)?))?;
     time("autocorrelation up to half the field", &|| Ok(Autocorrelation::estimate(&map).map(drop)?))?;
     time("radial power spectrum", &|| Ok(radial_spectrum(&map).map(drop)?))?;
+    if let Some(folder) = folder {
+        let spectrum = radial_spectrum(&map)?;
+        let columns = [("wavenumber_rad_per_m", spectrum.q_rad_per_m.clone()), ("psd_m4", spectrum.psd_m4.clone())];
+        std::fs::write(folder.join("radial_spectrum.csv"), Table::new(columns).to_csv()?)?;
+    }
     time("profile power spectra along x and y", &|| {
         profile_spectrum(&map, Axis::X)?;
         Ok(profile_spectrum(&map, Axis::Y).map(drop)?)

@@ -268,6 +268,37 @@ fn a_scan_may_come_with_stated_covariance_rms_height_law_and_form() {
 }
 
 #[test]
+fn the_scan_s_own_covariance_serves_every_stage_and_says_what_was_changed() {
+    let folder = folder_with(rough(96, 80, 16e-6));
+    for (generator, boundary) in [("karhunen_loeve", "free"), ("spectral", "periodic")] {
+        let own = format!("[surface]\ncovariance = \"empirical\"\ngenerator = \"{generator}\"");
+        let text = changed(
+            &measured(),
+            &[("[surface]", &own), ("[friction]", &format!("[friction]\nboundary = \"{boundary}\""))],
+        );
+        let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
+        assert_numbers(&outcome, USUAL);
+        let surface = outcome.results.surface.unwrap();
+        let covariance = surface.covariance.unwrap();
+        assert_eq!(covariance.model, "empirical");
+        assert_eq!(covariance.std_m, surface.statistics.as_ref().unwrap().Sq_m);
+        // Its length is that at which the scan's own correlation falls to 1/e, but for the mean that was put back.
+        let length_m = surface.statistics.unwrap().correlation_length_x_m.unwrap();
+        assert!((covariance.length_x_m / length_m - 1.0).abs() < 0.1, "{} {length_m}", covariance.length_x_m);
+        let report = covariance.empirical.unwrap();
+        assert!(report.clipping_change < 0.1 && report.mean_share < 0.2, "{report:?}");
+        assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("the scan's own covariance")));
+        let table = &outcome.tables["height_acf"];
+        let (own, met) = (table.column("acf_x").unwrap(), table.column("fit_x").unwrap());
+        assert!((own[1] - met[1]).abs() < 0.05 && met[0] == 1.0);
+    }
+    // A model has no such report, and results that say nothing of it.
+    let outcome = run_in(folder.path(), &measured(), Some(Stage::Surface)).unwrap();
+    let json: Value = serde_json::from_slice(&json_bytes(&outcome.results).unwrap()).unwrap();
+    assert!(json["surface"]["covariance"].get("empirical").is_none());
+}
+
+#[test]
 fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
     let folder = tempfile::tempdir().unwrap();
     let scan = Scan::new(rough(64, 64, 16e-6), Some((2e-6, 2e-6)));

@@ -127,6 +127,32 @@ impl Translation {
     pub fn slope(&self, rho: f64) -> f64 {
         self.summed.iter().enumerate().rev().fold(0.0, |sum, (i, share)| sum * rho + share * (i as f64 + 1.0))
     }
+
+    /// [`Translation::correlation`] and [`Translation::slope`] at many normal correlations, to the same bits.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn correlations(&self, normal: &[f64], correlations: &mut [f64], slopes: &mut [f64]) {
+        /// Sums that grow side by side: each waits for its own last term only.
+        const LANES: usize = 8;
+
+        assert!(normal.len() == correlations.len() && normal.len() == slopes.len(), "one of each at every lag");
+        let outputs = correlations.chunks_mut(LANES).zip(slopes.chunks_mut(LANES));
+        for (normal, (correlations, slopes)) in normal.chunks(LANES).zip(outputs) {
+            let mut rho = [0.0; LANES];
+            rho[..normal.len()].copy_from_slice(normal);
+            let (mut sums, mut rises) = ([0.0; LANES], [0.0; LANES]);
+            for (i, share) in self.summed.iter().enumerate().rev() {
+                let rise = share * (i as f64 + 1.0);
+                for lane in 0..LANES {
+                    sums[lane] = (sums[lane] + share) * rho[lane];
+                    rises[lane] = rises[lane] * rho[lane] + rise;
+                }
+            }
+            correlations.copy_from_slice(&sums[..normal.len()]);
+            slopes.copy_from_slice(&rises[..normal.len()]);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -137,6 +163,18 @@ mod tests {
 
     fn translation(text: &str) -> Translation {
         Translation::new(&text.parse().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn many_correlations_are_the_single_ones() {
+        let translation = translation("beta:2.1,5");
+        let normal: Vec<f64> = (0..=20).map(|i| -1.0 + 0.1 * f64::from(i)).map(|rho| rho.min(1.0)).collect();
+        let (mut correlations, mut slopes) = (vec![0.0; 21], vec![0.0; 21]);
+        translation.correlations(&normal, &mut correlations, &mut slopes);
+        for (place, &rho) in normal.iter().enumerate() {
+            assert_eq!(correlations[place].to_bits(), translation.correlation(rho).to_bits());
+            assert_eq!(slopes[place].to_bits(), translation.slope(rho).to_bits());
+        }
     }
 
     #[test]

@@ -80,12 +80,21 @@ impl Twins {
     /// # Errors
     /// The scan has no texture or no covariance that could be fitted, the model is not valid, or the grid is not one.
     pub fn like(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
-        let section = &SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
+        let mut section = SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
         let mut output = StageOutput::default();
         // The file's own warnings come first.
-        let measured = measure(section, file, scan, &mut output)?;
+        let measured = measure(&section, file, scan, &mut output)?;
         output.warnings.extend(section.idle_keys());
-        let (model, result) = model_of(section, Some(&measured), &options.families, &mut output)?;
+        let model = model_of(&section, Some(&measured), &options.families, &mut output);
+        let (model, result) = match model {
+            Err(StudyError::Empirical(error)) if options.model_in_need => {
+                output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
+                section.covariance = CovarianceChoice::Measured;
+                model_of(&section, Some(&measured), &options.families, &mut output)?
+            }
+            model => model?,
+        };
+        let section = &section;
         let (own, grid) = (measured.map.grid(), options.grid(measured.map.grid())?);
         let periodic = options.boundary == BoundaryChoice::Periodic;
         let mut generated = model.patch(grid, periodic)?;

@@ -69,9 +69,10 @@ struct ModelOptions {
     /// How twins are made.
     #[arg(long, value_enum, default_value = "spectral")]
     generator: Generator,
-    /// Covariance: the model that fits the scan best, or one that is fitted or, with --correlation-length, stated.
-    #[arg(long, value_enum, default_value = "measured")]
-    covariance: CovarianceOption,
+    /// Covariance: the scan's own, the model that fits it best, or one that is fitted or, with --correlation-length, stated.
+    /// Left out: empirical, or measured where the scan is too short for it.
+    #[arg(long, value_enum)]
+    covariance: Option<CovarianceOption>,
     /// Correlation lengths along x and y of a stated covariance.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: Option<OneOrTwo<Length>>,
@@ -168,7 +169,7 @@ fn marginal(text: &str) -> Result<String, args::Refusal> {
 impl ModelOptions {
     /// Which covariance a study would name, and the families that one to be fitted is chosen from.
     fn covariance(&self) -> Result<(CovarianceChoice, Vec<CorrelationFamily>), Failure> {
-        let (choice, family) = match self.covariance {
+        let (choice, family) = match self.covariance.unwrap_or(CovarianceOption::Empirical) {
             CovarianceOption::Measured => (CovarianceChoice::Measured, None),
             CovarianceOption::Empirical => (CovarianceChoice::Empirical, None),
             CovarianceOption::SquaredExponential => {
@@ -231,6 +232,7 @@ impl Twin {
         Ok(TwinOptions {
             surface,
             families,
+            model_in_need: model.covariance.is_none(),
             size_m: model.size.map(OneOrTwo::both).map(|(x, y)| [x.0, y.0]),
             points: model.points.map(|points| <[usize; 2]>::from(points.both())),
             boundary: match model.boundary {

@@ -3,7 +3,7 @@
 use crate::correlation::CorrelationFamily;
 use crate::map::Grid;
 use crate::study::StudyError;
-use crate::study::config::{BoundaryChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 
 /// How twins are made.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +12,8 @@ pub struct TwinOptions {
     pub surface: SurfaceSection,
     /// Models among which a measured covariance is chosen.
     pub families: Vec<CorrelationFamily>,
+    /// Whether the best model takes the place of an empirical covariance that the scan is too short for, with a warning.
+    pub model_in_need: bool,
     /// Size (x, y) of a twin in metre; the scan's, or what the points take at the scan's pitch.
     pub size_m: Option<[f64; 2]>,
     /// Points (x, y) of a twin; the scan's, or what fills the size at the scan's pitch.
@@ -23,16 +25,25 @@ pub struct TwinOptions {
 }
 
 impl TwinOptions {
-    /// Everything measured on the scan and met as well as the house can: all Fourier modes, corrected translation, free
-    /// boundary, the scan's own grid.
+    /// Everything measured on the scan and met as well as the house can: the scan's own covariance, all Fourier modes,
+    /// corrected translation, free boundary, the scan's own grid.
     pub fn new(seed: u64) -> Self {
         let surface = SurfaceSection {
             generator: GeneratorChoice::Spectral,
+            covariance: CovarianceChoice::Empirical,
             translation: TranslationChoice::Corrected,
             ..SurfaceSection::default()
         };
         let families = CorrelationFamily::ALL.to_vec();
-        Self { surface, families, size_m: None, points: None, boundary: BoundaryChoice::Free, seed }
+        Self {
+            surface,
+            families,
+            model_in_need: true,
+            size_m: None,
+            points: None,
+            boundary: BoundaryChoice::Free,
+            seed,
+        }
     }
 
     /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.

@@ -5,13 +5,13 @@ use ndarray::Array2;
 
 use super::*;
 use crate::correlation::CorrelationFamily;
-use crate::correlation::{CorrelationModel, Covariance};
+use crate::correlation::{Autocorrelation, CorrelationModel, Covariance, Rotated};
 use crate::law::Marginal;
 use crate::monitor::Silent;
 use crate::quantity::Length;
 use crate::study::config::CovarianceChoice;
 use crate::study::config::TranslationChoice;
-use crate::surface::{Predistorted, SpectralField, Translated};
+use crate::surface::{GaussianSurface, Predistorted, SpectralField, Translated};
 
 const PITCH_M: f64 = 1e-6;
 
@@ -46,6 +46,7 @@ fn stated(covariance: &Covariance, seed: u64) -> TwinOptions {
 fn plain(seed: u64) -> TwinOptions {
     let mut options = TwinOptions::new(seed);
     options.surface.translation = TranslationChoice::Plain;
+    options.surface.covariance = CovarianceChoice::Measured;
     options
 }
 
@@ -96,6 +97,44 @@ fn maps_of_the_twins_own_law_lie_in_the_bands_with_the_stated_probability() {
         let (mean, error) = mean_and_error(&shares);
         assert!(error < 0.02 && (mean - 0.95).abs() < 4.0 * error + 0.01, "{what}: {mean:.3} ± {error:.3}");
     }
+}
+
+#[test]
+fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
+    let long = Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 1e-6, 12e-6, 3e-6).unwrap();
+    let grid = Grid::new(120, 120, PITCH_M, PITCH_M).unwrap();
+    let field = SpectralField::free(&Rotated::new(long, 0.7).unwrap(), grid).unwrap();
+    let scan = field.generate(&random::standard_normal(&mut random::stream(77, "oblique", 0), field.germ_len()));
+    // Along and across the lay, on the diagonals.
+    let diagonals = |map: &HeightMap| {
+        let acf = Autocorrelation::within(map, 8, 8).unwrap();
+        (acf.correlation(4, 4), acf.correlation(4, -4))
+    };
+    let (along, across) = diagonals(&scan);
+    assert!(along - across > 0.4, "{along} {across}");
+    let mut options = plain(1);
+    let mean_of_twins = |options: &TwinOptions| {
+        let twins = Twins::like(scan_of(scan.heights_m().clone()), "map", options).unwrap();
+        let all: Vec<(f64, f64)> = (0..12).map(|index| diagonals(&twins.draw(index))).collect();
+        (all.iter().map(|d| d.0).sum::<f64>() / 12.0, all.iter().map(|d| d.1).sum::<f64>() / 12.0)
+    };
+    let (model_along, model_across) = mean_of_twins(&options);
+    assert!((model_along - model_across).abs() < 0.1, "{model_along} {model_across}");
+    options.surface.covariance = CovarianceChoice::Empirical;
+    let (own_along, own_across) = mean_of_twins(&options);
+    assert!((own_along - along).abs() < 0.1 && (own_across - across).abs() < 0.1, "{own_along} {own_across}");
+}
+
+#[test]
+fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning() {
+    let heights = map_of(&smooth(12e-6, 12e-6), &Marginal::STANDARD_NORMAL, (40, 40), 3);
+    let mut options = TwinOptions::new(1);
+    let twins = Twins::like(scan_of(heights.clone()), "map", &options).unwrap();
+    assert_ne!(twins.model.covariance.as_ref().unwrap().model, "empirical");
+    assert!(twins.warnings().iter().any(|warning| warning.contains("independent patches")), "{:?}", twins.warnings());
+    // Who asks for it is told that it cannot be.
+    options.model_in_need = false;
+    assert!(matches!(Twins::like(scan_of(heights), "map", &options), Err(StudyError::Empirical(_))));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod tests;
 
 use ndarray::Array2;
+use rayon::prelude::*;
 
 use super::lags::Lags;
 use super::{Predistorted, TranslationError, TranslationReport};
@@ -267,23 +268,31 @@ struct Search<'a> {
 impl Search<'_> {
     /// The correlation of the translated field of a spectrum.
     fn translated(&mut self, spectrum: &[f64]) -> Vec<f64> {
-        let normal = self.lags.map(spectrum, &mut self.work);
-        normal.into_iter().map(|rho| self.translation.correlation(rho.clamp(-1.0, 1.0))).collect()
+        self.correlations(spectrum).0
+    }
+
+    /// The correlation of the translated field of a spectrum, and its slope over that of the normal one.
+    fn correlations(&mut self, spectrum: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        /// Lags that a thread takes at a time.
+        const AT_ONCE: usize = 1 << 13;
+
+        let mut normal = self.lags.map(spectrum, &mut self.work);
+        let (mut met, mut slopes) = (vec![0.0; normal.len()], vec![0.0; normal.len()]);
+        let outputs = met.par_chunks_mut(AT_ONCE).zip(slopes.par_chunks_mut(AT_ONCE));
+        normal.par_chunks_mut(AT_ONCE).zip(outputs).for_each(|(normal, (met, slopes))| {
+            normal.iter_mut().for_each(|rho| *rho = rho.clamp(-1.0, 1.0));
+            self.translation.correlations(normal, met, slopes);
+        });
+        (met, slopes)
     }
 
     fn height(&mut self, spectrum: &[f64]) -> Height {
-        let normal = self.lags.map(spectrum, &mut self.work);
-        let mut met = Vec::with_capacity(normal.len());
+        let (met, mut slopes) = self.correlations(spectrum);
         let mut value = 0.0;
-        let mut slopes = vec![0.0; normal.len()];
-        for (place, rho) in normal.into_iter().enumerate() {
-            let rho = rho.clamp(-1.0, 1.0);
-            met.push(self.translation.correlation(rho));
-            if self.lags.counts(place) {
-                let error = met[place] - self.target[place];
-                value += 0.5 * error * error;
-                slopes[place] = error * self.translation.slope(rho);
-            }
+        for (place, slope) in slopes.iter_mut().enumerate() {
+            let error = if self.lags.counts(place) { met[place] - self.target[place] } else { 0.0 };
+            value += 0.5 * error * error;
+            *slope *= error;
         }
         let deviation = self.lags.deviation(&met, self.target);
         Height { value, gradient: self.lags.spectrum(&slopes, &mut self.work), deviation }

@@ -1,0 +1,209 @@
+"""Times what asperity reads off a map, and its Karhunen–Loève modes, against surfalize, SurfaceTopography and OpenTURNS.
+
+    pip install -r benchmarks/surfaces/requirements.txt
+    python benchmarks/surfaces/run.py [--points 2048]
+
+Every comparison runs both programs in turn on the same map and first compares what they find. Writes RESULTS.md beside
+this file.
+"""
+
+import argparse
+import csv
+import json
+import os
+import platform
+import subprocess
+import tempfile
+import time
+import warnings
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+warnings.filterwarnings("ignore")
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PITCH_M = 1e-6
+REPEATS = 3
+# Bars: asperity is so many times as fast.
+PARAMETERS_BAR, SPECTRA_BAR, MODES_BAR = 10.0, 10.0, 50.0
+MODES = 101
+OURS_SIDE, THEIR_SIDE = 64, 48
+LENGTH = 0.2
+
+# surfalize's name, ours, factor to our unit.
+SAME = [
+    ("Sa", "Sa_m", 1e-6), ("Sq", "Sq_m", 1e-6), ("Sp", "Sp_m", 1e-6), ("Sv", "Sv_m", 1e-6), ("Sz", "Sz_m", 1e-6),
+    ("Ssk", "Ssk", 1), ("Sku", "Sku", 1), ("Sdq", "Sdq", 1), ("Sdr", "Sdr", 0.01), ("Sal", "Sal_m", 1e-6), ("Str", "Str", 1),
+    ("Sk", "Sk_m", 1e-6), ("Spk", "Spk_m", 1e-6), ("Svk", "Svk_m", 1e-6), ("Smrk1", "Smrk1", 0.01),
+    ("Smrk2", "Smrk2", 0.01), ("Vmp", "Vmp_m", 1e-6), ("Vmc", "Vmc_m", 1e-6), ("Vvc", "Vvc_m", 1e-6), ("Vvv", "Vvv_m", 1e-6),
+]
+
+
+def self_affine(points, hurst=0.8, rms_m=1e-6, roll_off=8, seed=2016):
+    """Gaussian heights whose spectrum is flat up to `roll_off` waves per side and falls like q^(-2 - 2H) from there on."""
+    noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
+    q = np.hypot(np.fft.fftfreq(points)[:, None], np.fft.rfftfreq(points)[None, :]) * points
+    heights = np.fft.irfft2(noise * np.maximum(q, roll_off) ** (-1 - hurst), s=(points, points))
+    heights -= heights.mean()
+    return heights * (rms_m / heights.std())
+
+
+def timed(function):
+    """Best time in second, and the last result."""
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        result = function()
+        times.append(time.perf_counter() - start)
+        if times[0] > 60:
+            break
+    return min(times), result
+
+
+def ours(arguments, program, *words):
+    done = subprocess.run([arguments.target / "examples" / program, *map(str, words)], capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
+
+
+def best(lines, name):
+    """The best time that `time_surface` prints for an analysis."""
+    line = next(line for line in lines if line.startswith(name))
+    return float(line.split("best")[1].split()[0])
+
+
+def parameters(arguments, heights, source):
+    """All parameters of ISO 25178-2."""
+    from surfalize import Surface
+
+    said = subprocess.run(
+        [arguments.target / "asperity", "--quiet", "surface", "stats", source, "--level", "none", "--pixel-size", "1 um", "--json"],
+        capture_output=True, text=True, check=True)
+    found = json.loads(said.stdout)
+    # A new surface each time: results are kept with it.
+    theirs_s, theirs = timed(lambda: Surface(heights * 1e6, 1.0, 1.0).roughness_parameters(Surface.ISO_PARAMETERS))
+    ours_s = best(ours(arguments, "time_surface", source, 5, "texture parameters"), "texture parameters")
+    apart = {name: abs(found[own] / (theirs[name] * factor) - 1) for name, own, factor in SAME if abs(theirs[name]) > 1e-3}
+    worst = max(apart, key=apart.get)
+    note = f"{len(apart)} parameters differ by at most {100 * apart[worst]:.2g} % ({worst}); they find {len(theirs)} in all"
+    return theirs_s, ours_s, note
+
+
+def spectra(arguments, heights, source, folder):
+    """Autocorrelation and radial power spectrum."""
+    from SurfaceTopography import Topography
+
+    size = tuple(n * PITCH_M for n in heights.T.shape)
+
+    def theirs():
+        topography = Topography(heights.T, size, unit="m")
+        return topography.autocorrelation_from_area(), topography.power_spectrum_from_area()
+
+    theirs_s, ((their_lag, their_acf), (their_q, their_psd)) = timed(theirs)
+    lines = ours(arguments, "time_surface", source, 5, "autocorrelation") + ours(arguments, "time_surface", source, 5, "radial power")
+    ours_s = best(lines, "autocorrelation") + best(lines, "radial power")
+    ours(arguments, "time_surface", source, 1, "radial power", folder)
+    with open(folder / "radial_spectrum.csv") as file:
+        rows = [(float(row["wavenumber_rad_per_m"]), float(row["psd_m4"])) for row in csv.DictReader(file)]
+    q, psd = np.array([row for row in rows if row[1] > 0]).T
+    # Both in bins of their own: compared as means over half octaves, where bins are many.
+    edges = np.geomspace(20 * q[q > 0].min(), 0.5 * np.pi / PITCH_M, 9)
+    mean = lambda x, y: np.array([np.exp(np.log(y[(x >= a) & (x < b)]).mean()) for a, b in zip(edges, edges[1:])])
+    known = (their_q > 0) & (their_psd > 0)
+    apart = np.abs(mean(q, psd) / mean(their_q[known], their_psd[known]) - 1).max()
+    return theirs_s, ours_s, f"spectra averaged over eight bands differ by at most {100 * apart:.2g} %"
+
+
+def eigenvalues(arguments, side):
+    said = subprocess.run(
+        [arguments.target / "asperity", "--quiet", "surface", "modes", "--covariance", "exponential", "--correlation-length", f"{LENGTH} m",
+         "--size", "1 m,1 m", "--points", f"{side},{side}", "--modes", str(MODES), "--route", "general", "--json"],
+        capture_output=True, text=True, check=True)
+    found = json.loads(said.stdout)
+    return np.array(found["eigenvalues"])
+
+
+def karhunen_loeve(arguments):
+    """A hundred and one modes of an isotropic exponential covariance, which is no product, on the unit square."""
+    import openturns as ot
+
+    covariance = ot.MaternModel([LENGTH] * 2, [1.0], 0.5)
+
+    def theirs():
+        mesh = ot.IntervalMesher([THEIR_SIDE - 1] * 2).build(ot.Interval([0.0, 0.0], [1.0, 1.0]))
+        algorithm = ot.KarhunenLoeveP1Algorithm(mesh, covariance, 0.0)
+        algorithm.setNbModes(MODES)
+        algorithm.run()
+        return np.array(algorithm.getResult().getEigenvalues())
+
+    theirs_s, their_values = timed(theirs)
+    line = next(line for line in ours(arguments, "time_modes", OURS_SIDE, "exponential") if line.startswith("exponential"))
+    ours_s = float(line.split("wall")[1].split()[0])
+    # The truth: ours at three sides, extrapolated by the observed order.
+    coarse, middle, fine = (eigenvalues(arguments, side) for side in (64, 128, 256))
+    ratio = (coarse - middle) / (middle - fine)
+    truth = fine - (middle - fine) / (ratio - 1)
+    error = lambda values: np.abs(values[:12] / truth[:12] - 1).max()
+    note = (f"largest error of the first 12 eigenvalues: OpenTURNS at {THEIR_SIDE}² {error(their_values):.1e}, asperity at {OURS_SIDE}² "
+            f"{error(coarse):.1e} (against asperity at 64², 128², 256², extrapolated)")
+    return theirs_s, ours_s, note
+
+
+def machine():
+    """What the times depend on."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "surfalize", "SurfaceTopography", "openturns"))
+    return (f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; "
+            f"Python {platform.python_version()}, {packages}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--points", type=int, default=2048, help="points along each side of the map")
+    parser.add_argument("--skip-modes", action="store_true", help="leave out OpenTURNS, which takes minutes")
+    arguments = parser.parse_args()
+    arguments.target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    build = ["cargo", "build", "--release", "--quiet"]
+    subprocess.run(build + ["-p", "asperity-cli"], cwd=ROOT, check=True)
+    subprocess.run(build + ["-p", "asperity", "--example", "time_surface", "--example", "time_modes"], cwd=ROOT, check=True)
+    points = arguments.points
+    rows = []
+
+    def compare(work, peer, bar, function, *words):
+        theirs_s, ours_s, note = function(arguments, *words)
+        rows.append((work, peer, theirs_s, ours_s, bar, note))
+        print(f"{work}: {peer} {theirs_s:.3f} s, asperity {ours_s:.4f} s, ratio {theirs_s / ours_s:.1f}; {note}", flush=True)
+
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        heights = self_affine(points)
+        source = folder / "map.npy"
+        np.save(source, heights)
+        compare(f"all parameters of ISO 25178-2, {points}²", "surfalize", PARAMETERS_BAR, parameters, heights, source)
+        compare(f"autocorrelation and radial spectrum, {points}²", "SurfaceTopography", SPECTRA_BAR, spectra, heights, source, folder)
+        if not arguments.skip_modes:
+            compare(f"{MODES} Karhunen–Loève modes, ours {OURS_SIDE}², theirs {THEIR_SIDE}²", "OpenTURNS", MODES_BAR, karhunen_loeve)
+        # Sizes that OpenTURNS cannot reach.
+        large = [ours(arguments, "time_modes", side, "exponential")[-1] for side in (256, 1024)]
+        large += [ours(arguments, "time_modes", 256, kind)[-1] for kind in ("matern", "oblique", "measured")]
+    text = (
+        "# Surfaces\n\nMade by `benchmarks/surfaces/run.py`: both programs on the same work in one run, best times in second.\n\n"
+        f"Machine: {machine()}.\n\n"
+        "| work | peer | its time | asperity | ratio | bar | what they find |\n|---|---|---|---|---|---|---|\n"
+    )
+    for work, peer, theirs_s, ours_s, bar, note in rows:
+        ratio = theirs_s / ours_s
+        met = "met" if ratio >= bar else "**missed**"
+        text += f"| {work} | {peer} | {theirs_s:.3f} | {ours_s:.4f} | {ratio:.0f} | ≥ {bar:g} {met} | {note} |\n"
+    text += "\nLarger Karhunen–Loève expansions, on a unit square with correlation lengths of a fifth of it:\n\n"
+    text += "".join(f"- {line}\n" for line in large)
+    (HERE / "RESULTS.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
