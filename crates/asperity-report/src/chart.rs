@@ -27,6 +27,8 @@ pub(crate) enum Mark {
     Band { x: Vec<f64>, low: Vec<f64>, high: Vec<f64>, colour: RGBColor },
     /// Bars of a histogram from the base of the chart; `x` holds the bin centres.
     Bars { x: Vec<f64>, y: Vec<f64>, colour: RGBColor },
+    /// A part of the x axis over the whole height of the chart; an end beyond the axis is that of the axis.
+    Region { from: f64, to: f64, colour: RGBColor },
     /// A vertical line across the chart.
     Vertical { x: f64, pen: Pen },
     /// A horizontal line across the chart.
@@ -200,6 +202,16 @@ impl Chart {
                 }
                 Ok(())
             }
+            Mark::Region { from, to, colour } => {
+                // Beyond the axis, and at zero on a logarithmic one, a region ends with the axis.
+                let place = |x: f64| plot.left + self.x.position(x).unwrap_or(0.0).clamp(0.0, 1.0) * plot.width();
+                let (left, right) = (place(*from), place(*to));
+                if right - left > 0.5 {
+                    let corners = [(left, plot.bottom), (left, plot.top), (right, plot.top), (right, plot.bottom)];
+                    canvas.polygon(&corners, *colour, 0.16)?;
+                }
+                Ok(())
+            }
             Mark::Vertical { x, pen } => match self.x.position(*x).filter(|p| (0.0..=1.0).contains(p)) {
                 Some(p) => {
                     let x = plot.left + p * plot.width();
@@ -316,7 +328,7 @@ impl<'a> Legend<'a> {
                         canvas.line(&[from, to], *pen)?;
                         canvas.disc((*x + 16.0, y), 3.2, pen.colour)?;
                     }
-                    Mark::Band { colour, .. } | Mark::Bars { colour, .. } => {
+                    Mark::Band { colour, .. } | Mark::Bars { colour, .. } | Mark::Region { colour, .. } => {
                         let (left, right, top, bottom) = (x + 4.0, x + 28.0, y - 6.0, y + 6.0);
                         let box_ = [(left, top), (right, top), (right, bottom), (left, bottom)];
                         canvas.polygon(&box_, *colour, 0.30)?;

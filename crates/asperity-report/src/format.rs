@@ -108,6 +108,12 @@ impl Dimension {
         attach(&significant(value / unit.si, 4), &unit)
     }
 
+    /// As [`Dimension::show`] with three digits, for notes in figures.
+    pub(crate) fn show_short(self, value: f64) -> String {
+        let unit = self.unit(value);
+        attach(&significant(value / unit.si, 3), &unit)
+    }
+
     /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`.
     pub(crate) fn show_interval(self, value: f64, interval: Option<(f64, f64)>) -> String {
         let unit = self.unit(value);

@@ -21,10 +21,10 @@ const SMOOTHED: isize = 2;
 /// Two-dimensional power spectral density of a map: P(q) in m⁴, two-sided, the variance is ∬ P d²q/(2π)².
 #[derive(Debug, Clone)]
 pub struct AreaSpectrum {
-    grid: Grid,
+    pub(super) grid: Grid,
     /// Laid out as the spectrum of [`RealFft2`], kx = 0 … nx/2 by ky.
-    psd_m4: Vec<f64>,
-    route: SpectrumRoute,
+    pub(super) psd_m4: Vec<f64>,
+    pub(super) route: SpectrumRoute,
 }
 
 /// Radially averaged two-dimensional power spectral density.
@@ -149,7 +149,7 @@ impl AreaSpectrum {
     }
 
     /// Steps 2π/Lx and 2π/Ly, and the lesser Nyquist wavenumber, in rad/m.
-    fn wavenumbers(&self) -> (f64, f64, f64) {
+    pub(super) fn wavenumbers(&self) -> (f64, f64, f64) {
         let grid = self.grid;
         (TAU / grid.width_m(), TAU / grid.height_m(), (PI / grid.dx_m()).min(PI / grid.dy_m()))
     }
