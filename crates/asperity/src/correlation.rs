@@ -26,5 +26,5 @@ pub use record::{
 };
 pub use spectrum::{
     AngularSpectrum, AreaSpectrum, BinnedSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute,
-    UpperLimit, binned_profile_spectrum, profile_spectrum, radial_spectrum,
+    UpperLimit, binned_profile_spectrum, binned_radial_spectrum, profile_spectrum, radial_spectrum,
 };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::correlation::{AreaSpectrum, Axis, BinnedSpectrum, Covariance, binned_profile_spectrum};
+use crate::correlation::{Axis, BinnedSpectrum, Covariance, binned_profile_spectrum, binned_radial_spectrum};
 use crate::map::HeightMap;
 use crate::study::Table;
 
@@ -12,9 +12,9 @@ const DIRECTIONS: usize = 90;
 /// Tables `height_psd_radial`, `height_psd_x` and `height_psd_y`; those of spectra that do not exist are left out.
 pub(super) fn binned_tables(map: &HeightMap, covariance: Option<&Covariance>) -> Vec<(&'static str, Table)> {
     let mut tables = vec![];
-    if let Ok(spectrum) = AreaSpectrum::of(map) {
+    if let Ok(spectrum) = binned_radial_spectrum(map) {
         let model = covariance.map(|covariance| move |q: f64| radial_mean_m4(covariance, q));
-        tables.push(("height_psd_radial", table(spectrum.binned(), "m4", model)));
+        tables.push(("height_psd_radial", table(spectrum, "m4", model)));
     }
     if let Ok(spectrum) = binned_profile_spectrum(map, Axis::X) {
         let model = covariance.map(|covariance| move |q: f64| covariance.profile_psd_x_m3(q));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use crate::correlation::profiles;
-use crate::correlation::{Axis, EstimateError, SpectrumRoute};
+use crate::correlation::{Autocorrelation, Axis, EstimateError, SpectrumRoute};
 use crate::fourier::{good_length, power, signed_index};
 use crate::law::chi_square_quantile;
 use crate::map::HeightMap;
@@ -20,6 +20,8 @@ const PER_OCTAVE: f64 = 6.0;
 const PARZEN_REACH: usize = 5;
 /// Bins on either side over which the share of the coefficients that carry the spectrum is averaged.
 const POOLED: usize = 2;
+/// Degrees of freedom of a single coefficient.
+const LEAST: f64 = 2.0;
 /// Wavenumbers along x whose sums are taken at a time.
 const COLUMNS: usize = 16;
 
@@ -41,8 +43,9 @@ const COLUMNS: usize = 16;
 /// direction of the map's, without a window there, where coefficients are independent: profiles that resemble their
 /// neighbours put their power into few of these, and count accordingly.
 ///
-/// *Missing points.* Under Parzen's lag window w over lags below M, κ(d) = Σ w² cos(2πdl/n)/(n − |l|) per direction. The
-/// scatter that the missing pairs add is not counted, so beyond the reliable band bands are too narrow there.
+/// *Missing points.* Under Parzen's lag window w over lags below M, κ(d) = Σ w² cos(2πdl/n)/(n − |l|) per direction. In the
+/// double sum the periodogram of the map with zeros in place of what is missing stands for P, which holds what missing points
+/// scatter into a coefficient.
 ///
 /// *Unequal densities.* On a surface with a lay most coefficients of a ring carry nothing. The sums over P come from the
 /// periodogram I itself, unbiased: E I I′ = P P′(1 + κ), so ΣΣ I I′ κ/(1 + κ) stands for ΣΣ P P′ κ, and twice that is taken
@@ -220,14 +223,16 @@ impl Coefficients<'_> {
     }
 }
 
-/// Degrees of freedom of the bins: of flat densities, times the pooled share that unequal ones leave of it.
-fn degrees_of_freedom(sums: &[Sums], least: f64) -> Vec<f64> {
-    // ν of a flat density, and numerator and denominator of the share, both over (Σ I)². Added before they are divided they
+/// Degrees of freedom of bins with the given sums of densities: of flat densities, times the pooled share that unequal ones
+/// and missing points leave of it.
+fn degrees_of_freedom(sums: &[Sums], densities: &[f64]) -> Vec<f64> {
+    // ν of a flat density, and numerator and denominator of the share, both over (Σ P̂)². Added before they are divided they
     // are unbiased for any number of equal coefficients, whose Σ I²/(Σ I)² has the mean 2/(N + 1).
     let parts: Vec<(f64, f64, f64)> = sums
         .iter()
-        .map(|sum| {
-            let (flat, square) = (sum.count * sum.count / sum.flat, sum.weight * sum.weight);
+        .zip(densities)
+        .map(|(sum, density)| {
+            let (flat, square) = (sum.count * sum.count / sum.flat, density * density);
             let (above, below) = (1.0 - 2.0 * sum.own / square, sum.estimate * flat / square);
             if above.is_finite() && below.is_finite() { (flat, above, below) } else { (flat, 0.0, 0.0) }
         })
@@ -237,7 +242,7 @@ fn degrees_of_freedom(sums: &[Sums], least: f64) -> Vec<f64> {
             let pooled = &parts[i.saturating_sub(POOLED)..(i + POOLED + 1).min(parts.len())];
             let (above, below) = pooled.iter().fold((0.0, 0.0), |sum, part| (sum.0 + part.1, sum.1 + part.2));
             let flat = parts[i].0;
-            (flat * (above / below).min(1.0)).max(least.min(flat))
+            (flat * (above / below).min(1.0)).max(LEAST.min(flat))
         })
         .collect()
 }
@@ -285,27 +290,44 @@ impl BinnedSpectrum {
     }
 }
 
-impl AreaSpectrum {
-    /// Means over rings of a sixth of an octave, up to the lesser Nyquist wavenumber, with their bands.
-    pub fn binned(&self) -> BinnedSpectrum {
-        let (nx, ny) = (self.grid.nx(), self.grid.ny());
-        let (qx_min, qy_min, nyquist) = self.wavenumbers();
-        let width = qx_min.max(qy_min);
-        let edges = edges((nyquist / width).floor() as usize);
-        let kernels = match self.route {
-            SpectrumRoute::Periodogram => [Kernel::hann(), Kernel::hann()],
-            SpectrumRoute::MaskedCorrelogram => [nx, ny].map(|n| Kernel::parzen(n, (n - 1) / 2 + 1)),
-        };
-        let spectrum = Coefficients { nx, ny, weights: &self.psd_m4, own: kernels.clone(), estimate: kernels.clone() };
-        let magnitude = |kx: f64, ky: f64| (kx * qx_min / width).hypot(ky * qy_min / width);
-        let sums = spectrum.sums(edges.len() - 1, magnitude, |q| bin_of(&edges, q));
-        let degrees = degrees_of_freedom(&sums, 2.0 / (kernels[0].at(0) * kernels[1].at(0)));
-        let bins = sums
-            .iter()
-            .zip(degrees)
-            .map(|(sum, degrees)| (width * sum.q / sum.count, sum.weight / sum.count, degrees, sum.count as usize));
-        BinnedSpectrum::with_bands(bins.collect(), self.route)
-    }
+/// The spectrum of [`AreaSpectrum`] in rings of a sixth of an octave, up to the lesser Nyquist wavenumber, with their bands.
+///
+/// # Errors
+/// The heights present do not vary.
+pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, EstimateError> {
+    let (spectrum, scatter) = if map.missing_points() > 0 {
+        let correlation = Autocorrelation::estimate(map)?;
+        (AreaSpectrum::of_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
+    } else {
+        (AreaSpectrum::of(map)?, None)
+    };
+    let (nx, ny) = (map.grid().nx(), map.grid().ny());
+    let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
+    let width = qx_min.max(qy_min);
+    let edges = edges((nyquist / width).floor() as usize);
+    let magnitude = |kx: f64, ky: f64| (kx * qx_min / width).hypot(ky * qy_min / width);
+    let sums = |weights: &[f64], kernels: [Kernel; 2]| {
+        let coefficients = Coefficients { nx, ny, weights, own: kernels.clone(), estimate: kernels };
+        coefficients.sums(edges.len() - 1, magnitude, |q| bin_of(&edges, q))
+    };
+    let totals = |sums: &[Sums]| sums.iter().map(|sum| sum.weight).collect::<Vec<f64>>();
+    let (sums, densities) = match scatter {
+        None => {
+            let found = sums(&spectrum.psd_m4, [Kernel::hann(), Kernel::hann()]);
+            let densities = totals(&found);
+            (found, densities)
+        }
+        Some(scatter) => {
+            let densities = totals(&sums(&spectrum.psd_m4, [Kernel::independent(), Kernel::independent()]));
+            (sums(&scatter.psd_m4, [nx, ny].map(|n| Kernel::parzen(n, (n - 1) / 2 + 1))), densities)
+        }
+    };
+    let degrees = degrees_of_freedom(&sums, &densities);
+    let bins =
+        sums.iter().zip(degrees).zip(densities).map(|((sum, degrees), density)| {
+            (width * sum.q / sum.count, density / sum.count, degrees, sum.count as usize)
+        });
+    Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
 }
 
 /// The spectrum of [`profile_spectrum`] in bins with their bands.
@@ -319,38 +341,53 @@ pub fn binned_profile_spectrum(map: &HeightMap, axis: Axis) -> Result<BinnedSpec
     let missing = missing_per_profile(map, axis);
     let periodogram = spectrum.route == SpectrumRoute::Periodogram;
     let window = hann(n);
-    // How the power of a wavenumber along the profiles is spread across them; missing heights count as zero here alone.
-    let weights = power(n, all, |profile, out| {
+    // The windowed profile with zeros in place of heights that are missing or left out, and the sum of its w².
+    let windowed = |profile: usize, out: &mut [f64]| {
         profiles::copy(map, axis, profile..profile + 1, out);
         let left_out = periodogram && missing[profile] > 0;
+        let mut squares = 0.0;
         for (z, w) in out.iter_mut().zip(&window) {
-            *z = if left_out || z.is_nan() { 0.0 } else { w * (*z - mean_m) };
+            let present = !(left_out || z.is_nan());
+            squares += if present { w * w } else { 0.0 };
+            *z = if present { w * (*z - mean_m) } else { 0.0 };
         }
+        squares
+    };
+    // How the power of a wavenumber along the profiles is spread across them: the sum over all is the density there.
+    let mut weights = power(n, all, |profile, out| {
+        windowed(profile, out);
     });
+    let squares: f64 =
+        (0..all).into_par_iter().map(|profile| windowed(profile, &mut vec![0.0; n])).collect::<Vec<f64>>().iter().sum();
+    let norm = pitch_m / (squares * all as f64);
+    weights.par_iter_mut().for_each(|weight| *weight *= norm);
     let own = [Kernel::hann(), Kernel::independent()];
-    // Zeros in place of heights spread the power over more coefficients than there are heights for.
-    let (estimate, share) = if periodogram {
-        (own.clone(), spectrum.profiles as f64 / all as f64)
+    let estimate = if periodogram {
+        own.clone()
     } else {
         let padded = good_length(n + (n - 1) / 2);
         let counts = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { 1.0 });
-        let end = lag_window_end(&counts, (n - 1) / 2);
-        let present = 1.0 - missing.iter().sum::<usize>() as f64 / (all * n) as f64;
-        ([Kernel::parzen(n, end), Kernel::independent()], present)
+        [Kernel::parzen(n, lag_window_end(&counts, (n - 1) / 2)), Kernel::independent()]
     };
     let coefficients = Coefficients { nx: n, ny: all, weights: &weights, own, estimate };
     let edges = edges(n / 2);
     let sums = coefficients.sums(edges.len() - 1, |k, _| k, |k| bin_of(&edges, k));
+    // Densities and wavenumbers of both signs; the last of an even number of points is its own negative.
+    let mut totals = vec![(0.0, 0.0); sums.len()];
+    for (k, psd) in spectrum.psd_m3.iter().enumerate() {
+        if let Some(bin) = bin_of(&edges, k as f64) {
+            let times = if 2 * k == n { 1.0 } else { 2.0 };
+            totals[bin] = (totals[bin].0 + times * psd, totals[bin].1 + times);
+        }
+    }
+    let densities: Vec<f64> = totals.iter().map(|total| total.0).collect();
+    // Profiles of zeros spread the power over more coefficients than there are profiles.
+    let share = spectrum.profiles as f64 / all as f64;
     let q_min = TAU / (n as f64 * pitch_m);
-    let least = 2.0 / coefficients.estimate[0].at(0);
-    let bins = sums.iter().zip(degrees_of_freedom(&sums, least)).enumerate().map(|(bin, (sum, degrees))| {
-        let held = || (1..spectrum.psd_m3.len()).filter(|k| bin_of(&edges, *k as f64) == Some(bin));
-        // The last wavenumber of an even number of points is its own negative.
-        let times = |k: usize| if 2 * k == n { 1.0 } else { 2.0 };
-        let (psd, count) =
-            held().fold((0.0, 0.0), |(psd, count), k| (psd + times(k) * spectrum.psd_m3[k], count + times(k)));
-        (q_min * sum.q / sum.count, psd / count, (share * degrees).max(least), count as usize)
-    });
+    let bins =
+        sums.iter().zip(degrees_of_freedom(&sums, &densities)).zip(totals).map(|((sum, degrees), (density, count))| {
+            (q_min * sum.q / sum.count, density / count, (share * degrees).max(LEAST), count as usize)
+        });
     Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
 }
 

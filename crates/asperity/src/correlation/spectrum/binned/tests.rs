@@ -99,7 +99,7 @@ fn coverages(
     let map = |index| prepared(index, gaussian_map(n, index, psd_m4));
     let step = TAU / n as f64;
     let range = (from * step, to * step);
-    let area = |index| AreaSpectrum::of(&map(index)).unwrap().binned();
+    let area = |index| binned_radial_spectrum(&map(index)).unwrap();
     let profiles = |axis| move |index| binned_profile_spectrum(&map(index), axis).unwrap();
     let found = [
         coverage(maps, area, &ring_means(n, psd_m4), range),
