@@ -13,6 +13,8 @@ const LEGEND_ROW: f64 = 21.0;
 const TOLERANCE: f64 = 0.12;
 /// A curve with more corners is simplified further.
 const MOST_CORNERS: usize = 30_000;
+/// Bars of a histogram up to this width in pixels have no edge.
+const NARROW_BAR: f64 = 4.0;
 /// Size of notes in pixels.
 const SMALL: f64 = 12.0;
 
@@ -195,9 +197,11 @@ impl Chart {
                             (bar.right, bar.bottom),
                         ];
                         canvas.polygon(&corners, *colour, 0.30)?;
-                        let mut edge = Pen::new(*colour, 0.8, Dash::Solid);
-                        edge.opacity = 0.7;
-                        canvas.line(&corners, edge)?;
+                        // The edges of narrow bars would hide the bars.
+                        if bar.width() > NARROW_BAR {
+                            let edge = Pen { opacity: 0.7, ..Pen::new(*colour, 0.8, Dash::Solid) };
+                            canvas.line(&corners, edge)?;
+                        }
                     }
                 }
                 Ok(())

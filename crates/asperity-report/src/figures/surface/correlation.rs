@@ -11,7 +11,7 @@ use crate::{ReportError, Run, Table};
 const NAME: &str = "height_acf";
 /// Correlation lengths that are shown.
 const LENGTHS: f64 = 6.0;
-/// Axes whose lengths differ by more have a chart each.
+/// Axes whose lengths differ by a larger factor have a chart each.
 const ONE_CHART: f64 = 3.0;
 
 /// What is drawn of one axis.
@@ -23,6 +23,8 @@ struct Side<'a> {
     /// Where the correlation falls to 1/e.
     length_m: Option<f64>,
     pens: [Pen; 2],
+    /// Share of the chart by which notes stand beside their marks.
+    aside: f64,
 }
 
 impl<'a> Side<'a> {
@@ -37,6 +39,7 @@ impl<'a> Side<'a> {
             model: table.column(&format!("fit_{axis}")),
             length_m: number(run, &format!("correlation_length_{axis}_m")).filter(|length| *length > 0.0),
             pens,
+            aside: 0.12,
         })
     }
 
@@ -64,10 +67,13 @@ impl<'a> Side<'a> {
         }
     }
 
-    fn note(&self, chart: &mut Chart) {
+    /// The length at the upper right of its mark, where no falling curve is; `row` counts notes upwards.
+    fn note(&self, chart: &mut Chart, row: usize) {
         if let Some(length_m) = self.length_m {
             let text = format!("ℓ{} = {}", self.axis, Dimension::Length.show_short(length_m));
-            chart.add(None, Mark::Note { x: length_m, y: (-1f64).exp(), text });
+            let ((first, last), (low, high)) = (chart.x.ends(), chart.y.ends());
+            let y = (-1f64).exp() + (0.02 + 0.06 * row as f64) * (high - low);
+            chart.add(None, Mark::Note { x: length_m + self.aside * (last - first), y, text });
         }
     }
 }
@@ -88,7 +94,7 @@ fn chart(sides: &[Side<'_>], lag: &[f64]) -> Option<Chart> {
     chart.add(None, Mark::Horizontal { y: 0.0, pen: Pen::new(GREY, 1.0, Dash::Solid) });
     chart.add("1/e", Mark::Horizontal { y: (-1f64).exp(), pen: Pen::new(GREY, 1.2, Dash::Dotted) });
     sides.iter().for_each(|side| side.draw(&mut chart, lag));
-    sides.iter().for_each(|side| side.note(&mut chart));
+    sides.iter().enumerate().for_each(|(row, side)| side.note(&mut chart, row));
     Some(chart)
 }
 
@@ -99,9 +105,16 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         ("x", [Pen::new(BLUE, 2.0, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dotted)]),
         ("y", [Pen::new(VERMILION, 2.0, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
     ];
-    let sides: Vec<Side<'_>> = pens.into_iter().filter_map(|(axis, pens)| Side::of(run, table, axis, pens)).collect();
+    let mut sides: Vec<Side<'_>> =
+        pens.into_iter().filter_map(|(axis, pens)| Side::of(run, table, axis, pens)).collect();
     let lengths: Vec<f64> = sides.iter().filter_map(|side| side.length_m).collect();
-    let apart = matches!(lengths[..], [x, y] if x.max(y) > ONE_CHART * x.min(y));
+    let apart = match lengths[..] {
+        [x, y] => x.max(y) > ONE_CHART * x.min(y),
+        // An axis along which the correlation does not fall to 1/e within the map is shown as far as it is known.
+        [_] => sides.len() == 2,
+        _ => false,
+    };
+    sides.iter_mut().filter(|_| apart).for_each(|side| side.aside = 0.24);
     let charts: Vec<(f64, Chart)> = if apart {
         sides.chunks(1).filter_map(|side| chart(side, lag)).map(|chart| (0.0, chart)).collect()
     } else {

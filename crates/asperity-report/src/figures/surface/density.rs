@@ -48,10 +48,12 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
     if highest <= 0.0 {
         return Ok(None);
     }
+    // Densities count per µm where they would be tiny numbers per nm.
+    let per = if highest * unit.si < 0.02 { Dimension::Length.unit(1e3 * unit.si) } else { unit.clone() };
     let axis = || Axis::linear("Height", unit.clone(), range(x).unwrap_or((0.0, 1.0)));
-    let mut linear = Chart::new(axis(), Axis::linear("Density", unit.inverse(), (0.0, 1.06 * highest)));
+    let mut linear = Chart::new(axis(), Axis::linear("Density", per.inverse(), (0.0, 1.06 * highest)));
     let mut logarithmic =
-        Chart::new(axis(), Axis::logarithmic("Density", unit.inverse(), (0.3 * lowest, 2.0 * highest)));
+        Chart::new(axis(), Axis::logarithmic("Density", per.inverse(), (0.3 * lowest, 2.0 * highest)));
     linear.add("measured", Mark::Bars { x: x.to_vec(), y: measured.to_vec(), colour: BLUE });
     // Hundreds of discs would hide the laws; bars have no base on a logarithmic axis.
     let step = Pen { opacity: 0.55, ..Pen::new(BLUE, 1.2, Dash::Solid) };
@@ -73,8 +75,8 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
     let mut caption = match fits.is_empty() {
         true => "Density of the levelled heights with the fitted law and the normal law of equal mean and standard deviation"
             .to_owned(),
-        false => "Density of the levelled heights with the laws that fit best by Akaike’s criterion and the normal law of \
-                  equal mean and standard deviation"
+        false => "Density of the levelled heights with the laws that fit best by Akaike’s criterion, numbered by rank, and the \
+                  normal law of equal mean and standard deviation"
             .to_owned(),
     };
     caption += match (fits.is_empty(), stated) {

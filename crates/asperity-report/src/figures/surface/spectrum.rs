@@ -5,7 +5,7 @@ use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
 use crate::format::{Dimension, Unit};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION};
+use crate::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use crate::{ReportError, Run};
 
 /// Table of the profiles at all wavenumbers, which runs always have.
@@ -19,7 +19,7 @@ struct Spectrum<'a> {
     psd: &'a [f64],
     band: Option<[&'a [f64]; 2]>,
     model: Option<&'a [f64]>,
-    /// What tells it from others of the same chart.
+    /// What tells it from the others.
     what: &'static str,
     pens: [Pen; 2],
 }
@@ -53,10 +53,10 @@ impl<'a> Spectrum<'a> {
 
     fn draw(&self, chart: &mut Chart) {
         let [pen, model] = self.pens;
-        let named = |name: &str| if self.what.is_empty() { name.to_owned() } else { format!("{name}, {}", self.what) };
+        let named = |name: &str| format!("{name}, {}", self.what);
         if let Some([low, high]) = self.band {
             let band = Mark::Band { x: self.q.to_vec(), low: low.to_vec(), high: high.to_vec(), colour: pen.colour };
-            chart.add_named(named("95 % band"), band);
+            chart.add("95 % bands", band);
         }
         let curve = |y: &[f64], pen| Mark::Line { x: self.q.to_vec(), y: y.to_vec(), pen };
         chart.add_named(named("measured"), curve(self.psd, pen));
@@ -70,26 +70,40 @@ impl<'a> Spectrum<'a> {
 struct Reliable {
     low: f64,
     high: f64,
-    limit: Option<&'static str>,
+    /// What sets the upper end: in the figure, and in its caption.
+    limit: Option<(&'static str, &'static str)>,
 }
 
 impl Reliable {
     fn of(run: &Run) -> Option<Self> {
         let [low, high] = ["low", "high"].map(|end| number(run, &format!("psd_reliable_{end}_rad_per_m")));
         let limit = match run.results["surface"]["psd_upper_limit"].as_str() {
-            Some("pixel") => Some("half of the pixels’ Nyquist wavenumber"),
-            Some("roll_off") => Some("the roll-off of the instrument, a filter or a smooth surface"),
-            Some("noise_floor") => Some("the noise floor"),
+            Some("pixel") => Some(("pixels", "half of the pixels’ Nyquist wavenumber")),
+            Some("roll_off") => Some(("roll-off", "the roll-off of the instrument, a filter or a smooth surface")),
+            Some("noise_floor") => Some(("noise", "the noise floor")),
             _ => None,
         };
         Some(Self { low: low?, high: high?, limit })
+    }
+
+    /// Names of the regions, where no falling spectrum is in the way: at the lower left and the upper right.
+    fn notes(&self, chart: &mut Chart) {
+        let ((x_low, x_high), (y_low, y_high)) = (chart.x.ends(), chart.y.ends());
+        let high = self.high.max(self.low);
+        let share = (y_high / y_low).powf(0.08);
+        if self.low > x_low {
+            chart.add(None, Mark::Note { x: (x_low * self.low).sqrt(), y: y_low, text: "field".into() });
+        }
+        if let Some((name, _)) = self.limit.filter(|_| high < x_high) {
+            chart.add(None, Mark::Note { x: (x_high * high).sqrt(), y: y_high / share, text: name.into() });
+        }
     }
 
     fn draw(&self, chart: &mut Chart) {
         let high = self.high.max(self.low);
         let edge = Pen::new(GREY, 1.1, Dash::Dashed);
         chart.add("outside the reliable band", Mark::Region { from: 0.0, to: self.low, colour: GREY });
-        chart.add(None, Mark::Region { from: high, to: f64::INFINITY, colour: GREY });
+        chart.add(None, Mark::Region { from: high, to: f64::MAX, colour: GREY });
         chart.add(None, Mark::Vertical { x: self.low, pen: edge });
         chart.add(None, Mark::Vertical { x: high, pen: edge });
     }
@@ -105,6 +119,9 @@ fn chart(title: &str, label: &str, unit: Unit, spectra: &[Spectrum<'_>], reliabl
     if let Some((model_low, model_high)) = models {
         (low, high) = (model_low.clamp(1e-2 * low, low), high.max(model_high));
     }
+    // Bands of few coefficients reach far up; a part of them is enough.
+    let bands = range(spectra.iter().filter_map(|s| s.band).flat_map(|[_, high]| Spectrum::positive(high)));
+    high = bands.map_or(high, |(_, band)| high.max(band.min(3.0 * high)));
     low = low.max(1e-14 * high);
     let middle = (x_range.0 * x_range.1).sqrt();
     let x = Axis::logarithmic("Wavenumber q", Dimension::Wavenumber.unit(middle), x_range);
@@ -113,16 +130,19 @@ fn chart(title: &str, label: &str, unit: Unit, spectra: &[Spectrum<'_>], reliabl
         reliable.draw(&mut chart);
     }
     spectra.iter().for_each(|spectrum| spectrum.draw(&mut chart));
+    if let Some(reliable) = reliable {
+        reliable.notes(&mut chart);
+    }
     Some(chart)
 }
 
 pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
-    let radial_pens = [Pen::new(BLUE, 1.9, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dotted)];
+    let radial_pens = [Pen::new(BLUE, 1.9, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dashed)];
     let pens = [
-        ("x", "along x", radial_pens),
-        ("y", "along y", [Pen::new(VERMILION, 1.9, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
+        ("x", "x", [Pen::new(PURPLE, 1.9, Dash::Solid), Pen::new(BLACK, 1.6, Dash::Dotted)]),
+        ("y", "y", [Pen::new(VERMILION, 1.9, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
     ];
-    let radial: Vec<Spectrum<'_>> = Spectrum::binned(run, RADIAL, "m4", "", radial_pens).into_iter().collect();
+    let radial: Vec<Spectrum<'_>> = Spectrum::binned(run, RADIAL, "m4", "radial", radial_pens).into_iter().collect();
     let profiles: Vec<Spectrum<'_>> = pens
         .into_iter()
         .zip(PROFILES)
@@ -156,7 +176,7 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
             true => " Shaded wavenumbers are not reliable in the radial mean: below, field and levelling rule",
             false => " No wavenumber is reliable: field and levelling rule below",
         };
-        caption += &reliable.limit.map_or(".".to_owned(), |limit| format!("; the upper end is {limit}."));
+        caption += &reliable.limit.map_or(".".to_owned(), |(_, limit)| format!("; the upper end is {limit}."));
     }
     let svg = figure(title, &caption, Layout::Column, &charts)?;
     let tables = [RADIAL, PROFILES[0], PROFILES[1], ALL];
