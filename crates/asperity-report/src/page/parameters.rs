@@ -231,7 +231,7 @@ mod tests {
         let spaced: Vec<Vec<String>> =
             table.rows.iter().map(|row| row.iter().map(|cell| cell.replace('\u{a0}', " ")).collect()).collect();
         assert_eq!(spaced[0], ["Height"]);
-        assert_eq!(spaced[1], ["root mean square height", "Sq", "1.02 µm", "[0.99, 1.06]"].map(|t| t.to_owned()));
+        assert_eq!(spaced[1], ["root mean square height", "Sq", "1.023 µm", "[0.990, 1.060]"].map(|t| t.to_owned()));
         assert_eq!(spaced[2][2..], ["0.5".to_owned(), "–".to_owned()]);
         assert_eq!(spaced[3], ["Map"]);
         // Without any interval there is no column for them.
