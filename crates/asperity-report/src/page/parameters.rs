@@ -138,7 +138,7 @@ pub(super) fn table(surface: &Value) -> DataTable {
     DataTable::new("Surface parameters", &headers, rows, "results.json").without_empty_columns()
 }
 
-/// A parameter's value and interval, or dashes.
+/// A parameter's value and interval, or dashes: three digits, more where the interval is narrower.
 fn shown(surface: &Value, key: &str) -> (String, String) {
     let none = || "–".to_owned();
     let Some(value) = surface[key].as_f64().filter(|_| surface[key].is_f64()) else {
@@ -148,8 +148,10 @@ fn shown(surface: &Value, key: &str) -> (String, String) {
     let standard_error = surface[&format!("{key}_se")].as_f64();
     let (text, limits) = match (interval(surface, key), standard_error) {
         (Some(limits), _) => dimension.show_apart(value, limits),
-        (None, Some(error)) => (dimension.show(value), format!("s.e. {}", dimension.show_short(error))),
-        (None, None) => (dimension.show(value), none()),
+        (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
+        // The pixels are known, not estimated.
+        (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), none()),
+        (None, None) => (dimension.show_short(value), none()),
     };
     match dimension {
         // A wavenumber says little to the eye.

@@ -94,7 +94,7 @@ fn chart(sides: &[Side<'_>], lag: &[f64]) -> Option<Chart> {
     chart.add(None, Mark::Horizontal { y: 0.0, pen: Pen::new(GREY, 1.0, Dash::Solid) });
     chart.add("1/e", Mark::Horizontal { y: (-1f64).exp(), pen: Pen::new(GREY, 1.2, Dash::Dotted) });
     sides.iter().for_each(|side| side.draw(&mut chart, lag));
-    sides.iter().enumerate().for_each(|(row, side)| side.note(&mut chart, row));
+    sides.iter().rev().enumerate().for_each(|(row, side)| side.note(&mut chart, row));
     Some(chart)
 }
 

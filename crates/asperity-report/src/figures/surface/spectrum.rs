@@ -47,7 +47,7 @@ impl<'a> Spectrum<'a> {
         Some(Self { q, psd, band: None, model, what, pens })
     }
 
-    fn positive<'b>(values: &'b [f64]) -> impl Iterator<Item = &'b f64> {
+    fn positive(values: &[f64]) -> impl Iterator<Item = &f64> {
         values.iter().filter(|v| **v > 0.0)
     }
 
@@ -109,9 +109,13 @@ impl Reliable {
     }
 }
 
-/// A chart of spectra in one unit; none without a positive density.
-fn chart(title: &str, label: &str, unit: Unit, spectra: &[Spectrum<'_>], reliable: Option<&Reliable>) -> Option<Chart> {
-    let x_range = range(spectra.iter().flat_map(|s| Spectrum::positive(s.q)))?;
+/// A chart of spectra in one unit over the wavenumbers of the figure; none without a positive density.
+fn chart(
+    (title, label, unit): (&str, &str, Unit),
+    x_range: (f64, f64),
+    spectra: &[Spectrum<'_>],
+    reliable: Option<&Reliable>,
+) -> Option<Chart> {
     let measured = range(spectra.iter().flat_map(|s| Spectrum::positive(s.psd)));
     let models = range(spectra.iter().filter_map(|s| s.model).flat_map(Spectrum::positive));
     let (mut low, mut high) = measured.or(models)?;
@@ -151,14 +155,17 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         })
         .collect();
     let reliable = Reliable::of(run).filter(|_| !radial.is_empty());
-    let charts: Vec<(f64, Chart)> = [
-        chart("Radial mean of the map’s spectrum", "PSD C", Unit::new("µm⁴", 1e-24), &radial, reliable.as_ref()),
-        chart("Mean spectrum of profiles", "PSD C₁", Unit::new("µm³", 1e-18), &profiles, reliable.as_ref()),
-    ]
-    .into_iter()
-    .flatten()
-    .map(|chart| (if radial.is_empty() { 380.0 } else { 320.0 }, chart))
-    .collect();
+    // One axis for both charts, so that wavenumbers stand below each other.
+    let wavenumbers = radial.iter().chain(&profiles).flat_map(|spectrum| Spectrum::positive(spectrum.q));
+    let Some(x_range) = range(wavenumbers) else { return Ok(None) };
+    let of_map = ("Radial mean of the map’s spectrum", "PSD C", Unit::new("µm⁴", 1e-24));
+    let of_profiles = ("Mean spectrum of profiles", "PSD C₁", Unit::new("µm³", 1e-18));
+    let charts: Vec<(f64, Chart)> =
+        [chart(of_map, x_range, &radial, reliable.as_ref()), chart(of_profiles, x_range, &profiles, reliable.as_ref())]
+            .into_iter()
+            .flatten()
+            .map(|chart| (if radial.is_empty() { 380.0 } else { 320.0 }, chart))
+            .collect();
     if charts.is_empty() {
         return Ok(None);
     }
