@@ -58,7 +58,7 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
         ],
     ),
     (
-        "Functional, core by the flattest secant (ISO 13565-2)",
+        "Functional, core by the flattest secant",
         &[
             ("Sk_secant_m", "Sk", "core height by the secant"),
             ("Spk_secant_m", "Spk", "reduced peak height by the secant"),
