@@ -29,7 +29,9 @@ fn maps(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let rasters = Raster::on_one_scale(shown.iter().map(|(_, field)| *field), Kind::Height)?;
     let caption = match rasters.len() {
         1 => format!("Heights relative to their mean; {SATURATE}"),
-        _ => format!("Heights relative to their mean, scan and realisation on one colour scale; {SATURATE}"),
+        _ => format!(
+            "Heights relative to their mean, scan and realisation on one colour scale, each over its own field; {SATURATE}"
+        ),
     };
     for (((name, title), _), raster) in shown.iter().zip(&rasters) {
         plates.push(map_of(raster, (name, Stage::Surface), title, &caption)?);
