@@ -13,6 +13,8 @@ const LEGEND_ROW: f64 = 21.0;
 const TOLERANCE: f64 = 0.12;
 /// A curve with more corners is simplified further.
 const MOST_CORNERS: usize = 30_000;
+/// Bars of a histogram up to this width in pixels have no edge.
+const NARROW_BAR: f64 = 4.0;
 /// Size of notes in pixels.
 const SMALL: f64 = 12.0;
 
@@ -27,6 +29,8 @@ pub(crate) enum Mark {
     Band { x: Vec<f64>, low: Vec<f64>, high: Vec<f64>, colour: RGBColor },
     /// Bars of a histogram from the base of the chart; `x` holds the bin centres.
     Bars { x: Vec<f64>, y: Vec<f64>, colour: RGBColor },
+    /// A part of the x axis over the whole height of the chart; an end beyond the axis is that of the axis.
+    Region { from: f64, to: f64, colour: RGBColor },
     /// A vertical line across the chart.
     Vertical { x: f64, pen: Pen },
     /// A horizontal line across the chart.
@@ -193,10 +197,22 @@ impl Chart {
                             (bar.right, bar.bottom),
                         ];
                         canvas.polygon(&corners, *colour, 0.30)?;
-                        let mut edge = Pen::new(*colour, 0.8, Dash::Solid);
-                        edge.opacity = 0.7;
-                        canvas.line(&corners, edge)?;
+                        // The edges of narrow bars would hide the bars.
+                        if bar.width() > NARROW_BAR {
+                            let edge = Pen { opacity: 0.7, ..Pen::new(*colour, 0.8, Dash::Solid) };
+                            canvas.line(&corners, edge)?;
+                        }
                     }
+                }
+                Ok(())
+            }
+            Mark::Region { from, to, colour } => {
+                // Beyond the axis, and at zero on a logarithmic one, a region ends with the axis.
+                let place = |x: f64| plot.left + self.x.position(x).unwrap_or(0.0).clamp(0.0, 1.0) * plot.width();
+                let (left, right) = (place(*from), place(*to));
+                if right - left > 0.5 {
+                    let corners = [(left, plot.bottom), (left, plot.top), (right, plot.top), (right, plot.bottom)];
+                    canvas.polygon(&corners, *colour, 0.16)?;
                 }
                 Ok(())
             }
@@ -316,7 +332,7 @@ impl<'a> Legend<'a> {
                         canvas.line(&[from, to], *pen)?;
                         canvas.disc((*x + 16.0, y), 3.2, pen.colour)?;
                     }
-                    Mark::Band { colour, .. } | Mark::Bars { colour, .. } => {
+                    Mark::Band { colour, .. } | Mark::Bars { colour, .. } | Mark::Region { colour, .. } => {
                         let (left, right, top, bottom) = (x + 4.0, x + 28.0, y - 6.0, y + 6.0);
                         let box_ = [(left, top), (right, top), (right, bottom), (left, bottom)];
                         canvas.polygon(&box_, *colour, 0.30)?;

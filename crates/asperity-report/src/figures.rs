@@ -67,6 +67,19 @@ fn map(
     let Some(raster) = run.fields.get(name).map(|field| Raster::new(field, kind)).transpose()?.flatten() else {
         return Ok(None);
     };
+    map_of(&raster, (name, stage), title, caption).map(Some)
+}
+
+/// A map with axes, colour bar and legend from its raster.
+///
+/// # Errors
+/// The drawing backend's and the PNG encoder's.
+fn map_of(
+    raster: &Raster,
+    (name, stage): (&'static str, Stage),
+    title: &str,
+    caption: &str,
+) -> Result<Plate, ReportError> {
     let caption = match raster.block {
         1 => caption.to_owned(),
         block => format!("{caption} Each pixel is the mean of {block} × {block} points."),
@@ -74,7 +87,7 @@ fn map(
     let (left, room, tallest): (f64, f64, f64) = (92.0, 400.0, 400.0);
     let width = room.min(tallest / raster.aspect()).max(40.0);
     let height = (width * raster.aspect()).clamp(40.0, tallest);
-    let legend = if kind == Kind::Pressure || raster.missing > 0 { 30.0 } else { 10.0 };
+    let legend = if raster.kind() == Kind::Pressure || raster.missing > 0 { 30.0 } else { 10.0 };
     // Maps of all shapes stand in the middle of the same width.
     let left = left + 0.5 * (room - width);
     let plot = Rect::new(left, legend, width, height);
@@ -85,5 +98,5 @@ fn map(
         raster.colour_bar(canvas, Rect::new(plot.right + 18.0, plot.top, 16.0, bar))
     })?;
     let sources = vec![format!("fields/{name}")];
-    Ok(Some(Plate { name, stage, title: title.into(), caption, sources, svg }))
+    Ok(Plate { name, stage, title: title.into(), caption, sources, svg })
 }

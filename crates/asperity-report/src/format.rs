@@ -1,5 +1,7 @@
 //! Numbers as a reader wants them: engineering units, an uncertainty that sets the digits, a true minus sign.
 
+use std::f64::consts::PI;
+
 /// Keeps a number and its unit or uncertainty on one line.
 const NO_BREAK: char = '\u{a0}';
 
@@ -40,6 +42,7 @@ pub(crate) enum Dimension {
     Area,
     Time,
     Compliance,
+    Angle,
     Other(&'static str),
 }
 
@@ -58,7 +61,7 @@ const SUFFIXES: [(&str, Dimension); 15] = [
     ("_n", Dimension::Force),
     ("_m", Dimension::Length),
     ("_s", Dimension::Time),
-    ("_rad", Dimension::Other("rad")),
+    ("_rad", Dimension::Angle),
     ("_deg", Dimension::Other("°")),
 ];
 
@@ -85,6 +88,7 @@ impl Dimension {
             Self::Area => &[("µm²", 1e-12), ("mm²", 1e-6), ("m²", 1.0)],
             Self::Time => &[("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)],
             Self::Compliance => &[("µm/GPa", 1e-15), ("µm/MPa", 1e-12), ("m/Pa", 1.0)],
+            Self::Angle => &[("°", PI / 180.0)],
             Self::Other(_) => &[],
         }
     }
@@ -97,7 +101,7 @@ impl Dimension {
         let units = self.units();
         let size = largest.abs() * (1.0 + 1e-9);
         let fitting = units.iter().rev().find(|(_, si)| size >= *si).or(units.first());
-        let zero = units.iter().find(|(_, si)| *si == 1.0);
+        let zero = units.iter().find(|(_, si)| *si == 1.0).or(units.first());
         let chosen = if size > 0.0 { fitting } else { zero };
         chosen.map_or_else(Unit::none, |(symbol, si)| Unit::new(*symbol, *si))
     }
@@ -106,6 +110,25 @@ impl Dimension {
     pub(crate) fn show(self, value: f64) -> String {
         let unit = self.unit(value);
         attach(&significant(value / unit.si, 4), &unit)
+    }
+
+    /// As [`Dimension::show`] with three digits, for notes in figures.
+    pub(crate) fn show_short(self, value: f64) -> String {
+        let unit = self.unit(value);
+        attach(&significant(value / unit.si, 3), &unit)
+    }
+
+    /// A value with its unit, and its interval in the same unit: three digits of the value, or more where two digits of the
+    /// interval's width are finer.
+    pub(crate) fn show_apart(self, value: f64, (low, high): (f64, f64)) -> (String, String) {
+        let unit = self.unit(value);
+        let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
+        if !(1e-3..1e6).contains(&value.abs()) && value != 0.0 {
+            return (attach(&significant(value, 3), &unit), show_range(low, high));
+        }
+        let decimals = decimals(high - low).unwrap_or(0).clamp(three_digits(value).min(4), 6);
+        let limits = format!("[{},{NO_BREAK}{}]", fixed(low, decimals), fixed(high, decimals));
+        (attach(&fixed(value, decimals), &unit), limits)
     }
 
     /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`.
@@ -123,6 +146,11 @@ impl Dimension {
             None => self.show(value),
         }
     }
+}
+
+/// Decimals that show three digits of a number.
+fn three_digits(value: f64) -> usize {
+    if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize }
 }
 
 /// Decimals that show two digits of an uncertainty; none where fixed decimals do not suit it.

@@ -13,6 +13,7 @@ mod axis;
 mod canvas;
 mod chart;
 mod figures;
+mod fits;
 mod format;
 mod page;
 mod palette;

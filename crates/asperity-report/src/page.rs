@@ -2,6 +2,7 @@
 
 mod answers;
 mod json;
+mod parameters;
 mod references;
 mod tables;
 
@@ -11,12 +12,14 @@ use crate::figures::{Plate, Stage};
 
 use crate::{ReportError, Run};
 pub(crate) use json::plain;
+pub(crate) use parameters::parameter;
 
 const TEMPLATE: &str = include_str!("page/report.html");
 /// Style of every page.
 const STYLE: &str = include_str!("page/style.css");
 
-/// A table of the page: header cells, rows of text, and the file that holds the numbers.
+/// A table of the page: header cells, rows of text, and the file that holds the numbers. A row of one cell is the title of
+/// the rows below it.
 #[derive(Debug, Clone, Default)]
 struct DataTable {
     caption: String,
@@ -33,8 +36,9 @@ impl DataTable {
 
     /// Leaves out columns in which every cell is a dash.
     fn without_empty_columns(mut self) -> Self {
-        let kept: Vec<bool> =
-            (0..self.headers.len()).map(|c| self.rows.iter().any(|row| row.get(c).is_some_and(|t| t != "–"))).collect();
+        let kept: Vec<bool> = (0..self.headers.len())
+            .map(|c| self.rows.iter().filter(|row| row.len() > 1).any(|row| row.get(c).is_some_and(|t| t != "–")))
+            .collect();
         let keep = |row: &Vec<String>| {
             row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(text, _)| text.clone()).collect::<Vec<_>>()
         };
@@ -103,7 +107,7 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             "Surface",
             "What the measured map says about heights, and the random surface that stands for it. Every statistic \
              belongs to the bandwidth between field size and pixel size.",
-            &tables::surface(&results["surface"]),
+            &tables::surface(run),
         ),
         section(
             plates,
@@ -167,13 +171,6 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
 pub(crate) fn provenance(provenance: &serde_json::Value) -> Vec<Value> {
     let rows = json::flattened(provenance).into_iter();
     rows.map(|(key, value)| context! { key => key, value => value }).collect()
-}
-
-/// Place of a surface parameter in its table, its symbol and its meaning, by its key.
-pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)> {
-    let place = tables::PARAMETERS.iter().position(|(own, _, _)| *own == key)?;
-    let (_, symbol, meaning) = tables::PARAMETERS[place];
-    Some((place, symbol, meaning))
 }
 
 /// A page from its template; all text of the context is escaped.

@@ -171,6 +171,11 @@ impl Raster {
         self.height_m / self.width_m
     }
 
+    /// What the field holds.
+    pub(crate) fn kind(&self) -> Kind {
+        self.kind
+    }
+
     /// Length of the field along x in metre.
     pub(crate) fn width_m(&self) -> f64 {
         self.width_m

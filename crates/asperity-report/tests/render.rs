@@ -52,6 +52,90 @@ fn a_complete_run_has_every_figure_and_every_section() {
     }
 }
 
+/// What is written in a figure, piece by piece.
+fn words(run: &Run, name: &str) -> Vec<String> {
+    let svg = render(run).unwrap().figures.into_iter().find(|figure| figure.name == name).unwrap().svg;
+    let pieces =
+        svg.split('<').filter_map(|piece| piece.split_once('>')).map(|(_, text)| text.trim().replace('\u{a0}', " "));
+    pieces.filter(|text| !text.is_empty()).collect()
+}
+
+#[test]
+fn parameters_stand_in_groups_with_their_intervals() {
+    let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
+    let place = |what: &str| html.find(what).unwrap_or_else(|| panic!("the page says {what:?}"));
+    let wanted =
+        ["95 % interval", "Height", "1.00 µm", "[0.94, 1.06]", "Spatial", "Hybrid", "Functional, core", "Spectral"];
+    assert!(wanted.map(place).is_sorted(), "{:?}", wanted.map(place));
+    // A wavenumber with its wavelength, and no standard error among the properties of the random surface.
+    assert!(html.contains("63 rad/mm (99.7 µm)") && html.contains("roll off") && !html.contains("Sq m se"));
+    // Without intervals there is no column for them.
+    let mut run = full_run();
+    let surface = run.results["surface"].as_object_mut().unwrap();
+    surface.retain(|key, _| !key.ends_with("_interval") && !key.ends_with("_se"));
+    assert!(!text(&render(&run).unwrap().html).contains(">95 % interval<"));
+}
+
+#[test]
+fn fitted_laws_are_named_by_rank_in_figure_and_table() {
+    let run = full_run();
+    let drawn = words(&run, "height_pdf");
+    for name in ["1. Johnson SU", "2. Beta", "3. Normal", "law of the study"] {
+        assert!(drawn.iter().any(|word| word == name), "{name} in {drawn:?}");
+    }
+    assert!(!drawn.iter().any(|word| word.contains("Weibull")), "the fourth is not drawn");
+    let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
+    assert!(html.contains("γ = 0.11, δ = 2.3, ξ = 100 nm, λ = 2.1 µm") && html.contains("worth 412 independent ones"));
+    // Runs from before there were ranks.
+    let mut run = full_run();
+    run.tables.remove("height_fits");
+    assert!(words(&run, "height_pdf").contains(&"fitted law".to_owned()));
+}
+
+#[test]
+fn correlation_is_shown_up_to_six_lengths_with_its_bands() {
+    let mut run = full_run();
+    let wide = words(&run, "height_acf");
+    for wanted in ["95 % band, x", "95 % band, y", "model, y", "ℓx = 20 µm", "ℓy = 14 µm", "80"] {
+        assert!(wide.iter().any(|word| word == wanted), "{wanted} in {wide:?}");
+    }
+    // Lengths that differ tenfold have a chart each, up to six of them.
+    run.results["surface"]["correlation_length_x_m"] = json!(1.1e-6);
+    run.results["surface"]["correlation_length_y_m"] = json!(1.1e-5);
+    let apart = words(&run, "height_acf");
+    assert_eq!(apart.iter().filter(|word| *word == "Lag (µm)").count(), 2);
+    assert!(!apart.contains(&"80".to_owned()));
+    let table = run.tables.get_mut("height_acf").unwrap();
+    table.columns.retain(|(name, _)| !name.ends_with("_low") && !name.ends_with("_high"));
+    assert!(!words(&run, "height_acf").iter().any(|word| word.starts_with("95 %")));
+}
+
+#[test]
+fn spectra_have_bands_and_a_marked_reliable_range() {
+    let mut run = full_run();
+    let drawn = words(&run, "height_psd");
+    for wanted in ["measured, radial", "model, x", "measured, y", "95 % bands", "outside the reliable band", "roll-off"]
+    {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    // Runs from before there were bins still have their profiles.
+    run.tables.retain(|name, _| !name.starts_with("height_psd_"));
+    let drawn = words(&run, "height_psd");
+    assert!(drawn.iter().any(|word| word == "measured, x") && !drawn.iter().any(|word| word.starts_with("95 %")));
+}
+
+#[test]
+fn levelled_heights_and_their_realisation_share_a_colour_scale() {
+    let mut run = full_run();
+    run.fields.get_mut("surface_sample").unwrap().values.iter_mut().for_each(|z| *z *= 10.0);
+    let ticks = |name: &str| {
+        let drawn = words(&run, name);
+        drawn[drawn.iter().position(|word| word == "x (µm)").unwrap()..].to_owned()
+    };
+    assert_eq!(ticks("height_levelled"), ticks("surface_sample"));
+    assert_ne!(ticks("height_levelled"), ticks("height_raw"));
+}
+
 #[test]
 fn every_figure_names_the_table_that_holds_its_series() {
     let run = full_run();
@@ -119,8 +203,10 @@ fn each_table_and_field_can_be_there_alone() {
     for (name, table) in &full.tables {
         let tables = [(name.clone(), table.clone())].into();
         let report = render(&Run { tables, ..Run::default() }).unwrap();
-        assert_eq!(report.figures.len(), 1, "{name}");
-        elements(&report.figures[0].svg);
+        // The laws of the heights are a table of the page.
+        assert_eq!(report.figures.len(), usize::from(name != "height_fits"), "{name}");
+        assert!(text(&report.html).contains(&format!("<code>tables/{name}.csv</code>")), "{name}");
+        report.figures.iter().for_each(|figure| assert!(elements(&figure.svg) > 0));
     }
     for (name, field) in &full.fields {
         let fields = [(name.clone(), field.clone())].into();

@@ -25,6 +25,6 @@ pub use record::{
     fit_windowed_exponential, windowed_exponential,
 };
 pub use spectrum::{
-    AngularSpectrum, AreaSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute, UpperLimit,
-    profile_spectrum, radial_spectrum,
+    AngularSpectrum, AreaSpectrum, BinnedSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute,
+    UpperLimit, binned_profile_spectrum, binned_radial_spectrum, profile_spectrum, radial_spectrum,
 };

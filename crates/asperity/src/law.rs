@@ -1,5 +1,6 @@
 //! One-dimensional laws: densities, quantiles, moments, fits, goodness of fit, and translation from the normal law.
 
+mod chi_square;
 mod empirical;
 mod error;
 pub mod fit;
@@ -13,6 +14,7 @@ mod text;
 pub mod translation;
 mod translator;
 
+pub(crate) use chi_square::chi_square_quantile;
 pub use error::LawError;
 pub use johnson::{Johnson, JohnsonSystem};
 pub use marginal::Marginal;

@@ -78,6 +78,9 @@ fn one_and_two_threads_give_the_same_bytes() {
         assert_eq!(table.to_csv().unwrap(), two.tables[name].to_csv().unwrap(), "{name}");
     }
     // Tables and figures name every stage.
+    for name in ["height_fits", "height_psd_radial", "height_psd_x", "height_psd_y"] {
+        assert!(one.tables.contains_key(name), "{name}");
+    }
     for name in ["height_acf", "pressure_cdf", "friction_levels", "friction_acf", "cycles_over_damping"] {
         assert!(one.tables.contains_key(name), "{name}");
     }

@@ -3,79 +3,20 @@
 use serde_json::Value;
 
 use super::json::{flattened, interval, plain, shown};
-use super::{DataTable, method_name};
+use super::{DataTable, method_name, parameters};
 use crate::format::{Dimension, significant, with_error};
 use crate::{Input, Run};
 
-/// Surface parameters in the order of the table: key, symbol, meaning.
-pub(super) const PARAMETERS: [(&str, &str, &str); 46] = [
-    ("Sa_m", "Sa", "arithmetic mean height"),
-    ("Sq_m", "Sq", "root mean square height"),
-    ("Ssk", "Ssk", "skewness of heights"),
-    ("Sku", "Sku", "kurtosis of heights (normal: 3)"),
-    ("Sp_m", "Sp", "highest peak"),
-    ("Sv_m", "Sv", "deepest pit"),
-    ("Sz_m", "Sz", "maximum height"),
-    ("Sdq", "Sdq", "root mean square slope, forward differences"),
-    ("Sdq_7point", "Sdq", "root mean square slope, seven-point differences"),
-    ("Sdr", "Sdr", "developed interfacial area ratio"),
-    ("Sal_m", "Sal", "autocorrelation length"),
-    ("Str", "Str", "texture aspect ratio"),
-    ("Std_rad", "Std", "direction of the lay, anticlockwise from x; of meaning where Str is small"),
-    ("Ssw_m", "Ssw", "dominant wavelength"),
-    ("Sk_m", "Sk", "core height"),
-    ("Spk_m", "Spk", "reduced peak height"),
-    ("Svk_m", "Svk", "reduced dale height"),
-    ("Smrk1", "Smrk1", "material ratio of the peaks"),
-    ("Smrk2", "Smrk2", "material ratio of the dales"),
-    ("Spkx_m", "Spkx", "peak height above the core"),
-    ("Svkx_m", "Svkx", "dale depth below the core"),
-    ("Sxp_m", "Sxp", "peak extreme height, material ratios 2.5 % to 50 %"),
-    ("Sk_secant_m", "Sk", "core height by the secant"),
-    ("Spk_secant_m", "Spk", "reduced peak height by the secant"),
-    ("Svk_secant_m", "Svk", "reduced dale height by the secant"),
-    ("Smrk1_secant", "Smrk1", "material ratio of the peaks by the secant"),
-    ("Smrk2_secant", "Smrk2", "material ratio of the dales by the secant"),
-    ("Vmp_m", "Vmp", "peak material volume per area"),
-    ("Vmc_m", "Vmc", "core material volume per area"),
-    ("Vvc_m", "Vvc", "core void volume per area"),
-    ("Vvv_m", "Vvv", "dale void volume per area"),
-    ("correlation_length_x_m", "ℓx", "correlation length along x, to 1/e"),
-    ("correlation_length_y_m", "ℓy", "correlation length along y, to 1/e"),
-    ("hurst", "H", "Hurst exponent"),
-    ("fractal_dimension", "D", "fractal dimension"),
-    ("psd_reliable_low_rad_per_m", "", "spectrum reliable from"),
-    ("psd_reliable_high_rad_per_m", "", "spectrum reliable to"),
-    ("psd_upper_limit", "", "what ends the reliable spectrum"),
-    ("nx", "nx", "points along x"),
-    ("ny", "ny", "points along y"),
-    ("dx_m", "Δx", "pixel size along x"),
-    ("dy_m", "Δy", "pixel size along y"),
-    ("missing_points", "", "missing points, rejected outliers included"),
-    ("outliers", "", "points rejected as outliers"),
-    ("form_radius_m", "R", "radius of the cylinder or sphere that was removed"),
-    ("missing_fraction", "", "share of missing points"),
-];
-
-/// `surface`: parameters with their meaning, then the random surface.
-pub(super) fn surface(surface: &Value) -> Vec<DataTable> {
-    let rows = PARAMETERS
-        .iter()
-        .filter(|(key, _, _)| !surface[*key].is_null())
-        .map(|(key, symbol, meaning)| {
-            let value = if surface[*key].is_f64() { shown(surface, key) } else { plain(&surface[*key]) };
-            vec![(*meaning).to_owned(), (*symbol).to_owned(), value]
-        })
-        .collect();
+/// `surface`: parameters with their meaning, the laws of the heights, then the random surface.
+pub(super) fn surface(run: &Run) -> Vec<DataTable> {
+    let surface = &run.results["surface"];
     let mut rest = surface.clone();
     if let Value::Object(entries) = &mut rest {
-        entries.retain(|key, _| PARAMETERS.iter().all(|(known, _, _)| known != key));
+        entries.retain(|key, _| !parameters::belongs(key));
     }
     let random = flattened(&rest).into_iter().map(|(key, value)| vec![key, value]).collect();
-    vec![
-        DataTable::new("Surface parameters", &["Parameter", "Symbol", "Value"], rows, "results.json"),
-        DataTable::new("Random surface", &["Property", "Value"], random, "results.json"),
-    ]
+    let random = DataTable::new("Random surface", &["Property", "Value"], random, "results.json");
+    [Some(parameters::table(surface)), parameters::laws(run), Some(random)].into_iter().flatten().collect()
 }
 
 /// `pressure`: one row per method.

@@ -81,6 +81,33 @@ fn surface(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, F
             ("density_per_m", measured.collect()),
             ("fitted_density_per_m", fitted),
             ("normal_density_per_m", map(&z, |z| normal(z, 0.0, 1e-6))),
+            ("johnson_su_density_per_m", map(&z, |z| normal(z, 1e-7, 1.02e-6))),
+            ("beta_density_per_m", map(&z, |z| normal(z, 5e-8, 1.05e-6))),
+            ("study_density_per_m", map(&z, |z| normal(z, 0.0, 1.1e-6))),
+        ]),
+    );
+    let none = f64::NAN;
+    tables.insert(
+        "height_fits".into(),
+        table(&[
+            ("rank", vec![1.0, 2.0, 3.0, 4.0]),
+            ("free_parameters", vec![4.0, 4.0, 2.0, 3.0]),
+            ("delta_aic", vec![0.0, 1.7, 12.3, 13.1]),
+            ("akaike_weight", vec![0.69, 0.3, 0.0015, 0.001]),
+            ("ks_distance", vec![0.008, 0.011, 0.031, 0.032]),
+            ("ks_p_value", vec![0.98, 0.93, 0.21, 0.2]),
+            ("effective_heights", vec![412.0; 4]),
+            ("johnson_su_gamma", vec![0.11, none, none, none]),
+            ("johnson_su_delta", vec![2.3, none, none, none]),
+            ("johnson_su_xi_m", vec![1e-7, none, none, none]),
+            ("johnson_su_lambda_m", vec![2.1e-6, none, none, none]),
+            ("beta_a", vec![none, 5.1, none, none]),
+            ("beta_b", vec![none, 6.2, none, none]),
+            ("beta_low_m", vec![none, -4.4e-6, none, none]),
+            ("beta_high_m", vec![none, 5.2e-6, none, none]),
+            ("normal_mean_m", vec![none, none, 0.0, none]),
+            ("normal_std_m", vec![none, none, 1e-6, none]),
+            ("weibull_shape", vec![none, none, none, 3.4]),
         ]),
     );
     let lag = grid(0.0, 8e-5, 129);
@@ -95,6 +122,10 @@ fn surface(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, F
             ("acf_y", wavy(1.4e-5)),
             ("fit_x", decay(2e-5)),
             ("fit_y", decay(1.4e-5)),
+            ("acf_x_low", wavy(2e-5).iter().map(|rho| rho - 0.12).collect()),
+            ("acf_x_high", wavy(2e-5).iter().map(|rho| rho + 0.12).collect()),
+            ("acf_y_low", wavy(1.4e-5).iter().map(|rho| rho - 0.1).collect()),
+            ("acf_y_high", wavy(1.4e-5).iter().map(|rho| rho + 0.1).collect()),
         ]),
     );
     let q: Vec<f64> = (1..=127).map(|i| TAU * f64::from(i) / edge).collect();
@@ -113,6 +144,18 @@ fn surface(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, F
             ("psd_model_x_m3", map(&q, |q| 1e-12 * 2e-5 * PI.sqrt() * (-(q * 2e-5).powi(2) / 4.0).exp())),
         ]),
     );
+    let q: Vec<f64> = grid((TAU / edge).ln(), (127.0 * TAU / edge).ln(), 36).iter().map(|q| q.exp()).collect();
+    for (name, unit, scale, seed) in [("radial", "m4", 1e-21, 300), ("x", "m3", 1.2e-17, 400), ("y", "m3", 1e-17, 500)]
+    {
+        let model = map(&q, |q| scale / (1.0 + (q * 2e-5).powi(2)).powf(1.3));
+        let psd: Vec<f64> = model.iter().zip(0..).map(|(p, i)| p * (0.9 + 0.2 * noise(seed + i))).collect();
+        let spread = |sign: f64| psd.iter().zip(&q).map(|(p, q)| p * (sign * 1e5 / (1e5 + q)).exp()).collect();
+        let columns =
+            [("psd", psd.clone()), ("psd_low", spread(-1.0)), ("psd_high", spread(1.0)), ("psd_model", model)];
+        let named = columns.map(|(column, values)| (format!("{column}_{unit}"), values));
+        let all = std::iter::once(("wavenumber_rad_per_m".to_owned(), q.clone())).chain(named).collect();
+        tables.insert(format!("height_psd_{name}"), Table { columns: all });
+    }
 }
 
 fn pressure(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, Field>) {
@@ -306,6 +349,8 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
             "Sdq": 0.183, "Sdr": 0.0161, "Sal_m": 1.4e-5, "Str": 0.71, "Sk_m": 2.5e-6, "Spk_m": 9.6e-7, "Svk_m": 1.2e-6,
             "Smrk1": 0.102, "Smrk2": 0.889, "correlation_length_x_m": 2e-5, "correlation_length_y_m": 1.4e-5,
             "hurst": 0.78, "fractal_dimension": 2.22,
+            "Sq_m_interval": [9.41e-7, 1.0614e-6], "Sq_m_se": 3.1e-8, "Ssk_interval": [-0.4, -0.03], "hurst_interval": null,
+            "psd_reliable_low_rad_per_m": 6.3e4, "psd_reliable_high_rad_per_m": 2e6, "psd_upper_limit": "roll_off",
             "covariance": {"model": "squared_exponential", "length_x_m": 2e-5, "length_y_m": 1.4e-5},
             "karhunen_loeve": {"modes": 101, "captured_variance": 0.9401},
         },

@@ -5,6 +5,8 @@ mod taper;
 #[cfg(test)]
 mod tests;
 
+use std::f64::consts::TAU;
+
 use ndarray::Array2;
 use serde::Serialize;
 use thiserror::Error;
@@ -13,6 +15,7 @@ use self::positive::{PositiveCorrelation, Spline, made_positive};
 use self::taper::Taper;
 use super::estimate::{Autocorrelation, EstimateError};
 use super::model::StationaryCovariance;
+use crate::fourier::{RealFft2, good_length};
 use crate::map::HeightMap;
 
 /// Independent patches N/Σρ² of a map below which its correlation is not known.
@@ -167,11 +170,60 @@ impl MeasuredCovariance {
     /// It is that of the lags times the factor of the spline through them, which falls like q⁻⁴ beyond their Nyquist
     /// wavenumber π/dx, where the map says nothing.
     pub fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
-        let (phase, reach) = (q_rad_per_m * self.dx_m, self.spline.reach().0);
-        let lags: f64 = (1..=reach).map(|k| 2.0 * self.spline.value(k as f64, 0.0) * (phase * k as f64).cos()).sum();
-        let half = 0.5 * phase;
-        let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
-        self.std_m * self.std_m * self.dx_m * (1.0 + lags) * 3.0 * sinc.powi(4) / (2.0 + phase.cos())
+        self.profile_psd_m3(q_rad_per_m * self.dx_m, self.spline.reach().0, |k| self.spline.value(k, 0.0)) * self.dx_m
+    }
+
+    /// The same of profiles along y.
+    pub fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
+        self.profile_psd_m3(q_rad_per_m * self.dy_m, self.spline.reach().1, |k| self.spline.value(0.0, k)) * self.dy_m
+    }
+
+    /// In m² per lag, at a phase per lag.
+    fn profile_psd_m3(&self, phase: f64, reach: usize, correlation: impl Fn(f64) -> f64) -> f64 {
+        let lags: f64 = (1..=reach).map(|k| k as f64).map(|k| 2.0 * correlation(k) * (phase * k).cos()).sum();
+        self.std_m * self.std_m * (1.0 + lags) * spline_factor(phase)
+    }
+
+    /// Mean of the two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴ over the directions, at each of the
+    /// wavenumbers in rad/m: over rings about as wide as the reach of the covariance resolves, linear between them.
+    pub fn radial_psd_m4(&self, q_rad_per_m: &[f64]) -> Vec<f64> {
+        let (reach_x, reach_y) = self.spline.reach();
+        let fft = RealFft2::new(good_length(2 * reach_x + 1), good_length(2 * reach_y + 1));
+        let (nx, ny) = (fft.nx(), fft.ny());
+        // Lags and wavevectors from zero in both directions.
+        let signed = |k: usize, n: usize| if 2 * k <= n { k as f64 } else { k as f64 - n as f64 };
+        let mut lags = vec![0.0; nx * ny];
+        for (place, lag) in lags.iter_mut().enumerate() {
+            *lag = self.spline.value(signed(place % nx, nx), signed(place / nx, ny));
+        }
+        let mut spectrum = fft.spectrum();
+        fft.forward(&lags, &mut spectrum, &mut fft.workspace());
+        let (step_x, step_y) = (TAU / (nx as f64 * self.dx_m), TAU / (ny as f64 * self.dy_m));
+        let width = step_x.max(step_y);
+        // Of every ring the sums of wavenumbers and densities, and the number of wavevectors.
+        let mut rings: Vec<(f64, f64, f64)> = vec![];
+        for (place, value) in spectrum.iter().enumerate() {
+            let (kx, ky) = ((place / ny) as f64, signed(place % ny, ny));
+            let factor = spline_factor(TAU * kx / nx as f64) * spline_factor(TAU * ky / ny as f64);
+            let q = (kx * step_x).hypot(ky * step_y);
+            let ring = (q / width).round() as usize;
+            if ring >= rings.len() {
+                rings.resize(ring + 1, (0.0, 0.0, 0.0));
+            }
+            let times = fft.multiplicity(place / ny);
+            rings[ring].0 += times * q;
+            rings[ring].1 += times * value.re * factor;
+            rings[ring].2 += times;
+        }
+        let unit = self.std_m * self.std_m * self.dx_m * self.dy_m;
+        let means: Vec<(f64, f64)> =
+            rings.iter().filter(|ring| ring.2 > 0.0).map(|(q, p, n)| (q / n, unit * p / n)).collect();
+        let at = |q: &f64| {
+            let after = means.partition_point(|(ring, _)| ring < q).clamp(1, means.len() - 1);
+            let ((q0, p0), (q1, p1)) = (means[after - 1], means[after]);
+            p0 + (p1 - p0) * ((q - q0) / (q1 - q0)).clamp(0.0, 1.0)
+        };
+        q_rad_per_m.iter().map(at).collect()
     }
 
     /// What was changed on the way.
@@ -199,6 +251,13 @@ impl StationaryCovariance for MeasuredCovariance {
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
         if dx_m == 0.0 && dy_m == 0.0 { 1.0 } else { self.spline.value(dx_m / self.dx_m, dy_m / self.dy_m) }
     }
+}
+
+/// Transform of the cubic spline that is one at zero and zero at every other lag, over the pitch, at a phase per lag.
+fn spline_factor(phase: f64) -> f64 {
+    let half = 0.5 * phase;
+    let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
+    3.0 * sinc.powi(4) / (2.0 + phase.cos())
 }
 
 /// The mean β of ρ over all pairs of points, from the estimate (ρ − β)/(1 − β) within the taper w and zero beyond it.

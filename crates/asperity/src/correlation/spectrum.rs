@@ -2,6 +2,7 @@
 
 mod area;
 mod band;
+mod binned;
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,6 +15,7 @@ use super::profiles;
 
 pub use area::{AngularSpectrum, AreaSpectrum, RadialSpectrum, radial_spectrum};
 pub use band::{ReliableBand, UpperLimit};
+pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 
 /// How a spectrum was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,8 +140,7 @@ fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
     let padded = good_length(n + half);
     let products = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { z - mean_m });
     let counts = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { 1.0 });
-    // Counts are whole numbers but for rounding.
-    let end = (0..=half).find(|lag| counts[*lag] < 0.5).unwrap_or(half + 1);
+    let end = lag_window_end(&counts, half);
     let mut lags = vec![0.0; n];
     for lag in 0..end {
         let value = parzen(lag as f64 / end as f64) * products[lag] / counts[lag].round();
@@ -147,6 +148,12 @@ fn correlogram(map: &HeightMap, axis: Axis, mean_m: f64) -> Vec<f64> {
         lags[(n - lag) % n] = value;
     }
     real_transform(&lags).into_iter().map(|value| pitch_m * value).collect()
+}
+
+/// Where Parzen's window ends: at the first lag without any pair of `counts`, at most beyond `half`.
+fn lag_window_end(counts: &[f64], half: usize) -> usize {
+    // Counts are whole numbers but for rounding.
+    (0..=half).find(|lag| counts[*lag] < 0.5).unwrap_or(half + 1)
 }
 
 #[cfg(test)]

@@ -53,6 +53,9 @@ impl Translation {
             }
         }
         let mut shares: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();
+        // The error of the rule may leave more than the variance: no correlation exceeds one.
+        let excess = shares.iter().sum::<f64>().max(1.0);
+        shares.iter_mut().for_each(|share| *share /= excess);
         let rest = 1.0 - shares.iter().sum::<f64>();
         shares.push(rest.max(0.0));
         let mut summed = shares.clone();

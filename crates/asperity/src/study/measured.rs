@@ -4,10 +4,10 @@ use crate::correlation::{
     Autocorrelation, Axis, ProfileSpectrum, StationaryCovariance, axis_correlation_length_m, profile_spectrum,
 };
 use crate::law::Marginal;
-use crate::law::fit::{Family, rank_by_aic};
 use crate::map::HeightMap;
-use crate::stats::{Histogram, Moments};
+use crate::study::height_fits::{HeightFits, effective_heights};
 use crate::study::result::SurfaceStatistics;
+use crate::study::spectra::binned_tables;
 use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
 use crate::surface::areal::Analysis;
@@ -98,33 +98,12 @@ impl Measured {
         covariance: Option<&SurfaceCovariance>,
         marginal: &Marginal,
     ) -> Result<Vec<(&'static str, Table)>, StudyError> {
-        let mut tables = vec![("height_pdf", self.pdf_table(marginal)?), ("height_acf", self.acf_table(covariance))];
+        let fits = HeightFits::of(self.map.present_m(), effective_heights(&self.correlation));
+        let mut tables = vec![("height_pdf", fits.densities(marginal)?), ("height_acf", self.acf_table(covariance))];
+        tables.extend(fits.table().map(|table| ("height_fits", table)));
         tables.extend(self.psd_table(covariance).map(|table| ("height_psd", table)));
+        tables.extend(binned_tables(&self.map, covariance));
         Ok(tables)
-    }
-
-    fn pdf_table(&self, marginal: &Marginal) -> Result<Table, StudyError> {
-        let heights: Vec<f64> = self.map.present_m().collect();
-        let histogram = Histogram::of(&heights).map_err(StudyError::Heights)?;
-        let moments = Moments::of(&heights);
-        let normal = Marginal::normal(moments.mean, moments.std)?;
-        // The law drawn beside the histogram: the stated one, or the best fit to a thinned sample of the measured.
-        let fitted = if let Marginal::Empirical { sorted } = marginal {
-            let stride = (sorted.len() / 4096).max(1);
-            let thinned: Vec<f64> = sorted.iter().copied().skip(stride / 2).step_by(stride).collect();
-            rank_by_aic(&Family::ANYWHERE, &thinned, None).fits.into_iter().next().map(|fit| fit.law)
-        } else {
-            Some(marginal.clone())
-        };
-        let centres = histogram.centres();
-        let fitted = |z: &f64| fitted.as_ref().map_or(f64::NAN, |law| law.pdf(*z));
-        Ok(Table::new([
-            ("fitted_density_per_m", centres.iter().map(fitted).collect()),
-            ("normal_density_per_m", centres.iter().map(|z| normal.pdf(*z)).collect()),
-            ("density_per_m", histogram.density()),
-            ("height_m", centres),
-        ])
-        .led_by("height_m"))
     }
 
     /// Correlation at the lags of both axes, up to half a side, where lags rest on enough pairs.

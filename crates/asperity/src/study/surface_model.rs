@@ -1,5 +1,7 @@
 //! Random surfaces of a study, on any grid.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::correlation::{CorrelationModel, Covariance, MeasuredCovariance, StationaryCovariance};
 use crate::law::Marginal;
 use crate::map::Grid;
@@ -45,6 +47,29 @@ impl SurfaceCovariance {
         match self {
             Self::Model(covariance) => covariance.profile_psd_x_m3(q_rad_per_m),
             Self::Empirical(covariance) => covariance.profile_psd_x_m3(q_rad_per_m),
+        }
+    }
+
+    /// Power spectral density of profiles along y in m³, at q in rad/m.
+    pub(super) fn profile_psd_y_m3(&self, q_rad_per_m: f64) -> f64 {
+        match self {
+            Self::Model(covariance) => covariance.profile_psd_y_m3(q_rad_per_m),
+            Self::Empirical(covariance) => covariance.profile_psd_y_m3(q_rad_per_m),
+        }
+    }
+
+    /// Mean of the two-dimensional power spectral density over the directions in m⁴, at each of the wavenumbers in rad/m.
+    pub(super) fn radial_psd_m4(&self, q_rad_per_m: &[f64]) -> Vec<f64> {
+        /// Directions over a quarter turn, by the symmetry of the models.
+        const DIRECTIONS: usize = 90;
+
+        match self {
+            Self::Model(covariance) => {
+                let angles = || (0..DIRECTIONS).map(|i| (i as f64 + 0.5) * FRAC_PI_2 / DIRECTIONS as f64);
+                let density = |q: f64| angles().map(move |a| covariance.psd_m4(q * a.cos(), q * a.sin())).sum::<f64>();
+                q_rad_per_m.iter().map(|q| density(*q) / DIRECTIONS as f64).collect()
+            }
+            Self::Empirical(covariance) => covariance.radial_psd_m4(q_rad_per_m),
         }
     }
 

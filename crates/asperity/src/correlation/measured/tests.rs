@@ -248,3 +248,31 @@ fn a_map_that_is_all_form_or_has_no_neighbours_has_no_covariance() {
     let estimate = all_lags(&chess.unwrap());
     assert_eq!(MeasuredCovariance::new(&estimate).unwrap_err(), MeasuredCovarianceError::NoPairs);
 }
+
+#[test]
+fn the_radial_spectrum_is_the_mean_of_the_transform_over_the_directions() {
+    let (_, measured) = measure(&sample(&ridge(), unit_grid(96, 80), 3));
+    let (end_x, end_y) = measured.support_m();
+    let (end_x, end_y) = (end_x as i32, end_y as i32);
+    // The transform of the lags at one wavevector, and the mean over sixty directions.
+    let density = |qx: f64, qy: f64| {
+        let mut sum = 0.0;
+        for y in -end_y..=end_y {
+            for x in -end_x..=end_x {
+                let (x, y) = (f64::from(x), f64::from(y));
+                sum += measured.value_m2(x, y) * (qx * x + qy * y).cos();
+            }
+        }
+        sum * spline_factor(qx) * spline_factor(qy)
+    };
+    let mean = |q: f64| {
+        let angles = (0..60).map(|i| std::f64::consts::PI * (f64::from(i) + 0.5) / 60.0);
+        angles.map(|angle| density(q * angle.cos(), q * angle.sin())).sum::<f64>() / 60.0
+    };
+    let wavenumbers = [0.3, 0.6, 1.2, 2.0];
+    for (q, found) in wavenumbers.iter().zip(measured.radial_psd_m4(&wavenumbers)) {
+        let wanted = mean(*q);
+        // Rings are as wide as the covariance resolves, over which the spectrum bends a little.
+        assert!((found / wanted - 1.0).abs() < 0.05, "{q}: {found} {wanted}");
+    }
+}

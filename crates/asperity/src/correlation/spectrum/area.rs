@@ -21,10 +21,10 @@ const SMOOTHED: isize = 2;
 /// Two-dimensional power spectral density of a map: P(q) in m⁴, two-sided, the variance is ∬ P d²q/(2π)².
 #[derive(Debug, Clone)]
 pub struct AreaSpectrum {
-    grid: Grid,
+    pub(super) grid: Grid,
     /// Laid out as the spectrum of [`RealFft2`], kx = 0 … nx/2 by ky.
-    psd_m4: Vec<f64>,
-    route: SpectrumRoute,
+    pub(super) psd_m4: Vec<f64>,
+    pub(super) route: SpectrumRoute,
 }
 
 /// Radially averaged two-dimensional power spectral density.
@@ -121,6 +121,20 @@ impl AreaSpectrum {
     ///
     /// The resolution of [`SpectrumRoute::MaskedCorrelogram`] is that of an autocovariance that reaches half the field.
     pub(crate) fn of_correlation(correlation: &Autocorrelation) -> Self {
+        Self::of_lags(correlation, |lag_x, lag_y| correlation.covariance_m2(lag_x, lag_y))
+    }
+
+    /// As [`AreaSpectrum::of_correlation`] of the mean products over all heights present instead of the pairs of a lag: the
+    /// mean periodogram of the map with zeros in place of missing points, smoothed as the estimate is. It holds what the
+    /// points that are missing scatter into every wavevector, and is not negative.
+    pub(super) fn with_scatter(correlation: &Autocorrelation) -> Self {
+        let present = correlation.present() as f64;
+        Self::of_lags(correlation, |lag_x, lag_y| {
+            correlation.covariance_m2(lag_x, lag_y) * correlation.pairs(lag_x, lag_y) / present
+        })
+    }
+
+    fn of_lags(correlation: &Autocorrelation, covariance_m2: impl Fn(isize, isize) -> f64 + Sync) -> Self {
         let grid = correlation.grid();
         let (ny, nx) = grid.shape();
         let (reach_x, reach_y) = correlation.reach();
@@ -134,7 +148,7 @@ impl AreaSpectrum {
                 return;
             }
             for lag_x in -half_x..=half_x {
-                let covariance = correlation.covariance_m2(lag_x, lag_y);
+                let covariance = covariance_m2(lag_x, lag_y);
                 if !covariance.is_nan() {
                     let weight = weights_x[lag_x.unsigned_abs()] * weights_y[lag_y.unsigned_abs()];
                     out[lag_x.rem_euclid(nx as isize) as usize] = weight * covariance * grid.cell_area_m2();
@@ -149,7 +163,7 @@ impl AreaSpectrum {
     }
 
     /// Steps 2π/Lx and 2π/Ly, and the lesser Nyquist wavenumber, in rad/m.
-    fn wavenumbers(&self) -> (f64, f64, f64) {
+    pub(super) fn wavenumbers(&self) -> (f64, f64, f64) {
         let grid = self.grid;
         (TAU / grid.width_m(), TAU / grid.height_m(), (PI / grid.dx_m()).min(PI / grid.dy_m()))
     }

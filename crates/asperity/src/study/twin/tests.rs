@@ -127,7 +127,7 @@ fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
 
 #[test]
 fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning() {
-    let heights = map_of(&smooth(12e-6, 12e-6), &Marginal::STANDARD_NORMAL, (40, 40), 3);
+    let heights = map_of(&smooth(20e-6, 20e-6), &Marginal::STANDARD_NORMAL, (40, 40), 3);
     let mut options = TwinOptions::new(1);
     let twins = Twins::like(scan_of(heights.clone()), "map", &options).unwrap();
     assert_ne!(twins.model.covariance.as_ref().unwrap().model, "empirical");

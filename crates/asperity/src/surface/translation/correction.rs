@@ -127,7 +127,7 @@ impl TranslationCorrection {
         law: &Marginal,
         grid: Grid,
     ) -> Result<CorrectedField, TranslationError> {
-        self.field(target, law, grid, &Lags::periodic(grid))
+        self.field(target, law, grid, &Lags::periodic(target, grid))
     }
 
     /// The Gaussian field on a `grid` whose opposite edges do not know each other: a crop of a periodic domain of at least
@@ -159,7 +159,7 @@ impl TranslationCorrection {
         // Targets that the law does not reach are raised to the least correlation.
         let normal = lags.wrapped(&Predistorted::new(Borrowed(target), law)?)?;
         let predistorted = lags.spectrum(&normal, &mut work);
-        let least_target = lags.quadrant(&wanted).iter().copied().fold(f64::INFINITY, f64::min);
+        let least_target = lags.least(&wanted);
         let feasibility = Feasibility {
             least_correlation: translation.least_correlation(),
             least_target,
@@ -207,7 +207,7 @@ fn embedding(target: &dyn StationaryCovariance, grid: Grid) -> Result<Lags, Tran
     loop {
         let (nx, ny) = (good_length(factor_x * grid.nx()), good_length(factor_y * grid.ny()));
         let domain = Grid::new(nx, ny, grid.dx_m(), grid.dy_m()).map_err(GeneratorError::from)?;
-        let lags = Lags::within(grid, domain);
+        let lags = Lags::within(target, grid, domain);
         let spectrum = lags.spectrum(&lags.wrapped(target)?, &mut lags.fft.workspace());
         let across_x = target.correlation(0.5 * domain.width_m(), 0.0).abs();
         let across_y = target.correlation(0.0, 0.5 * domain.height_m()).abs();
@@ -232,6 +232,10 @@ impl StationaryCovariance for Borrowed<'_> {
 
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
         self.0.correlation(dx_m, dy_m)
+    }
+
+    fn mirror_symmetric(&self) -> bool {
+        self.0.mirror_symmetric()
     }
 }
 

@@ -19,19 +19,22 @@ pub(super) struct Lags {
     /// Counted lags along y and x, zero included.
     rows: usize,
     columns: usize,
+    /// Whether ρ(−x, y) = ρ(x, y).
+    mirrored: bool,
 }
 
 impl Lags {
-    /// All lags of a periodic grid.
-    pub(super) fn periodic(grid: Grid) -> Self {
+    /// All lags of a periodic grid, for correlations with the symmetry of `target`.
+    pub(super) fn periodic(target: &dyn StationaryCovariance, grid: Grid) -> Self {
         let fft = RealFft2::new(grid.nx(), grid.ny());
-        Self { domain: grid, fft, rows: grid.ny() / 2 + 1, columns: grid.nx() / 2 + 1 }
+        let (rows, columns) = (grid.ny() / 2 + 1, grid.nx() / 2 + 1);
+        Self { domain: grid, fft, rows, columns, mirrored: target.mirror_symmetric() }
     }
 
-    /// The lags within `grid` on a domain of at least twice its sides.
-    pub(super) fn within(grid: Grid, domain: Grid) -> Self {
+    /// The lags within `grid` on a domain of at least twice its sides, for correlations with the symmetry of `target`.
+    pub(super) fn within(target: &dyn StationaryCovariance, grid: Grid, domain: Grid) -> Self {
         let fft = RealFft2::new(domain.nx(), domain.ny());
-        Self { domain, fft, rows: grid.ny(), columns: grid.nx() }
+        Self { domain, fft, rows: grid.ny(), columns: grid.nx(), mirrored: target.mirror_symmetric() }
     }
 
     pub(super) fn points(&self) -> usize {
@@ -42,18 +45,27 @@ impl Lags {
     pub(super) fn wrapped(&self, correlation: &dyn StationaryCovariance) -> Result<Vec<f64>, TranslationError> {
         let (nx, ny) = (self.domain.nx(), self.domain.ny());
         let mut wrapped = vec![0.0; nx * ny];
+        let columns = if self.mirrored { nx / 2 + 1 } else { nx };
         for row in 0..=ny / 2 {
-            for column in 0..=nx / 2 {
-                let (lag_x_m, lag_y_m) = (column as f64 * self.domain.dx_m(), row as f64 * self.domain.dy_m());
-                let value = correlation.correlation(lag_x_m, lag_y_m);
+            for column in 0..columns {
+                let (lag_x, lag_y) = (least_image(column, nx), row as f64);
+                let (lag_x_m, lag_y_m) = (lag_x * self.domain.dx_m(), lag_y * self.domain.dy_m());
+                let mut value = correlation.correlation(lag_x_m, lag_y_m);
+                if !self.mirrored && (2 * column == nx || 2 * row == ny) {
+                    // Lags of half a period are their own images from the other side.
+                    value = 0.5 * (value + correlation.correlation(-lag_x_m, lag_y_m));
+                }
                 let at_zero = row == 0 && column == 0;
                 if value.is_nan() || value.abs() > 1.0 + ROUNDING || (at_zero && value < 1.0 - ROUNDING) {
                     return Err(TranslationError::Target { lag_x_m, lag_y_m, value });
                 }
-                for r in [row, (ny - row) % ny] {
-                    for c in [column, (nx - column) % nx] {
-                        wrapped[r * nx + c] = value.clamp(-1.0, 1.0);
-                    }
+                let (opposite_row, opposite_column) = ((ny - row) % ny, (nx - column) % nx);
+                let mut places = vec![(row, column), (opposite_row, opposite_column)];
+                if self.mirrored {
+                    places.extend([(row, opposite_column), (opposite_row, column)]);
+                }
+                for (r, c) in places {
+                    wrapped[r * nx + c] = value.clamp(-1.0, 1.0);
                 }
             }
         }
@@ -68,6 +80,11 @@ impl Lags {
         (0..spectrum.len())
             .map(|place| {
                 let (kx, ky) = (place / ny, place % ny);
+                // Wavevectors on the edges of the half that is stored have their opposites there.
+                let has_image = self.mirrored || kx == 0 || 2 * kx == self.domain.nx();
+                if !has_image {
+                    return spectrum[place].re;
+                }
                 0.5 * (spectrum[place].re + spectrum[kx * ny + (ny - ky) % ny].re)
             })
             .collect()
@@ -138,18 +155,37 @@ impl Lags {
         Array2::from_shape_fn((self.rows, self.columns), |(row, column)| map[row * self.domain.nx() + column])
     }
 
+    /// The least of a map at the counted lags.
+    pub(super) fn least(&self, map: &[f64]) -> f64 {
+        let counted = map.iter().enumerate().filter(|(place, _)| self.counts(*place));
+        counted.map(|(_, value)| *value).fold(f64::INFINITY, f64::min)
+    }
+
     /// How far two correlations lie apart at the counted lags.
     pub(super) fn deviation(&self, met: &[f64], target: &[f64]) -> TranslationReport {
         let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
-        let differences = self.quadrant(met) - self.quadrant(target);
-        for ((row, column), difference) in differences.indexed_iter() {
-            report.rms_deviation += difference * difference / differences.len() as f64;
-            if difference.abs() > report.largest_deviation {
-                let (lag_x_m, lag_y_m) = (column as f64 * self.domain.dx_m(), row as f64 * self.domain.dy_m());
-                report = TranslationReport { largest_deviation: difference.abs(), lag_x_m, lag_y_m, ..report };
+        let (nx, mut count) = (self.domain.nx(), 0.0);
+        // One quadrant says all of a mirrored correlation, two of another.
+        let left = if self.mirrored { 0 } else { self.columns.min(nx.div_ceil(2)) - 1 };
+        for row in 0..self.rows {
+            for column in (0..self.columns).chain(nx - left..nx) {
+                let place = row * nx + column;
+                let difference = met[place] - target[place];
+                report.rms_deviation += difference * difference;
+                count += 1.0;
+                if difference.abs() > report.largest_deviation {
+                    let lag_x_m = least_image(column, nx) * self.domain.dx_m();
+                    let lag_y_m = row as f64 * self.domain.dy_m();
+                    report = TranslationReport { largest_deviation: difference.abs(), lag_x_m, lag_y_m, ..report };
+                }
             }
         }
-        report.rms_deviation = report.rms_deviation.sqrt();
+        report.rms_deviation = (report.rms_deviation / count).sqrt();
         report
     }
+}
+
+/// The lag of least size that is `column` points on a circle of `n`.
+fn least_image(column: usize, n: usize) -> f64 {
+    if 2 * column <= n { column as f64 } else { column as f64 - n as f64 }
 }

@@ -1,11 +1,16 @@
 use super::*;
-use crate::correlation::{CorrelationModel, Covariance};
+use crate::correlation::{CorrelationModel, Covariance, Rotated};
 use crate::random;
 use crate::stats::Moments;
 use crate::surface::{RandomSurface, Translated};
 
 fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
     Covariance::isotropic(model, 1.0, length_m).unwrap()
+}
+
+/// Any covariance with the symmetry of a lay along an axis.
+fn mirrored() -> Covariance {
+    covariance(CorrelationModel::Exponential, 1.0)
 }
 
 fn law(text: &str) -> Marginal {
@@ -33,7 +38,7 @@ impl StationaryCovariance for Wave {
 /// and the standard error of each ring by the scatter of the realisations.
 fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, stage: &str) -> Vec<(f64, f64)> {
     let grid = surface.grid();
-    let lags = Lags::periodic(grid);
+    let lags = Lags::periodic(&mirrored(), grid);
     let mut work = lags.fft.workspace();
     let ring = |place: usize| {
         let (row, column) = (place / grid.nx(), place % grid.nx());
@@ -173,7 +178,7 @@ fn translation_approximation(lags: &Lags, translation: &Translation, target: &[f
 #[test]
 fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_iteration() {
     let grid = square(64);
-    let lags = Lags::periodic(grid);
+    let lags = Lags::periodic(&mirrored(), grid);
     for (text, model) in [
         ("lognormal:0,1.5", CorrelationModel::SquaredExponential),
         ("lognormal:0,2", CorrelationModel::SquaredExponential),
@@ -211,7 +216,7 @@ fn strongly_distorted_targets_come_nearer_than_by_clipping_and_by_the_published_
 fn the_search_ends_where_no_admissible_spectrum_is_better() {
     // Two checks that know nothing of the search: its gradient is that of difference quotients, and a step against it comes
     // back to the same spectrum by projection.
-    let lags = Lags::within(Grid::new(6, 5, 1.0, 1.0).unwrap(), Grid::new(12, 10, 1.0, 1.0).unwrap());
+    let lags = Lags::within(&mirrored(), Grid::new(6, 5, 1.0, 1.0).unwrap(), Grid::new(12, 10, 1.0, 1.0).unwrap());
     let law = law("lognormal:0,1.5");
     let target = covariance(CorrelationModel::SquaredExponential, 2.5);
     let translation = Translation::new(&law).unwrap();
@@ -260,7 +265,7 @@ fn the_search_ends_where_no_admissible_spectrum_is_better() {
 #[test]
 fn the_projection_is_the_nearest_admissible_spectrum() {
     for (nx, ny) in [(12, 10), (9, 7), (16, 5)] {
-        let lags = Lags::periodic(Grid::new(nx, ny, 1.0, 1.0).unwrap());
+        let lags = Lags::periodic(&mirrored(), Grid::new(nx, ny, 1.0, 1.0).unwrap());
         let points = lags.points() as f64;
         let given = random::standard_normal(&mut random::stream(1, "projection", nx as u64), lags.fft.spectrum_len());
         let mut projected = given.clone();
@@ -339,5 +344,32 @@ fn the_field_has_the_correlation_that_the_report_states() {
             assert!((report.target[[row, column]] - target.correlation(column as f64, row as f64)).abs() < 1e-15);
         }
         assert!((report.achieved_plain[[0, 0]] - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_lay_at_an_angle_is_met_on_both_of_its_sides() {
+    let long = Covariance::new(CorrelationModel::Exponential, 1.0, 7.0, 2.5).unwrap();
+    let target = Rotated::new(long, 0.6).unwrap();
+    let law = law("lognormal:0,0.5");
+    let correction = TranslationCorrection::default();
+    // An even and an odd side, where half a period is a lag or is none.
+    for grid in [Grid::new(48, 45, 1.0, 1.0).unwrap(), Grid::new(45, 48, 1.0, 1.0).unwrap()] {
+        for (free, corrected) in [
+            (false, correction.periodic(&target, &law, grid).unwrap()),
+            (true, correction.free(&target, &law, grid).unwrap()),
+        ] {
+            let CorrectedField { field, report } = corrected;
+            assert!(report.corrected.largest_deviation < 0.01, "{free}: {:?}", report.corrected);
+            assert!(report.plain.largest_deviation > 0.02, "{:?}", report.plain);
+            let surface = Translated::new(field, law.clone()).unwrap();
+            // The correlation with one point in the middle, whose lags have either sign.
+            let met = surface.correlation_with(20, 20).unwrap();
+            for (x, y) in [(3_i32, 2_i32), (-3, 2), (6, 4), (-6, 4), (2, 6), (-2, 6)] {
+                let value = met[[(20 + y) as usize, (20 + x) as usize]];
+                let wanted = target.correlation(f64::from(x), f64::from(y));
+                assert!((value - wanted).abs() < 0.011, "({x},{y}): {value} {wanted}");
+            }
+        }
     }
 }
