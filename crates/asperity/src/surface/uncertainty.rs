@@ -1,0 +1,232 @@
+//! How well one map knows the statistics of its surface.
+
+mod cells;
+mod heights;
+mod lengths;
+mod material;
+#[cfg(test)]
+mod tests;
+mod window;
+
+use thiserror::Error;
+
+use self::cells::Cells;
+use self::heights::{HeightSums, sdq};
+use self::lengths::Lengths;
+use self::material::Draws;
+use self::window::Window;
+use super::areal::Parameters;
+use super::level::Level;
+use crate::correlation::{Autocorrelation, Axis};
+use crate::map::HeightMap;
+use crate::stats::{Interval, Moments};
+
+/// Largest share of the variance that may have gone with the form.
+const LARGEST_REMOVED: f64 = 0.3;
+
+/// A statistic of a map as an estimate of that of the surface from which the map is a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The statistic of the map.
+    pub value: f64,
+    /// The same with what the removed form took along put back: the best guess of the surface's.
+    pub surface: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// Confidence interval of the surface's statistic.
+    pub interval: Interval,
+    /// Number of independent blocks of the map on which the standard error rests, its degrees of freedom.
+    pub blocks: f64,
+}
+
+/// Finite numbers in the right order, or nothing.
+fn estimate(value: f64, surface: f64, standard_error: f64, interval: Interval, blocks: f64) -> Option<Estimate> {
+    let sound = interval.low <= interval.high && interval.high.is_finite() && standard_error > 0.0;
+    sound.then_some(Estimate { value, surface, standard_error, interval, blocks })
+}
+
+/// The statistics of a map that are to be estimates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Values {
+    /// Arithmetical mean height Sa in metre.
+    pub sa_m: f64,
+    /// Root-mean-square height Sq in metre.
+    pub sq_m: f64,
+    /// Skewness Ssk.
+    pub ssk: f64,
+    /// Kurtosis Sku.
+    pub sku: f64,
+    /// Root-mean-square gradient Sdq by forward differences.
+    pub sdq: Option<f64>,
+    /// Autocorrelation length Sal in metre.
+    pub sal_m: Option<f64>,
+    /// Core height Sk in metre.
+    pub sk_m: f64,
+    /// Reduced peak height Spk in metre.
+    pub spk_m: f64,
+    /// Reduced dale height Svk in metre.
+    pub svk_m: f64,
+    /// 1/e correlation length along x in metre.
+    pub correlation_length_x_m: Option<f64>,
+    /// 1/e correlation length along y in metre.
+    pub correlation_length_y_m: Option<f64>,
+}
+
+impl Values {
+    /// The values of a map whose parameters and autocorrelation are known.
+    pub fn new(parameters: &Parameters, correlation: &Autocorrelation) -> Self {
+        Self {
+            sa_m: parameters.sa_m,
+            sq_m: parameters.sq_m,
+            ssk: parameters.ssk,
+            sku: parameters.sku,
+            sdq: parameters.sdq,
+            sal_m: parameters.sal_m,
+            sk_m: parameters.sk_m,
+            spk_m: parameters.spk_m,
+            svk_m: parameters.svk_m,
+            correlation_length_x_m: correlation.correlation_length_m(Axis::X),
+            correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
+        }
+    }
+}
+
+/// Estimates of the statistics of a map; `None` where the map holds too few correlation lengths.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Estimates {
+    /// Arithmetical mean height Sa in metre.
+    pub sa_m: Option<Estimate>,
+    /// Root-mean-square height Sq in metre.
+    pub sq_m: Option<Estimate>,
+    /// Skewness Ssk.
+    pub ssk: Option<Estimate>,
+    /// Kurtosis Sku.
+    pub sku: Option<Estimate>,
+    /// Root-mean-square gradient Sdq.
+    pub sdq: Option<Estimate>,
+    /// Autocorrelation length Sal in metre.
+    pub sal_m: Option<Estimate>,
+    /// Core height Sk in metre.
+    pub sk_m: Option<Estimate>,
+    /// Reduced peak height Spk in metre.
+    pub spk_m: Option<Estimate>,
+    /// Reduced dale height Svk in metre.
+    pub svk_m: Option<Estimate>,
+    /// 1/e correlation length along x in metre.
+    pub correlation_length_x_m: Option<Estimate>,
+    /// 1/e correlation length along y in metre.
+    pub correlation_length_y_m: Option<Estimate>,
+}
+
+impl Estimates {
+    /// Names as in tables and JSON, and estimates.
+    pub fn named(&self) -> [(&'static str, Option<Estimate>); 11] {
+        [
+            ("Sa_m", self.sa_m),
+            ("Sq_m", self.sq_m),
+            ("Ssk", self.ssk),
+            ("Sku", self.sku),
+            ("Sdq", self.sdq),
+            ("Sal_m", self.sal_m),
+            ("Sk_m", self.sk_m),
+            ("Spk_m", self.spk_m),
+            ("Svk_m", self.svk_m),
+            ("correlation_length_x_m", self.correlation_length_x_m),
+            ("correlation_length_y_m", self.correlation_length_y_m),
+        ]
+    }
+}
+
+/// Why no estimates could be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum UncertaintyError {
+    /// A parameter lies outside its range.
+    #[error("{parameter} is {value}, but must be {wanted}")]
+    Parameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+}
+
+/// How estimates are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertainty {
+    /// Confidence level of the intervals, between 0 and 1.
+    pub level: f64,
+    /// Free coefficients of the form that was removed from the map: 1 for the mean, 3 for a plane; see [`removed_terms`].
+    pub removed_terms: usize,
+    /// Draws of the bootstrap of Sk, Spk and Svk.
+    pub resamples: usize,
+    /// Its seed.
+    pub seed: u64,
+}
+
+impl Default for Uncertainty {
+    fn default() -> Self {
+        Self { level: 0.95, removed_terms: 1, resamples: 300, seed: 0 }
+    }
+}
+
+/// Free coefficients of a form.
+pub fn removed_terms(level: Level) -> usize {
+    match level {
+        Level::None | Level::Mean => 1,
+        Level::Plane => 3,
+        Level::Quadratic => 6,
+        Level::Polynomial(degree) => (usize::from(degree) + 1) * (usize::from(degree) + 2) / 2,
+        Level::Cylinder => 5,
+        Level::Sphere => 4,
+    }
+}
+
+impl Uncertainty {
+    /// Estimates of the statistics of a map, whose values the caller has.
+    ///
+    /// # Errors
+    /// A confidence level outside (0, 1), or fewer than two resamples.
+    pub fn of(
+        &self,
+        map: &HeightMap,
+        values: &Values,
+    ) -> Result<Estimates, UncertaintyError> {
+        if !(self.level > 0.0 && self.level < 1.0) {
+            let wanted = "between 0 and 1";
+            return Err(UncertaintyError::Parameter { parameter: "confidence level", value: self.level, wanted });
+        }
+        if self.resamples < 2 {
+            let value = self.resamples as f64;
+            return Err(UncertaintyError::Parameter { parameter: "number of resamples", value, wanted: "at least 2" });
+        }
+        let tail = 0.5 * (1.0 - self.level);
+        let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
+        let lengths_m = [values.correlation_length_x_m, values.correlation_length_y_m];
+        let Some(cells) = Cells::cut(map, mean_m, values.sq_m, lengths_m) else { return Ok(Estimates::default()) };
+        let sums = HeightSums::of(&cells);
+        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
+        let terms = self.removed_terms as f64;
+        let removed = terms * window.mean_share(&sums.power[0], terms);
+        if removed > LARGEST_REMOVED {
+            return Ok(Estimates::default());
+        }
+        let lengths = Lengths::new(&cells, &window, &sums, removed, tail);
+        let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
+        let [sk_m, spk_m, svk_m] = material::core(&cells, &window, &sums, values, removed, &draws);
+        Ok(Estimates {
+            sa_m: sums.sa(&window, values.sa_m, removed, tail),
+            sq_m: sums.sq(&window, values.sq_m, removed, tail),
+            ssk: sums.ssk(&window, values.ssk, tail),
+            sku: sums.sku(&window, values.ssk, values.sku, tail),
+            sdq: sdq(&cells, &window, values.sdq, tail),
+            sal_m: lengths.sal(values.sal_m, lengths_m),
+            sk_m,
+            spk_m,
+            svk_m,
+            correlation_length_x_m: lengths.along(Axis::X, values.correlation_length_x_m),
+            correlation_length_y_m: lengths.along(Axis::Y, values.correlation_length_y_m),
+        })
+    }
+}
