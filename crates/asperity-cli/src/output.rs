@@ -33,6 +33,12 @@ impl Answer {
         text.and_then(|text| serde_json::from_str(&text)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))
     }
 
+    /// The answer without one of its results.
+    pub(crate) fn without(mut self, key: &str) -> Self {
+        self.0.retain(|(own, _)| own != key);
+        self
+    }
+
     /// Prints the answer to stdout: one JSON object, or an aligned table with units.
     pub(crate) fn print(&self, json: bool) -> Result<(), Failure> {
         let text = if json {
@@ -44,8 +50,28 @@ impl Answer {
         print(&text)
     }
 
+    /// A result stands on a line with its interval.
     fn table(&self) -> String {
-        let rows: Vec<(String, String)> = self.0.iter().map(|(key, value)| row(key, value)).collect();
+        let of = |key: &str| self.0.iter().find(|(own, _)| own == key).map(|(_, value)| value);
+        let companion = |key: &str| {
+            let owner = key.strip_suffix("_interval").or_else(|| key.strip_suffix("_se"));
+            owner.is_some_and(|owner| of(owner).is_some() && of(&format!("{owner}_interval")).is_some())
+        };
+        let rows: Vec<(String, String)> = self
+            .0
+            .iter()
+            .filter(|(key, _)| !companion(key))
+            .map(|(key, value)| {
+                let (label, text) = row(key, value);
+                match of(&format!("{key}_interval")) {
+                    Some(Value::Array(ends)) => {
+                        let ends: Vec<String> = ends.iter().map(|end| row(key, end).1).collect();
+                        (label, format!("{text}  (95 %: {})", ends.join(" to ")))
+                    }
+                    _ => (label, text),
+                }
+            })
+            .collect();
         let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
         rows.iter().fold(String::new(), |mut text, (label, value)| {
             let _ = writeln!(text, "{label:width$}  {value}");

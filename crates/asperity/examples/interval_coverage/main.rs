@@ -4,7 +4,7 @@
 //!
 //! draws MAPS maps (1000) of LENGTHS correlation lengths (30) a side with ten points to a length, takes a share MISSING of
 //! the points out (0) and the form LEVEL (mean), and counts for each case, such as `normal/exponential` or
-//! `beta:2.1,5/squared_exponential`, or `normal/exponential*4@30` of a lay four times as long at 30° to x. Columns: the truth,
+//! `beta:2.1,5/squared_exponential`, or `normal/exponential*4` of a lay along x, four times as long. Columns: the truth,
 //! the mean of the estimates, their spread, the mean standard error over it, the mean number of blocks, the share of maps with
 //! an interval, the share of these intervals that hold the truth, and the shares that lie above and below it.
 
@@ -26,17 +26,15 @@ const POINTS: usize = 10;
 
 type Failure = Box<dyn std::error::Error>;
 
-/// A covariance stretched along a lay.
+/// A covariance stretched along x.
 struct Lay {
     covariance: Covariance,
     stretch: f64,
-    turn: f64,
 }
 
 impl Lay {
     fn parse(text: &str) -> Result<Self, Failure> {
-        let (model, lay) = text.split_once('*').unwrap_or((text, "1@0"));
-        let (stretch, degrees) = lay.split_once('@').ok_or("a lay is STRETCH@DEGREES")?;
+        let (model, stretch) = text.split_once('*').unwrap_or((text, "1"));
         let model = match model {
             "squared_exponential" => CorrelationModel::SquaredExponential,
             "exponential" => CorrelationModel::Exponential,
@@ -44,7 +42,7 @@ impl Lay {
         };
         let length = POINTS as f64;
         let covariance = Covariance::new(model, 1.0, length, length)?;
-        Ok(Self { covariance, stretch: stretch.parse()?, turn: degrees.parse::<f64>()?.to_radians() })
+        Ok(Self { covariance, stretch: stretch.parse()? })
     }
 }
 
@@ -54,11 +52,7 @@ impl StationaryCovariance for Lay {
     }
 
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
-        let (along, across) = (
-            dx_m * self.turn.cos() + dy_m * self.turn.sin(),
-            dy_m * self.turn.cos() - dx_m * self.turn.sin(),
-        );
-        self.covariance.correlation(along / self.stretch, across)
+        self.covariance.correlation(dx_m / self.stretch, dy_m)
     }
 }
 
@@ -118,8 +112,8 @@ impl Case {
             near
         };
         let inverse_e = (-1.0_f64).exp();
-        let (length_x, length_y) = (falls_to(inverse_e, 0.0), falls_to(inverse_e, std::f64::consts::FRAC_PI_2));
-        let across = self.covariance.turn + std::f64::consts::FRAC_PI_2;
+        let across = std::f64::consts::FRAC_PI_2;
+        let (length_x, length_y) = (falls_to(inverse_e, 0.0), falls_to(inverse_e, across));
         let (skew, kurtosis) = (self.law.skewness(), self.law.excess_kurtosis() + 3.0);
         let sdq = (4.0 - 2.0 * rho(1.0, 0.0) - 2.0 * rho(0.0, 1.0)).sqrt();
         Ok([sa, 1.0, skew, kurtosis, sdq, falls_to(0.2, across), core.sk_m, core.spk_m, core.svk_m, length_x, length_y])

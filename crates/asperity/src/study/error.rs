@@ -17,6 +17,7 @@ use crate::surface::areal::ArealError;
 use crate::surface::filter::FilterError;
 use crate::surface::fractal::FractalError;
 use crate::surface::preparation::PreparationError;
+use crate::surface::uncertainty::UncertaintyError;
 use crate::surface::{GeneratorError, TranslationError};
 use crate::vibration::VibrationError;
 
@@ -46,6 +47,9 @@ pub enum StudyError {
     /// The correlation cannot be estimated.
     #[error("surface: {0}")]
     Estimate(#[from] EstimateError),
+    /// Intervals of its statistics cannot be had.
+    #[error("surface: {0}")]
+    Uncertainty(#[from] UncertaintyError),
     /// The covariance cannot be fitted.
     #[error("covariance of the scan: {0}; state a covariance in [surface]")]
     Fit(#[from] FitError),
@@ -153,6 +157,7 @@ impl StudyError {
             | Self::Vibration(VibrationError::TooFewValid { .. })
             | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
             Self::Preparation(_)
+            | Self::Uncertainty(_)
             | Self::Covariance(_)
             | Self::Law(_)
             | Self::Generator(_)

@@ -5,9 +5,10 @@ use crate::law::Marginal;
 use crate::law::fit::{Family, rank_by_aic};
 use crate::map::HeightMap;
 use crate::stats::{Histogram, Moments};
-use crate::study::result::SurfaceStatistics;
+use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
 use crate::study::{StudyError, Table};
 use crate::surface::preparation::Prepared;
+use crate::surface::uncertainty::{self, Uncertainty, Values};
 use crate::surface::{areal, fractal};
 
 /// Statistics of a map that was levelled and filtered.
@@ -19,6 +20,9 @@ pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> 
     let parameters = areal::parameters(map)?;
     let correlation = Autocorrelation::estimate(map)?;
     let scaling = fractal::scaling(map, None)?;
+    let uncertainty =
+        Uncertainty { removed_terms: uncertainty::removed_terms(prepared.level), ..Uncertainty::default() };
+    let estimates = uncertainty.of(map, &Values::new(&parameters, &correlation))?;
     let grid = map.grid();
     Ok(SurfaceStatistics {
         nx: grid.nx(),
@@ -53,6 +57,7 @@ pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> 
         correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
         hurst: scaling.map(|s| s.hurst),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
+        intervals: StatisticsIntervals(estimates),
     })
 }
 

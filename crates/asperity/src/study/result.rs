@@ -5,10 +5,13 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::stats::Interval;
 use crate::study::{Field, Table};
+use crate::surface::pooling::Mean;
+use crate::surface::uncertainty::Estimates;
 
 /// Everything a run computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,6 +152,65 @@ pub struct SurfaceStatistics {
     pub hurst: Option<f64>,
     /// Fractal dimension 3 − H.
     pub fractal_dimension: Option<f64>,
+    /// Intervals and standard errors beside them.
+    #[serde(flatten)]
+    pub intervals: StatisticsIntervals,
+}
+
+impl SurfaceStatistics {
+    /// The statistics that mean something for a part of which the map is one scan, with what is averaged over scans.
+    pub fn poolable(&self) -> [(&'static str, Option<f64>, Mean); 25] {
+        let (plain, square) = (Mean::Arithmetic, Mean::RootMeanSquare);
+        [
+            ("Sa_m", Some(self.Sa_m), plain),
+            ("Sq_m", Some(self.Sq_m), square),
+            ("Ssk", finite(self.Ssk), plain),
+            ("Sku", finite(self.Sku), plain),
+            ("Sp_m", Some(self.Sp_m), plain),
+            ("Sv_m", Some(self.Sv_m), plain),
+            ("Sz_m", Some(self.Sz_m), plain),
+            ("Sdq", self.Sdq, square),
+            ("Sdq_7point", self.Sdq_7point, square),
+            ("Sdr", self.Sdr, plain),
+            ("Sal_m", self.Sal_m, plain),
+            ("Str", self.Str, plain),
+            ("Sk_m", Some(self.Sk_m), plain),
+            ("Spk_m", Some(self.Spk_m), plain),
+            ("Svk_m", Some(self.Svk_m), plain),
+            ("Smrk1", Some(self.Smrk1), plain),
+            ("Smrk2", Some(self.Smrk2), plain),
+            ("Vmp_m", Some(self.Vmp_m), plain),
+            ("Vmc_m", Some(self.Vmc_m), plain),
+            ("Vvc_m", Some(self.Vvc_m), plain),
+            ("Vvv_m", Some(self.Vvv_m), plain),
+            ("correlation_length_x_m", self.correlation_length_x_m, plain),
+            ("correlation_length_y_m", self.correlation_length_y_m, plain),
+            ("hurst", self.hurst, plain),
+            ("fractal_dimension", self.fractal_dimension, plain),
+        ]
+    }
+
+    /// Area of the points that are present in m².
+    pub fn present_area_m2(&self) -> f64 {
+        (self.nx * self.ny - self.missing_points) as f64 * self.dx_m * self.dy_m
+    }
+}
+
+/// For each statistic x that is estimated, `x_interval` = [low, high] at 95 % and `x_se`; null where the map holds too few
+/// correlation lengths.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StatisticsIntervals(pub Estimates);
+
+impl Serialize for StatisticsIntervals {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let named = self.0.named();
+        let mut map = serializer.serialize_map(Some(2 * named.len()))?;
+        for (name, estimate) in named {
+            map.serialize_entry(&format!("{name}_interval"), &estimate.map(|e| pair(e.interval)))?;
+            map.serialize_entry(&format!("{name}_se"), &estimate.map(|e| e.standard_error))?;
+        }
+        map.end()
+    }
 }
 
 /// Covariance of the random surfaces.
