@@ -14,6 +14,10 @@ check: test lint
 test:
     cargo test --workspace
 
+# Damages small files of every surface format, COUNT times each, and reads them: about a minute.
+fuzz COUNT="20000":
+    ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
+
 # Everything but the tests.
 lint: fmt clippy doc typos deny
 

@@ -100,7 +100,8 @@ pub(crate) fn count_pair(text: &str) -> Result<OneOrTwo<usize>, Refusal> {
     pair(text, count)
 }
 
-fn pair<T>(text: &str, parse: impl Fn(&str) -> Result<T, Refusal>) -> Result<OneOrTwo<T>, Refusal> {
+/// One value, or two as `X,Y`.
+pub(crate) fn pair<T>(text: &str, parse: impl Fn(&str) -> Result<T, Refusal>) -> Result<OneOrTwo<T>, Refusal> {
     let parts: Vec<&str> = text.split(',').collect();
     match parts.as_slice() {
         [one] => Ok(OneOrTwo::One(parse(one)?)),

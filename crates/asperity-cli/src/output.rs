@@ -119,8 +119,14 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Units by the ending of a key, longest first, and whether they take prefixes (µm, MPa).
-const UNITS: &[(&str, &str, bool)] =
-    &[("_m_per_pa", "m/Pa", false), ("_pa", "Pa", true), ("_m", "m", true), ("_n", "N", true)];
+const UNITS: &[(&str, &str, bool)] = &[
+    ("_rad_per_m", "rad/m", false),
+    ("_m_per_pa", "m/Pa", false),
+    ("_rad", "rad", false),
+    ("_pa", "Pa", true),
+    ("_m", "m", true),
+    ("_n", "N", true),
+];
 
 fn row(key: &str, value: &Value) -> (String, String) {
     let (name, unit, prefixed) = UNITS

@@ -1,7 +1,24 @@
-//! AL3D.
+//! Alicona (Bruker) AL3D: a line of text, tags of 52 bytes, a comment of 256, and images at the offsets that tags state.
+//!
+//! A tag is a key of 20 bytes, a value of 30, both ended by a zero, and a line end. The first two tags are `Version` and
+//! `TagCount`, the number of those that follow. The depth image is `f32` in metre, little-endian; its rows, like those of
+//! the texture's planes, are padded to a multiple of 8 bytes. Readers that leave out the padding shear maps of an odd
+//! number of columns.
+//!
+//! `InvalidPixelValue` and all depths above it are missing. Its text is rounded (`3.000000028082e+15` for the `f32` next
+//! to 3e15), so that a comparison for equality finds nothing.
+//!
+//! One plane of the texture may hold the repeatability of every depth: n · `DepthResShiftVal` + `DepthResMinVal`. Depths
+//! beyond `DepthResFilterVal` are those that the vendor's program hides; they are missing here as well, with a warning.
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large;
+use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -9,24 +26,250 @@ pub(crate) const CODEC: Codec = Codec {
         format: Format::Al3d,
         name: "AL3D",
         extensions: &["al3d"],
-        vendor: "Alicona",
-        known_by: "",
-        reads: "",
+        vendor: "Alicona (Bruker)",
+        known_by: "`AliconaImaging\\0\\r\\n`",
+        reads: "the depth image; no files of a texture alone",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "NaN, InvalidPixelValue and above, repeatability beyond DepthResFilterVal",
+        orientation: "the first stored row is row 0, as in the texture beside it",
+        tested: Tested::InstrumentFiles,
     },
-    detect,
+    detect: |bytes| bytes.starts_with(MAGIC),
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// First bytes of every file.
+const MAGIC: &[u8] = b"AliconaImaging\0\r\n";
+/// Bytes of a tag and of its parts.
+const TAG_BYTES: usize = 52;
+const KEY_BYTES: usize = 20;
+const VALUE_BYTES: usize = 30;
+/// What ends a tag.
+const LINE_END: &[u8] = b"\r\n";
+/// Tags that are read; instruments write about twenty.
+const MAX_TAGS: usize = 1000;
+/// Bytes of the comment behind the tags.
+const COMMENT_BYTES: usize = 256;
+/// Rows of images are padded to a multiple of this many bytes.
+const ROW_ALIGNMENT: usize = 8;
+/// Depths from here on are invalid where no tag states another bound.
+const INVALID: f64 = 3e15;
+/// Relative error of an `f32` whose text was rounded, and of the `f32` itself.
+const INVALID_TOLERANCE: f64 = 2e-7;
+
+/// One tag and its first byte.
+struct Tag {
+    key: String,
+    value: String,
+    at: usize,
 }
 
+/// The tags of a file.
+struct Header<'a> {
+    input: Input<'a>,
+    tags: Vec<Tag>,
+    /// The first byte behind the tags.
+    end: usize,
+}
+
+impl<'a> Header<'a> {
+    fn new(input: Input<'a>) -> Result<Self, FormatError> {
+        let mut header = Self { input, tags: Vec::new(), end: MAGIC.len() };
+        for key in ["Version", "TagCount"] {
+            let tag = header.next_tag()?;
+            if tag.key != key {
+                return Err(input.wrong("the key of a tag", tag.at, &tag.key, key));
+            }
+            header.tags.push(tag);
+        }
+        let (count, at) = header.integer("TagCount")?.ok_or_else(|| header.missing("TagCount"))?;
+        match usize::try_from(count) {
+            Ok(count) if count <= MAX_TAGS => {
+                for _ in 0..count {
+                    let tag = header.next_tag()?;
+                    header.tags.push(tag);
+                }
+                Ok(header)
+            }
+            _ => Err(input.wrong("TagCount", at, count, &format!("0 to {MAX_TAGS}"))),
+        }
+    }
+
+    fn next_tag(&mut self) -> Result<Tag, FormatError> {
+        let at = self.end;
+        self.input.take("the bytes of a tag", at, TAG_BYTES)?;
+        let key = self.input.latin1("the key of a tag", at, KEY_BYTES)?;
+        let value = self.input.latin1("the value of a tag", at + KEY_BYTES, VALUE_BYTES)?;
+        let line_end_at = at + KEY_BYTES + VALUE_BYTES;
+        let line_end = self.input.take("the end of a tag", line_end_at, LINE_END.len())?;
+        if line_end != LINE_END {
+            let found = line_end.escape_ascii();
+            return Err(self.input.wrong(&format!("the end of the tag {key}"), line_end_at, found, "\\r\\n"));
+        }
+        self.end += TAG_BYTES;
+        Ok(Tag { key, value, at })
+    }
+
+    fn tag(&self, key: &str) -> Option<&Tag> {
+        self.tags.iter().find(|tag| tag.key == key && !tag.value.is_empty())
+    }
+
+    fn missing(&self, key: &str) -> FormatError {
+        self.input.missing(key, MAGIC.len(), "a tag of this key")
+    }
+
+    /// A whole number and its place, `None` when there is no such tag.
+    fn integer(&self, key: &str) -> Result<Option<(i64, usize)>, FormatError> {
+        let Some(tag) = self.tag(key) else { return Ok(None) };
+        let number = tag.value.parse().map_err(|_| self.input.wrong(key, tag.at, &tag.value, "a whole number"))?;
+        Ok(Some((number, tag.at)))
+    }
+
+    /// A finite number, `None` when there is no such tag.
+    fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+        let Some(tag) = self.tag(key) else { return Ok(None) };
+        let number = tag.value.parse().ok().filter(|number: &f64| number.is_finite());
+        number.map(Some).ok_or_else(|| self.input.wrong(key, tag.at, &tag.value, "a finite number"))
+    }
+
+    /// Where an image starts, `None` when there is none (no tag, or 0).
+    fn offset(&self, key: &str) -> Result<Option<usize>, FormatError> {
+        match self.integer(key)? {
+            None | Some((0, _)) => Ok(None),
+            Some((offset, at)) => {
+                let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
+                let wanted = || format!("0 or a byte behind the tags, {} or more", self.end);
+                behind_tags.map(Some).ok_or_else(|| self.input.wrong(key, at, offset, &wanted()))
+            }
+        }
+    }
+
+    /// The rows of an image in one piece, with the padding between them but not that of the last row.
+    fn image(&self, part: &str, at: usize, (ny, nx): (usize, usize), sample: Sample) -> Result<&'a [u8], FormatError> {
+        let row = nx * sample.size();
+        // At most 2²⁸ points, each with its padding.
+        self.input.take(part, at, (ny - 1) * stride(nx, sample) + row)
+    }
+}
+
+/// Bytes from one row of an image to the next.
+fn stride(nx: usize, sample: Sample) -> usize {
+    (nx * sample.size()).next_multiple_of(ROW_ALIGNMENT)
+}
+
+/// Reads the depth image.
+///
+/// # Errors
+/// Damaged tags, files without a depth image, and images that the bytes do not hold.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Al3d, bytes).unsupported("a file", "another format"))
+    let input = Input::new(Format::Al3d, bytes);
+    let header = Header::new(input)?;
+    let mut warnings = Vec::new();
+    let start = header.offset("DepthImageOffset")?.ok_or_else(|| {
+        input.unsupported("the file holds no depth image (DepthImageOffset), only a texture", "a depth image")
+    })?;
+    let (rows, rows_at) = header.integer("Rows")?.ok_or_else(|| header.missing("Rows"))?;
+    let (columns, columns_at) = header.integer("Cols")?.ok_or_else(|| header.missing("Cols"))?;
+    let (ny, nx) = input.shape(("Rows", rows_at, rows), ("Cols", columns_at, columns))?;
+
+    let image = header.image("the depths", start, (ny, nx), Sample::F32)?;
+    let stride = stride(nx, Sample::F32);
+    let texture = header.offset("TextureImageOffset")?;
+    let others = [texture, header.offset("IconOffset")?];
+    let room = others.into_iter().flatten().filter_map(|other| other.checked_sub(start)).min();
+    if let Some(room) = room.filter(|&room| room != ny * stride) {
+        warnings.push(format!("the depths take {} bytes, but another image starts after {room}", ny * stride));
+    }
+    let is_missing = invalid(&header);
+    let mut depths = large::rows(nx, image, stride, |record, row| {
+        Sample::F32.decode_into(ByteOrder::Little, record, row);
+        row.iter_mut().filter(|z| is_missing(**z)).for_each(|z| *z = f64::NAN);
+    });
+    if let Some(texture) = texture {
+        filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings);
+    }
+    // Sides of a pixel: the field of view is n of them.
+    let pitch_m = header.number("PixelSizeXMeter")?.zip(header.number("PixelSizeYMeter")?);
+    if pitch_m.is_none() {
+        warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
+    }
+    let heights_m = Array2::from_shape_vec((ny, nx), depths)
+        .map_err(|error| input.wrong("Cols", columns_at, columns, &error.to_string()))?;
+    Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
+}
+
+/// Which depths the tag `InvalidPixelValue` marks as missing.
+fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
+    let value = header.tag("InvalidPixelValue").and_then(|tag| tag.value.parse().ok());
+    let value = value.filter(|value: &f64| value.is_finite()).unwrap_or(INVALID);
+    let tolerance = INVALID_TOLERANCE * value.abs();
+    // A bound at or below zero would leave nothing: it can only mean the value itself.
+    move |z: f64| z.is_nan() || if value > 0.0 { z >= value - tolerance } else { (z - value).abs() <= tolerance }
+}
+
+/// The repeatability of every depth: codes in rows of `stride` bytes, and what turns them into metre.
+struct Repeatability<'a> {
+    codes: &'a [u8],
+    stride: usize,
+    shift: f64,
+    low: f64,
+    /// The largest that the vendor's program shows.
+    filter: f64,
+}
+
+impl<'a> Repeatability<'a> {
+    /// What the file says of it, `None` where it has no such plane or no filter; one of 0 would leave nothing.
+    fn of(header: &Header<'a>, texture: usize, (ny, nx): (usize, usize)) -> Result<Option<Self>, FormatError> {
+        let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
+        let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
+        let stride = stride(nx, Sample::U8);
+        let plane = usize::try_from(plane)
+            .map_err(|_| header.input.wrong("DepthImageResPtr", at, plane, "the number of a plane"))?;
+        let start = plane.saturating_mul(stride * ny).saturating_add(texture);
+        let codes = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;
+        let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
+        let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
+        Ok(Some(Self { codes, stride, shift, low, filter }))
+    }
+}
+
+/// Takes out depths that are less repeatable than the file's filter allows.
+///
+/// Where tags or plane are damaged there is a warning instead: depths without them are whole.
+fn filter_by_repeatability(
+    header: &Header,
+    texture: usize,
+    (ny, nx): (usize, usize),
+    depths: &mut [f64],
+    warnings: &mut Vec<String>,
+) {
+    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::of(header, texture, (ny, nx)) {
+        Ok(Some(repeatability)) => repeatability,
+        Ok(None) => return,
+        Err(error) => return warnings.push(format!("no depth was left out for its repeatability: {error}")),
+    };
+    let mut filtered = 0_usize;
+    for (row, depths) in codes.chunks(stride).zip(depths.chunks_mut(nx)) {
+        for (&code, z) in row.iter().zip(depths) {
+            if f64::from(code) * shift + low > filter && !z.is_nan() {
+                *z = f64::NAN;
+                filtered += 1;
+            }
+        }
+    }
+    if filtered > 0 {
+        warnings.push(format!("{filtered} depths were left out: less repeatable than DepthResFilterVal, {filter:e} m"));
+    }
+}
+
+/// All tags whose values are texts, and the comment.
+fn metadata(header: &Header) -> BTreeMap<String, String> {
+    let comment = header.input.latin1("the comment", header.end, COMMENT_BYTES).unwrap_or_default();
+    let tags = header.tags.iter().map(|tag| (tag.key.clone(), tag.value.clone()));
+    // Some tags only fill space, with bytes that are no text.
+    tags.chain([("Comment".to_owned(), comment)])
+        .filter(|(_, value)| !value.is_empty() && !value.contains(|c: char| c.is_control() && !c.is_whitespace()))
+        .collect()
 }

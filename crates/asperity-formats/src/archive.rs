@@ -8,6 +8,7 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 
 use crate::error::shown;
+use crate::large;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
@@ -20,16 +21,32 @@ const FREE_NUMBERS: u64 = 1 << 22;
 /// Beyond [`FREE_NUMBERS`], how often its own size a stream of numbers may unpack to. Ideal gratings reach hundreds; the
 /// bound of the method is 1032 (258 bytes from 2 bits, RFC 1951).
 const MAX_RATIO_OF_NUMBERS: u64 = 256;
-/// Bytes unpacked at a time.
-const CHUNK_BYTES: usize = 1 << 16;
-/// Numbers that memory is reserved for before any has been unpacked.
-const RESERVED_NUMBERS: usize = 1 << 20;
+/// Bytes unpacked at a time: a multiple of the size of every number.
+pub(crate) const CHUNK_BYTES: usize = 1 << 16;
+/// Numbers that memory is reserved for before any has been unpacked, where the packed bytes do not hold more.
+pub(crate) const RESERVED_NUMBERS: usize = 1 << 20;
 /// Files that a desktop leaves in archives beside the real ones.
 const DESKTOP_FOLDER: &str = "__MACOSX/";
 
 /// The most bytes that `packed` bytes may unpack to.
 pub(crate) fn unpacked_limit(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO).clamp(FREE_BYTES, 2 * 8 * MAX_POINTS)
+}
+
+/// Whether `packed` bytes may unpack to `count` numbers that take `bytes` bytes.
+pub(crate) fn may_unpack(packed: u64, count: u64, bytes: u64) -> bool {
+    count <= FREE_NUMBERS || bytes <= packed.saturating_mul(MAX_RATIO_OF_NUMBERS)
+}
+
+/// Whether `packed` bytes may unpack to so many numbers of a type.
+pub(crate) fn may_hold(packed: u64, numbers: u64, sample: Sample) -> bool {
+    may_unpack(packed, numbers, numbers.saturating_mul(sample.size() as u64))
+}
+
+/// The error for `packed` bytes that would have to unpack beyond [`may_unpack`].
+pub(crate) fn beyond_reason(format: Format, entry: &str, packed: u64, wanted: u64) -> FormatError {
+    let reason = format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
+    damaged(format, entry, reason)
 }
 
 /// An archive and the folder inside it that holds the files of a format.
@@ -47,6 +64,27 @@ pub(crate) struct Numbers {
     pub(crate) values: Vec<f64>,
     /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
     pub(crate) md5: Option<String>,
+    /// Bytes that were unpacked: all of the file where there is a sum.
+    pub(crate) length: u64,
+}
+
+/// A part of a file.
+struct Part<'a> {
+    /// What it is, for messages.
+    name: &'a str,
+    /// Its first byte and its length.
+    start: u64,
+    length: u64,
+    /// Bytes that the whole file should have.
+    total: u64,
+}
+
+/// What is known of a file after a part of it was unpacked.
+pub(crate) struct Unpacked {
+    /// MD5 of the whole file in hexadecimal digits, `None` when it is longer than was asked for.
+    pub(crate) md5: Option<String>,
+    /// Bytes that were unpacked: all of the file where there is a sum.
+    length: u64,
 }
 
 impl<'a> Archive<'a> {
@@ -132,13 +170,79 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// The first `count` little-endian numbers of a file that should hold `total` of them.
-    ///
-    /// Sizes that the packed bytes cannot reach are refused at once, and memory grows with what is unpacked.
+    /// The first bytes of a file, at most `length` of them.
     ///
     /// # Errors
-    /// [`FormatError::Truncated`] where the file ends before `count` numbers; [`FormatError::Archive`] where it is
-    /// absent, damaged or packed beyond reason.
+    /// [`FormatError::Archive`] where the file is absent or damaged.
+    pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>, FormatError> {
+        let format = self.format;
+        let mut bytes = vec![0; length];
+        let filled = fill(&mut self.stream(link)?, &mut bytes);
+        bytes.truncate(filled.map_err(|error| damaged(format, link, error.to_string()))?);
+        Ok(bytes)
+    }
+
+    /// Hands `count` numbers of a file, from byte `start` on, to `take`, piece by piece.
+    ///
+    /// # Errors
+    /// As [`Archive::read_numbers`].
+    pub(crate) fn read_array(
+        &mut self,
+        link: &str,
+        start: usize,
+        (sample, order): (Sample, ByteOrder),
+        count: usize,
+        mut take: impl FnMut(&[f64]),
+    ) -> Result<(), FormatError> {
+        let (format, packed_bytes) = (self.format, self.packed_bytes);
+        let mut entry = self.stream(link)?;
+        let wanted = count as u64 * sample.size() as u64;
+        let truncated = |found: u64| FormatError::Truncated {
+            format,
+            part: "the numbers".into(),
+            at: Location::Entry { entry: shown(link), offset: start as u64 },
+            found: found.saturating_sub(start as u64),
+            wanted,
+        };
+        if entry.size() < start as u64 + wanted {
+            return Err(truncated(entry.size()));
+        }
+        let packed = entry.compressed_size().min(packed_bytes);
+        if !may_unpack(packed, count as u64, wanted) {
+            return Err(beyond_reason(format, link, packed, wanted));
+        }
+        let mut values = Vec::new();
+        let mut chunk = vec![0; CHUNK_BYTES];
+        let (mut found, end) = (0, start as u64 + wanted);
+        while found < end {
+            // The bytes before the numbers come alone, so that no number is cut.
+            let stop = if found < start as u64 { start as u64 } else { end };
+            let room = chunk.len().min(usize::try_from(stop - found).unwrap_or(usize::MAX));
+            let filled =
+                fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            if found >= start as u64 {
+                values.clear();
+                sample.decode(order, &chunk[..filled], &mut values);
+                take(&values);
+            }
+            found += filled as u64;
+            if filled < room {
+                return Err(truncated(found));
+            }
+        }
+        Ok(())
+    }
+
+    /// Room for `count` numbers, as far as the archive's bytes make them likely.
+    pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
+        let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
+        large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
+    }
+
+    /// The first `count` little-endian numbers of a file that should hold `total` of them.
+    ///
+    /// # Errors
+    /// As [`read_numbers_at`](Self::read_numbers_at).
     pub(crate) fn read_numbers(
         &mut self,
         link: &str,
@@ -146,51 +250,102 @@ impl<'a> Archive<'a> {
         count: usize,
         total: u64,
     ) -> Result<Numbers, FormatError> {
+        self.read_numbers_at(link, sample, 0, count, total)
+    }
+
+    /// `count` little-endian numbers after the first `skipped` ones of a file that should hold `total` of them.
+    ///
+    /// Sizes that the packed bytes cannot reach are refused at once, and memory grows with what is unpacked.
+    ///
+    /// # Errors
+    /// [`FormatError::Truncated`] where the file ends before the last number; [`FormatError::Archive`] where it is
+    /// absent, damaged or packed beyond reason.
+    pub(crate) fn read_numbers_at(
+        &mut self,
+        link: &str,
+        sample: Sample,
+        skipped: u64,
+        count: usize,
+        total: u64,
+    ) -> Result<Numbers, FormatError> {
+        let bytes = |numbers: u64| numbers.saturating_mul(sample.size() as u64);
+        let numbers = skipped.saturating_add(count as u64);
+        let part =
+            Part { name: "the numbers", start: bytes(skipped), length: bytes(count as u64), total: bytes(total) };
+        let mut values = self.room_for(sample, count);
+        let is_reachable = |packed| may_hold(packed, numbers, sample);
+        // Chunks are multiples of every number's size, so no number is cut.
+        let take = |chunk: &[u8]| sample.decode(ByteOrder::Little, chunk, &mut values);
+        let Unpacked { md5, length } = self.unpack(link, &part, is_reachable, take)?;
+        Ok(Numbers { values, md5, length })
+    }
+
+    /// `length` bytes after the first `start` ones of a file that should hold `total`.
+    ///
+    /// How often its own size the file unpacks to is no matter here: only for parts that other files bear out.
+    ///
+    /// # Errors
+    /// [`FormatError::Truncated`] where the file ends before; [`FormatError::Archive`] where it is absent or damaged.
+    pub(crate) fn read_part(
+        &mut self,
+        link: &str,
+        name: &str,
+        (start, length): (u64, usize),
+        total: u64,
+    ) -> Result<(Vec<u8>, Unpacked), FormatError> {
+        let mut bytes = Vec::new();
+        let part = Part { name, start, length: length as u64, total };
+        let unpacked = self.unpack(link, &part, |_| true, |chunk: &[u8]| bytes.extend(chunk))?;
+        Ok((bytes, unpacked))
+    }
+
+    /// Hands a part of a file to `take` in chunks, then goes on to the end of the file for the sum of the whole.
+    ///
+    /// `is_reachable` judges the packed size.
+    fn unpack(
+        &mut self,
+        link: &str,
+        part: &Part,
+        is_reachable: impl Fn(u64) -> bool,
+        mut take: impl FnMut(&[u8]),
+    ) -> Result<Unpacked, FormatError> {
         let (format, packed_bytes) = (self.format, self.packed_bytes);
         let mut entry = self.stream(link)?;
-        let wanted = count as u64 * sample.size() as u64;
+        let end = part.start.saturating_add(part.length);
         let truncated = |found: u64| FormatError::Truncated {
             format,
-            part: "the numbers".into(),
-            at: Location::Entry { entry: shown(link), offset: 0 },
-            found,
-            wanted,
+            part: part.name.into(),
+            at: Location::Entry { entry: shown(link), offset: part.start },
+            found: found.saturating_sub(part.start),
+            wanted: part.length,
         };
-        if entry.size() < wanted {
+        if entry.size() < end {
             return Err(truncated(entry.size()));
         }
         let packed = entry.compressed_size().min(packed_bytes);
-        if count as u64 > FREE_NUMBERS && wanted > packed.saturating_mul(MAX_RATIO_OF_NUMBERS) {
-            let reason =
-                format!("{packed} bytes would unpack to {wanted}, more than {MAX_RATIO_OF_NUMBERS} times as many");
-            return Err(damaged(format, link, reason));
+        if !is_reachable(packed) {
+            return Err(beyond_reason(format, link, packed, end));
         }
-        let mut values = Vec::with_capacity(count.min(RESERVED_NUMBERS));
-        let mut md5 = Md5::new();
-        let mut chunk = vec![0; CHUNK_BYTES];
-        let mut found = 0;
-        while found < wanted {
-            let room = chunk.len().min(usize::try_from(wanted - found).unwrap_or(usize::MAX));
+        let limit = part.total.min(end.saturating_add(unpacked_limit(packed)));
+        let (mut md5, mut chunk, mut found) = (Md5::new(), vec![0; CHUNK_BYTES], 0);
+        loop {
+            // No chunk reaches over a border of the part.
+            let border = [part.start, end, u64::MAX].into_iter().find(|&border| found < border).unwrap_or(found);
+            let room = chunk.len().min(usize::try_from(border - found).unwrap_or(usize::MAX));
             let filled =
                 fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            md5.update(&chunk[..filled]);
+            if (part.start..end).contains(&found) {
+                take(&chunk[..filled]);
+            }
             found += filled as u64;
-            if filled < room {
+            if filled < room && found < end {
                 return Err(truncated(found));
             }
-            md5.update(&chunk[..filled]);
-            // A chunk is a multiple of every number's size, so no number is cut.
-            sample.decode(ByteOrder::Little, &chunk[..filled], &mut values);
-        }
-        let size = total.saturating_mul(sample.size() as u64).min(found.saturating_add(unpacked_limit(packed)));
-        loop {
-            let filled = fill(&mut entry, &mut chunk).map_err(|error| damaged(format, link, error.to_string()))?;
-            found += filled as u64;
-            md5.update(&chunk[..filled]);
-            if filled == 0 || found > size {
-                break;
+            if filled < room || found > limit.max(end) {
+                return Ok(Unpacked { md5: (found <= limit).then(|| hexadecimal(&md5.finalize())), length: found });
             }
         }
-        Ok(Numbers { values, md5: (found <= size).then(|| hexadecimal(&md5.finalize())) })
     }
 }
 
@@ -228,7 +383,7 @@ pub(crate) fn damaged(format: Format, entry: &str, reason: String) -> FormatErro
 }
 
 /// Reads until the buffer is full or the source ends; the number of bytes read.
-fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
+pub(crate) fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {
         match source.read(&mut buffer[filled..]) {
@@ -250,11 +405,34 @@ mod tests {
     /// An archive of a file of zeros that deflates to a thousandth of its size.
     fn bomb(zeros: usize) -> Vec<u8> {
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
-        for (name, content) in [("zeros", vec![0; zeros])] {
-            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
-            zip.write_all(&content).unwrap();
-        }
+        zip.start_file("zeros", zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(&vec![0; zeros]).unwrap();
         zip.finish().unwrap().into_inner()
+    }
+
+    #[test]
+    fn a_part_of_a_file_is_found_behind_what_is_skipped() {
+        let numbers: Vec<u8> = (0..200_000_u32).flat_map(u32::to_le_bytes).collect();
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        zip.start_file("numbers", zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(&numbers).unwrap();
+        let bytes = zip.finish().unwrap().into_inner();
+        let mut archive = Archive::open(Format::X3p, &bytes).unwrap();
+        let sum = archive.read_numbers("numbers", Sample::U32, 200_000, 200_000).unwrap().md5;
+        // Across the borders of chunks, and at the end.
+        for (skipped, count) in [(0, 1), (16_383, 3), (70_001, 50_000), (199_999, 1)] {
+            let found = archive.read_numbers_at("numbers", Sample::U32, skipped, count, 200_000).unwrap();
+            assert!(found.values.iter().copied().eq((0..count).map(|n| (n as u64 + skipped) as f64)));
+            assert_eq!((found.md5, found.length), (sum.clone(), 800_000));
+        }
+        let (part, _) = archive.read_part("numbers", "a part", (65_535, 3), 800_000).unwrap();
+        assert_eq!(part, numbers[65_535..65_538]);
+        assert!(matches!(
+            archive.read_numbers_at("numbers", Sample::U32, 199_999, 2, 200_001),
+            Err(FormatError::Truncated { found: 4, wanted: 8, .. })
+        ));
+        // A file that is longer than it should be has no sum.
+        assert_eq!(archive.read_numbers("numbers", Sample::U32, 10, 20).unwrap().md5, None);
     }
 
     #[test]

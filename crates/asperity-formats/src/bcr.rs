@@ -1,7 +1,27 @@
-//! BCR.
+//! BCR-STM and BCRF of Image Metrology: a header of lines `key = value`, then the heights row by row.
+//!
+//! The header has 2048 characters, or as many as `headersize` says; the `_unicode` variants write it in UTF-16.
+//! `bcrstm` holds 16-bit integers, which `bit2nm` turns into heights; `bcrf` holds 32-bit floats, which are heights
+//! already. Both are in `zunit`; units that are not named are nanometre. `intelmode = 0` marks big-endian numbers.
+//!
+//! `xlength` is the length of all points, columns · dx: in a file of an instrument with square pixels that makes the two
+//! pitches equal to the last digit of the lengths, and columns − 1 does not.
+//!
+//! 32767 and the largest floats mark missing points. `voidpixels` states their number, or in some files the mark; where
+//! it is 0 the integer 32767 is a height like any other. `zmin` repeats the least height of a file or moves the datum of
+//! one; heights are taken as they stand.
+//!
+//! # References
+//! The BCR-STM file format, SPIP reference guide, Image Metrology.
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large;
+use crate::sample::{ByteOrder, Sample};
+use crate::text::header::Header as Notes;
+use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -10,23 +30,204 @@ pub(crate) const CODEC: Codec = Codec {
         name: "BCR",
         extensions: &["bcr", "bcrf"],
         vendor: "Image Metrology (BCR-STM)",
-        known_by: "",
-        reads: "",
+        known_by: "`fileformat = bcr`, in ASCII or UTF-16",
+        reads: "bcrstm (int16) and bcrf (float32), also with a Unicode header, either byte order",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "32767 (bcrstm), above 1.7e38 and NaN (bcrf)",
+        orientation: "the first stored line is row 0",
+        tested: Tested::InstrumentFiles,
     },
-    detect,
+    detect: |bytes| Encoding::of(bytes).is_some(),
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// Characters of a header that does not state its size, and the most that one may state.
+const HEADER_CHARACTERS: usize = 2048;
+const MAX_HEADER_CHARACTERS: usize = 1 << 20;
+/// Marks of missing points.
+const VOID_INTEGER: f64 = 32767.0;
+const VOID_FLOAT: f64 = 1.7e38;
+
+/// How the header is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Ascii,
+    Utf16(ByteOrder),
 }
 
+impl Encoding {
+    /// The encoding in which bytes start with `fileformat = bcr`.
+    fn of(bytes: &[u8]) -> Option<Self> {
+        let encodings = [Self::Ascii, Self::Utf16(ByteOrder::Little), Self::Utf16(ByteOrder::Big)];
+        encodings.into_iter().find(|encoding| {
+            let start = encoding.text(&bytes[..bytes.len().min(64)]);
+            let value = start.strip_prefix("fileformat").and_then(|rest| rest.trim_start().strip_prefix('='));
+            value.is_some_and(|value| value.trim_start().starts_with("bcr"))
+        })
+    }
+
+    /// Bytes of one character.
+    fn width(self) -> usize {
+        match self {
+            Self::Ascii => 1,
+            Self::Utf16(_) => 2,
+        }
+    }
+
+    /// Text without the mark of byte order.
+    fn text(self, bytes: &[u8]) -> String {
+        let Self::Utf16(order) = self else { return bytes.iter().map(|&byte| char::from(byte)).collect() };
+        let units = bytes.as_chunks().0.iter().map(|&unit| match order {
+            ByteOrder::Little => u16::from_le_bytes(unit),
+            ByteOrder::Big => u16::from_be_bytes(unit),
+        });
+        let text: String = char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+        text.trim_start_matches('\u{feff}').into()
+    }
+}
+
+/// The pairs of a header.
+struct Header<'a> {
+    input: Input<'a>,
+    pairs: Vec<(String, String)>,
+}
+
+impl<'a> Header<'a> {
+    fn parse(input: Input<'a>, text: &str) -> Self {
+        let lines = text.lines().filter(|line| !line.starts_with(['%', '#']));
+        let pairs = lines.filter_map(|line| line.split_once('=')).map(|(key, value)| {
+            let clean = |text: &str| text.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
+            (clean(key), clean(value))
+        });
+        Self { input, pairs: pairs.filter(|(_, value)| !value.is_empty()).take(MAX_PAIRS).collect() }
+    }
+
+    fn get(&self, key: &str) -> Option<&str> {
+        self.pairs.iter().find(|(found, _)| found.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
+    }
+
+    /// A number, where the key is there.
+    ///
+    /// # Errors
+    /// A value that is no number.
+    fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+        let parse = |text: &str| text.parse().map_err(|_| self.input.wrong(key, 0, text, "a number"));
+        self.get(key).map(parse).transpose()
+    }
+
+    /// A count of points.
+    fn count(&self, key: &str) -> Result<i64, FormatError> {
+        let text = self.get(key).ok_or_else(|| self.input.missing(key, 0, "the number of points along the axis"))?;
+        text.parse().map_err(|_| self.input.wrong(key, 0, text, "a whole number"))
+    }
+
+    /// How often the unit of an axis goes into a metre.
+    fn per_metre(&self, key: &str) -> Result<f64, &str> {
+        let unit = self.get(key).unwrap_or("nm");
+        per_metre(unit.trim_matches(['[', ']'])).ok_or(unit)
+    }
+}
+
+/// Pairs of a header that are looked at.
+const MAX_PAIRS: usize = 1000;
+
+/// Reads the map.
+///
+/// # Errors
+/// Force curves, other formats of the family, heights that are no lengths, a header without the number of points, and
+/// heights that end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Bcr, bytes).unsupported("a file", "another format"))
+    let input = Input::new(Format::Bcr, bytes);
+    let encoding = Encoding::of(bytes).unwrap_or(Encoding::Ascii);
+    let header_text = |characters: usize| {
+        let length = characters.saturating_mul(encoding.width()).min(input.len());
+        encoding.text(&bytes[..length])
+    };
+    let mut header = Header::parse(input, &header_text(HEADER_CHARACTERS));
+    let mut characters = HEADER_CHARACTERS;
+    if let Some(size) = header.get("headersize") {
+        let wanted = format!("a number of characters, at most {MAX_HEADER_CHARACTERS}");
+        let number = size.parse().ok().filter(|&size: &usize| size <= MAX_HEADER_CHARACTERS);
+        characters = number.ok_or_else(|| input.wrong("headersize", 0, size, &wanted))?;
+        header = Header::parse(input, &header_text(characters));
+    }
+    if header.number("forcecurve")?.is_some_and(|curves| curves != 0.0) {
+        return Err(input.unsupported("the file holds force curves", "a height map"));
+    }
+    let kind = header.get("fileformat").unwrap_or_default();
+    let sample = match kind {
+        "bcrstm" | "bcrstm_unicode" => Sample::I16,
+        "bcrf" | "bcrf_unicode" => Sample::F32,
+        _ => return Err(input.wrong("fileformat", 0, kind, "bcrstm, bcrf, bcrstm_unicode or bcrf_unicode")),
+    };
+    let (ny, nx) = input.shape(("ypixels", 0, header.count("ypixels")?), ("xpixels", 0, header.count("xpixels")?))?;
+    let order = match header.number("intelmode")? {
+        Some(0.0) => ByteOrder::Big,
+        _ => ByteOrder::Little,
+    };
+    let start = characters.saturating_mul(encoding.width());
+    let mut heights = input.with_order(order).samples("the heights", start, nx * ny, sample)?;
+
+    let mut warnings = Vec::new();
+    let per_metre = header.per_metre("zunit").map_err(|unit| {
+        input.unsupported(format!("the values are in {}, which is no length", crate::error::shown(unit)), "heights")
+    })?;
+    let scale = scale(&header, sample, &mut warnings)?;
+    let keeps_code = sample == Sample::I16 && header.number("voidpixels")? == Some(0.0);
+    let codes = large::count(&mut heights, |z| {
+        let is_code = if sample == Sample::I16 { *z == VOID_INTEGER } else { *z > VOID_FLOAT };
+        *z = if is_code && !keeps_code { f64::NAN } else { *z * scale / per_metre };
+        is_code
+    });
+    if keeps_code && codes > 0 {
+        warnings.push(format!(
+            "{codes} heights equal the code for missing points, but the header says that none are missing; they were kept"
+        ));
+    }
+    let pitch_m = pitch(&header, (ny, nx), &mut warnings)?;
+    let heights_m = Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("xpixels", 0, nx, "columns"))?;
+    let mut notes = Notes::default();
+    for (key, value) in &header.pairs {
+        notes.insert(key, value);
+    }
+    Ok(Scan { metadata: notes.metadata(), warnings, ..Scan::new(heights_m, pitch_m) })
+}
+
+/// What turns a number into a height in the unit of heights.
+fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Result<f64, FormatError> {
+    let scale = header.number("bit2nm")?;
+    if sample == Sample::F32 {
+        if let Some(scale) = scale.filter(|&scale| scale != 1.0) {
+            warnings.push(format!("bit2nm is {scale}; it scales integers, and the file holds floats, which were kept"));
+        }
+        return Ok(1.0);
+    }
+    let scale = scale.ok_or_else(|| header.input.missing("bit2nm", 0, "the height of one step"))?;
+    match scale.is_finite() && scale != 0.0 {
+        true => Ok(scale),
+        false => Err(header.input.wrong("bit2nm", 0, scale, "a finite number other than 0")),
+    }
+}
+
+/// The pitch in metre where the header states lengths.
+fn pitch(
+    header: &Header<'_>,
+    (rows, columns): (usize, usize),
+    warnings: &mut Vec<String>,
+) -> Result<Option<(f64, f64)>, FormatError> {
+    let mut along = |length_key, unit_key, points: usize| {
+        let Some(length) = header.number(length_key)? else { return Ok(None) };
+        Ok(match header.per_metre(unit_key) {
+            Ok(per_metre) => Some(length / points as f64 / per_metre),
+            Err(unit) => {
+                let unit = crate::error::shown(unit);
+                warnings.push(format!("{unit_key} is `{unit}`, which is no unit of length; no pixel size was read"));
+                None
+            }
+        })
+    };
+    let (dx_m, dy_m) = (along("xlength", "xunit", columns)?, along("ylength", "yunit", rows)?);
+    Ok(dx_m.zip(dy_m))
 }

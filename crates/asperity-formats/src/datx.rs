@@ -1,7 +1,29 @@
-//! DATX.
+//! Zygo DATX, written by Mx: an HDF5 file with one dataset per map and a table that says which is which.
+//!
+//! Maps are the datasets `/Data/{kind}/{identifier}`. The kinds are Surface, and by method of measurement Bottom Surface,
+//! Thickness, Intensity, Quality and others; those in a unit of length or whose `Z Converter` is of the category
+//! `HeightCat` are heights. `/MetaData` is a table of links (source, link, destination); the chain Root, Measurement,
+//! Surface, Path leads to the map that was measured.
+//!
+//! A stored number n is a height in the `Unit` of the dataset. In `Fringes` it is the height n·W·S·O in metre, with the
+//! wavelength W, the interferometric scale factor S and the obliquity factor O, which are attributes of the dataset and
+//! the parameters 1 to 3 of its `Z Converter`. Readers that look at neither unit nor factors are off by the wavelength.
+//!
+//! The shape of a dataset is (height, width) of the camera window, row 0 at the top; parameter 1 of the `X Converter` is
+//! the distance between columns in metre, that of the `Y Converter` the distance between rows. (Some readers take the
+//! first index for x, which shows on maps that are not square. Others turn the rows over to let y point upwards.)
+//!
+//! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
+//! Numbers beyond it, and as far below zero, are no heights either.
+
+use std::collections::{BTreeMap, HashSet};
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
+use crate::hdf5::{Attribute, Dataset, File, Object, Value, shown_name};
 use crate::input::Input;
+use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -10,12 +32,14 @@ pub(crate) const CODEC: Codec = Codec {
         name: "DATX",
         extensions: &["datx"],
         vendor: "Zygo",
-        known_by: "",
-        reads: "",
+        known_by: "HDF5 with the groups `MetaData` or `Data`",
+        reads: "heights in fringes or a length, integers and floats; HDF5 superblocks 0 to 3, old and new groups, \
+                compact and dense attributes, data compact, contiguous or chunked under a version 1 B-tree, with deflate, \
+                shuffle, Fletcher-32",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
+        missing_points: "`No Data`, NaN",
+        orientation: "the first index is the row, from the top",
         tested: Tested::Specification,
     },
     detect,
@@ -23,10 +47,285 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// Names in the root of a DATX file.
+const TABLE: &str = "MetaData";
+const DATA: &str = "Data";
+/// Where the map that was measured is found when the table does not say.
+const MAIN_KIND: &str = "Surface";
+/// The unit that needs the wavelength.
+const FRINGES: &str = "Fringes";
+/// Datasets that are looked at.
+const MAX_MAPS: usize = 4096;
+/// Entries of metadata that are kept.
+const MAX_METADATA: usize = 4096;
+/// Relative difference above which two statements of one quantity contradict each other.
+const TOLERANCE: f64 = 1e-6;
+
+/// HDF5 files of other programs have other names in their root; one that cannot be looked into is taken for damaged.
+fn detect(bytes: &[u8]) -> bool {
+    let has_names = |file: File| {
+        let names = file.names()?;
+        Ok::<_, FormatError>(names.iter().any(|&name| name == TABLE.as_bytes() || name == DATA.as_bytes()))
+    };
+    File::is_one(bytes) && File::open(Format::Datx, bytes).and_then(has_names).unwrap_or(true)
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Datx, bytes).unsupported("a file", "another format"))
+/// A dataset of heights and where its header starts.
+struct Map {
+    name: String,
+    at: usize,
+}
+
+/// What the attributes of a dataset say of its numbers.
+#[derive(Default)]
+struct Meaning {
+    unit: Option<String>,
+    no_data: Option<f64>,
+    wavelength_m: Option<f64>,
+    scale_factor: Option<f64>,
+    obliquity: Option<f64>,
+    x: Option<Converter>,
+    y: Option<Converter>,
+    z: Option<Converter>,
+}
+
+/// How numbers or places are turned into lengths.
+struct Converter {
+    category: String,
+    unit: String,
+    parameters: Vec<f64>,
+}
+
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let input = Input::new(Format::Datx, bytes);
+    let file = File::open(Format::Datx, bytes)?;
+    let maps = maps(&file, &input)?;
+    let names: Vec<String> = maps.iter().map(|map| map.name.clone()).collect();
+    let chosen = options.choose(Format::Datx, &names)?;
+    let at = maps[chosen].at;
+    let missing = |field: &str| input.missing(field, at, "a dataset of numbers in rows and columns");
+    let object = file.object(at)?;
+    let dataset = file.dataset(&object)?.ok_or_else(|| missing("the map"))?;
+    let meaning = meaning(&file, &object)?;
+    let &[ny, nx] = dataset.shape.as_slice() else { return Err(missing("the map")) };
+    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
+    let (ny, nx) = input.shape(("rows", at, as_i64(ny)), ("columns", at, as_i64(nx)))?;
+
+    let mut warnings = Vec::new();
+    let mut heights = file.numbers(&dataset)?.ok_or_else(|| missing("the numbers"))?;
+    let to_metre = meaning.to_metre(&input, at, &mut warnings)?;
+    let no_data = meaning.no_data.unwrap_or(f64::NAN);
+    for z in &mut heights {
+        let is_void = *z == no_data || no_data > 0.0 && z.abs() >= no_data;
+        *z = if is_void { f64::NAN } else { to_metre(*z) };
+    }
+    let heights_m = Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|_| input.wrong("the map", at, "data of another size", "rows × columns"))?;
+    let mut metadata = BTreeMap::new();
+    describe(&file, &object, &mut metadata);
+    let lateral_m = attributes_group(&file, &mut metadata);
+    let pitch_m = meaning.pitch_m(lateral_m, &mut warnings);
+    let scan = Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) };
+    Ok(scan.with_channels(names, chosen))
+}
+
+/// The datasets of heights, that of the measurement first.
+///
+/// # Errors
+/// What is wrong with the first dataset when none can be read; other datasets than heights alone.
+fn maps(file: &File, input: &Input) -> Result<Vec<Map>, FormatError> {
+    let main = file.aside(|| main(file)).flatten();
+    // What is linked twice counts once, under its first name.
+    let (mut objects, mut known) = (Vec::new(), HashSet::new());
+    if let Some(data) = file.find(DATA)? {
+        for kind in file.links(&data)? {
+            if !known.insert(kind.address) {
+                continue;
+            }
+            let name = shown_name(kind.name);
+            let members = file.object(kind.address).and_then(|object| file.links(&object)).unwrap_or_default();
+            let addresses = members.iter().map(|member| member.address).filter(|&address| known.insert(address));
+            objects.extend(addresses.take(MAX_MAPS - objects.len()).map(|address| (name.clone(), address)));
+            if objects.len() == MAX_MAPS {
+                break;
+            }
+        }
+    }
+    if let Some(main) = main.filter(|main| !known.contains(main)) {
+        objects.push((MAIN_KIND.into(), main));
+    }
+    // A stable order: the main map, then the surfaces, then the rest as in the file.
+    objects.sort_by_key(|(kind, at)| (Some(*at) != main, kind != MAIN_KIND));
+    let (mut maps, mut first_error, mut counts): (Vec<Map>, _, BTreeMap<String, usize>) =
+        (vec![], None, BTreeMap::new());
+    for (kind, at) in objects {
+        match file.object(at).and_then(|object| is_height(file, &object)) {
+            Ok(true) => {
+                let count = counts.entry(kind.clone()).or_default();
+                *count += 1;
+                let name = if *count == 1 { kind } else { format!("{kind} {count}") };
+                maps.push(Map { name, at });
+            }
+            Ok(false) => (),
+            Err(error) => first_error = first_error.or(Some(error)),
+        }
+    }
+    match (maps.is_empty(), first_error) {
+        (false, _) => Ok(maps),
+        (true, Some(error)) => Err(error),
+        (true, None) => Err(input.unsupported("the file holds no map of heights", "a surface under /Data")),
+    }
+}
+
+/// The dataset that the table of links states for the surface of the measurement.
+fn main(file: &File) -> Result<Option<usize>, FormatError> {
+    let Some(dataset) = file.find(TABLE)?.map(|table| file.dataset(&table)).transpose()?.flatten() else {
+        return Ok(None);
+    };
+    let bytes = file.bytes(&dataset)?;
+    let mut node = b"Root".to_vec();
+    for link in ["Measurement", MAIN_KIND, "Path"] {
+        let next = file.find_element(&dataset, &bytes, |row| {
+            let is_it = row.has_text("Link", link.as_bytes())? && row.has_text("Source", &node)?;
+            if is_it { Ok(row.member_text("Destination")?.map(<[u8]>::to_vec)) } else { Ok(None) }
+        })?;
+        let Some(next) = next else { return Ok(None) };
+        node = next;
+    }
+    Ok(file.find(&String::from_utf8_lossy(&node))?.map(|object| object.at))
+}
+
+/// Whether an object is a map of heights.
+fn is_height(file: &File, object: &Object) -> Result<bool, FormatError> {
+    let is_map = |dataset: Dataset| dataset.shape.len() == 2 && dataset.sample().is_some();
+    if !file.dataset(object)?.is_some_and(is_map) {
+        return Ok(false);
+    }
+    let meaning = meaning(file, object)?;
+    let is_named_height = meaning.z.as_ref().is_some_and(|z| z.category == "HeightCat");
+    Ok(is_named_height || meaning.unit().is_some_and(|unit| unit == FRINGES || length_unit(unit).is_some()))
+}
+
+fn meaning(file: &File, object: &Object) -> Result<Meaning, FormatError> {
+    let mut meaning = Meaning::default();
+    for attribute in file.attributes(object)? {
+        let number = || file.value(&attribute, |value| value.number());
+        let converter = || file.value(&attribute, converter);
+        match attribute.name {
+            b"Unit" => meaning.unit = file.value(&attribute, |value| value.text())?,
+            b"No Data" => meaning.no_data = number()?,
+            b"Wavelength" => meaning.wavelength_m = number()?,
+            b"Interferometric Scale Factor" => meaning.scale_factor = number()?,
+            b"Obliquity Factor" => meaning.obliquity = number()?,
+            b"X Converter" => meaning.x = converter()?,
+            b"Y Converter" => meaning.y = converter()?,
+            b"Z Converter" => meaning.z = converter()?,
+            _ => (),
+        }
+    }
+    Ok(meaning)
+}
+
+fn converter(value: Value) -> Result<Option<Converter>, FormatError> {
+    let text = |name| value.member(name).map_or(Ok(None), |value| value.text());
+    let parameters = value.member("Parameters").map_or(Ok(Vec::new()), |value| value.numbers(4))?;
+    let (category, unit) = (text("Category")?.unwrap_or_default(), text("BaseUnit")?.unwrap_or_default());
+    Ok(Some(Converter { category, unit, parameters }))
+}
+
+/// How often a unit as Mx spells it goes into a metre: NanoMeters, MicroMeters, ….
+fn length_unit(unit: &str) -> Option<f64> {
+    per_metre(unit).or_else(|| per_metre(&unit.to_lowercase()))
+}
+
+impl Meaning {
+    /// The unit of the numbers: that of the dataset, else the one its converter starts from.
+    fn unit(&self) -> Option<&str> {
+        let base = self.z.as_ref().map(|z| z.unit.as_str()).filter(|unit| !unit.is_empty());
+        self.unit.as_deref().filter(|unit| !unit.is_empty()).or(base)
+    }
+
+    /// How a stored number becomes a height in metre.
+    fn to_metre(
+        &self,
+        input: &Input,
+        at: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<Box<dyn Fn(f64) -> f64>, FormatError> {
+        let unit = self.unit().ok_or_else(|| input.missing("Unit", at, "Fringes or a unit of length"))?;
+        if let Some(z) = self.z.as_ref().filter(|z| !z.unit.is_empty() && z.unit != unit) {
+            warnings.push(format!(
+                "the unit of the heights is {unit}, but their converter states {}; {unit} was used",
+                z.unit
+            ));
+        }
+        if unit != FRINGES {
+            let per_metre =
+                length_unit(unit).ok_or_else(|| input.wrong("Unit", at, unit, "Fringes or a unit of length"))?;
+            return Ok(Box::new(move |z| z / per_metre));
+        }
+        let mut height_m = 1.0;
+        let stated = [
+            ("Wavelength", self.wavelength_m),
+            ("Interferometric Scale Factor", self.scale_factor),
+            ("Obliquity Factor", self.obliquity),
+        ];
+        for (place, (name, attribute)) in stated.into_iter().enumerate() {
+            let parameter = self.z.as_ref().and_then(|z| z.parameters.get(place + 1).copied());
+            let factor = attribute.or(parameter);
+            let factor = factor.ok_or_else(|| input.missing(name, at, "a number that turns fringes into heights"))?;
+            if !(factor.is_finite() && factor != 0.0) {
+                return Err(input.wrong(name, at, factor, "a finite number other than 0"));
+            }
+            if let Some(parameter) = parameter.filter(|parameter| (parameter / factor - 1.0).abs() > TOLERANCE) {
+                warnings
+                    .push(format!("the {name} is {factor}, but the Z Converter states {parameter}; {factor} was used"));
+            }
+            height_m *= factor;
+        }
+        Ok(Box::new(move |z| z * height_m))
+    }
+
+    /// The distance between points, by the converters, else by the lateral resolution of the measurement.
+    fn pitch_m(&self, lateral_m: Option<f64>, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
+        let is_length = |length: &f64| length.is_finite() && *length > 0.0;
+        let along = |converter: &Option<Converter>| {
+            let pixels = converter.as_ref().filter(|one| one.category == "LateralCat" && one.unit == "Pixels");
+            pixels.and_then(|one| one.parameters.get(1).copied()).filter(is_length).or(lateral_m.filter(is_length))
+        };
+        let pitch_m = along(&self.x).zip(along(&self.y));
+        if pitch_m.is_none() {
+            warnings.push("the file states no lateral resolution: the instrument was not calibrated".into());
+        }
+        pitch_m
+    }
+}
+
+/// Keeps what the groups under `/Attributes` say; the lateral resolution in metre.
+fn attributes_group(file: &File, metadata: &mut BTreeMap<String, String>) -> Option<f64> {
+    let group = file.find("Attributes").ok().flatten()?;
+    let mut lateral_m = None;
+    for link in file.links(&group).unwrap_or_default() {
+        let Ok(object) = file.object(link.address) else { continue };
+        let found = describe(file, &object, metadata);
+        lateral_m = lateral_m.or(found);
+    }
+    lateral_m
+}
+
+/// Keeps the attributes of an object; the lateral resolution among them. What cannot be read is left out.
+fn describe(file: &File, object: &Object, metadata: &mut BTreeMap<String, String>) -> Option<f64> {
+    let mut lateral_m = None;
+    for attribute in file.attributes(object).unwrap_or_default() {
+        let shown = |attribute: &Attribute| file.value(attribute, |value| value.describe()).ok().flatten();
+        if metadata.len() < MAX_METADATA
+            && let Some(text) = shown(&attribute).filter(|text| !text.is_empty())
+        {
+            metadata.entry(shown_name(attribute.name)).or_insert(text);
+        }
+        if attribute.name.ends_with(b"Data Context.Lateral Resolution:Value") {
+            lateral_m = lateral_m.or(file.value(&attribute, |value| value.number()).ok().flatten());
+        }
+    }
+    lateral_m
 }

@@ -10,6 +10,8 @@ use crate::Format;
 
 /// Characters that a message shows of a text from a file.
 const SHOWN_CHARS: usize = 60;
+/// Names that a message lists.
+const LISTED_NAMES: usize = 24;
 
 /// Where in a file something was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,14 +45,14 @@ impl fmt::Display for Location {
 /// it. Errors of [`read`](crate::read) and [`write`](crate::write) name the path; those of functions on bytes cannot.
 #[derive(Debug, Error)]
 pub enum FormatError {
-    /// The file does not exist.
-    #[error("{}: no such file", path.display())]
+    /// The file to read, or the folder to write to, does not exist.
+    #[error("{}: no such file or folder", path.display())]
     NotFound {
-        /// The path that was asked for.
+        /// The path of that file or folder.
         path: PathBuf,
     },
     /// The operating system refused.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {}", path.display(), refusal(error))]
     Io {
         /// The path that was read or written.
         path: PathBuf,
@@ -66,9 +68,9 @@ pub enum FormatError {
         error: Box<FormatError>,
     },
     /// The content belongs to no known format.
-    #[error("unknown format: {length} bytes that start with {start}; known are {}", crate::format::read_names())]
+    #[error("{}; known are {}", unknown(*length, start), crate::format::read_names())]
     Unrecognised {
-        /// Size of the content.
+        /// Bytes that were looked at: the whole content unless it is long.
         length: usize,
         /// Its first bytes, escaped.
         start: String,
@@ -194,7 +196,7 @@ pub enum FormatError {
         wanted: &'static str,
     },
     /// No format is written under this extension.
-    #[error("no format is written as `.{extension}`; wanted {}", crate::format::written_extensions())]
+    #[error("{}; wanted {}", unwritten(extension), crate::format::written_extensions())]
     UnknownExtension {
         /// The extension, empty when there is none.
         extension: String,
@@ -229,16 +231,78 @@ impl FormatError {
     }
 }
 
+/// What the operating system says, in words for the commonest mistake.
+fn refusal(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::IsADirectory => "this is a folder; a file is wanted".into(),
+        _ => error.to_string(),
+    }
+}
+
+fn unknown(length: usize, start: &str) -> String {
+    match length {
+        0 => "the file is empty".into(),
+        _ => format!("unknown format: {length} bytes that start with {start}"),
+    }
+}
+
+fn unwritten(extension: &str) -> String {
+    match extension {
+        "" => "the name has no extension, which chooses the format".into(),
+        _ => format!("no format is written as `.{}`", shown(extension)),
+    }
+}
+
 /// Names for a message.
 fn listed(names: &[String]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("`{}`", shown(name))).collect();
-    if names.is_empty() { "none".into() } else { names.join(", ") }
+    match names {
+        [] => "none".into(),
+        [one] => format!("just one, `{}`", shown(one)),
+        several => {
+            let first = several.iter().take(LISTED_NAMES).map(|name| format!("`{}`", shown(name)));
+            let first = first.collect::<Vec<_>>().join(", ");
+            let more = several.len().saturating_sub(LISTED_NAMES);
+            if more > 0 { format!("{first} and {more} more") } else { first }
+        }
+    }
 }
 
 /// The start of a text from a file, short enough for a message.
 pub(crate) fn shown(text: &str) -> String {
-    match text.char_indices().nth(SHOWN_CHARS) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
+    cut(text, SHOWN_CHARS)
+}
+
+/// At most so many characters of a text, with control characters spelt out: they could steer a terminal.
+pub(crate) fn cut(text: &str, characters: usize) -> String {
+    let mut kept = String::new();
+    for (place, c) in text.chars().enumerate() {
+        if place == characters {
+            kept.push('…');
+            break;
+        }
+        if c.is_control() { kept.extend(c.escape_default()) } else { kept.push(c) }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_from_files_are_short_and_steer_no_terminal() {
+        assert_eq!(shown("\u{1b}[2Jgap\n\u{9b}1A"), "\\u{1b}[2Jgap\\n\\u{9b}1A");
+        assert_eq!(shown(&"é".repeat(61)), "é".repeat(60) + "…");
+    }
+
+    #[test]
+    fn long_lists_of_names_are_cut() {
+        let error = |count: usize| {
+            let channels = (1..=count).map(|n| format!("layer {n}")).collect();
+            FormatError::NoSuchChannel { format: Format::X3p, found: "number 0".into(), channels }.to_string()
+        };
+        assert_eq!(error(1), "X3P: no height map number 0; the file holds just one, `layer 1`");
+        assert!(error(24).ends_with("`layer 23`, `layer 24`"));
+        assert!(error(4096).ends_with("`layer 24` and 4072 more"));
     }
 }

@@ -1,19 +1,28 @@
 //! Files on disk: what kind they are, and how they are replaced.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{Read, Write};
-use std::path::Path;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::archive::gunzip;
+use crate::large;
 use crate::text::{Separator, write_text};
+use crate::x3p::ZIP_MAGIC;
 use crate::{Format, FormatError, Location, ReadOptions, Scan, npy};
 
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
+/// Names of temporary files that are tried.
+const MAX_ATTEMPTS: u32 = 100;
 /// The largest file that is read, in bytes: twice the heights of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
+/// Bytes from which content is known but for archives: headers that tell a format take a few hundred.
+const PROBE_BYTES: u64 = 1 << 16;
+/// Bytes from which on all threads read a file, and how many each takes at a time.
+const PARALLEL_BYTES: usize = 4 << 20;
+const PIECE_BYTES: usize = 1 << 20;
 /// Bytes that an error shows of content it does not know.
 const SHOWN_BYTES: usize = 12;
 
@@ -50,10 +59,57 @@ pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
 }
 
 fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
-    let file = File::open(path).map_err(|error| FormatError::io(path, error))?;
-    let mut bytes = Vec::new();
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| FormatError::io(path, error))?;
+    let failed = |error| FormatError::io(path, error);
+    let mut file = File::open(path).map_err(failed)?;
+    let mut start = Vec::new();
+    (&mut file).take(PROBE_BYTES).read_to_end(&mut start).map_err(failed)?;
+    if start.len() as u64 == PROBE_BYTES && !may_be_known(&start) {
+        return Err(unrecognised(&start).in_file(path));
+    }
+    // What the system says of the length only sizes the buffer; a pipe has none.
+    let length = file.metadata().map_or(0, |metadata| metadata.len().min(MAX_FILE_BYTES));
+    let length = usize::try_from(length).unwrap_or_default();
+    let mut bytes = match whole(&file, length) {
+        Some(bytes) => {
+            file.seek(SeekFrom::Start(length as u64)).map_err(failed)?;
+            bytes
+        }
+        None => {
+            start.reserve(length.saturating_sub(start.len()) + 1);
+            start
+        }
+    };
+    // A file may grow.
+    file.take(MAX_FILE_BYTES + 1 - bytes.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
     Ok(bytes)
+}
+
+/// The first bytes of a large file, read by all threads; `None` where that gains nothing or does not succeed.
+#[cfg(unix)]
+fn whole(file: &File, length: usize) -> Option<Vec<u8>> {
+    use rayon::prelude::*;
+    use std::os::unix::fs::FileExt;
+
+    if length < PARALLEL_BYTES {
+        return None;
+    }
+    // One more byte, so that the end is found without more memory.
+    let mut bytes = large::zeros(length + 1);
+    bytes.truncate(length);
+    let pieces = bytes.par_chunks_mut(PIECE_BYTES).enumerate();
+    pieces.try_for_each(|(place, piece)| file.read_exact_at(piece, (place * PIECE_BYTES) as u64)).ok()?;
+    Some(bytes)
+}
+
+#[cfg(not(unix))]
+fn whole(_file: &File, _length: usize) -> Option<Vec<u8>> {
+    None
+}
+
+/// Whether the start of a long file leaves hope for the rest, so that a film is not read to its end. The directory of
+/// an archive is at its end.
+fn may_be_known(start: &[u8]) -> bool {
+    start.starts_with(ZIP_MAGIC) || Format::detect(start).is_some()
 }
 
 fn unrecognised(bytes: &[u8]) -> FormatError {
@@ -120,17 +176,32 @@ pub fn write(scan: &Scan, path: &Path) -> Result<(), FormatError> {
 
 /// Puts `bytes` under `path` so that a reader sees the old content or the new, never a part.
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let name = path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
-    let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-    let temporary = path.with_file_name(format!(".{name}.{}-{unique}.tmp", std::process::id()));
-    let written = OpenOptions::new().write(true).create_new(true).open(&temporary).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let failed = |error: io::Error| match folder {
+        // The path itself need not be there.
+        Some(folder) if error.kind() == io::ErrorKind::NotFound => FormatError::io(folder, error),
+        _ => FormatError::io(path, error),
+    };
+    let (mut file, temporary) = temporary_beside(path).map_err(failed)?;
+    let written = file.write_all(bytes).and_then(|()| file.sync_all());
+    drop(file);
     written.and_then(|()| fs::rename(&temporary, path)).map_err(|error| {
-        // The first error is the one to tell; a temporary file that was never made cannot be removed.
+        // The first error is the one to tell.
         let _ = fs::remove_file(&temporary);
-        FormatError::io(path, error)
+        failed(error)
     })
+}
+
+/// A new file in the folder of another. Names that are taken belong to others or were left behind: they stay.
+fn temporary_beside(path: &Path) -> io::Result<(File, PathBuf)> {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let mut attempts = 0;
+    loop {
+        let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let temporary = path.with_file_name(format!(".asperity-{}-{unique}.tmp", std::process::id()));
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempts < MAX_ATTEMPTS => attempts += 1,
+            file => return Ok((file?, temporary)),
+        }
+    }
 }

@@ -116,11 +116,12 @@ pub(crate) struct Codec {
     pub(crate) write: Option<Write>,
 }
 
-/// All formats, in the order in which content is compared with them: signatures first, text of any kind last.
+/// All formats, in the order in which content is compared with them: signatures first, X3P after the other zip archives,
+/// text of any kind last.
 pub(crate) const CODECS: [&Codec; 22] = [
-    &crate::x3p::CODEC,
     &crate::plux::CODEC,
     &crate::npz::CODEC,
+    &crate::x3p::CODEC,
     &crate::sur::CODEC,
     &crate::sdf::CODEC,
     &crate::gwy::CODEC,

@@ -44,6 +44,11 @@ impl<'a> Input<'a> {
         Self { order, ..self }
     }
 
+    /// The same bytes up to `end`, so that nothing beyond it is read.
+    pub(crate) fn up_to(self, end: usize) -> Self {
+        Self { bytes: &self.bytes[..end.min(self.bytes.len())], ..self }
+    }
+
     /// All bytes.
     pub(crate) fn bytes(&self) -> &'a [u8] {
         self.bytes
@@ -91,11 +96,20 @@ impl<'a> Input<'a> {
         count: usize,
         sample: Sample,
     ) -> Result<Vec<f64>, FormatError> {
-        let length = count.saturating_mul(sample.size());
-        let bytes = self.take(part, offset, length)?;
-        let mut values = Vec::with_capacity(count);
-        sample.decode(self.order, bytes, &mut values);
-        Ok(values)
+        self.samples_as(part, offset, count, sample, |value| value)
+    }
+
+    /// As [`Input::samples`], with every number changed.
+    pub(crate) fn samples_as(
+        &self,
+        part: &str,
+        offset: usize,
+        count: usize,
+        sample: Sample,
+        change: impl Fn(f64) -> f64 + Sync,
+    ) -> Result<Vec<f64>, FormatError> {
+        let bytes = self.take(part, offset, count.saturating_mul(sample.size()))?;
+        Ok(sample.decode_and_map(self.order, bytes, change))
     }
 
     /// Checked shape `(rows, columns)` of a map from fields that hold its dimensions, each `(name, offset, value)`.
@@ -131,7 +145,7 @@ impl<'a> Input<'a> {
     pub(crate) fn at(&self, offset: usize) -> Location {
         let offset = offset as u64;
         match self.entry {
-            Some(entry) => Location::Entry { entry: entry.into(), offset },
+            Some(entry) => Location::Entry { entry: shown(entry), offset },
             None => Location::Byte(offset),
         }
     }
@@ -139,7 +153,7 @@ impl<'a> Input<'a> {
     fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
         FormatError::Truncated {
             format: self.format,
-            part: part.into(),
+            part: shown(part),
             at: self.at(offset),
             found: self.bytes.len().saturating_sub(offset) as u64,
             wanted: wanted as u64,
@@ -150,10 +164,22 @@ impl<'a> Input<'a> {
     pub(crate) fn wrong(&self, field: &str, offset: usize, found: impl ToString, wanted: &str) -> FormatError {
         FormatError::Field {
             format: self.format,
-            field: field.into(),
+            // Some formats name their fields freely.
+            field: shown(field),
             at: self.at(offset),
             found: shown(&found.to_string()),
             wanted: wanted.into(),
+        }
+    }
+
+    /// The error for a size beyond what is taken.
+    pub(crate) fn too_large(&self, field: &str, offset: usize, found: usize, limit: usize) -> FormatError {
+        FormatError::TooLarge {
+            format: self.format,
+            field: field.into(),
+            at: self.at(offset),
+            found: found as u64,
+            limit: limit as u64,
         }
     }
 
@@ -176,7 +202,71 @@ impl<'a> Input<'a> {
 /// Latin-1 text up to the first zero, without white space around it.
 pub(crate) fn latin1(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
-    bytes[..end].iter().map(|&byte| char::from(byte)).collect::<String>().trim().to_owned()
+    kept(bytes[..end].trim_ascii(), |bytes| bytes.iter().map(|&byte| char::from(byte)).collect()).trim().to_owned()
+}
+
+/// The text in UTF-16 behind a mark of its byte order; `None` without one.
+pub(crate) fn utf16(bytes: &[u8]) -> Option<String> {
+    let (unit, rest): (fn([u8; 2]) -> u16, _) = match bytes {
+        [0xff, 0xfe, rest @ ..] => (u16::from_le_bytes, rest),
+        [0xfe, 0xff, rest @ ..] => (u16::from_be_bytes, rest),
+        _ => return None,
+    };
+    // Three bytes at most for each unit; growing by doubling would take more.
+    let mut text = String::with_capacity(rest.len() + rest.len() / 2);
+    let units = rest.as_chunks().0.iter().map(|&pair| unit(pair));
+    text.extend(char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)));
+    Some(text)
+}
+
+/// Text in UTF-8, or else in Latin-1.
+pub(crate) fn utf8_or_latin1(bytes: &[u8]) -> String {
+    kept(bytes, |bytes| match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        // A character that the end of what is kept goes through.
+        Err(error) if bytes.len() == MAX_TEXT_BYTES && error.error_len().is_none() => {
+            String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
+        }
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+    })
+}
+
+/// The most bytes of one text that are kept: the longest comments of instruments have some ten thousand.
+pub(crate) const MAX_TEXT_BYTES: usize = 1 << 18;
+
+/// A text as far as it is kept, with a sign where it was cut.
+fn kept(bytes: &[u8], decode: impl FnOnce(&[u8]) -> String) -> String {
+    match bytes.get(..MAX_TEXT_BYTES) {
+        Some(start) if start.len() < bytes.len() => decode(start) + "…",
+        _ => decode(bytes),
+    }
+}
+
+/// Room for the texts that a file holds beside its heights: a file of nothing else must not take many times its size.
+pub(crate) struct Room {
+    texts: usize,
+    bytes: usize,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { texts: 10_000, bytes: 1 << 22 }
+    }
+}
+
+impl Room {
+    /// Whether there is room for one more text.
+    pub(crate) fn is_left(&self) -> bool {
+        self.texts > 0 && self.bytes > 0
+    }
+
+    /// Takes room for a text of so many bytes; whether there was any.
+    pub(crate) fn take(&mut self, bytes: usize) -> bool {
+        let is_left = self.is_left();
+        self.texts = self.texts.saturating_sub(1);
+        self.bytes = self.bytes.saturating_sub(bytes);
+        is_left
+    }
 }
 
 #[cfg(test)]
@@ -198,6 +288,34 @@ mod tests {
         assert_eq!(message, "text: width (a.bin, byte 1) stop after 2 bytes; wanted 4");
         assert!(input.take("all", usize::MAX, 2).is_err());
         assert!(input.samples("all", 0, usize::MAX, Sample::F64).is_err());
+    }
+
+    #[test]
+    fn long_texts_are_cut_between_characters() {
+        assert_eq!(utf8_or_latin1("µm".as_bytes()), "µm");
+        assert_eq!(utf8_or_latin1(b"\xb5m"), "µm");
+        let long = "µ".repeat(MAX_TEXT_BYTES);
+        assert_eq!(utf8_or_latin1(long.as_bytes()), "µ".repeat(MAX_TEXT_BYTES / 2) + "…");
+        // One byte more shifts the cut into a character.
+        let shifted = utf8_or_latin1(format!("m{long}").as_bytes());
+        assert!(shifted.ends_with("µ…") && shifted.len() == MAX_TEXT_BYTES - 1 + "…".len(), "{}", shifted.len());
+        assert_eq!(latin1(&vec![0xb5; MAX_TEXT_BYTES + 1]), "µ".repeat(MAX_TEXT_BYTES) + "…");
+    }
+
+    #[test]
+    fn room_ends_with_the_number_of_texts_or_with_their_bytes() {
+        let mut room = Room { texts: 2, bytes: 10 };
+        assert!(room.take(3) && room.take(3) && !room.take(3));
+        let mut room = Room { texts: 9, bytes: 10 };
+        assert!(room.take(100) && !room.take(0));
+    }
+
+    #[test]
+    fn nothing_is_read_beyond_a_nearer_end() {
+        let input = Input::new(Format::Text, &[1, 2, 3]).up_to(2);
+        assert_eq!(input.u16("a", 0).unwrap(), 0x0201);
+        assert!(input.u16("a", 1).is_err());
+        assert_eq!(input.up_to(9).len(), 2);
     }
 
     #[test]

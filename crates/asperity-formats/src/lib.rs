@@ -1,11 +1,7 @@
 //! Reads and writes files of measured surfaces.
 //!
-//! | format | read | write | pixel size |
-//! |---|---|---|---|
-//! | X3P (ISO 25178-72) | int16, int32, float32, float64, text lists | int16, float32, float64 | yes |
-//! | SUR (Digital Surf) | int16, int32, uncompressed | no | yes |
-//! | NPY (NumPy) | integers and floats, 2-D | float64 | no |
-//! | text, CSV | matrices of numbers | yes | no |
+//! X3P, SUR, SDF, GWY, OPD, MetroPro, DATX, PLU, PLUX, AL3D, NMS, FRT, BCR, TMD, VK4, NetCDF, NPY, NPZ, TIFF, XYZ and text are
+//! read, X3P, SUR, SDF, GWY, NPY, text and VTK images written; [`descriptions`] is the table of what each holds.
 //!
 //! Every byte is taken for hostile: sizes that a file declares are believed only as far as its bytes reach, archives
 //! are unpacked through limits, arithmetic on sizes is checked, and no input makes the reader panic. A file is known
@@ -27,7 +23,9 @@ mod file;
 mod format;
 mod frt;
 mod gwy;
+mod hdf5;
 mod input;
+mod large;
 mod metropro;
 mod netcdf;
 mod nms;
@@ -54,8 +52,12 @@ mod xyz;
 pub use error::{FormatError, Location};
 pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, write};
 pub use format::{Description, Format, Tested, descriptions};
+pub use gwy::write_gwy;
 pub use npy::write_npy;
 pub use scan::{MAX_POINTS, Scan};
+pub use sdf::{SdfData, write_sdf};
 pub use selection::{Channel, ReadOptions};
+pub use sur::{SurData, write_sur};
 pub use text::{Separator, write_text};
+pub use vtk::write_vtk;
 pub use x3p::{X3pData, write_x3p};

@@ -144,10 +144,10 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     let mut warnings = Vec::new();
     let phase_bytes = nx * ny * Sample::I32.size();
     let start = header_bytes + intensity_bytes(&input, header_bytes + phase_bytes, &mut warnings)?;
-    let phase = input.samples("the connected phase", start, nx * ny, Sample::I32)?;
-    let heights_m = Array2::from_shape_vec((ny, nx), phase)
-        .map_err(|_| input.wrong("cn_width", 68, width, "as many columns as there are"))?
-        .mapv_into(|phase| if phase >= INVALID { f64::NAN } else { phase * scale_m });
+    let in_metre = |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m };
+    let heights = input.samples_as("the connected phase", start, nx * ny, Sample::I32, in_metre)?;
+    let heights_m = Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|_| input.wrong("cn_width", 68, width, "as many columns as there are"))?;
     let surplus = bytes.len() - start - phase_bytes;
     if surplus > 0 {
         warnings.push(format!("{surplus} bytes follow the connected phase and were not read"));

@@ -1,32 +1,361 @@
-//! NetCDF.
+//! NetCDF, classic (versions 1, 2 and 5) and netCDF-4, as SurfaceTopography writes it and others may.
+//!
+//! Maps are variables of two dimensions whose `unit` (`units`, `length_unit`) is a length; `heights` is the main one.
+//! Dimensions of one element before the last two are passed over. A dimension x or y tells which way the map lies:
+//! SurfaceTopography stores `heights(x, y)`, other programs z(y, x). The first y is the top row, as SurfaceTopography
+//! shows it.
+//!
+//! A variable of the name of a dimension holds the positions along it; their distance is the pitch. SurfaceTopography
+//! also states the `length` of the side, which is n·d, and writes the positions 0, d, …, (n − 1)·d. Where it states no
+//! unit for the heights, it means that of the positions.
+//!
+//! Numbers are unpacked as n·`scale_factor` + `add_offset`. Numbers equal to `_FillValue` or `missing_value`, or to the
+//! fill value of their type where the first is not stated, are missing, as are those with a 1 in the variable `mask`.
+
+mod classic;
+mod enhanced;
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
+use crate::hdf5;
 use crate::input::Input;
+use crate::large;
+use crate::sample::Sample;
+use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::NetCdf,
         name: "NetCDF",
-        extensions: &["nc"],
+        extensions: &["nc", "nc4", "cdf"],
         vendor: "Unidata",
-        known_by: "",
-        reads: "",
+        known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",
+        reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
+        orientation: "the first y is the top row; (x, y) is turned to (y, x)",
+        tested: Tested::OtherPrograms,
     },
-    detect,
+    // What is HDF5 and no DATX comes here: the table asks for DATX first.
+    detect: |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes),
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// The variable that SurfaceTopography stores a map in, and the one for its missing points.
+const HEIGHTS: &str = "heights";
+const MASK: &str = "mask";
+/// Attributes that name a unit.
+const UNITS: [&str; 3] = ["unit", "units", "length_unit"];
+/// Dimensions, variables and attributes of one file together.
+const MAX_ENTRIES: usize = 1 << 16;
+/// Numbers of an attribute that are kept.
+const MAX_NUMBERS: usize = 16;
+/// Share of the pitch by which positions may be off an even grid.
+const UNEVEN: f64 = 1e-3;
+
+/// What a file describes.
+#[derive(Default)]
+struct Contents {
+    dimensions: Vec<Dimension>,
+    attributes: Vec<Attribute>,
+    variables: Vec<Variable>,
+    /// What was wrong with the first variable that could not be read.
+    first_error: Option<FormatError>,
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::NetCdf, bytes).unsupported("a file", "another format"))
+struct Dimension {
+    name: String,
+    length: usize,
+}
+
+struct Attribute {
+    name: String,
+    value: Value,
+}
+
+enum Value {
+    Text(String),
+    Numbers(Vec<f64>),
+}
+
+struct Variable {
+    name: String,
+    /// Places in the list of dimensions; `None` where an HDF5 dataset is not tied to one.
+    dimensions: Vec<Option<usize>>,
+    shape: Vec<usize>,
+    attributes: Vec<Attribute>,
+    /// What the numbers are, `None` for texts.
+    sample: Option<Sample>,
+    /// First byte of the numbers, or of the HDF5 object.
+    at: usize,
+    /// Bytes from one record to the next where the first dimension is that of the records.
+    record_bytes: Option<usize>,
+}
+
+impl Variable {
+    fn attribute(&self, name: &str) -> Option<&Value> {
+        self.attributes.iter().find(|attribute| attribute.name == name).map(|attribute| &attribute.value)
+    }
+
+    fn numbers(&self, name: &str) -> &[f64] {
+        match self.attribute(name) {
+            Some(Value::Numbers(numbers)) => numbers,
+            _ => &[],
+        }
+    }
+
+    fn unit(&self) -> Option<&str> {
+        UNITS.iter().find_map(|name| match self.attribute(name) {
+            Some(Value::Text(text)) if !text.trim().is_empty() => Some(text.trim()),
+            _ => None,
+        })
+    }
+
+    /// The places of the last two dimensions, when the variable is a map of numbers.
+    fn map(&self) -> Option<(usize, usize)> {
+        let (columns, rest) = self.shape.split_last()?;
+        let (rows, rest) = rest.split_last()?;
+        (self.sample.is_some() && rest.iter().all(|&length| length == 1)).then_some((*rows, *columns))
+    }
+
+    fn is_height(&self) -> bool {
+        self.map().is_some()
+            && match self.unit() {
+                Some(unit) => per_metre(unit).is_some(),
+                None => self.name == HEIGHTS,
+            }
+    }
+}
+
+/// A file of either kind.
+enum Source<'a> {
+    Classic(Input<'a>),
+    Enhanced(hdf5::File<'a>),
+}
+
+impl Source<'_> {
+    fn numbers(&self, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+        match self {
+            Self::Classic(input) => classic::numbers(input, variable),
+            Self::Enhanced(file) => enhanced::numbers(file, variable),
+        }
+    }
+
+    /// The numbers of a map of so many rows and columns, in the order of its columns where it is turned.
+    fn map(&self, variable: &Variable, shape: (usize, usize), is_turned: bool) -> Result<Vec<f64>, FormatError> {
+        match self {
+            Self::Classic(input) if is_turned => classic::columns(input, variable, shape),
+            _ if is_turned => self.numbers(variable).map(|numbers| transposed(numbers, shape)),
+            _ => self.numbers(variable),
+        }
+    }
+}
+
+/// The numbers of a map in the order of its columns; of another count as they are, which no shape will fit.
+fn transposed(numbers: Vec<f64>, shape: (usize, usize)) -> Vec<f64> {
+    if numbers.len() == shape.0 * shape.1 { large::transposed(&numbers, shape) } else { numbers }
+}
+
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let input = Input::new(Format::NetCdf, bytes);
+    let (source, mut contents) = if classic::version(bytes).is_some() {
+        let (input, contents) = classic::read(bytes)?;
+        (Source::Classic(input), contents)
+    } else {
+        let file = hdf5::File::open(Format::NetCdf, bytes)?;
+        let contents = enhanced::read(&file)?;
+        (Source::Enhanced(file), contents)
+    };
+    let first_error = contents.first_error.take();
+    let mut maps: Vec<&Variable> = contents.variables.iter().filter(|variable| variable.is_height()).collect();
+    maps.sort_by_key(|variable| variable.name != HEIGHTS);
+    let names: Vec<String> = maps.iter().map(|variable| variable.name.clone()).collect();
+    if maps.is_empty() {
+        return Err(first_error.unwrap_or_else(|| no_map(&input, &contents)));
+    }
+    let chosen = options.choose(Format::NetCdf, &names)?;
+    let map = maps[chosen];
+    let Some((rows, columns)) = map.map() else { return Err(no_map(&input, &contents)) };
+    let as_i64 = |size: usize| i64::try_from(size).unwrap_or(i64::MAX);
+    let (rows, columns) = input.shape(("rows", map.at, as_i64(rows)), ("columns", map.at, as_i64(columns)))?;
+
+    let mut warnings = Vec::new();
+    let [slow, fast] = [2, 1].map(|back| Axis::new(&contents, map, back));
+    // Heights without a unit of their own are in that of the positions.
+    let unit = map.unit().or_else(|| [&slow, &fast].iter().find_map(|axis| axis.positions.and_then(Variable::unit)));
+    if unit.is_none() {
+        warnings.push("the file states no unit; heights and positions were taken for metre".into());
+    }
+    let is_turned = slow.is_named("x") || fast.is_named("y");
+    let numbers = |variable: &Variable| source.map(variable, (rows, columns), is_turned);
+    let heights = heights(numbers, &contents, map, unit.unwrap_or("m"), &input)?;
+    let mut pitch_m = |axis: &Axis| axis.pitch_m(&source, unit.is_none().then_some("m"), &mut warnings);
+    let (along_slow, along_fast) = (pitch_m(&slow)?, pitch_m(&fast)?);
+    let read = [slow.positions, fast.positions, Some(map)].into_iter().flatten().map(|one| one.name.clone());
+    let read: Vec<String> = read.collect();
+    let (shape, pitch_m) = match is_turned {
+        true => ((columns, rows), along_slow.zip(along_fast)),
+        false => ((rows, columns), along_fast.zip(along_slow)),
+    };
+    let heights_m = Array2::from_shape_vec(shape, heights)
+        .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
+    let metadata = metadata(contents, &read);
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))
+}
+
+/// The heights in metre, NaN where they are missing.
+fn heights(
+    numbers: impl Fn(&Variable) -> Result<Vec<f64>, FormatError>,
+    contents: &Contents,
+    map: &Variable,
+    unit: &str,
+    input: &Input,
+) -> Result<Vec<f64>, FormatError> {
+    let per_metre = per_metre(unit).ok_or_else(|| input.wrong("unit", map.at, unit, "a unit of length"))?;
+    let mut heights = numbers(map)?;
+    unpack(map, per_metre, &mut heights);
+    let mask = contents.variables.iter().find(|variable| variable.name == MASK && variable.sample.is_some());
+    if let Some(mask) = mask.filter(|mask| map.name == HEIGHTS && mask.shape == map.shape) {
+        for (z, masked) in heights.iter_mut().zip(numbers(mask)?) {
+            if masked != 0.0 {
+                *z = f64::NAN;
+            }
+        }
+    }
+    Ok(heights)
+}
+
+/// Why no variable is a map of heights.
+fn no_map(input: &Input, contents: &Contents) -> FormatError {
+    let wanted = "a variable of two dimensions in a unit of length, or named `heights`";
+    let is_line = |variable: &&Variable| variable.name == HEIGHTS && variable.shape.len() == 1;
+    if contents.variables.iter().any(|variable| is_line(&variable)) {
+        return input.unsupported("the file holds a line scan", wanted);
+    }
+    let units: Vec<String> = contents
+        .variables
+        .iter()
+        .filter(|variable| variable.map().is_some())
+        .take(MAX_NUMBERS)
+        .map(|variable| format!("`{}` ({})", crate::error::shown(&variable.name), variable.unit().unwrap_or("no unit")))
+        .collect();
+    let found = if units.is_empty() { "no map".into() } else { units.join(", ") };
+    input.unsupported(format!("the file holds {found}"), wanted)
+}
+
+/// Turns stored numbers into metre, NaN where they are missing.
+fn unpack(variable: &Variable, per_metre: f64, numbers: &mut [f64]) {
+    let (fill, default) = (variable.numbers("_FillValue"), variable.sample.and_then(default_fill));
+    let mut missing = [fill, variable.numbers("missing_value")].concat();
+    if fill.is_empty() {
+        missing.extend(default);
+    }
+    // Numbers of single precision are compared with what is left of the attribute in that precision.
+    if variable.sample == Some(Sample::F32) {
+        for number in &mut missing {
+            *number = f64::from(*number as f32);
+        }
+    }
+    let first = |name, default| variable.numbers(name).first().copied().unwrap_or(default);
+    let (scale, offset) = (first("scale_factor", 1.0), first("add_offset", 0.0));
+    let in_metre = |z: f64| (z * scale + offset) / per_metre;
+    match missing[..] {
+        // One is the rule, and is compared with without a loop.
+        [missing] => large::map(numbers, |z| if z == missing { f64::NAN } else { in_metre(z) }),
+        _ => large::map(numbers, |z| if missing.contains(&z) { f64::NAN } else { in_metre(z) }),
+    }
+}
+
+/// What the library of the format fills variables with that are not written; those of bytes may hold any number.
+fn default_fill(sample: Sample) -> Option<f64> {
+    match sample {
+        Sample::I16 => Some(-32767.0),
+        Sample::U16 => Some(65535.0),
+        Sample::I32 => Some(-2147483647.0),
+        Sample::U32 => Some(4294967295.0),
+        Sample::F32 | Sample::F64 => Some(f64::from_bits(0x479e_0000_0000_0000)),
+        _ => None,
+    }
+}
+
+/// One of the two dimensions of a map.
+struct Axis<'c> {
+    dimension: Option<&'c Dimension>,
+    length: usize,
+    /// The variable that holds the positions along it.
+    positions: Option<&'c Variable>,
+}
+
+impl<'c> Axis<'c> {
+    /// The dimension that is `back` places before the end.
+    fn new(contents: &'c Contents, map: &Variable, back: usize) -> Self {
+        let place = map.shape.len().saturating_sub(back);
+        let dimension = map.dimensions.get(place).copied().flatten().and_then(|place| contents.dimensions.get(place));
+        let is_it = |variable: &&Variable| {
+            variable.shape.len() == 1 && dimension.is_some_and(|dimension| dimension.name == variable.name)
+        };
+        let positions = contents.variables.iter().find(is_it).filter(|variable| variable.sample.is_some());
+        Self { dimension, length: map.shape.get(place).copied().unwrap_or_default(), positions }
+    }
+
+    fn is_named(&self, name: &str) -> bool {
+        self.dimension.is_some_and(|dimension| dimension.name.eq_ignore_ascii_case(name))
+    }
+
+    /// The distance between positions, else the length of the side over the number of points.
+    fn pitch_m(
+        &self,
+        source: &Source,
+        default_unit: Option<&str>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<f64>, FormatError> {
+        let Some(variable) = self.positions else { return Ok(None) };
+        let name = &variable.name;
+        let unit = variable.unit().or(default_unit).unwrap_or_default();
+        let Some(per_metre) = per_metre(unit) else {
+            warnings.push(format!("the unit of {name} is `{unit}`, which is no length; no pixel size was read"));
+            return Ok(None);
+        };
+        let stated = variable.numbers("length").first().map(|length| length / self.length as f64);
+        let places = if variable.shape == [self.length] { source.numbers(variable)? } else { Vec::new() };
+        let measured = match (places.first(), places.last()) {
+            (Some(first), Some(last)) => (last - first).abs() / (places.len() - 1) as f64,
+            _ => f64::NAN,
+        };
+        let is_length = |pitch: &f64| pitch.is_finite() && *pitch > 0.0;
+        let Some(pitch) = Some(measured).filter(is_length).or(stated).filter(is_length) else { return Ok(None) };
+        let is_off = |step: f64| (step.abs() / pitch - 1.0).abs() > UNEVEN;
+        if places.windows(2).any(|pair| is_off(pair[1] - pair[0])) {
+            warnings.push(format!("the positions in {name} are not evenly spaced; their mean distance was used"));
+        }
+        if let Some(stated) = stated.filter(|&stated| is_off(stated)) {
+            warnings.push(format!(
+                "the length of {name} means pixels of {stated} {unit}, its positions such of {pitch}; the latter were used"
+            ));
+        }
+        Ok(Some(pitch / per_metre))
+    }
+}
+
+/// The attributes of the file as they are called, those of the variables that were read as variable:attribute.
+fn metadata(contents: Contents, read: &[String]) -> BTreeMap<String, String> {
+    let show = |value: Value| match value {
+        Value::Text(text) => text,
+        Value::Numbers(numbers) => numbers.into_iter().map(hdf5::shown_number).collect::<Vec<_>>().join(" "),
+    };
+    let mut metadata: BTreeMap<String, String> =
+        contents.attributes.into_iter().map(|attribute| (attribute.name, show(attribute.value))).collect();
+    for variable in contents.variables.into_iter().filter(|variable| read.contains(&variable.name)) {
+        for attribute in variable.attributes {
+            metadata.insert(format!("{}:{}", variable.name, attribute.name), show(attribute.value));
+        }
+    }
+    metadata.retain(|_, text| !text.is_empty());
+    metadata
 }

@@ -4,13 +4,13 @@
 //! One-dimensional arrays are records along a path.
 //! Layout: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use ndarray::{Array2, ShapeBuilder};
+use ndarray::Array2;
 
 use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
+use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::{Dimension, shape};
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -35,41 +35,23 @@ pub(crate) const CODEC: Codec = Codec {
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 /// Bytes before the header's length: magic word and version.
 const VERSION_END: usize = 8;
+/// The longest dictionary; NumPy itself refuses more than 10,000 characters.
+const MAX_HEADER_BYTES: usize = 1 << 16;
 /// The array starts at a multiple of this many bytes.
 const ALIGNMENT: usize = 64;
 /// What can be read, for messages.
 const WANTED_TYPE: &str = "integers or floats: i1 i2 i4 i8 u1 u2 u4 u8 f4 f8, with < or > before";
 
-/// What the header's dictionary says.
-struct Header {
-    sample: Sample,
-    order: ByteOrder,
-    column_major: bool,
+/// What the header says.
+pub(crate) struct Header {
+    pub(crate) sample: Sample,
+    pub(crate) order: ByteOrder,
+    /// Whether the first index varies fastest.
+    pub(crate) column_major: bool,
+    /// The literal of the shape, `(2, 3)`.
     shape: String,
-}
-
-fn header_at() -> Location {
-    Location::Byte(VERSION_END as u64)
-}
-
-fn wrong(field: &str, found: &str, wanted: &str) -> FormatError {
-    FormatError::Field {
-        format: Format::Npy,
-        field: field.into(),
-        at: header_at(),
-        found: shown(found),
-        wanted: wanted.into(),
-    }
-}
-
-fn truncated(part: &str, at: usize, found: usize, wanted: usize) -> FormatError {
-    FormatError::Truncated {
-        format: Format::Npy,
-        part: part.into(),
-        at: Location::Byte(at as u64),
-        found: found as u64,
-        wanted: wanted as u64,
-    }
+    /// The byte where the array starts.
+    pub(crate) start: usize,
 }
 
 /// Reads a two-dimensional array as heights in metre.
@@ -78,20 +60,17 @@ fn truncated(part: &str, at: usize, found: usize, wanted: usize) -> FormatError 
 /// Versions other than 1 to 3, headers that are no dictionary of the three known keys, other element types, other than
 /// two dimensions, and data that end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    let (text, data_start) = header_text(bytes)?;
-    let header = parse_header(&text)?;
-    let [rows, columns] =
-        dimensions(&header.shape).ok_or_else(|| wrong("shape", &header.shape, "two whole numbers"))?;
-    let at = header_at();
-    let (rows, columns) = shape(
-        Format::Npy,
-        &Dimension { field: "rows", at: at.clone(), found: rows },
-        &Dimension { field: "columns", at, found: columns },
-    )?;
-    let (values, left_over) = array(bytes, data_start, &header, rows * columns)?;
-    let heights_m = Array2::from_shape_vec((rows, columns).set_f(header.column_major), values)
-        .map_err(|error| wrong("shape", &format!("({rows}, {columns})"), &error.to_string()))?;
-    let mut scan = Scan::new(heights_m.as_standard_layout().into_owned(), None);
+    let input = Input::new(Format::Npy, bytes);
+    let header = Header::parse(&input)?;
+    let (rows, columns) = header.matrix(&input)?;
+    let (bytes, left_over) = array(&input, &header, rows * columns)?;
+    let values = match header.column_major {
+        true => header.sample.decode_columns(header.order, bytes, (rows, columns)),
+        false => header.sample.decode_all(header.order, bytes),
+    };
+    let heights_m = Array2::from_shape_vec((rows, columns), values)
+        .map_err(|error| wrong(&input, "shape", &format!("({rows}, {columns})"), &error.to_string()))?;
+    let mut scan = Scan::new(heights_m, None);
     if left_over > 0 {
         scan.warnings.push(format!("{left_over} bytes after the array were left out"));
     }
@@ -103,78 +82,97 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
 /// # Errors
 /// As [`read`], for other than one dimension, and for bytes after the array.
 pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>, FormatError> {
-    let (text, data_start) = header_text(bytes)?;
-    let header = parse_header(&text)?;
-    let [length] = dimensions(&header.shape).ok_or_else(|| wrong("shape", &header.shape, "one whole number"))?;
-    let (rows, columns) = shape(
-        Format::Npy,
-        &Dimension { field: "length", at: header_at(), found: length },
-        &Dimension { field: "columns", at: header_at(), found: 1 },
-    )?;
-    let (values, left_over) = array(bytes, data_start, &header, rows * columns)?;
+    let input = Input::new(Format::Npy, bytes);
+    let header = Header::parse(&input)?;
+    let Some([length]) = header.dimensions().and_then(|all| <[i64; 1]>::try_from(all).ok()) else {
+        return Err(wrong(&input, "shape", &header.shape, "one whole number"));
+    };
+    let (rows, columns) = input.shape(("length", VERSION_END, length), ("columns", VERSION_END, 1))?;
+    let (bytes, left_over) = array(&input, &header, rows * columns)?;
     if left_over > 0 {
-        return Err(wrong("shape", &header.shape, "an array that ends with the file"));
+        return Err(wrong(&input, "shape", &header.shape, "an array that ends with the file"));
     }
-    Ok(values)
+    Ok(header.sample.decode_all(header.order, bytes))
 }
 
-/// The `points` numbers of the array in the file's order, and the number of bytes behind them.
-fn array(bytes: &[u8], start: usize, header: &Header, points: usize) -> Result<(Vec<f64>, usize), FormatError> {
-    let wanted = points * header.sample.size();
-    let present = bytes.get(start..).unwrap_or_default();
-    let data = present.get(..wanted).ok_or_else(|| truncated("the array", start, present.len(), wanted))?;
-    let mut values = Vec::with_capacity(points);
-    header.sample.decode(header.order, data, &mut values);
-    Ok((values, present.len() - wanted))
+fn wrong(input: &Input, field: &str, found: &str, wanted: &str) -> FormatError {
+    input.wrong(field, VERSION_END, found, wanted)
+}
+
+/// The bytes of the `points` numbers of the array, and the number of bytes behind them.
+fn array<'a>(input: &Input<'a>, header: &Header, points: usize) -> Result<(&'a [u8], usize), FormatError> {
+    let length = points.saturating_mul(header.sample.size());
+    let bytes = input.take("the array", header.start, length)?;
+    Ok((bytes, input.len() - header.start - length))
+}
+
+impl Header {
+    /// Takes the header from the start of a file.
+    ///
+    /// # Errors
+    /// As [`read`] but for the array.
+    pub(crate) fn parse(input: &Input) -> Result<Self, FormatError> {
+        let (text, start) = header_text(input)?;
+        let inner = text.trim().strip_prefix('{').and_then(|text| text.strip_suffix('}'));
+        let entries =
+            inner.and_then(entries).ok_or_else(|| wrong(input, "header", &text, "a dictionary of text keys"))?;
+        let value = |key: &str| {
+            let found = entries.iter().find(|(name, _)| *name == key).map(|(_, value)| *value);
+            found.ok_or_else(|| input.missing(key, VERSION_END, "the keys descr, fortran_order and shape"))
+        };
+        let (sample, order) = element_type(input, value("descr")?)?;
+        let column_major = match value("fortran_order")? {
+            "True" => true,
+            "False" => false,
+            other => return Err(wrong(input, "fortran_order", other, "True or False")),
+        };
+        Ok(Self { sample, order, column_major, shape: value("shape")?.to_owned(), start })
+    }
+
+    /// The numbers of `()`, `(length,)`, `(rows, columns)`, …, if they are whole ones.
+    pub(crate) fn dimensions(&self) -> Option<Vec<i64>> {
+        let inner = self.shape.strip_prefix('(')?.strip_suffix(')')?.trim();
+        if inner.is_empty() {
+            return Some(Vec::new());
+        }
+        inner.strip_suffix(',').unwrap_or(inner).split(',').map(|number| number.trim().parse().ok()).collect()
+    }
+
+    /// Checked rows and columns of a two-dimensional array.
+    ///
+    /// # Errors
+    /// Other than two dimensions, and what [`Input::shape`] refuses.
+    pub(crate) fn matrix(&self, input: &Input) -> Result<(usize, usize), FormatError> {
+        match self.dimensions().as_deref() {
+            Some(&[rows, columns]) => input.shape(("rows", VERSION_END, rows), ("columns", VERSION_END, columns)),
+            _ => Err(wrong(input, "shape", &self.shape, "two whole numbers")),
+        }
+    }
 }
 
 /// The dictionary and the byte where the array starts.
-fn header_text(bytes: &[u8]) -> Result<(String, usize), FormatError> {
-    let short = || truncated("the bytes of the header", MAGIC.len(), bytes.len().saturating_sub(MAGIC.len()), 4);
-    let version = *bytes.get(MAGIC.len()).ok_or_else(short)?;
-    let rest = bytes.get(VERSION_END..).unwrap_or_default();
-    let (length, start) = match version {
-        1 => rest.first_chunk().map(|&raw| (usize::from(u16::from_le_bytes(raw)), VERSION_END + 2)),
-        // A length beyond the address space is beyond the bytes as well.
-        2 | 3 => rest
-            .first_chunk()
-            .map(|&raw| (usize::try_from(u32::from_le_bytes(raw)).unwrap_or(usize::MAX), VERSION_END + 4)),
-        _ => {
-            let found = format!("version {version}");
-            return Err(FormatError::Unsupported { format: Format::Npy, found, wanted: "version 1, 2 or 3" });
-        }
+fn header_text(input: &Input) -> Result<(String, usize), FormatError> {
+    const PART: &str = "the bytes of the header";
+    let start = input.take(PART, 0, VERSION_END)?;
+    if !start.starts_with(MAGIC) {
+        return Err(input.wrong("signature", 0, start.escape_ascii(), "\\x93NUMPY"));
     }
-    .ok_or_else(short)?;
-    let present = &bytes[start..];
-    let header =
-        present.get(..length).ok_or_else(|| truncated("the bytes of the header", start, present.len(), length))?;
+    let version = input.u8(PART, MAGIC.len())?;
+    let (length, start) = match version {
+        1 => (usize::from(input.u16(PART, VERSION_END)?), VERSION_END + 2),
+        // A length beyond the address space is beyond the bytes as well.
+        2 | 3 => (usize::try_from(input.u32(PART, VERSION_END)?).unwrap_or(usize::MAX), VERSION_END + 4),
+        _ => return Err(input.unsupported(format!("version {version}"), "version 1, 2 or 3")),
+    };
+    if length > MAX_HEADER_BYTES {
+        return Err(input.too_large("the length of the header", VERSION_END, length, MAX_HEADER_BYTES));
+    }
+    let header = input.take(PART, start, length)?;
     let text = match version {
         3 => String::from_utf8_lossy(header).into_owned(),
         _ => header.iter().map(|&byte| char::from(byte)).collect(),
     };
     Ok((text, start + length))
-}
-
-/// Reads `{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }`.
-fn parse_header(text: &str) -> Result<Header, FormatError> {
-    let inner = text.trim().strip_prefix('{').and_then(|text| text.strip_suffix('}'));
-    let entries = inner.and_then(entries).ok_or_else(|| wrong("header", text, "a dictionary of text keys"))?;
-    let value = |key: &str| {
-        let found = entries.iter().find(|(name, _)| *name == key).map(|(_, value)| *value);
-        found.ok_or_else(|| FormatError::MissingField {
-            format: Format::Npy,
-            field: key.into(),
-            at: header_at(),
-            wanted: "the keys descr, fortran_order and shape".into(),
-        })
-    };
-    let (sample, order) = element_type(value("descr")?)?;
-    let column_major = match value("fortran_order")? {
-        "True" => true,
-        "False" => false,
-        other => return Err(wrong("fortran_order", other, "True or False")),
-    };
-    Ok(Header { sample, order, column_major, shape: value("shape")?.to_owned() })
 }
 
 /// Splits the inside of a dictionary at its outermost commas and colons; `None` when it is no such thing.
@@ -216,12 +214,8 @@ fn quoted(text: &str) -> Option<&str> {
     ['\'', '"'].into_iter().find_map(|quote| text.strip_prefix(quote)?.strip_suffix(quote))
 }
 
-fn element_type(literal: &str) -> Result<(Sample, ByteOrder), FormatError> {
-    let refused = || FormatError::Unsupported {
-        format: Format::Npy,
-        found: format!("the element type is {}", shown(literal)),
-        wanted: WANTED_TYPE,
-    };
+fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder), FormatError> {
+    let refused = || input.unsupported(format!("the element type is {}", shown(literal)), WANTED_TYPE);
     let descr = quoted(literal).ok_or_else(refused)?;
     let sample = match descr.get(1..).ok_or_else(refused)? {
         "i1" => Sample::I8,
@@ -242,14 +236,6 @@ fn element_type(literal: &str) -> Result<(Sample, ByteOrder), FormatError> {
         _ => return Err(refused()),
     };
     Ok((sample, order))
-}
-
-/// The numbers of `(rows, columns)` or `(length,)`, if there are as many as wanted.
-fn dimensions<const N: usize>(literal: &str) -> Option<[i64; N]> {
-    let inner = literal.strip_prefix('(')?.strip_suffix(')')?.trim_end();
-    let inner = inner.strip_suffix(',').unwrap_or(inner);
-    let numbers: Option<Vec<i64>> = inner.split(',').map(|number| number.trim().parse().ok()).collect();
-    numbers?.try_into().ok()
 }
 
 /// The heights in metre as a NumPy array file, version 1.0, little-endian `f8` in row order, NaN where missing.

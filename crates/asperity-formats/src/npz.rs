@@ -1,8 +1,24 @@
-//! NPZ.
+//! NumPy archives: a zip archive of NPY files.
+//!
+//! Two-dimensional arrays of numbers are the maps, under their names. A name that ends in a unit of length (`height_um`,
+//! `gap_m`) states the unit, others are in metre; arrays whose name ends in another unit (`pressure_pa`) are no maps.
+//!
+//! A short array states the distance between points: `pixel_size`, `pitch` or `spacing` with one number or with two for
+//! (x, y), or `dx` and `dy`; again in metre, or in the unit at the end (`pixel_size_um`). Other short arrays are
+//! metadata. The format itself knows nothing of all this.
 
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
+
+use crate::archive::{Archive, damaged};
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::npy::Header;
+use crate::selection::some_of;
+use crate::unit::per_metre;
+use crate::x3p::ZIP_MAGIC;
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -10,23 +26,199 @@ pub(crate) const CODEC: Codec = Codec {
         name: "NPZ",
         extensions: &["npz"],
         vendor: "NumPy",
-        known_by: "",
-        reads: "",
+        known_by: "zip archive whose first file is .npy",
+        reads: "two-dimensional arrays of the types of NPY, stored or deflated; `pixel_size`, `pitch`, `spacing`, \
+                `dx` and `dy` for the pixel size; units at the end of names (`gap_um`)",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "NaN, ±inf",
+        orientation: "the first index is the row",
+        tested: Tested::OtherPrograms,
     },
     detect,
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// Bytes of a local file header of a zip archive before the name of the file.
+const LOCAL_HEADER_BYTES: usize = 30;
+/// Where a local file header states the length of the name.
+const NAME_LENGTH: usize = 26;
+/// How names of arrays end inside the archive.
+const EXTENSION: &str = ".npy";
+/// Arrays that one archive may hold.
+const MAX_ARRAYS: usize = 1024;
+/// Bytes that are read of each array for its header; NumPy's take 128.
+const START_BYTES: usize = 4096;
+/// Numbers of an array that is metadata.
+const SHORT: i64 = 8;
+/// Units of length that names end in.
+const LENGTHS: [&str; 7] = ["m", "cm", "mm", "um", "µm", "nm", "pm"];
+/// Units that names of other quantities end in.
+const OTHERS: [&str; 19] =
+    ["pa", "kpa", "mpa", "gpa", "n", "kn", "mn", "v", "mv", "k", "degc", "deg", "rad", "s", "ms", "hz", "w", "j", "kg"];
+
+/// Whether the first file of a zip archive is an array.
+fn detect(bytes: &[u8]) -> bool {
+    let length =
+        bytes.get(NAME_LENGTH..NAME_LENGTH + 2).map_or(0, |raw| usize::from(raw[0]) | usize::from(raw[1]) << 8);
+    let name = bytes.get(LOCAL_HEADER_BYTES..LOCAL_HEADER_BYTES + length);
+    bytes.starts_with(ZIP_MAGIC) && name.is_some_and(|name| name.ends_with(EXTENSION.as_bytes()))
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Npz, bytes).unsupported("a file", "another format"))
+/// What the end of a name says of the numbers.
+enum Quantity {
+    /// A length, and how often its unit goes into a metre.
+    Length(f64),
+    Other,
+}
+
+/// The name without its unit in lower case, and what the unit says.
+fn quantity(name: &str) -> (String, Quantity) {
+    let name = name.to_lowercase();
+    let Some((stem, unit)) = name.rsplit_once('_') else { return (name, Quantity::Length(1.0)) };
+    // A quotient is no length, whatever its denominator.
+    if OTHERS.contains(&unit) || (LENGTHS.contains(&unit) && stem.ends_with("_per")) {
+        return (stem.to_owned(), Quantity::Other);
+    }
+    match per_metre(unit).filter(|_| LENGTHS.contains(&unit)) {
+        Some(per_metre) => (stem.to_owned(), Quantity::Length(per_metre)),
+        None => (name, Quantity::Length(1.0)),
+    }
+}
+
+/// An array of the archive that may be a map.
+struct Map {
+    link: String,
+    header: Header,
+    shape: (usize, usize),
+    per_metre: f64,
+}
+
+/// Reads the chosen array as heights.
+///
+/// # Errors
+/// Damaged archives, arrays that the bytes cannot bear out, archives without a two-dimensional array of lengths.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let mut archive = Archive::open(Format::Npz, bytes)?;
+    let links: Vec<String> = archive.names().iter().filter(|name| name.ends_with(EXTENSION)).cloned().collect();
+    if links.len() > MAX_ARRAYS {
+        return Err(FormatError::TooLarge {
+            format: Format::Npz,
+            field: "the number of arrays".into(),
+            at: Location::Byte(0),
+            found: links.len() as u64,
+            limit: MAX_ARRAYS as u64,
+        });
+    }
+    let (mut names, mut maps, mut others, mut short) = (Vec::new(), Vec::new(), Vec::new(), BTreeMap::new());
+    for link in links {
+        let name = link.strip_suffix(EXTENSION).unwrap_or(&link).to_owned();
+        let start = archive.read_start(&link, START_BYTES)?;
+        let input = Input::entry(Format::Npz, &link, &start);
+        let header = match Header::parse(&input) {
+            // Texts, truth values, complex numbers and the like are no heights.
+            Err(FormatError::Unsupported { .. }) => {
+                others.push(name);
+                continue;
+            }
+            header => header?,
+        };
+        match (header.dimensions().as_deref(), quantity(&name).1) {
+            (Some([(1..), (1..)]), Quantity::Length(per_metre)) => {
+                let shape = header.matrix(&input)?;
+                maps.push(Map { header, shape, per_metre, link });
+                names.push(name);
+            }
+            (Some([] | [0..=SHORT]), _) => {
+                let values = short_array(&mut archive, &link, &header)?;
+                short.insert(name, values);
+            }
+            _ => others.push(name),
+        }
+    }
+    if maps.is_empty() {
+        let found = format!("no array of the file can be heights: {}", some_of(&others));
+        let wanted = "a two-dimensional array of numbers whose name ends in no unit, or in one of length";
+        return Err(FormatError::Unsupported { format: Format::Npz, found, wanted });
+    }
+    let place = match &options.channel {
+        None => main(&names),
+        Some(_) => options.choose(Format::Npz, &names)?,
+    };
+    let mut warnings = Vec::new();
+    if options.channel.is_none() && !others.is_empty() {
+        warnings.push(format!("arrays that are no heights were left out: {}", some_of(&others)));
+    }
+    let pitch_m = pitch(&short, &mut warnings);
+    let heights_m = heights(&mut archive, &maps[place])?;
+    let text = |values: Vec<f64>| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    let metadata = short.into_iter().map(|(name, values)| (name, text(values))).collect();
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, place))
+}
+
+/// The place of the map that is called height or z, the first unless there is one.
+fn main(names: &[String]) -> usize {
+    let is_main = |name: &String| matches!(quantity(name).0.as_str(), "height" | "heights" | "z" | "topography");
+    names.iter().position(is_main).unwrap_or(0)
+}
+
+/// The numbers of a short array; none where its shape is none.
+fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>, FormatError> {
+    let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
+    let mut values = Vec::new();
+    archive.read_array(link, header.start, (header.sample, header.order), count, |piece| values.extend(piece))?;
+    Ok(values)
+}
+
+/// The distance between points that short arrays state.
+fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
+    let lengths = |wanted: &str| {
+        short.iter().find_map(|(name, values)| match quantity(name) {
+            (stem, Quantity::Length(per_metre)) if stem == wanted => {
+                Some(values.iter().map(|value| value / per_metre).collect::<Vec<f64>>())
+            }
+            _ => None,
+        })
+    };
+    for name in ["pixel_size", "pitch", "spacing"] {
+        match lengths(name).as_deref() {
+            Some(&[both]) => return Some((both, both)),
+            Some(&[dx, dy]) => return Some((dx, dy)),
+            Some(other) => warnings.push(format!("{name} has {} numbers, not 1 or 2; it was left out", other.len())),
+            None => (),
+        }
+    }
+    match (lengths("dx").as_deref(), lengths("dy").as_deref()) {
+        (Some(&[dx]), Some(&[dy])) => Some((dx, dy)),
+        (Some(&[dx]), None) => {
+            warnings.push("there is dx and no dy; the pixels were taken as square".into());
+            Some((dx, dx))
+        }
+        _ => None,
+    }
+}
+
+/// The heights of an array in metre.
+fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>, FormatError> {
+    let (ny, nx) = map.shape;
+    let number = (map.header.sample, map.header.order);
+    let mut heights = archive.room_for(map.header.sample, nx * ny);
+    if map.header.column_major {
+        let mut place = 0;
+        archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| {
+            // The numbers are there before memory is taken for all.
+            heights.resize(nx * ny, f64::NAN);
+            for &z in piece {
+                heights[place % ny * nx + place / ny] = z;
+                place += 1;
+            }
+        })?;
+    } else {
+        archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| heights.extend(piece))?;
+    }
+    if map.per_metre != 1.0 {
+        heights.iter_mut().for_each(|z| *z /= map.per_metre);
+    }
+    Array2::from_shape_vec((ny, nx), heights).map_err(|error| damaged(Format::Npz, &map.link, error.to_string()))
 }

@@ -22,6 +22,7 @@ use ndarray::Array2;
 use crate::format::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::{ByteOrder, Sample};
+use crate::selection::unique;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -64,6 +65,9 @@ const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"]
 /// The object that names the main array.
 const PRIMARY: &str = "PrimaryData2D";
 
+/// Name, type and stated length of a block that is shorter.
+const MISSTATED: (&str, i16, usize) = ("ImageModificat~0", kind::FLOAT, 40);
+
 /// Floats from here on are no heights. The mark is 1e38 or more (2¹²⁷ in new files); 1e38 as `float32` is a little less.
 const BAD_FLOAT: f64 = 9.9e37;
 /// Integers from here on are no heights.
@@ -105,7 +109,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         let found = if arrays.is_empty() { "no array".into() } else { format!("the arrays {}", arrays.join(", ")) };
         return Err(input.unsupported(format!("the file holds {found}"), "heights (RAW_DATA, Raw, OPD or SAMPLE_DATA)"));
     }
-    let names: Vec<String> = maps.iter().map(|block| block.name.clone()).collect();
+    let names = unique(maps.iter().map(|block| block.name.clone()).collect());
     let primary = find(&blocks, PRIMARY).and_then(|block| value(&input, block));
     let main = names.iter().position(|name| options.channel.is_none() && Some(name) == primary.as_ref());
     let channel = main.map_or_else(|| options.choose(Format::Opd, &names), Ok)?;
@@ -137,15 +141,12 @@ fn directory(input: &Input) -> Result<Vec<Block>, FormatError> {
     for entry in (DIRECTORY_START..start).step_by(ENTRY_BYTES).skip(1) {
         // No block is where a length is not positive.
         let length = usize::try_from(input.i32("the length of a block", entry + NAME_BYTES + 2)?).unwrap_or(0);
+        let name = input.latin1("the name of a block", entry, NAME_BYTES)?;
+        let kind = input.i16("the type of a block", entry + NAME_BYTES)?;
+        // A program of the vendor states 40 bytes for a number that takes its 4, as Gwyddion found out.
+        let length = if (name.as_str(), kind, length) == MISSTATED { 4 } else { length };
         if length > 0 {
-            let name = input.latin1("the name of a block", entry, NAME_BYTES)?;
-            blocks.push(Block {
-                name,
-                kind: input.i16("the type of a block", entry + NAME_BYTES)?,
-                entry,
-                start,
-                length,
-            });
+            blocks.push(Block { name, kind, entry, start, length });
         }
         // At most 2¹⁶ times 2³¹.
         start = start.saturating_add(length);

@@ -1,7 +1,21 @@
-//! PLU.
+//! Sensofar PLU: a header of 500 bytes, then one or more layers of heights.
+//!
+//! A layer is the number of rows and of columns (both `u32`), the heights as `f32` in µm with 1000001 where the signal
+//! was lost, the lowest and the highest of them, and as many colour images of three bytes per point as the header
+//! states. Readers that take the heights from behind the header shift them by the two numbers of the shape. Numbers
+//! are little-endian.
+//!
+//! The file has no signature. It starts with the date as the C function `ctime` writes it, in a field of 128 bytes.
+
+mod names;
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::input::{Input, latin1};
+use crate::sample::Sample;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -10,23 +24,228 @@ pub(crate) const CODEC: Codec = Codec {
         name: "PLU",
         extensions: &["plu", "apx"],
         vendor: "Sensofar",
-        known_by: "",
-        reads: "",
+        known_by: "a date in words at byte 0, a measurement type from 0 to 8 at byte 428, a known version at byte 490",
+        reads: "topographies; layers; no images, profiles, thicknesses or maps of coordinates",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "1000001",
+        orientation: "the first stored row is row 0, as in the colour image of the same file",
+        tested: Tested::InstrumentFiles,
     },
     detect,
     read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// Bytes before the first layer.
+const HEADER_BYTES: usize = 500;
+/// Bytes of the shape before the heights of a layer, and of the range behind them.
+const SHAPE_BYTES: usize = 8;
+const RANGE_BYTES: usize = 8;
+/// Bytes per point of a colour image.
+const COLOUR_BYTES: usize = 3;
+/// The height of a point whose signal was lost; exact as `f32`.
+pub(crate) const LOST: f64 = 1_000_001.0;
+/// Micrometres in a metre.
+const PER_METRE: f64 = 1e6;
+
+/// A field of the header: its name and its first byte.
+#[derive(Clone, Copy)]
+struct Field(&'static str, usize);
+
+const DATE: Field = Field("date", 0);
+const TIME: Field = Field("time", 128);
+const COMMENT: Field = Field("user comment", 132);
+const ROWS: Field = Field("yres", 388);
+const COLUMNS: Field = Field("xres", 392);
+const PITCH_X: Field = Field("mppx", 404);
+const PITCH_Y: Field = Field("mppy", 408);
+const TYPE: Field = Field("type", 428);
+const ALGORITHM: Field = Field("algorithm", 432);
+const METHOD: Field = Field("method", 436);
+const OBJECTIVE: Field = Field("objective", 440);
+const AREA: Field = Field("area", 444);
+const LAYERS: Field = Field("num_layers", 489);
+const VERSION: Field = Field("version", 490);
+const HARDWARE: Field = Field("config_hardware", 491);
+const IMAGES: Field = Field("num_images", 492);
+const DECIMATION: Field = Field("factor_delmacio", 496);
+/// Lengths in µm that only the metadata keep.
+const LENGTHS_UM: [Field; 3] = [Field("x_0", 412), Field("y_0", 416), Field("z_0", 424)];
+/// How the field of view was scanned; other fields lie here when the area is given by coordinates.
+const FIELDS_OF_VIEW: Field = Field("na", 464);
+const Z_STEP: Field = Field("incr_z", 468);
+const Z_RANGE: Field = Field("range", 476);
+const PLANES: Field = Field("n_planes", 480);
+const THRESHOLD: Field = Field("tpc_umbral_F", 484);
+
+/// Bytes of the date's and of the comment's field.
+const DATE_BYTES: usize = 128;
+const COMMENT_BYTES: usize = 256;
+/// `Fri Mar 10 16:35:59 2023`.
+const CTIME_BYTES: usize = 24;
+/// The measurement type of a height map.
+const TOPOGRAPHY: u32 = 3;
+/// The area of measurements at points that the user chose.
+const COORDINATES: u32 = 6;
+/// Versions since 2006 count down from 255; 0 is the first one, of 2000.
+const NEW_VERSIONS: std::ops::RangeInclusive<u8> = 0xf0..=0xff;
+
+/// A date, and numbers that no text has: three of the four bytes of a small type are zero.
+fn detect(bytes: &[u8]) -> bool {
+    let input = Input::new(Format::Plu, bytes);
+    bytes.len() >= HEADER_BYTES
+        && bytes.first_chunk().is_some_and(is_ctime)
+        && bytes[CTIME_BYTES..].first().is_some_and(|&byte| byte == 0 || byte.is_ascii_whitespace())
+        && input.u32(TYPE.0, TYPE.1).is_ok_and(|kind| (kind as usize) < names::TYPES.len())
+        && input.u8(VERSION.0, VERSION.1).is_ok_and(|version| version == 0 || NEW_VERSIONS.contains(&version))
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Plu, bytes).unsupported("a file", "another format"))
+/// Whether a text is a date such as `Fri Mar 10 16:35:59 2023`; the day of the month may start with a space.
+fn is_ctime(text: &[u8; CTIME_BYTES]) -> bool {
+    let Ok(text) = std::str::from_utf8(text) else { return false };
+    let words: Vec<&str> = text.split_ascii_whitespace().collect();
+    let [day, month, day_of_month, time, year] = words.as_slice() else { return false };
+    let digits = |text: &str, most: u32| {
+        text.bytes().all(|byte| byte.is_ascii_digit()) && text.parse::<u32>().is_ok_and(|number| number <= most)
+    };
+    let clock: Vec<&str> = time.split(':').collect();
+    ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"].contains(day)
+        && ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"].contains(month)
+        && digits(day_of_month, 31)
+        && matches!(clock.as_slice(), [hour, minute, second] if digits(hour, 23) && digits(minute, 59) && digits(second, 60))
+        && year.len() == 4
+        && digits(year, 9999)
+}
+
+/// Heights in the file.
+struct Layer {
+    start: usize,
+    ny: usize,
+    nx: usize,
+}
+
+/// Reads a layer of a topography.
+///
+/// # Errors
+/// Measurements of other types, and heights that the bytes do not hold.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let input = Input::new(Format::Plu, bytes);
+    input.take("the bytes of the header", 0, HEADER_BYTES)?;
+    let kind = input.u32(TYPE.0, TYPE.1)?;
+    if kind != TOPOGRAPHY {
+        let found = format!("the file holds {}", names::of(&names::TYPES, kind));
+        return Err(input.unsupported(found, "a topography (type 3)"));
+    }
+    let mut warnings = Vec::new();
+    let layers = layers(&input, &mut warnings)?;
+    let channels: Vec<String> = (1..=layers.len()).map(|number| format!("layer {number}")).collect();
+    let channel = options.choose(Format::Plu, &channels)?;
+    let Layer { start, ny, nx } = layers[channel];
+
+    let stated = (input.u32(ROWS.0, ROWS.1)?, input.u32(COLUMNS.0, COLUMNS.1)?);
+    if (stated.0 as usize, stated.1 as usize) != (ny, nx) {
+        warnings.push(format!(
+            "the header states {} × {} points, the layer holds {nx} × {ny}; the pixel size may be another",
+            stated.1, stated.0
+        ));
+    }
+    let in_metre = |z| if z == LOST { f64::NAN } else { z / PER_METRE };
+    let heights = input.samples_as("the heights", start, ny * nx, Sample::F32, in_metre)?;
+    // Micrometres per pixel are the distance between points; the field of view is n of them.
+    let pitch_m = Some((
+        f64::from(input.f32(PITCH_X.0, PITCH_X.1)?) / PER_METRE,
+        f64::from(input.f32(PITCH_Y.0, PITCH_Y.1)?) / PER_METRE,
+    ));
+    let heights_m = Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|error| input.wrong(COLUMNS.0, start, nx, &error.to_string()))?;
+    Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
+}
+
+/// The layers that the bytes hold: the first one, and as many of the others as the header states.
+fn layers(input: &Input, warnings: &mut Vec<String>) -> Result<Vec<Layer>, FormatError> {
+    // Early files leave the number at zero.
+    let stated = input.u8(LAYERS.0, LAYERS.1)?.max(1);
+    let images = usize::from(input.u8(IMAGES.0, IMAGES.1)?);
+    let mut layers = vec![layer(input, HEADER_BYTES)?];
+    while layers.len() < usize::from(stated) {
+        let Some(Layer { start, ny, nx }) = layers.last() else { break };
+        let point_bytes = Sample::F32.size() + images * COLOUR_BYTES;
+        let next = (ny * nx).saturating_mul(point_bytes).saturating_add(start + RANGE_BYTES);
+        match layer(input, next) {
+            Ok(layer) => layers.push(layer),
+            Err(error) => {
+                warnings
+                    .push(format!("the header states {stated} layers; from number {} on: {error}", layers.len() + 1));
+                break;
+            }
+        }
+    }
+    Ok(layers)
+}
+
+fn layer(input: &Input, at: usize) -> Result<Layer, FormatError> {
+    let columns_at = at.saturating_add(4);
+    let rows = input.u32("the number of rows", at)?.into();
+    let columns = input.u32("the number of columns", columns_at)?.into();
+    let (ny, nx) = input.shape(("the number of rows", at, rows), ("the number of columns", columns_at, columns))?;
+    let start = at + SHAPE_BYTES;
+    input.take("the heights", start, ny * nx * Sample::F32.size())?;
+    Ok(Layer { start, ny, nx })
+}
+
+/// What else the header says.
+fn metadata(input: &Input) -> Result<BTreeMap<String, String>, FormatError> {
+    let mut metadata = BTreeMap::new();
+    let mut insert = |field: Field, value: String| {
+        if !value.is_empty() {
+            metadata.insert(field.0.to_owned(), value);
+        }
+    };
+    insert(DATE, input.latin1(DATE.0, DATE.1, DATE_BYTES)?);
+    insert(TIME, format!("{} s since 1970", input.u32(TIME.0, TIME.1)?));
+    insert(COMMENT, latin1(input.take(COMMENT.0, COMMENT.1, COMMENT_BYTES)?));
+    for field in LENGTHS_UM {
+        insert(field, format!("{} µm", input.f32(field.0, field.1)?));
+    }
+    let area = input.u32(AREA.0, AREA.1)?;
+    let version = input.u8(VERSION.0, VERSION.1)?;
+    insert(TYPE, names::of(&names::TYPES, TOPOGRAPHY));
+    insert(ALGORITHM, names::of(&names::ALGORITHMS, input.u32(ALGORITHM.0, ALGORITHM.1)?));
+    insert(METHOD, names::of(&names::METHODS, input.u32(METHOD.0, METHOD.1)?));
+    insert(OBJECTIVE, names::objective(input.u32(OBJECTIVE.0, OBJECTIVE.1)?));
+    insert(AREA, names::of(&names::AREAS, area));
+    insert(VERSION, names::version(version));
+    insert(HARDWARE, names::of(&names::HARDWARE, input.u8(HARDWARE.0, HARDWARE.1)?.into()));
+    insert(DECIMATION, input.u32(DECIMATION.0, DECIMATION.1)?.to_string());
+    if area != COORDINATES {
+        insert(FIELDS_OF_VIEW, input.u32(FIELDS_OF_VIEW.0, FIELDS_OF_VIEW.1)?.to_string());
+        insert(Z_STEP, format!("{} µm", input.f64(Z_STEP.0, Z_STEP.1)?));
+        insert(Z_RANGE, format!("{} µm", input.f32(Z_RANGE.0, Z_RANGE.1)?));
+        insert(PLANES, input.u32(PLANES.0, PLANES.1)?.to_string());
+        insert(THRESHOLD, format!("{} %", input.u32(THRESHOLD.0, THRESHOLD.1)?));
+    }
+    Ok(metadata)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_told_from_other_texts() {
+        for (text, is_date) in [
+            (b"Fri Mar 10 16:35:59 2023", true),
+            (b"Sat Jan  1 00:00:00 2000", true),
+            (b"Fre Mar 10 16:35:59 2023", false),
+            (b"Fri Mrz 10 16:35:59 2023", false),
+            (b"Fri Mar 32 16:35:59 2023", false),
+            (b"Fri Mar 10 24:35:59 2023", false),
+            (b"Fri Mar 10 16:35:+9 2023", false),
+            (b"Fri Mar 10 16:35:59  202", false),
+            (b"Fri Mar 10 16:35-59 2023", false),
+        ] {
+            assert_eq!(is_ctime(text), is_date, "{}", text.escape_ascii());
+        }
+    }
 }

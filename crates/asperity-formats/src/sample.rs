@@ -1,5 +1,10 @@
 //! Numbers as files store them.
 
+use crate::large;
+
+/// Numbers that are decoded at a time.
+const ROW_NUMBERS: usize = 1 << 12;
+
 /// Order of the bytes of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ByteOrder {
@@ -33,16 +38,49 @@ impl Sample {
         }
     }
 
-    /// Appends the numbers in `bytes` to `values`; bytes that do not fill a number are left out.
+    /// The numbers in `bytes`; bytes that do not fill a number are left out.
     ///
-    /// 64-bit integers beyond 2⁵³ are rounded.
+    /// 64-bit integers beyond 2⁵³ are rounded. Large arrays are decoded by all threads.
+    pub(crate) fn decode_all(self, order: ByteOrder, bytes: &[u8]) -> Vec<f64> {
+        self.decode_and_map(order, bytes, |value| value)
+    }
+
+    /// As [`Sample::decode_all`], with every number changed while it is at hand.
+    pub(crate) fn decode_and_map(self, order: ByteOrder, bytes: &[u8], change: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+        let whole = &bytes[..bytes.len() / self.size() * self.size()];
+        // Any number of columns will do.
+        let columns = (whole.len() / self.size()).clamp(1, ROW_NUMBERS);
+        let mut values = large::rows(columns, whole, columns * self.size(), |record, row| {
+            self.decode_into(order, record, row);
+            row.iter_mut().for_each(|value| *value = change(*value));
+        });
+        values.truncate(whole.len() / self.size());
+        values
+    }
+
+    /// The numbers of a map whose columns follow each other in `bytes`, in the order of rows.
+    pub(crate) fn decode_columns(self, order: ByteOrder, bytes: &[u8], (ny, nx): (usize, usize)) -> Vec<f64> {
+        large::turned((nx, ny), |column, first, part| {
+            self.decode_into(order, &bytes[(column * ny + first) * self.size()..], part);
+        })
+    }
+
+    /// Appends the numbers in `bytes` to `values`, as [`Sample::decode_all`].
     pub(crate) fn decode(self, order: ByteOrder, bytes: &[u8], values: &mut Vec<f64>) {
+        let start = values.len();
+        values.resize(start + bytes.len() / self.size(), 0.0);
+        self.decode_into(order, bytes, &mut values[start..]);
+    }
+
+    /// Decodes as many numbers as `values` has room for and `bytes` hold.
+    pub(crate) fn decode_into(self, order: ByteOrder, bytes: &[u8], values: &mut [f64]) {
         macro_rules! decode {
             ($number:ty) => {{
                 let (numbers, _) = bytes.as_chunks::<{ size_of::<$number>() }>();
+                let pairs = values.iter_mut().zip(numbers);
                 match order {
-                    ByteOrder::Little => values.extend(numbers.iter().map(|&raw| <$number>::from_le_bytes(raw) as f64)),
-                    ByteOrder::Big => values.extend(numbers.iter().map(|&raw| <$number>::from_be_bytes(raw) as f64)),
+                    ByteOrder::Little => pairs.for_each(|(value, &raw)| *value = <$number>::from_le_bytes(raw) as f64),
+                    ByteOrder::Big => pairs.for_each(|(value, &raw)| *value = <$number>::from_be_bytes(raw) as f64),
                 }
             }};
         }
@@ -66,9 +104,7 @@ mod tests {
     use super::*;
 
     fn decoded(sample: Sample, order: ByteOrder, bytes: &[u8]) -> Vec<f64> {
-        let mut values = Vec::new();
-        sample.decode(order, bytes, &mut values);
-        values
+        sample.decode_all(order, bytes)
     }
 
     #[test]
@@ -83,6 +119,23 @@ mod tests {
     fn floats_read_in_both_orders() {
         assert_eq!(decoded(Sample::F32, ByteOrder::Big, &[0x3f, 0x80, 0, 0]), [1.0]);
         assert_eq!(decoded(Sample::F64, ByteOrder::Little, &[0, 0, 0, 0, 0, 0, 0xf0, 0xbf]), [-1.0]);
+    }
+
+    #[test]
+    fn large_arrays_are_decoded_like_small_ones() {
+        let count = (1 << 19) + 7;
+        let bytes: Vec<u8> = (0..count as u32).flat_map(u32::to_be_bytes).collect();
+        let values = decoded(Sample::U32, ByteOrder::Big, &bytes);
+        assert!(values.len() == count && values.iter().enumerate().all(|(i, value)| *value == i as f64));
+    }
+
+    #[test]
+    fn columns_become_rows() {
+        // Column 0 is 0, 1, column 1 is 2, 3.
+        let bytes: Vec<u8> = (0..40).collect();
+        let values = Sample::U8.decode_columns(ByteOrder::Little, &bytes, (2, 20));
+        let wanted = (0..2).flat_map(|y| (0..20).map(move |x| f64::from(2 * x + y)));
+        assert!(values.iter().copied().eq(wanted), "{values:?}");
     }
 
     #[test]

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
+use crate::error::{cut, shown};
+use crate::large;
+use crate::selection::some_of;
 use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
@@ -11,6 +14,8 @@ pub const MAX_POINTS: u64 = 1 << 28;
 
 /// Pitches below or above are doubted: no instrument resolves a picometre or steps by a metre.
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
+/// The most characters of a warning: some repeat what the file says.
+const WARNING_CHARS: usize = 1000;
 /// Ratio of the two pitches above which the map is doubted.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 
@@ -62,11 +67,13 @@ impl Scan {
         if options.channel.is_none()
             && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
         {
-            let names = self.channels.join(", ");
-            let warning = format!("the file holds {} height maps ({names}); `{read}` was read", self.channels.len());
-            self.warnings.push(warning);
+            let (count, names) = (self.channels.len(), some_of(&self.channels));
+            self.warnings.push(format!("the file holds {count} height maps ({names}); `{}` was read", shown(read)));
         }
-        self.heights_m.mapv_inplace(|z| if z.is_finite() { z } else { f64::NAN });
+        for warning in &mut self.warnings {
+            *warning = cut(warning, WARNING_CHARS);
+        }
+        let range_m = tidy(&mut self.heights_m);
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
         let Some((dx_m, dy_m)) = self.pitch_m else { return self };
         if !(is_pitch(dx_m) && is_pitch(dy_m)) {
@@ -84,7 +91,7 @@ impl Scan {
         }
         let (ny, nx) = self.heights_m.dim();
         let field_m = (nx as f64 * dx_m).max(ny as f64 * dy_m);
-        if let Some((low, high)) = self.height_range_m()
+        if let Some((low, high)) = range_m
             && high - low > field_m
         {
             self.warnings.push(format!(
@@ -94,6 +101,34 @@ impl Scan {
         }
         self
     }
+}
+
+/// Makes NaN of every height that is not finite; the lowest and the highest of the others, `None` when there are none.
+fn tidy(heights_m: &mut Array2<f64>) -> Option<(f64, f64)> {
+    let pieces = match heights_m.as_slice_memory_order_mut() {
+        Some(values) => large::pass(values, range),
+        None => heights_m.iter_mut().map(|z| range(std::slice::from_mut(z))).collect(),
+    };
+    let join = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    let (low, high) = pieces.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), join);
+    (low <= high).then_some((low, high))
+}
+
+/// As [`tidy`] for a part of the heights; an empty range where there are none.
+fn range(values: &mut [f64]) -> (f64, f64) {
+    /// Ranges that grow side by side: one alone would wait for its last comparison.
+    const LANES: usize = 8;
+
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    for values in values.chunks_mut(LANES) {
+        for ((z, low), high) in values.iter_mut().zip(&mut low).zip(&mut high) {
+            *z = if z.is_finite() { *z } else { f64::NAN };
+            // Comparisons with NaN keep what was there.
+            *low = if *z < *low { *z } else { *low };
+            *high = if *z > *high { *z } else { *high };
+        }
+    }
+    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Where one declared dimension stands in a file.
@@ -178,6 +213,32 @@ mod tests {
             assert_eq!(scan.pitch_m, None);
             assert_eq!(scan.warnings.len(), 1);
         }
+    }
+
+    #[test]
+    fn the_map_that_was_read_is_told_with_the_first_of_the_others() {
+        let names = |count: usize| (1..=count).map(|number| format!("n{number}")).collect();
+        let told = |count: usize, options: &ReadOptions| {
+            Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).warnings
+        };
+        let default = ReadOptions::default();
+        assert_eq!(told(1, &default), [] as [String; 0]);
+        assert_eq!(told(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
+        let many = "the file holds 500 height maps (n1, n2, n3, n4, n5, n6, n7, n8 and 492 more); `n1` was read";
+        assert_eq!(told(500, &default), [many]);
+        let chosen = ReadOptions { channel: Some("n1".into()) };
+        assert_eq!(told(2, &chosen), [] as [String; 0]);
+    }
+
+    #[test]
+    fn warnings_are_short_and_steer_no_terminal() {
+        let long = ["\u{1b}]0;".to_owned() + &"x".repeat(10_000), "units\ncontradict".into()];
+        let scan = Scan { warnings: long.to_vec(), ..Scan::new(array![[0.0]], None) };
+        let scan =
+            scan.with_channels((0..9).map(|n| format!("{n}\u{7}")).collect(), 8).checked(&ReadOptions::default());
+        assert!(scan.warnings[0].starts_with("\\u{1b}]0;x") && scan.warnings[0].chars().count() == 6 + 999 + 1);
+        assert_eq!(scan.warnings[1], "units\\ncontradict");
+        assert!(scan.warnings[2].ends_with("6\\u{7}, 7\\u{7} and 1 more); `8\\u{7}` was read"), "{:?}", scan.warnings);
     }
 
     #[test]

@@ -1,8 +1,38 @@
-//! SDF.
+//! ISO 25178-71 surface data files (SDF), text and binary, and the BCR files that they come from.
+//!
+//! A header, the heights, and a trailer of free notes. In text the header is lines `key = value`, and `*` ends each
+//! part; `;` starts a comment. In binary the same fields have fixed widths, numbers are little-endian, and nothing
+//! stands between the parts. A height is number · Zscale in metre; Xscale and Yscale are the distances between points
+//! in metre. Compression and checksums, which the standard gave up, are refused.
+//!
+//! Missing points are `BAD` in text. In numbers, ISO files mark them by the least value of the type, and so do some BCR
+//! files; others take the greatest, as unsigned types must. NaN counts as missing as well: most programs write it.
+//!
+//! The first profile is row 0. The standard lets y grow with the profiles, so that y = 0 is the upper edge of the map
+//! here, as in X3P files and in the free programs that read both. A program that draws y upwards shows the map upside
+//! down.
+//!
+//! # References
+//! ISO 25178-71; Stout et al., *The Development of Methods for the Characterisation of Roughness in Three Dimensions*,
+//! EUR 15178 EN (1993).
 
+mod write;
+
+use std::str::FromStr;
+
+use ndarray::Array2;
+
+use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::input::{Input, latin1};
+use crate::large;
+use crate::sample::Sample;
+use crate::scan::{Dimension, shape};
+use crate::text::header::Header as Notes;
+use crate::text::rows::{self, Layout};
+use crate::text::{Separator, lines};
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
+pub use write::{SdfData, write_sdf};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -10,23 +40,328 @@ pub(crate) const CODEC: Codec = Codec {
         name: "SDF",
         extensions: &["sdf"],
         vendor: "ISO 25178-71",
-        known_by: "",
-        reads: "",
-        writes: "",
+        known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",
+        reads: "text and binary; int8 to int32, uint8 to uint32, float32, float64",
+        writes: "binary float64, or text by option",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
+        orientation: "the first profile (y = 0) is row 0",
+        tested: Tested::OtherPrograms,
     },
-    detect,
+    detect: |bytes| Version::of(bytes).is_some(),
     read,
-    write: None,
+    write: Some(|scan| write_sdf(scan, SdfData::Double)),
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// What the first bytes say.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Version {
+    Text,
+    /// With counts of as many bytes.
+    Binary {
+        count_bytes: usize,
+    },
 }
 
+/// Bytes of the version in a binary header.
+const VERSION_BYTES: usize = 8;
+/// Bytes in which the fields of a text must start.
+const PROBE: usize = 512;
+
+impl Version {
+    /// Texts bear many versions (`aISO-1.0`, `aBCR-0.0`, `aNIST-1.0`, `aNPL-V1.0`), but all start with the same field.
+    fn of(bytes: &[u8]) -> Option<Self> {
+        let number = |text: &[u8]| matches!(text, [b'0'..=b'9', b'.', b'0'..=b'9']);
+        match bytes {
+            [b'b', b'I', b'S', b'O', b'-', version @ ..] if number(version.get(..3)?) => {
+                // Version 2.0 widened the counts.
+                Some(Self::Binary { count_bytes: if version[0] == b'2' { 4 } else { 2 } })
+            }
+            [b'b', b'B', b'C', b'R', b'-', version @ ..] if number(version.get(..3)?) => {
+                Some(Self::Binary { count_bytes: 2 })
+            }
+            [b'a', b'A'..=b'Z', ..] => {
+                let probe = &bytes[..bytes.len().min(PROBE)];
+                let mut lines = probe.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+                let (version, mut fields) = (lines.next()?, lines.filter(|line| !matches!(line, [] | [b';', ..])));
+                let first = fields.next()?.get(..MANUFACTURER.len())?;
+                let known = version.contains(&b'-') && first.eq_ignore_ascii_case(MANUFACTURER.as_bytes());
+                known.then_some(Self::Text)
+            }
+            _ => None,
+        }
+    }
+}
+
+const MANUFACTURER: &str = "ManufacID";
+/// The fields behind the manufacturer, in the order of the binary header.
+const DATES: [&str; 2] = ["CreateDate", "ModDate"];
+const POINTS: &str = "NumPoints";
+const PROFILES: &str = "NumProfiles";
+const SCALES: [&str; 3] = ["Xscale", "Yscale", "Zscale"];
+const Z_RESOLUTION: &str = "Zresolution";
+const COMPRESSION: &str = "Compression";
+const DATA_TYPE: &str = "DataType";
+const CHECK_TYPE: &str = "CheckType";
+/// What ends the parts of a text.
+const END: u8 = b'*';
+/// What starts a comment in a text.
+const COMMENT: &[u8] = b";";
+
+/// A field of the header and its place.
+struct Field<T> {
+    name: &'static str,
+    at: Location,
+    value: T,
+}
+
+impl<T: ToString> Field<T> {
+    fn wrong(&self, wanted: &str) -> FormatError {
+        FormatError::Field {
+            format: Format::Sdf,
+            field: self.name.into(),
+            at: self.at.clone(),
+            found: shown(&self.value.to_string()),
+            wanted: wanted.into(),
+        }
+    }
+}
+
+/// The fields that the heights depend on.
+struct Header {
+    is_bcr: bool,
+    points: Field<i64>,
+    profiles: Field<i64>,
+    scales: [Field<f64>; 3],
+    compression: Field<i64>,
+    data_type: Field<i64>,
+    check_type: Field<i64>,
+}
+
+impl Header {
+    /// Shape `(rows, columns)` and type of the numbers.
+    fn check(&self) -> Result<((usize, usize), Sample), FormatError> {
+        let dimension = |field: &Field<i64>| Dimension { field: field.name, at: field.at.clone(), found: field.value };
+        let (ny, nx) = shape(Format::Sdf, &dimension(&self.profiles), &dimension(&self.points))?;
+        if ny == 1 && self.scales[1].value == 0.0 {
+            return Err(unsupported("the file holds a single profile", "the profiles of a surface"));
+        }
+        if let Some(field) = [&self.compression, &self.check_type].into_iter().find(|field| field.value != 0) {
+            return Err(field.wrong("0, heights without compression and checksum"));
+        }
+        let scale = &self.scales[2];
+        if !(scale.value.is_finite() && scale.value > 0.0) {
+            return Err(scale.wrong("a positive number"));
+        }
+        let sample = match self.data_type.value {
+            0 => Sample::U8,
+            1 => Sample::U16,
+            2 => Sample::U32,
+            3 => Sample::F32,
+            4 => Sample::I8,
+            5 => Sample::I16,
+            6 => Sample::I32,
+            7 => Sample::F64,
+            _ => return Err(self.data_type.wrong("0 to 7")),
+        };
+        Ok(((ny, nx), sample))
+    }
+
+    fn scan(&self, numbers: Vec<f64>, shape: (usize, usize), sample: Sample) -> Result<Scan, FormatError> {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.scales[axis].value);
+        let is_void = voids(sample, self.is_bcr);
+        let mut heights = numbers;
+        large::map(&mut heights, |height| if is_void(height) { f64::NAN } else { height * z });
+        let heights_m =
+            Array2::from_shape_vec(shape, heights).map_err(|_| self.points.wrong("the number of columns"))?;
+        Ok(Scan::new(heights_m, Some((x, y))))
+    }
+}
+
+/// Which numbers mark missing points.
+fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
+    // Floats are compared with a margin: texts round them.
+    let (none_low, none_high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let (least, greatest) = match sample {
+        Sample::U8 => (none_low, f64::from(u8::MAX)),
+        Sample::U16 => (none_low, f64::from(u16::MAX)),
+        Sample::I8 => (f64::from(i8::MIN), f64::from(i8::MAX)),
+        Sample::I16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
+        Sample::I32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
+        Sample::F32 => (-3.4e38, 3.4e38),
+        Sample::F64 => (-1.79e308, 1.79e308),
+        _ => (none_low, f64::from(u32::MAX)),
+    };
+    let is_float = matches!(sample, Sample::F32 | Sample::F64);
+    let has_greatest = is_bcr || is_float || least == none_low;
+    let greatest = if has_greatest { greatest } else { none_high };
+    move |number| match is_float {
+        // NaN lies between no two numbers.
+        true => !(number > least && number < greatest),
+        false => number == least || number == greatest,
+    }
+}
+
+fn unsupported(found: &str, wanted: &'static str) -> FormatError {
+    FormatError::Unsupported { format: Format::Sdf, found: found.into(), wanted }
+}
+
+/// Reads the first map of a file.
+///
+/// # Errors
+/// Single profiles, compression, checksums, headers without a field or with one that cannot be right, and heights that
+/// end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Sdf, bytes).unsupported("a file", "another format"))
+    match Version::of(bytes) {
+        Some(Version::Binary { count_bytes }) => read_binary(&Input::new(Format::Sdf, bytes), count_bytes),
+        _ => read_text(bytes),
+    }
+}
+
+fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan, FormatError> {
+    let mut notes = Notes::default();
+    notes.insert("version", &input.latin1("version", 0, VERSION_BYTES)?);
+    let mut place = VERSION_BYTES;
+    for (name, length) in [(MANUFACTURER, 10), (DATES[0], 12), (DATES[1], 12)] {
+        notes.insert(name, &input.latin1(name, place, length)?);
+        place += length;
+    }
+    let count = |name, place| {
+        let value = match count_bytes {
+            4 => input.u32(name, place)?.into(),
+            _ => input.u16(name, place)?.into(),
+        };
+        Ok::<_, FormatError>(Field { name, at: input.at(place), value })
+    };
+    let real = |name, place| Ok::<_, FormatError>(Field { name, at: input.at(place), value: input.f64(name, place)? });
+    let byte =
+        |name, place| Ok::<_, FormatError>(Field { name, at: input.at(place), value: input.u8(name, place)?.into() });
+    let scales = place + 2 * count_bytes;
+    let codes = scales + 4 * 8;
+    let header = Header {
+        is_bcr: input.bytes().starts_with(b"bBCR"),
+        points: count(POINTS, place)?,
+        profiles: count(PROFILES, place + count_bytes)?,
+        scales: [real(SCALES[0], scales)?, real(SCALES[1], scales + 8)?, real(SCALES[2], scales + 16)?],
+        compression: byte(COMPRESSION, codes)?,
+        data_type: byte(DATA_TYPE, codes + 1)?,
+        check_type: byte(CHECK_TYPE, codes + 2)?,
+    };
+    notes.insert(Z_RESOLUTION, &input.f64(Z_RESOLUTION, scales + 24)?.to_string());
+    let (shape, sample) = header.check()?;
+    let length = shape.0 * shape.1 * sample.size();
+    let mut start = codes + 3;
+    // A program of Olympus writes two more fields into the header, always 5 and 1.
+    if input.len() == start + EXTRA.len() + length && input.bytes()[start..].starts_with(EXTRA) {
+        start += EXTRA.len();
+    }
+    let numbers = input.samples("the heights", start, shape.0 * shape.1, sample)?;
+    keep_trailer(&latin1(&input.bytes()[start + length..]), &mut notes);
+    Ok(Scan { metadata: notes.metadata(), ..header.scan(numbers, shape, sample)? })
+}
+
+/// Two fields that follow the header of some files.
+const EXTRA: &[u8] = b"\x05\0\0\0\x01\0\0\0";
+
+fn read_text(bytes: &[u8]) -> Result<Scan, FormatError> {
+    let (bytes, line_end) = lines(bytes);
+    let mut fields: Vec<(String, String, usize)> = Vec::new();
+    let (mut place, mut last_line) = (0, 0);
+    for (index, line) in bytes.split(|&byte| byte == line_end).enumerate() {
+        last_line = index;
+        let trimmed = line.trim_ascii_start();
+        if trimmed.first() == Some(&END) {
+            place += line.len() - trimmed.len() + 1;
+            break;
+        }
+        place += line.len() + 1;
+        let line = latin1(line.split(|byte| COMMENT.contains(byte)).next().unwrap_or_default());
+        let pair = line.split_once('=').or_else(|| line.split_once(char::is_whitespace));
+        if index == 0 {
+            fields.push(("version".into(), line, 1));
+        } else if let Some((key, value)) = pair.filter(|_| fields.len() < MAX_FIELDS) {
+            fields.push((key.trim().into(), value.trim().into(), index + 1));
+        }
+    }
+    let header = text_header(&fields, last_line + 1)?;
+    let (shape, sample) = header.check()?;
+
+    let rest = bytes.get(place..).unwrap_or_default();
+    let length = rest.iter().position(|&byte| byte == END).unwrap_or(rest.len());
+    let layout = Layout::new(Format::Sdf, Separator::Space, COMMENT, line_end);
+    let mut numbers = rows::read(&rest[..length], &layout, last_line)?.values;
+    let (found, wanted) = (numbers.len(), shape.0 * shape.1);
+    if found < wanted {
+        return Err(FormatError::MissingField {
+            format: Format::Sdf,
+            field: format!("height {} of {wanted}", found + 1),
+            at: Location::Line(last_line + 1 + rest[..length].iter().filter(|&&byte| byte == line_end).count()),
+            wanted: format!("{POINTS} × {PROFILES} numbers before `*`"),
+        });
+    }
+    let mut warnings = Vec::new();
+    if found > wanted {
+        numbers.truncate(wanted);
+        warnings.push(format!("{} numbers behind the last profile were left out", found - wanted));
+    }
+    let mut notes = Notes::default();
+    let used = [&[POINTS, PROFILES, COMPRESSION, DATA_TYPE, CHECK_TYPE], &SCALES[..]].concat();
+    for (key, value, _) in fields.iter().filter(|(key, ..)| !used.iter().any(|used| used.eq_ignore_ascii_case(key))) {
+        notes.insert(key, value);
+    }
+    keep_trailer(&latin1(rest.get(length + 1..).unwrap_or_default()), &mut notes);
+    Ok(Scan { metadata: notes.metadata(), warnings, ..header.scan(numbers, shape, sample)? })
+}
+
+/// Lines of a header that are looked at.
+const MAX_FIELDS: usize = 1000;
+
+/// The fields of a text, each with its line.
+fn text_header(fields: &[(String, String, usize)], last_line: usize) -> Result<Header, FormatError> {
+    let whole = |name| number::<i64>(fields, name, last_line, "a whole number");
+    let real = |name| number::<f64>(fields, name, last_line, "a number");
+    Ok(Header {
+        is_bcr: fields.first().is_some_and(|(_, version, _)| version.starts_with("aBCR")),
+        points: whole(POINTS)?,
+        profiles: whole(PROFILES)?,
+        scales: [real(SCALES[0])?, real(SCALES[1])?, real(SCALES[2])?],
+        compression: whole(COMPRESSION)?,
+        data_type: whole(DATA_TYPE)?,
+        check_type: whole(CHECK_TYPE)?,
+    })
+}
+
+fn number<T: FromStr>(
+    fields: &[(String, String, usize)],
+    name: &'static str,
+    last_line: usize,
+    wanted: &str,
+) -> Result<Field<T>, FormatError> {
+    let Some((_, text, line)) = fields.iter().find(|(key, ..)| key.eq_ignore_ascii_case(name)) else {
+        return Err(FormatError::MissingField {
+            format: Format::Sdf,
+            field: name.into(),
+            at: Location::Line(last_line),
+            wanted: format!("a line `{name} = …` before the first `*`"),
+        });
+    };
+    let at = Location::Line(*line);
+    match text.parse() {
+        Ok(value) => Ok(Field { name, at, value }),
+        Err(_) => Err(Field { name, at, value: text }.wrong(wanted)),
+    }
+}
+
+/// Keeps lines `name = value` and `< name > value < / name >`.
+fn keep_trailer(trailer: &str, notes: &mut Notes) {
+    for line in trailer.lines().map(str::trim).filter(|line| !line.is_empty() && *line != "*") {
+        let tagged = line.strip_prefix('<').and_then(|line| line.split_once('>'));
+        match (tagged, line.split_once('=')) {
+            (Some((name, value)), _) => {
+                notes.insert(name.trim(), value.rsplit_once('<').map_or(value, |(value, _)| value).trim());
+            }
+            (None, Some((name, value))) => notes.insert(name.trim(), value.trim()),
+            (None, None) => notes.insert("trailer", line),
+        }
+    }
 }

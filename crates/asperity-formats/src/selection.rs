@@ -1,5 +1,8 @@
 //! Which map of a file is read.
 
+use std::collections::{HashMap, HashSet};
+
+use crate::error::shown;
 use crate::{Format, FormatError};
 
 /// One of the height maps in a file that may hold several: channels, layers, pages, arrays.
@@ -44,12 +47,41 @@ impl ReadOptions {
             format,
             found: match &self.channel {
                 Some(Channel::Number(number)) => format!("number {number}"),
-                Some(Channel::Name(name)) => format!("`{}`", crate::error::shown(name)),
+                Some(Channel::Name(name)) => format!("`{}`", shown(name)),
                 None => "a first one".into(),
             },
             channels: names.to_vec(),
         })
     }
+}
+
+/// The same names with a number behind those that repeat an earlier one, so that each can be chosen.
+pub(crate) fn unique(names: Vec<String>) -> Vec<String> {
+    let mut taken: HashSet<String> = HashSet::new();
+    let mut repeats: HashMap<String, usize> = HashMap::new();
+    let mut distinct = |name: String| {
+        let count = repeats.entry(name.clone()).or_insert(0);
+        let mut candidate = name.clone();
+        loop {
+            *count += 1;
+            if *count > 1 {
+                candidate = format!("{name} {count}");
+            }
+            if taken.insert(candidate.clone()) {
+                return candidate;
+            }
+        }
+    };
+    names.into_iter().map(&mut distinct).collect()
+}
+
+/// The first few of a list, for a message.
+pub(crate) fn some_of(names: &[String]) -> String {
+    const SHOWN_NAMES: usize = 8;
+    let more = names.len().saturating_sub(SHOWN_NAMES);
+    let first: Vec<String> = names[..names.len() - more].iter().map(|name| shown(name)).collect();
+    let first = first.join(", ");
+    if more > 0 { format!("{first} and {more} more") } else { first }
 }
 
 #[cfg(test)]
@@ -67,6 +99,13 @@ mod tests {
         assert_eq!(choose(Some("2")), Some(1));
         assert_eq!(choose(Some("PHASE")), Some(1));
         assert_eq!(choose(Some("height")), Some(2));
+    }
+
+    #[test]
+    fn names_that_repeat_are_numbered() {
+        let names = |names: &[&str]| unique(names.iter().map(|&name| name.into()).collect());
+        assert_eq!(names(&["a", "b", "a", "a"]), ["a", "b", "a 2", "a 3"]);
+        assert_eq!(names(&["a 2", "a", "a", "a 2"]), ["a 2", "a", "a 3", "a 2 2"]);
     }
 
     #[test]

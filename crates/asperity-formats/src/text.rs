@@ -1,18 +1,33 @@
-//! A matrix of numbers as text: one row of heights in metre per line.
+//! A matrix of numbers as text: one row of heights per line, in metre where no header names another unit.
 //!
 //! Values are separated by semicolons, tabs, commas or spaces, whichever of these, in this order, the first row holds.
-//! The decimal sign is the point. `#` and `%` start a comment; `name: value` and `name = value` in a comment become
-//! metadata. An empty field, `nan` and `inf` are missing heights. The format has no place for a pixel size.
+//! The decimal sign is the point, or a comma between digits where commas separate nothing. `#` and `%` start a comment.
+//! What comments and lines `key: value` or `key = value` before the first row say of units, pixel size and missing
+//! points counts (see [`header`]); all of it becomes metadata. An empty field, `nan`, `inf`, `BAD` and `No Data` are
+//! missing heights, as are the errors of spreadsheets (`#N/A`) and what C libraries write for no number (`1.#QNAN`,
+//! `-nan(ind)`). Text may be UTF-8, UTF-16 with a mark, or Latin-1.
+//!
+//! A first row and a first column that step evenly from an empty corner are labels, which spreadsheets and data frames
+//! export; they are left out with a warning.
+//!
+//! Some programs put the matrices of several channels into one file, each below a comment `Channel: name`; those whose
+//! unit is no length are left out.
+
+pub(crate) mod header;
+pub(crate) mod rows;
+mod write;
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use ndarray::Array2;
 
-use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
-use crate::{Format, FormatError, Location, MAX_POINTS, ReadOptions, Scan};
+use crate::input::{utf8_or_latin1, utf16};
+use crate::selection::unique;
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use header::{ESRI, Header, Meaning};
+use rows::{Layout, Table};
+pub use write::write_text;
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -20,11 +35,12 @@ pub(crate) const CODEC: Codec = Codec {
         name: "text",
         extensions: &["txt", "dat", "csv", "asc"],
         vendor: "any",
-        known_by: "no control characters",
-        reads: "one row per line; spaces, tabs, commas or semicolons; `#` and `%` start comments",
-        writes: ".csv with commas, others with spaces",
-        stores_pitch: false,
-        missing_points: "empty, nan, inf",
+        known_by: "no control characters in UTF-8, UTF-16 or Latin-1",
+        reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; headers of Gwyddion, SPIP, Attocube, \
+                Nova, ESRI grids, and plain keys",
+        writes: ".csv with commas, others with spaces; unit and pixel size as comments",
+        stores_pitch: true,
+        missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
         orientation: "the first line is row 0",
         tested: Tested::OtherPrograms,
     },
@@ -34,17 +50,23 @@ pub(crate) const CODEC: Codec = Codec {
 };
 
 /// Bytes that are looked at to tell text from binary data.
-const TEXT_PROBE: usize = 4096;
+pub(crate) const TEXT_PROBE: usize = 4096;
 
 /// Whether bytes start without control characters.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
-    let probe = &bytes[..bytes.len().min(TEXT_PROBE)];
+    let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
     let is_text = |&byte: &u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
     !probe.is_empty() && probe.iter().all(is_text)
 }
 
 /// Rows from which three columns look like points rather than like a map.
 const POINT_LIST_ROWS: usize = 16;
+/// Part of a step by which labels may be off, as coordinates with few digits are.
+const LABEL_TOLERANCE: f64 = 1e-3;
+/// Matrices in one file that are told apart.
+const MAX_CHANNELS: usize = 256;
+/// Signs that start a comment.
+pub(crate) const COMMENT: &[u8] = b"#%";
 
 /// What stands between two values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,194 +83,280 @@ pub enum Separator {
 
 impl Separator {
     /// The separator of a row.
-    fn of(row: &str) -> Self {
-        if row.contains(';') {
+    ///
+    /// In `1,5 2,5` commas are decimal signs: as separators they would leave two numbers between them.
+    pub(crate) fn of(row: &[u8]) -> Self {
+        let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let is_number = |word: &[u8]| {
+            rows::decimal_comma(word).is_some()
+                || std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok())
+        };
+        if row.contains(&b';') {
             Self::Semicolon
-        } else if row.contains('\t') {
+        } else if row.contains(&b'\t') {
             Self::Tab
-        } else if row.contains(',') {
+        } else if row.contains(&b',') && !(words().count() > 1 && words().all(is_number)) {
             Self::Comma
         } else {
             Self::Space
         }
     }
 
-    fn sign(self) -> char {
+    pub(crate) fn sign(self) -> u8 {
         match self {
-            Self::Space => ' ',
-            Self::Comma => ',',
-            Self::Semicolon => ';',
-            Self::Tab => '\t',
-        }
-    }
-
-    fn fields(self, row: &str) -> Vec<&str> {
-        match self {
-            Self::Space => row.split_whitespace().collect(),
-            _ => row.split(self.sign()).map(str::trim).collect(),
+            Self::Space => b' ',
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
         }
     }
 }
 
-/// Reads a matrix of heights in metre.
+/// The bytes of a text in UTF-8, or as they are where no mark says that it is UTF-16.
+pub(crate) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    utf16(bytes).map_or(Cow::Borrowed(bytes), |text| Cow::Owned(text.into_bytes()))
+}
+
+/// The text without the mark that some programs put before UTF-8, and the byte that ends its lines.
+pub(crate) fn lines(bytes: &[u8]) -> (&[u8], u8) {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    (bytes, if bytes.contains(&b'\n') { b'\n' } else { b'\r' })
+}
+
+/// What stands before the first row of numbers.
+pub(crate) struct Head {
+    pub(crate) header: Header,
+    /// Where the first row starts, and how many lines stand before it.
+    pub(crate) start: usize,
+    pub(crate) lines: usize,
+    /// The first row without a comment.
+    pub(crate) first_row: Vec<u8>,
+}
+
+impl Head {
+    /// Reads lines up to the first row. Without a comment sign, only `key: value`, `key = value` and the keys of an ESRI
+    /// grid are header; `free` text is where the format allows any words.
+    pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool) -> Self {
+        let (mut head, mut lines) = (Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new() }, 0);
+        for line in bytes.split(|&byte| byte == line_end) {
+            let (row, comment) = line.split_at(rows::comment_start(line));
+            if !row.trim_ascii().is_empty() || row.contains(&b'\t') {
+                let layout = Layout::new(Format::Text, Separator::of(row), COMMENT, line_end);
+                let words = utf8_or_latin1(row);
+                if layout.starts_with_value(row) || !free && !head.take_key(&words) {
+                    head.first_row = row.to_vec();
+                    break;
+                }
+                if free {
+                    head.header.add(&words);
+                }
+            }
+            if !comment.is_empty() && head.header.has_room() {
+                head.header.add(&rows::comment(comment, COMMENT));
+            }
+            head.start += line.len() + 1;
+            lines += 1;
+        }
+        head.lines = lines;
+        head.start = head.start.min(bytes.len());
+        head
+    }
+
+    /// Adds a line without a comment sign if it clearly is a key with its value.
+    fn take_key(&mut self, line: &str) -> bool {
+        if let Some((key, value)) = line.trim().split_once([' ', '\t']).filter(|(key, _)| is_esri_key(key)) {
+            self.header.insert(key, value.trim());
+            return true;
+        }
+        let is_pair = line.contains([':', '=']) && line.trim_start().starts_with(char::is_alphabetic);
+        if is_pair {
+            self.header.add(line);
+        }
+        is_pair
+    }
+}
+
+fn is_esri_key(key: &str) -> bool {
+    ESRI.contains(&key.to_lowercase().as_str())
+}
+
+/// Reads a matrix of heights.
 ///
 /// # Errors
 /// A field that is no number, rows of different length (naming the line), or no row at all.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    // Numbers are ASCII; only comments can hold more, and then in UTF-8 or Latin-1.
-    let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
-    let text = std::str::from_utf8(bytes).map_or_else(|_| Cow::Owned(latin1()), Cow::Borrowed);
-    let line_end = if text.contains('\n') { '\n' } else { '\r' };
-
-    let mut matrix = Matrix::default();
-    let mut metadata = BTreeMap::new();
-    for (index, line) in text.split(line_end).enumerate() {
-        let (row, comment) = match line.find(['#', '%']) {
-            Some(start) => (&line[..start], Some(line[start..].trim_start_matches(['#', '%']).trim())),
-            None => (line, None),
-        };
-        if let Some(comment) = comment {
-            keep(&mut metadata, comment);
-        }
-        // A tab is a separator, and one at the start of a line follows an empty field.
-        let row = row.trim_matches([' ', '\r', '\u{c}']);
-        if !row.is_empty() {
-            matrix.push(row, index + 1)?;
-        }
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let text = utf8(bytes);
+    let (bytes, line_end) = lines(&text);
+    let blocks = blocks(bytes, line_end);
+    if blocks.len() < 2 {
+        return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false));
     }
-    let (heights_m, mut warnings) = matrix.finish()?;
-    warnings.extend(unit_warnings(&metadata));
-    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, None) })
-}
-
-/// Adds what a comment says.
-fn keep(metadata: &mut BTreeMap<String, String>, comment: &str) {
-    let pair = comment.split_once([':', '=']).map(|(key, value)| (key.trim(), value.trim()));
-    let (key, value) = pair.filter(|(key, value)| !key.is_empty() && !value.is_empty()).unwrap_or(("comment", comment));
-    if !value.is_empty() {
-        let kept = metadata.entry(key.into()).or_default();
-        if !kept.is_empty() {
-            kept.push('\n');
-        }
-        kept.push_str(value);
-    }
-}
-
-/// Doubts where a comment states a unit other than metre.
-fn unit_warnings(metadata: &BTreeMap<String, String>) -> impl Iterator<Item = String> {
-    let units = metadata.iter().filter(|(key, _)| key.to_lowercase().contains("unit"));
-    units
-        .filter(|(_, unit)| unit.as_str() != "m")
-        .map(|(key, unit)| format!("a comment states `{}: {}`; heights were taken as metre", shown(key), shown(unit)))
-}
-
-/// Rows as they are read.
-#[derive(Default)]
-struct Matrix {
-    separator: Option<Separator>,
-    columns: usize,
-    rows: usize,
-    values: Vec<f64>,
-    /// Rows that end with a separator.
-    open_rows: usize,
-}
-
-impl Matrix {
-    fn push(&mut self, row: &str, line: usize) -> Result<(), FormatError> {
-        let separator = *self.separator.get_or_insert_with(|| Separator::of(row));
-        let fields = separator.fields(row);
-        if self.rows == 0 {
-            self.columns = fields.len();
-        } else if fields.len() != self.columns {
-            return Err(FormatError::Ragged { line, found: fields.len(), wanted: self.columns });
-        }
-        self.rows += 1;
-        self.open_rows += usize::from(fields.last().is_some_and(|field| field.is_empty()));
-        for (column, field) in fields.iter().enumerate() {
-            self.values.push(number(field).ok_or_else(|| not_a_number(field, column + 1, line))?);
-        }
-        if self.values.len() as u64 > MAX_POINTS {
-            return Err(FormatError::TooLarge {
-                format: Format::Text,
-                field: "the number of values".into(),
-                at: Location::Line(line),
-                found: self.values.len() as u64,
-                limit: MAX_POINTS,
-            });
-        }
-        Ok(())
-    }
-
-    fn finish(mut self) -> Result<(Array2<f64>, Vec<String>), FormatError> {
-        let mut warnings = Vec::new();
-        if self.columns > 1 && self.open_rows == self.rows {
-            let columns = self.columns;
-            let mut column = 0;
-            self.values.retain(|_| {
-                column = column % columns + 1;
-                column < columns
-            });
-            self.columns -= 1;
-            warnings.push("every row ends with a separator; the empty last column was left out".into());
-        }
-        if self.columns == 3 && self.rows >= POINT_LIST_ROWS {
-            warnings.push(format!(
-                "a map of 3 columns and {} rows; a list of points x y z is not what this format holds",
-                self.rows
-            ));
-        }
-        let nothing = FormatError::MissingField {
+    let heads: Vec<_> = blocks
+        .iter()
+        .map(|&(start, lines, end)| {
+            let head = Head::read(&bytes[start..end], line_end, false);
+            (&bytes[start..end], lines, head)
+        })
+        .collect();
+    let is_height = |head: &Head| head.header.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some());
+    let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| is_height(head)).collect();
+    let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
+    if names.is_empty() {
+        return Err(FormatError::Unsupported {
             format: Format::Text,
-            field: "a row of numbers".into(),
-            at: Location::Line(1),
-            wanted: "one row of heights per line".into(),
-        };
-        if self.values.is_empty() {
-            return Err(nothing);
-        }
-        let heights_m = Array2::from_shape_vec((self.rows, self.columns), self.values).map_err(|_| nothing)?;
-        Ok((heights_m, warnings))
+            found: "the unit of no channel is a length".into(),
+            wanted: "a channel of heights",
+        });
     }
+    let channel = options.choose(Format::Text, &names)?;
+    let (block, lines, head) = maps.swap_remove(channel);
+    Ok(read_block(block, line_end, lines, head)?.with_channels(names, channel))
 }
 
-/// The height of a field, NaN where missing, `None` where it is no number or beyond the range of `f64`.
-fn number(field: &str) -> Option<f64> {
-    if field.is_empty() {
-        return Some(f64::NAN);
-    }
-    let value: f64 = field.parse().ok()?;
-    let names_infinity = || field.bytes().any(|byte| byte.eq_ignore_ascii_case(&b'n'));
-    (!value.is_infinite() || names_infinity()).then_some(value)
-}
-
-fn not_a_number(field: &str, column: usize, line: usize) -> FormatError {
-    let hint = match field.replace(',', ".").parse::<f64>() {
-        Ok(_) => "a number with a decimal point",
-        Err(_) => "a number, an empty field, nan or inf (start comments with # or %)",
-    };
-    FormatError::Field {
-        format: Format::Text,
-        field: format!("value {column}"),
-        at: Location::Line(line),
-        found: shown(field),
-        wanted: hint.into(),
-    }
-}
-
-/// The heights in metre as text, one row per line, each number in the fewest digits that read back to the same `f64`,
-/// `nan` where missing. The pixel size and the metadata are not stored.
-pub fn write_text(scan: &Scan, separator: Separator) -> Vec<u8> {
-    let mut text = String::new();
-    for row in scan.heights_m.rows() {
-        for (column, &z) in row.iter().enumerate() {
-            if column > 0 {
-                text.push(separator.sign());
+/// Where the matrices of a file with several channels start and end, and the lines before each; empty for other files.
+fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
+    let is_start = |line: &[u8]| line.strip_prefix(b"#").is_some_and(Header::names_channel);
+    let (mut blocks, mut place): (Vec<(usize, usize, usize)>, usize) = (Vec::new(), 0);
+    for (index, line) in bytes.split(|&byte| byte == line_end).enumerate() {
+        // Only a file that starts with a channel is looked through.
+        if line.first() == Some(&b'#') && blocks.len() < MAX_CHANNELS && is_start(line) {
+            if let Some(last) = blocks.last_mut() {
+                last.2 = place;
             }
-            // Writing to a String cannot fail.
-            let _ = if z.is_finite() { write!(text, "{z:e}") } else { write!(text, "nan") };
+            blocks.push((place, index, bytes.len()));
+        } else if blocks.is_empty() && line.first() != Some(&b'#') {
+            break;
         }
-        text.push('\n');
+        place += line.len() + 1;
     }
-    text.into_bytes()
+    blocks
+}
+
+/// Reads one matrix.
+fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head) -> Result<Scan, FormatError> {
+    let Head { mut header, start, lines: header_lines, first_row } = head;
+    let layout = Layout::new(Format::Text, Separator::of(&first_row), COMMENT, line_end);
+    let columns = layout.count(&first_row);
+    let layout = match columns.filter(|_| !header.is_esri()) {
+        Some(columns) => layout.with_columns(columns),
+        None => layout,
+    };
+    let mut table = rows::read(&bytes[start..], &layout, lines + header_lines)?;
+    for comment in std::mem::take(&mut table.comments) {
+        header.add(&comment);
+    }
+    let mut warnings = Vec::new();
+    let mut shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
+    let separator = Separator::of(&first_row);
+    let is_corner_empty = separator != Separator::Space
+        && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
+    if is_corner_empty && header.shape().is_none() && has_labels(&table.values, shape) {
+        table.values = unlabelled(&table.values, shape);
+        shape = (shape.0 - 1, shape.1 - 1);
+        warnings.push("the first row and the first column step evenly: they were taken for labels and left out".into());
+    }
+    let meaning = header.meaning(shape);
+    meaning.apply(&mut table.values);
+    if table.decimal_comma {
+        header.insert("decimal sign", "comma");
+    }
+    if let Some(unit) = &meaning.converted {
+        header.insert("converted", &format!("heights from {unit} to m"));
+    }
+    warnings.extend(meaning.warnings);
+    let heights_m = Array2::from_shape_vec(shape, table.values).map_err(|_| nothing())?;
+    Ok(Scan { metadata: header.metadata(), warnings, ..Scan::new(heights_m, meaning.pitch_m) })
+}
+
+/// The shape of a table, without columns and rows that are not heights.
+fn shape(
+    header: &Header,
+    table: &mut Table,
+    columns: usize,
+    warnings: &mut Vec<String>,
+) -> Result<(usize, usize), FormatError> {
+    if table.values.is_empty() {
+        return Err(nothing());
+    }
+    if let Some((ny, nx)) = header.shape().filter(|_| header.is_esri()) {
+        if ny.checked_mul(nx) != Some(table.values.len()) {
+            return Err(FormatError::Field {
+                format: Format::Text,
+                field: "ncols × nrows".into(),
+                at: Location::Line(1),
+                found: format!("{nx} × {ny}"),
+                wanted: format!("{}, as many as there are values", table.values.len()),
+            });
+        }
+        return Ok((ny, nx));
+    }
+    let (mut rows, mut columns) = (table.rows, columns);
+    if columns > 1 && table.open_rows == rows {
+        let mut column = 0;
+        table.values.retain(|_| {
+            column = column % columns + 1;
+            column < columns
+        });
+        columns -= 1;
+        warnings.push("every row ends with a separator; the empty last column was left out".into());
+    }
+    if header.has_voids() && header.shape() == Some((rows / 2, columns)) && rows % 2 == 0 {
+        let voids = table.values.split_off(rows / 2 * columns);
+        for (z, void) in table.values.iter_mut().zip(voids) {
+            *z = if void == 0.0 { *z } else { f64::NAN };
+        }
+        rows /= 2;
+    }
+    if columns == 3 && rows >= POINT_LIST_ROWS && !header.states_pixels() {
+        warnings
+            .push(format!("a map of 3 columns and {rows} rows; a list of points x y z is not what this format holds"));
+    }
+    Ok((rows, columns))
+}
+
+/// Whether the first row and the first column step evenly, behind the corner.
+fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
+    let steps_evenly = |labels: &[f64]| match labels {
+        [] | [_] => false,
+        // Any two numbers do.
+        [first, second] => matches!((*first, *second), (0.0, 1.0) | (1.0, 2.0)),
+        [first, second, ..] => {
+            let (step, tolerance) = (second - first, LABEL_TOLERANCE * (second - first).abs());
+            let fits = |(place, label): (usize, &f64)| (label - first - step * place as f64).abs() <= tolerance;
+            step != 0.0 && labels.iter().enumerate().all(fits)
+        }
+    };
+    let column: Vec<f64> = values.iter().copied().step_by(columns).skip(1).collect();
+    rows > 2 && columns > 2 && steps_evenly(&values[1..columns]) && steps_evenly(&column)
+}
+
+/// The values without the first row and the first column.
+fn unlabelled(values: &[f64], (_, columns): (usize, usize)) -> Vec<f64> {
+    values.chunks_exact(columns).skip(1).flat_map(|row| &row[1..]).copied().collect()
+}
+
+fn nothing() -> FormatError {
+    FormatError::MissingField {
+        format: Format::Text,
+        field: "a row of numbers".into(),
+        at: Location::Line(1),
+        wanted: "one row of heights per line".into(),
+    }
+}
+
+impl Meaning {
+    /// Turns numbers into heights in metre.
+    fn apply(&self, values: &mut [f64]) {
+        let Self { factor, per_metre, no_data, .. } = *self;
+        if let Some(no_data) = no_data {
+            for z in values.iter_mut().filter(|z| **z == no_data) {
+                *z = f64::NAN;
+            }
+        }
+        if self.converted.is_some() {
+            for z in values {
+                *z = *z * factor / per_metre;
+            }
+        }
+    }
 }

@@ -1,8 +1,22 @@
-//! TIFF.
+//! TIFF with one number per point: grey images, of which every page is a map.
+//!
+//! Floating-point numbers are heights in metre. Integers are counts, which have no unit: they are taken in metre, with a
+//! warning. Where ImageJ's description states a unit of the values (`vunit`) it holds, with the straight line of the
+//! calibration (`cf=0`, `c0`, `c1`). The numbers are taken as they stand, whichever of black and white
+//! PhotometricInterpretation calls zero: that is about showing them.
+//!
+//! The distance between points comes from the first of: OME-XML (`PhysicalSizeX`, `PhysicalSizeXUnit`), ImageJ's
+//! description (`unit`) with XResolution as points per unit, XResolution with ResolutionUnit inch or centimetre.
+//!
+//! Layout: TIFF 6.0, <https://www.itu.int/itudoc/itu-t/com16/tiff-fx/docs/tiff6.pdf>, and the BigTIFF of libtiff.
 
+mod decode;
+mod description;
+mod directory;
+mod read;
+
+use crate::Format;
 use crate::format::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -10,23 +24,54 @@ pub(crate) const CODEC: Codec = Codec {
         name: "TIFF",
         extensions: &["tif", "tiff"],
         vendor: "Adobe",
-        known_by: "",
-        reads: "",
+        known_by: "`II*`, `MM*`, BigTIFF",
+        reads: "grey pages of float32, float64 and integers of 8, 16 and 32 bits; strips and tiles; uncompressed, LZW, \
+                Deflate, PackBits; no colours",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "NaN, ±inf, the value of GDAL_NODATA",
+        orientation: "the first stored line is row 0, or as the Orientation tag says",
+        tested: Tested::OtherPrograms,
     },
-    detect,
-    read,
+    detect: directory::detect,
+    read: read::read,
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
-}
+/// The fields that are read, by their names in the specification.
+mod tag {
+    use super::directory::Tag;
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Tiff, bytes).unsupported("a file", "another format"))
+    pub(super) const NEW_SUBFILE_TYPE: Tag = Tag(254, "NewSubfileType");
+    pub(super) const IMAGE_WIDTH: Tag = Tag(256, "ImageWidth");
+    pub(super) const IMAGE_LENGTH: Tag = Tag(257, "ImageLength");
+    pub(super) const BITS_PER_SAMPLE: Tag = Tag(258, "BitsPerSample");
+    pub(super) const COMPRESSION: Tag = Tag(259, "Compression");
+    pub(super) const PHOTOMETRIC: Tag = Tag(262, "PhotometricInterpretation");
+    pub(super) const FILL_ORDER: Tag = Tag(266, "FillOrder");
+    pub(super) const DOCUMENT_NAME: Tag = Tag(269, "DocumentName");
+    pub(super) const IMAGE_DESCRIPTION: Tag = Tag(270, "ImageDescription");
+    pub(super) const MAKE: Tag = Tag(271, "Make");
+    pub(super) const MODEL: Tag = Tag(272, "Model");
+    pub(super) const STRIP_OFFSETS: Tag = Tag(273, "StripOffsets");
+    pub(super) const ORIENTATION: Tag = Tag(274, "Orientation");
+    pub(super) const SAMPLES_PER_PIXEL: Tag = Tag(277, "SamplesPerPixel");
+    pub(super) const ROWS_PER_STRIP: Tag = Tag(278, "RowsPerStrip");
+    pub(super) const STRIP_BYTE_COUNTS: Tag = Tag(279, "StripByteCounts");
+    pub(super) const X_RESOLUTION: Tag = Tag(282, "XResolution");
+    pub(super) const Y_RESOLUTION: Tag = Tag(283, "YResolution");
+    pub(super) const PAGE_NAME: Tag = Tag(285, "PageName");
+    pub(super) const RESOLUTION_UNIT: Tag = Tag(296, "ResolutionUnit");
+    pub(super) const SOFTWARE: Tag = Tag(305, "Software");
+    pub(super) const DATE_TIME: Tag = Tag(306, "DateTime");
+    pub(super) const ARTIST: Tag = Tag(315, "Artist");
+    pub(super) const HOST_COMPUTER: Tag = Tag(316, "HostComputer");
+    pub(super) const PREDICTOR: Tag = Tag(317, "Predictor");
+    pub(super) const TILE_WIDTH: Tag = Tag(322, "TileWidth");
+    pub(super) const TILE_LENGTH: Tag = Tag(323, "TileLength");
+    pub(super) const TILE_OFFSETS: Tag = Tag(324, "TileOffsets");
+    pub(super) const TILE_BYTE_COUNTS: Tag = Tag(325, "TileByteCounts");
+    pub(super) const SAMPLE_FORMAT: Tag = Tag(339, "SampleFormat");
+    pub(super) const COPYRIGHT: Tag = Tag(33432, "Copyright");
+    pub(super) const GDAL_NODATA: Tag = Tag(42113, "GDAL_NODATA");
 }

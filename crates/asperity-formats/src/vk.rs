@@ -1,5 +1,18 @@
-//! VK4/VK6.
+//! Keyence VK3, VK4, VK6, VK7 of laser scanning microscopes.
+//!
+//! VK3 and VK4 are one layout ([`vk4`]). VK6 and VK7 are `VK6` or `VK7`, the size of a preview as u32, the preview as
+//! BMP, and a zip archive that holds a whole VK4 file under the name `Vk4File`.
+//!
+//! `Vk6ImageData` in that archive is an archive of its own. Its `ErrorImageData` marks points at which the instrument
+//! found no height. VK3 and VK4 have no such marks: programs that take 0 or the highest number for one contradict each
+//! other, so heights of 0 are told and kept.
 
+mod metadata;
+mod vk4;
+
+use ndarray::Array2;
+
+use crate::archive::Archive;
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -8,14 +21,14 @@ pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Vk,
         name: "VK4/VK6",
-        extensions: &["vk4", "vk6", "vk7"],
+        extensions: &["vk3", "vk4", "vk6", "vk7"],
         vendor: "Keyence",
-        known_by: "",
-        reads: "",
+        known_by: "`VK3_`, `VK4_`; `VK6` or `VK7` before a BMP preview",
+        reads: "up to three layers of heights, 8, 16 and 32 bits",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
+        missing_points: "points marked in `ErrorImageData` of VK6 and VK7",
+        orientation: "the first stored line is row 0",
         tested: Tested::Specification,
     },
     detect,
@@ -23,10 +36,84 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// Where the size of the preview stands, after `VK6`.
+const PREVIEW_SIZE: usize = 3;
+/// Where the preview starts.
+const PREVIEW: usize = 7;
+/// First bytes of the preview.
+const BITMAP: &[u8] = b"BM";
+/// The file of the archive that holds the heights.
+const HEIGHTS: &str = "Vk4File";
+/// The file of the archive that is an archive of images.
+const IMAGES: &str = "Vk6ImageData";
+/// The image of points without a height.
+const ERRORS: &str = "ErrorImageData";
+/// Bytes before the rows of such an image.
+const ERRORS_HEADER_BYTES: usize = 16;
+
+fn detect(bytes: &[u8]) -> bool {
+    let is_archive = || [b"VK6", b"VK7"].iter().any(|signature| bytes.starts_with(*signature));
+    vk4::detect(bytes) || is_archive() && bytes.get(PREVIEW..).is_some_and(|preview| preview.starts_with(BITMAP))
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Vk, bytes).unsupported("a file", "another format"))
+/// Reads a layer of heights.
+///
+/// # Errors
+/// Archives without a VK4 file, files without heights, and headers that the bytes cannot bear out.
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let input = Input::new(Format::Vk, bytes);
+    if vk4::detect(bytes) {
+        return vk4::read(input, options);
+    }
+    let preview_bytes = usize::try_from(input.u32("the size of the preview", PREVIEW_SIZE)?).unwrap_or(usize::MAX);
+    let end = PREVIEW + input.take("the bytes of the preview", PREVIEW, preview_bytes)?.len();
+    let mut archive = Archive::open(Format::Vk, &bytes[end..])?;
+    let content = archive.read_whole(HEIGHTS, u64::MAX)?;
+    let mut scan = vk4::read(Input::entry(Format::Vk, HEIGHTS, &content), options)?;
+    drop(content);
+    if archive.contains(IMAGES) {
+        let warning = match mark_missing(&mut archive, &mut scan.heights_m) {
+            Ok(0) => None,
+            Ok(marked) => Some(format!("{marked} points are marked in {ERRORS}; they were taken for missing")),
+            Err(error) => Some(format!("{ERRORS} was left out: {error}")),
+        };
+        scan.warnings.extend(warning);
+    }
+    Ok(scan)
+}
+
+/// Makes heights NaN where the image of errors is not 0; how many.
+fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<usize, FormatError> {
+    let images = archive.read_whole(IMAGES, u64::MAX)?;
+    let mut images = Archive::open(Format::Vk, &images)?;
+    if !images.contains(ERRORS) {
+        return Ok(0);
+    }
+    let (ny, nx) = heights_m.dim();
+    // No more than rows twice as long as they need to be.
+    let limit = ERRORS_HEADER_BYTES as u64 + 2 * heights_m.len() as u64;
+    let content = images.read_whole(ERRORS, limit)?;
+    let input = Input::entry(Format::Vk, ERRORS, &content);
+    for (field, offset, wanted) in [("width", 0, nx), ("height", 4, ny), ("bytes per point", 8, 1)] {
+        let found = input.u32(field, offset)?;
+        if usize::try_from(found) != Ok(wanted) {
+            return Err(input.wrong(field, offset, found, &wanted.to_string()));
+        }
+    }
+    let stride = input.u32("bytes per row", 12)?;
+    let stride = usize::try_from(stride)
+        .ok()
+        .filter(|&stride| stride >= nx)
+        .ok_or_else(|| input.wrong("bytes per row", 12, stride, "the width or more"))?;
+    let rows = input.take("the rows", ERRORS_HEADER_BYTES, (ny - 1).saturating_mul(stride).saturating_add(nx))?;
+    let mut marked = 0;
+    for (mut heights, errors) in heights_m.rows_mut().into_iter().zip(rows.chunks(stride)) {
+        for (z, &error) in heights.iter_mut().zip(errors) {
+            if error != 0 {
+                *z = f64::NAN;
+                marked += 1;
+            }
+        }
+    }
+    Ok(marked)
 }

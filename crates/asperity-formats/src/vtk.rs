@@ -1,4 +1,15 @@
-//! VTK image.
+//! VTK image data (`.vti`), for ParaView and other programs that show fields.
+//!
+//! Heights are point data on a grid with the scan's pitch as spacing, little-endian numbers in base64 inside of the XML.
+//! VTK's y points up, a scan's rows run down: the scan's last row is y = 0.
+//! Layout: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderStringWriter;
+use quick_xml::escape::escape;
 
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
@@ -12,21 +23,108 @@ pub(crate) const CODEC: Codec = Codec {
         vendor: "Kitware",
         known_by: "",
         reads: "",
-        writes: "",
+        writes: "float64 `height_m` with a mask `missing`",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
-        tested: Tested::Specification,
+        missing_points: "NaN, hidden points in vtkGhostType",
+        orientation: "y points up: the last row of a scan is written first",
+        tested: Tested::OtherPrograms,
     },
-    detect,
-    read,
-    write: None,
+    detect: |_| false,
+    read: |bytes: &[u8], _options: &ReadOptions| {
+        Err(Input::new(Format::Vtk, bytes).unsupported("a VTK image", "a format that is read"))
+    },
+    write: Some(write_vtk),
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// The bit of vtkGhostType that hides a point.
+const HIDDEN_POINT: u8 = 2;
+
+/// The scan as a VTK image for ParaView. Equal scans give equal bytes.
+///
+/// The point data are `height_m`, NaN where missing, and, where points are missing, the masks `missing` (1) and
+/// `vtkGhostType`, by which VTK hides them. The metadata are texts in the field data.
+///
+/// # Errors
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with a pixel
+/// size that is none.
+pub fn write_vtk(scan: &Scan) -> Result<Vec<u8>, FormatError> {
+    let (dx_m, dy_m) = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Vtk })?;
+    let (ny, nx) = scan.heights_m.dim();
+    if ny == 0 || nx == 0 {
+        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
+    }
+    if [dx_m, dy_m].iter().any(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
+        return Err(not_storable(format!("a pixel size of {dx_m} × {dy_m} m"), "positive numbers"));
+    }
+    let extent = format!("0 {} 0 {} 0 0", nx - 1, ny - 1);
+    let upwards = || scan.heights_m.rows().into_iter().rev().flatten();
+    let mut data = array("Float64", "height_m", nx * ny, upwards().map(|z| finite(*z).to_le_bytes()))?;
+    if scan.missing_points() > 0 {
+        let mask = |value: u8| upwards().map(move |z| [if z.is_finite() { 0 } else { value }]);
+        data += &array("UInt8", "missing", nx * ny, mask(1))?;
+        data += &array("UInt8", "vtkGhostType", nx * ny, mask(HIDDEN_POINT))?;
+    }
+    // One layer has no thickness; VTK wants a spacing all the same.
+    Ok(format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?>
+<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+  <ImageData WholeExtent="{extent}" Origin="0 0 0" Spacing="{dx_m:e} {dy_m:e} {dx_m:e}">
+    <FieldData>
+{fields}    </FieldData>
+    <Piece Extent="{extent}">
+      <PointData Scalars="height_m">
+{data}      </PointData>
+    </Piece>
+  </ImageData>
+</VTKFile>
+"#,
+        fields = texts(scan),
+    )
+    .into_bytes())
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Vtk, bytes).unsupported("a file", "another format"))
+fn finite(z: f64) -> f64 {
+    if z.is_finite() { z } else { f64::NAN }
+}
+
+/// An array of `count` numbers of `N` bytes each, behind their size in bytes.
+fn array<const N: usize>(
+    kind: &str,
+    name: &str,
+    count: usize,
+    numbers: impl Iterator<Item = [u8; N]>,
+) -> Result<String, FormatError> {
+    let mut encoder = EncoderStringWriter::new(&STANDARD);
+    let written = encoder
+        .write_all(&((count * N) as u64).to_le_bytes())
+        .and_then(|()| numbers.into_iter().try_for_each(|number| encoder.write_all(&number)));
+    written.map_err(|error| not_storable(error.to_string(), "numbers as base64"))?;
+    Ok(format!(
+        "        <DataArray type=\"{kind}\" Name=\"{name}\" format=\"binary\">{}</DataArray>\n",
+        encoder.into_inner()
+    ))
+}
+
+/// The metadata, each text as the codes of its bytes with a zero after them.
+fn texts(scan: &Scan) -> String {
+    let mut fields = String::new();
+    for (name, text) in &scan.metadata {
+        // XML 1.0 has no place for other control characters, not even escaped.
+        let name: String = name.chars().filter(|c| !c.is_control()).collect();
+        let _ = write!(
+            fields,
+            "      <Array type=\"String\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">",
+            escape(name.as_str())
+        );
+        for byte in text.bytes().filter(|&byte| byte != 0) {
+            // Writing to a String cannot fail.
+            let _ = write!(fields, "{byte} ");
+        }
+        fields.push_str("0</Array>\n");
+    }
+    fields
+}
+
+fn not_storable(found: String, wanted: &'static str) -> FormatError {
+    FormatError::NotStorable { format: Format::Vtk, found, wanted }
 }

@@ -3,7 +3,17 @@
 //! point.
 //!
 //! A stored number n on the z axis is the height n·increment + offset in metre; x varies fastest, then y, then the
-//! layer. Schema and sample files: <https://www.opengps.eu>.
+//! layer. Lengths are metre by the standard. The increment of an axis is the distance between its points. Schema and
+//! sample files: <https://www.opengps.eu>.
+//!
+//! The schema names the number types int16 (I), int32 (L), float32 (F) and float64 (D): the integers are signed, and the
+//! sample of openGPS whose binary form has a text form beside it holds −308 as an int16 of 0xFECC. Readers that take them
+//! for unsigned agree only from 0 on.
+//!
+//! Row 0 of a scan is the first stored line. In the right-handed coordinates of ISO 25178-72 y grows from line to line,
+//! which seen from above puts the first line at the bottom; in ISO 5436-2 counting started at the top left. A file does
+//! not tell which of them its writer had in mind, since both revisions of the format call themselves `ISO5436 - 2000`.
+//! Gwyddion and x3ptools show the first line at the top.
 
 mod read;
 mod write;
@@ -20,12 +30,12 @@ pub(crate) const CODEC: Codec = Codec {
         name: "X3P",
         extensions: &["x3p"],
         vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
-        known_by: "zip archive with main.xml",
+        known_by: "zip archive with `main.xml`",
         reads: "int16, int32, float32, float64, text lists in main.xml; layers; no profiles (PRF), no point clouds (PCL)",
         writes: "float64; float32 and int16 by option",
         stores_pitch: true,
         missing_points: "NaN, ±inf, cleared bits of valid.bin",
-        orientation: "the first stored line is row 0",
+        orientation: "the first stored line is the top one, row 0: the format does not say; programs show it so",
         tested: Tested::InstrumentFiles,
     },
     detect,
@@ -36,9 +46,27 @@ pub(crate) const CODEC: Codec = Codec {
 /// First bytes of a zip archive.
 pub(crate) const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 
-/// Every zip archive that no other format claims.
+/// Bytes at either end of an archive where the name of `main.xml` is looked for: the directory is at its end, and an
+/// archive that was cut off has headers at its start.
+const SEARCHED_BYTES: usize = 1 << 18;
+/// Bytes from the signature of a header in the directory of an archive, and of one before a file, to the name.
+const NAME_OFFSETS: [(&[u8], usize); 2] = [(b"PK\x01\x02", 46), (b"PK\x03\x04", 30)];
+
+/// Zip archives with a file `main.xml`, in a folder or not.
 fn detect(bytes: &[u8]) -> bool {
-    bytes.starts_with(ZIP_MAGIC)
+    let is_named_main = |part: &[u8], at: usize| {
+        let is_in_folder = at > 0 && matches!(part[at - 1], b'/' | b'\\');
+        let starts = |&(signature, offset): &(&[u8], usize)| {
+            at.checked_sub(offset).is_some_and(|header| part[header..].starts_with(signature))
+        };
+        is_in_folder || NAME_OFFSETS.iter().any(starts)
+    };
+    let holds_main = |part: &[u8]| {
+        let mut places = part.windows(MAIN.len()).enumerate().filter(|(_, window)| *window == MAIN.as_bytes());
+        places.any(|(at, _)| is_named_main(part, at))
+    };
+    let (head, tail) = (bytes.len().min(SEARCHED_BYTES), bytes.len().saturating_sub(SEARCHED_BYTES));
+    bytes.starts_with(ZIP_MAGIC) && (holds_main(&bytes[..head]) || holds_main(&bytes[tail..]))
 }
 
 /// The file of the archive that describes all others.
@@ -54,6 +82,9 @@ const VALID_POINTS: &str = "bindata/valid.bin";
 mod path {
     pub(super) const FEATURE_TYPE: &str = "Record1/FeatureType";
     pub(super) const AXES: &str = "Record1/Axes";
+    /// Not in the standard; written by some programs.
+    pub(super) const ORIGIN: &str = "Record1/Axes/Origin";
+    pub(super) const MANUFACTURER: &str = "Record2/Instrument/Manufacturer";
     pub(super) const SIZE_X: &str = "Record3/MatrixDimension/SizeX";
     pub(super) const SIZE_Y: &str = "Record3/MatrixDimension/SizeY";
     pub(super) const SIZE_Z: &str = "Record3/MatrixDimension/SizeZ";
@@ -85,6 +116,15 @@ impl X3pData {
             Self::Int16 => "I",
             Self::Float32 => "F",
             Self::Float64 => "D",
+        }
+    }
+
+    /// The type itself.
+    fn sample(self) -> Sample {
+        match self {
+            Self::Int16 => Sample::I16,
+            Self::Float32 => Sample::F32,
+            Self::Float64 => Sample::F64,
         }
     }
 }

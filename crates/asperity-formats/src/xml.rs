@@ -9,10 +9,15 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
 use crate::error::shown;
+use crate::input::{MAX_TEXT_BYTES, utf16};
 use crate::{Format, FormatError, Location};
 
 /// Elements inside each other; descriptions of instruments need about five.
 const MAX_DEPTH: usize = 32;
+/// Bytes of the names of all elements that are open at one place.
+const MAX_PATH_BYTES: usize = 1 << 10;
+/// Elements of different paths; descriptions of instruments need hundreds.
+const MAX_VALUES: usize = 1 << 14;
 
 /// The text of one element and where it ends.
 pub(crate) struct Value {
@@ -72,6 +77,11 @@ impl Document {
                         }
                         open.push_str(start.local_name().into_inner());
                     }
+                    // Every path is kept: long ones around many elements would take far more memory than their text.
+                    if open.len() > MAX_PATH_BYTES {
+                        let reason = format!("names of more than {MAX_PATH_BYTES} bytes inside each other");
+                        return Err(damaged(reason, reader.buffer_position()));
+                    }
                     content.clear();
                     is_leaf = true;
                 }
@@ -83,10 +93,10 @@ impl Document {
                     content.clear();
                     is_leaf = false;
                 }
-                Ok(Event::Text(text)) => content.push_str(&text.xml10_content()),
-                Ok(Event::CData(text)) => content.push_str(&text.xml10_content()),
+                Ok(Event::Text(text)) => append(&mut content, &text.xml10_content()),
+                Ok(Event::CData(text)) => append(&mut content, &text.xml10_content()),
                 Ok(Event::GeneralRef(reference)) => match resolve(&reference) {
-                    Some(text) => content.push_str(&text),
+                    Some(text) => append(&mut content, &text),
                     None => {
                         let reason = format!("the entity &{}; is unknown", shown(&reference));
                         return Err(damaged(reason, reader.buffer_position()));
@@ -111,10 +121,15 @@ impl Document {
                 datum.ok_or_else(|| self.wrong(path, text, offset, "one number, or nothing for a missing point"))?;
             self.list.get_or_insert_default().push(datum);
         } else if !text.is_empty() {
+            let is_full = self.values.len() >= MAX_VALUES;
             match self.values.get_mut(path) {
                 Some(value) => {
-                    value.text.push('\n');
-                    value.text.push_str(text);
+                    append(&mut value.text, "\n");
+                    append(&mut value.text, text);
+                }
+                None if is_full => {
+                    let reason = format!("more than {MAX_VALUES} different elements");
+                    return Err(FormatError::Xml { format: self.format, at: self.at(offset), reason });
                 }
                 None => {
                     self.values.insert(path.into(), Value { text: text.into(), offset });
@@ -173,6 +188,12 @@ impl Document {
     }
 }
 
+/// Adds to a text as much as is kept of it.
+fn append(text: &mut String, more: &str) {
+    let room = MAX_TEXT_BYTES.saturating_sub(text.len());
+    text.push_str(&more[..more.floor_char_boundary(room)]);
+}
+
 /// The text of a character reference or a predefined entity.
 fn resolve(reference: &BytesRef) -> Option<String> {
     match reference.resolve_char_ref() {
@@ -183,17 +204,17 @@ fn resolve(reference: &BytesRef) -> Option<String> {
 
 /// XML text from bytes: UTF-16 by its byte-order mark, UTF-8, and Latin-1 for what is not UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
-        let units = bytes.as_chunks::<2>().0.iter().map(|&pair| unit(pair));
-        char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
-    };
-    match bytes {
-        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
-        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-            let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
-            std::str::from_utf8(bytes).map_or_else(|_| Cow::Owned(latin1()), Cow::Borrowed)
-        }
+    if let Some(text) = utf16(bytes) {
+        return Cow::Owned(text);
     }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes).map_or_else(
+        |_| {
+            // Two bytes at most for each; growing by doubling would take more.
+            let mut text = String::with_capacity(2 * bytes.len());
+            text.extend(bytes.iter().map(|&byte| char::from(byte)));
+            Cow::Owned(text)
+        },
+        Cow::Borrowed,
+    )
 }

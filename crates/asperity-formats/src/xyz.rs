@@ -1,21 +1,42 @@
-//! XYZ.
+//! Points x, y, z on a grid as text, one point per line, and the XYZ files of Zygo.
+//!
+//! Points follow each other along x or along y, in either direction. The grid is found from the coordinates: a point
+//! may lie beside its grid point by [a quarter of a step](grid::TOLERANCE), which leaves room for the rounding of
+//! coarse digits and for the jitter of a stage. Grid points without a point are missing, as are heights `nan`, `BAD`
+//! and `No Data`; points that would leave three of four grid points empty are refused, as two points in one place are.
+//!
+//! y points up, so the largest y is row 0. Units stand in a header: `x [mm] y [mm] z [um]`, `mm, mm, um`, or keys such
+//! as `unit: um` and `z unit: nm`. Without one, all coordinates are in metre, which a spacing beyond a millimetre makes
+//! doubtful.
+//!
+//! A Zygo file starts with 13 lines and `#`. Its x and y count pixels from the upper left corner, heights are in
+//! micrometre, and the header states the pixel size in metre.
+//! (Zygo, *MetroPro Reference Guide* OMP-0347, appendix B.)
+
+mod grid;
+
+use ndarray::Array2;
 
 use crate::format::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::input::utf8_or_latin1;
+use crate::text::header::{Header, unit};
+use crate::text::rows::{self, Layout};
+use crate::text::{COMMENT, Head, Separator, TEXT_PROBE, is_text, lines, utf8};
+use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Xyz,
         name: "XYZ",
         extensions: &["xyz"],
-        vendor: "any",
-        known_by: "",
-        reads: "",
+        vendor: "any; Zygo",
+        known_by: "three columns of which the first two step like a grid; `Zygo XYZ Data File`",
+        reads: "points on a grid in any order of lines; spaces, tabs, commas or semicolons; units from the header",
         writes: "",
         stores_pitch: true,
-        missing_points: "",
-        orientation: "",
+        missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
+        orientation: "y points up: the largest y is row 0; in Zygo files y points down",
         tested: Tested::Specification,
     },
     detect,
@@ -23,10 +44,257 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-fn detect(_bytes: &[u8]) -> bool {
-    false
+/// First bytes of a Zygo file.
+const ZYGO: &[u8] = b"Zygo XYZ Data File";
+/// Steps between lines are longer than so many usual steps across a line, which are jitter or none.
+const JITTER: f64 = 4.0;
+/// Steps along a line that outweigh one that breaks the grid.
+const AGAINST: usize = 4;
+/// Points of the probe that must step along a line where no second line is in sight.
+const MIN_STEPS: usize = 8;
+/// Spacing beyond which coordinates are not likely to be metre.
+const MAX_PLAUSIBLE_M: f64 = 1e-3;
+
+/// Whether the first lines are points of a grid: along the lines one of the first two values steps and the other stays.
+///
+/// A map with three columns of heights does not do that.
+fn detect(bytes: &[u8]) -> bool {
+    if bytes.starts_with(ZYGO) {
+        return true;
+    }
+    if !is_text(bytes) {
+        return false;
+    }
+    let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
+    let (probe, line_end) = lines(&probe);
+    let whole = bytes.len() <= TEXT_PROBE;
+    // The last line of a longer text is cut.
+    let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
+    let head = Head::read(&probe[..end], line_end, true);
+    let layout = layout(&head.first_row, line_end);
+    let Ok(table) = rows::read(&probe[head.start.min(end)..end], &layout, 0) else { return false };
+    !head.header.states_pixels() && layout.count(&head.first_row) == Some(3) && steps_like_a_grid(&table.values, whole)
+}
+
+fn layout(first_row: &[u8], line_end: u8) -> Layout {
+    Layout::new(Format::Xyz, Separator::of(first_row), COMMENT, line_end).with_columns(3)
+}
+
+fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
+    let steps =
+        |axis: usize| values.chunks_exact(3).zip(values.chunks_exact(3).skip(1)).map(move |(a, b)| b[axis] - a[axis]);
+    let usual = |axis| {
+        let mut steps: Vec<f64> = steps(axis).map(f64::abs).collect();
+        steps.sort_unstable_by(f64::total_cmp);
+        steps.get(steps.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+    };
+    let usual = [usual(0), usual(1)];
+    let fast = usize::from(usual[1] > usual[0]);
+    let (mut along, mut between, mut against, mut direction) = (0, 0, 0, 0.0);
+    for (fast_step, slow_step) in steps(fast).zip(steps(1 - fast)) {
+        if fast_step.is_nan() || slow_step.is_nan() {
+            continue;
+        }
+        let goes_on = fast_step.abs() >= 0.5 * usual[fast] && fast_step * direction >= 0.0 && fast_step != 0.0;
+        // Where lines lie closer than the points on them, only the turn tells that a new one starts.
+        let is_far = slow_step.abs() > TOLERANCE * usual[fast];
+        if is_far || !goes_on && slow_step.abs() > JITTER * usual[1 - fast] {
+            between += 1;
+            direction = 0.0;
+        } else if goes_on {
+            along += 1;
+            direction = fast_step;
+        } else {
+            // Back to where a point was.
+            against += 1;
+            direction = 0.0;
+        }
+    }
+    along > between + AGAINST * against
+        && if whole { along >= 3 && between >= 1 } else { along >= MIN_STEPS || along >= 3 && between >= 1 }
 }
 
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
-    Err(Input::new(Format::Xyz, bytes).unsupported("a file", "another format"))
+    let text = utf8(bytes);
+    let (bytes, line_end) = lines(&text);
+    if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end) }
+}
+
+fn read_points(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
+    let Head { mut header, start, lines, first_row } = Head::read(bytes, line_end, true);
+    let list = List { bytes: &bytes[start..], lines, layout: layout(&first_row, line_end), line_end };
+    let mut table = list.table()?;
+    for comment in std::mem::take(&mut table.comments) {
+        header.add(&comment);
+    }
+    let units = units(&header, &bytes[..start]);
+    let grid = Points(&table.values).grid().map_err(|reason| list.error(&reason))?;
+    drop(table);
+    let [per_metre_x, per_metre_y, per_metre_z] = units.map(|unit| unit.unwrap_or(1.0));
+    let [dx_m, dy_m] = [grid.axes[0].step / per_metre_x, grid.axes[1].step / per_metre_y];
+    let mut warnings = Vec::new();
+    if units[0].is_none() && dx_m.max(dy_m) > MAX_PLAUSIBLE_M {
+        warnings.push(format!(
+            "no unit is stated; x, y and z were taken as metre, which makes pixels of {dx_m:e} × {dy_m:e} m"
+        ));
+    }
+    let mut heights_m = map(grid)?;
+    heights_m.invert_axis(ndarray::Axis(0));
+    heights_m.mapv_inplace(|z| z / per_metre_z);
+    let heights_m = heights_m.as_standard_layout().into_owned();
+    Ok(Scan { metadata: header.metadata(), warnings, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
+}
+
+fn map(grid: Grid) -> Result<Array2<f64>, FormatError> {
+    let [columns, rows] = grid.axes.map(|axis| axis.lines);
+    Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
+}
+
+/// How often the units of x, y and z go into a metre: from keys, or from words in brackets or columns of the header.
+fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
+    let keyed = header.units();
+    if keyed.iter().any(Option::is_some) {
+        return keyed;
+    }
+    let text = utf8_or_latin1(head);
+    let in_brackets = text.split(['[', '(']).skip(1).filter_map(|rest| unit(rest.split([']', ')']).next()?));
+    // `mm mm um`, or `x/mm y/mm z/um`: every column ends with a unit.
+    let in_columns = |line: &str| {
+        let words = line.trim_start_matches(['#', '%']).split([' ', '\t', ',', ';', '\r']);
+        let words = words.filter(|word| !word.is_empty()).map(|word| unit(word.rsplit('/').next().unwrap_or(word)));
+        words.collect::<Option<Vec<_>>>().filter(|units| matches!(units.len(), 1 | 3))
+    };
+    let mut named: Vec<f64> = in_brackets.take(4).collect();
+    if named.is_empty() {
+        named = text.lines().find_map(in_columns).unwrap_or_default();
+    }
+    match named[..] {
+        [all] => [Some(all); 3],
+        [lateral, z] => [Some(lateral), Some(lateral), Some(z)],
+        [x, y, z] => [Some(x), Some(y), Some(z)],
+        _ => [None; 3],
+    }
+}
+
+/// The lines of points in a text.
+struct List<'a> {
+    bytes: &'a [u8],
+    /// Lines before the first point.
+    lines: usize,
+    layout: Layout,
+    line_end: u8,
+}
+
+impl List<'_> {
+    fn table(&self) -> Result<rows::Table, FormatError> {
+        let table = rows::read(self.bytes, &self.layout, self.lines).map_err(|error| match error {
+            FormatError::Ragged { line, found, .. } => FormatError::Field {
+                format: Format::Xyz,
+                field: "the number of values".into(),
+                at: Location::Line(line),
+                found: found.to_string(),
+                wanted: "3: x, y and z".into(),
+            },
+            error => error,
+        })?;
+        if table.rows == 0 { Err(nothing(self.lines + 1)) } else { Ok(table) }
+    }
+
+    /// The line of a point, counted from 1.
+    fn line(&self, point: usize) -> usize {
+        let mut rows = self
+            .bytes
+            .split(|&byte| byte == self.line_end)
+            .enumerate()
+            .filter(|(_, line)| self.layout.count(line).is_some_and(|values| values > 0));
+        self.lines + rows.nth(point).map_or(0, |(index, _)| index) + 1
+    }
+
+    fn error(&self, reason: &NoGrid) -> FormatError {
+        let name = |axis: usize| ["x", "y"][axis];
+        let field = |field: &str, point: usize, found: String, wanted: &str| FormatError::Field {
+            format: Format::Xyz,
+            field: field.into(),
+            at: Location::Line(self.line(point)),
+            found,
+            wanted: wanted.into(),
+        };
+        match *reason {
+            NoGrid::NotFinite { point, axis } => field(name(axis), point, "not finite".into(), "a number"),
+            NoGrid::Off { point, axis, steps } => field(
+                name(axis),
+                point,
+                format!("{steps:.2} steps off the grid"),
+                &format!("at most {TOLERANCE}; the points must lie on a grid"),
+            ),
+            NoGrid::Twice { point } => {
+                field("the point", point, "in the place of another".into(), "one point for each place of the grid")
+            }
+            NoGrid::Line { axis } => unsupported(format!("the points have no grid along {}", name(axis))),
+            NoGrid::Sparse { columns, rows } => unsupported(format!(
+                "the points would fill less than 1 of {MAX_SPREAD} places of a grid of {columns} × {rows}"
+            )),
+        }
+    }
+}
+
+fn unsupported(found: String) -> FormatError {
+    FormatError::Unsupported { format: Format::Xyz, found, wanted: "points on a regular grid" }
+}
+
+fn nothing(line: usize) -> FormatError {
+    FormatError::MissingField {
+        format: Format::Xyz,
+        field: "a line of x, y and z".into(),
+        at: Location::Line(line),
+        wanted: "one point per line".into(),
+    }
+}
+
+/// Lines of a Zygo header before the one that ends it, and what is kept of them.
+const ZYGO_LINES: usize = 13;
+const ZYGO_NOTES: [(usize, &str); 5] =
+    [(1, "software"), (4, "comment"), (5, "part serial number"), (6, "part number"), (8, "system")];
+/// The line and the place in it of the pixel size.
+const CAMERA_RESOLUTION: (usize, usize) = (7, 6);
+/// Heights of Zygo files in a metre: they are in micrometre.
+const ZYGO_PER_METRE: f64 = 1e6;
+
+fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
+    let (mut head, mut start) = (Vec::new(), 0);
+    for line in bytes.split(|&byte| byte == line_end).take(2 * ZYGO_LINES) {
+        start += line.len() + 1;
+        if line.trim_ascii() == b"#" {
+            break;
+        }
+        head.push(utf8_or_latin1(line.trim_ascii()));
+    }
+    if head.len() < ZYGO_LINES || start >= bytes.len() {
+        return Err(FormatError::MissingField {
+            format: Format::Xyz,
+            field: "the line `#` behind the header".into(),
+            at: Location::Line(head.len() + 1),
+            wanted: format!("{ZYGO_LINES} lines, `#`, and the points"),
+        });
+    }
+    let layout = layout(b"", line_end);
+    let list = List { bytes: &bytes[start..], lines: head.len() + 1, layout, line_end };
+    let table = list.table()?;
+    let grid = Points(&table.values).grid().map_err(|reason| list.error(&reason))?;
+    let mut warnings = Vec::new();
+    let (line, place) = CAMERA_RESOLUTION;
+    let resolution_m = head[line].split_whitespace().nth(place).and_then(|word| word.parse::<f64>().ok());
+    let pitch_m = resolution_m
+        .filter(|resolution| *resolution > 0.0)
+        .map(|resolution| (grid.axes[0].step * resolution, grid.axes[1].step * resolution));
+    if pitch_m.is_none() {
+        warnings.push("the camera was not calibrated; no pixel size was read".into());
+    }
+    let mut header = Header::default();
+    header.insert("format", &head[0]);
+    for (line, key) in ZYGO_NOTES {
+        header.insert(key, head[line].trim_matches('"').trim());
+    }
+    let heights_m = map(grid)?.mapv_into(|z| z / ZYGO_PER_METRE);
+    Ok(Scan { metadata: header.metadata(), warnings, ..Scan::new(heights_m, pitch_m) })
 }

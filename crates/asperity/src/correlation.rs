@@ -7,19 +7,24 @@
 
 mod bessel;
 mod estimate;
-
 mod fit;
 mod least_squares;
+mod measured;
 mod model;
+pub(crate) mod profiles;
 mod record;
 mod spectrum;
 
 pub use bessel::bessel_k;
-pub use estimate::{Autocorrelation, Axis, EstimateError};
+pub use estimate::{Autocorrelation, Axis, EstimateError, axis_correlation, axis_correlation_length_m};
 pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
-pub use model::{CorrelationModel, Covariance, CovarianceError, SeparableCovariance, StationaryCovariance};
+pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
+pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use record::{
     LagNormalisation, RecordCorrelation, RecordFit, RecordModel, autocorrelation_1d, fit_record,
     fit_windowed_exponential, windowed_exponential,
 };
-pub use spectrum::{ProfileSpectrum, RadialSpectrum, SpectrumRoute, profile_spectrum, radial_spectrum};
+pub use spectrum::{
+    AngularSpectrum, AreaSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute, UpperLimit,
+    profile_spectrum, radial_spectrum,
+};

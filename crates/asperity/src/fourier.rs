@@ -4,16 +4,26 @@
 //! The forward transform is X[ky, kx] = Σ x[row, column] e^{−2πi(kx·column/nx + ky·row/ny)}, unnormalised; the inverse
 //! divides by nx·ny. Only kx = 0 … nx/2 is stored, and the spectrum stays *transposed*: one contiguous slice of shape
 //! `[nx/2 + 1, ny]`, so that the second pass runs along contiguous memory and products need no second transpose.
+//!
+//! Rows and columns of large maps are shared among the threads of the current pool. Every one of them is transformed on
+//! its own, so the bits of a result depend on neither the number of threads nor who did what.
+
+mod lanes;
+mod products;
 
 use std::fmt;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 pub use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
-/// Edge of the square blocks in which a matrix is transposed: two blocks of 16² complex numbers fit the first cache.
-const TRANSPOSE_BLOCK: usize = 16;
+use lanes::{BLOCK, TILE, gather};
+pub(crate) use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
+
+/// Points of a map from which its rows are worth sharing among threads: sharing costs some microseconds.
+const SHARED_FROM: usize = 1 << 15;
 
 /// A planned transform of real `ny` × `nx` maps. Cheap to clone and to share between threads.
 #[derive(Clone)]
@@ -32,11 +42,20 @@ impl fmt::Debug for RealFft2 {
     }
 }
 
-/// Scratch memory of one thread for one [`RealFft2`].
+/// Scratch memory of one caller for one [`RealFft2`].
 #[derive(Debug, Clone)]
 pub struct Workspace {
+    /// Transformed rows, before the columns.
     rows: Vec<Complex64>,
+    lane: Lane,
+}
+
+/// Scratch memory of one thread.
+#[derive(Debug, Clone)]
+struct Lane {
     real_row: Vec<f64>,
+    /// [`BLOCK`] half-transformed rows.
+    block: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
@@ -85,18 +104,38 @@ impl RealFft2 {
         if kx == 0 || 2 * kx == self.nx { 1.0 } else { 2.0 }
     }
 
-    /// Scratch memory for one thread.
+    /// Scratch memory for one caller.
     pub fn workspace(&self) -> Workspace {
+        Workspace { rows: self.spectrum(), lane: self.lane() }
+    }
+
+    fn lane(&self) -> Lane {
         let scratch = [
             self.row_forward.get_scratch_len(),
             self.row_inverse.get_scratch_len(),
             self.column_forward.get_inplace_scratch_len(),
             self.column_inverse.get_inplace_scratch_len(),
         ];
-        Workspace {
-            rows: self.spectrum(),
+        Lane {
             real_row: vec![0.0; self.nx],
+            block: vec![Complex64::default(); BLOCK.min(self.ny) * self.stored_kx()],
             scratch: vec![Complex64::default(); scratch.into_iter().max().unwrap_or(0)],
+        }
+    }
+
+    /// Does `work` on every chunk of `length` values of `slice`, shared among threads where the map is large.
+    fn for_chunks<T: Send>(
+        &self,
+        slice: &mut [T],
+        length: usize,
+        lane: &mut Lane,
+        work: impl Fn(&mut Lane, usize, &mut [T]) + Sync,
+    ) {
+        if self.nx * self.ny < SHARED_FROM {
+            slice.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(lane, index, chunk));
+        } else {
+            let chunks = slice.par_chunks_mut(length).enumerate();
+            chunks.for_each_init(|| self.lane(), |lane, (index, chunk)| work(lane, index, chunk));
         }
     }
 
@@ -123,22 +162,19 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        for (row, out) in work.rows.chunks_exact_mut(stored).enumerate() {
-            if row >= rows {
-                out.fill(Complex64::default());
-                continue;
-            }
-            work.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
-            work.real_row[columns..].fill(0.0);
-            let done = self.row_forward.process_with_scratch(
-                &mut work.real_row,
-                out,
-                &mut work.scratch[..self.row_forward.get_scratch_len()],
-            );
+        let Workspace { rows: transformed, lane } = work;
+        self.for_chunks(&mut transformed[..rows * stored], stored, lane, |lane, row, out| {
+            lane.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
+            lane.real_row[columns..].fill(0.0);
+            let scratch = &mut lane.scratch[..self.row_forward.get_scratch_len()];
+            let done = self.row_forward.process_with_scratch(&mut lane.real_row, out, scratch);
             debug_assert!(done.is_ok());
-        }
-        transpose(&work.rows, spectrum, self.ny, stored);
-        self.column_forward.process_with_scratch(spectrum, &mut work.scratch);
+        });
+        let transformed = &transformed[..rows * stored];
+        self.for_chunks(spectrum, BLOCK * self.ny, lane, |lane, block, out| {
+            gather(transformed.chunks(TILE * stored), stored, block * BLOCK, out, self.ny);
+            self.column_forward.process_with_scratch(out, &mut lane.scratch);
+        });
     }
 
     /// Transforms `spectrum` back into `map`, dividing by nx·ny. The spectrum is used as scratch memory.
@@ -164,40 +200,25 @@ impl RealFft2 {
         assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
-        self.column_inverse.process_with_scratch(spectrum, &mut work.scratch);
-        transpose(spectrum, &mut work.rows, stored, self.ny);
+        self.for_chunks(spectrum, BLOCK * self.ny, &mut work.lane, |lane, _, columns| {
+            self.column_inverse.process_with_scratch(columns, &mut lane.scratch);
+        });
+        let spectrum = &*spectrum;
         let scale = 1.0 / (self.nx * self.ny) as f64;
-        for (input, out) in work.rows.chunks_exact_mut(stored).zip(map.chunks_exact_mut(columns)) {
-            // A real row has real first and Nyquist coefficients; rounding leaves dust there that realfft refuses.
-            input[0].im = 0.0;
-            if self.nx.is_multiple_of(2) {
-                input[stored - 1].im = 0.0;
-            }
-            let done = self.row_inverse.process_with_scratch(
-                input,
-                &mut work.real_row,
-                &mut work.scratch[..self.row_inverse.get_scratch_len()],
-            );
-            debug_assert!(done.is_ok());
-            for (value, real) in out.iter_mut().zip(&work.real_row) {
-                *value = real * scale;
-            }
-        }
-    }
-}
-
-/// Writes the transpose of `from` (`rows` × `columns`) into `to`, block by block.
-fn transpose(from: &[Complex64], to: &mut [Complex64], rows: usize, columns: usize) {
-    for row_block in (0..rows).step_by(TRANSPOSE_BLOCK) {
-        let row_end = (row_block + TRANSPOSE_BLOCK).min(rows);
-        for column_block in (0..columns).step_by(TRANSPOSE_BLOCK) {
-            let column_end = (column_block + TRANSPOSE_BLOCK).min(columns);
-            for column in column_block..column_end {
-                for row in row_block..row_end {
-                    to[column * rows + row] = from[row * columns + column];
+        self.for_chunks(map, BLOCK * columns, &mut work.lane, |lane, block, out| {
+            let Lane { real_row, block: inputs, scratch } = lane;
+            let inputs = &mut inputs[..out.len() / columns * stored];
+            gather(spectrum.chunks(TILE * self.ny), self.ny, block * BLOCK, inputs, stored);
+            for (input, out) in inputs.chunks_exact_mut(stored).zip(out.chunks_exact_mut(columns)) {
+                lanes::make_real(input, self.nx);
+                let scratch = &mut scratch[..self.row_inverse.get_scratch_len()];
+                let done = self.row_inverse.process_with_scratch(input, real_row, scratch);
+                debug_assert!(done.is_ok());
+                for (value, real) in out.iter_mut().zip(real_row.iter()) {
+                    *value = real * scale;
                 }
             }
-        }
+        });
     }
 }
 
@@ -253,6 +274,27 @@ mod tests {
             fft.inverse(&mut spectrum, &mut back, &mut work);
             assert!(back.iter().zip(&map).all(|(a, b)| (a - b).abs() < 1e-13));
         }
+    }
+
+    #[test]
+    fn the_bits_do_not_depend_on_the_number_of_threads() {
+        let (nx, ny) = (360, 250);
+        let map = random::standard_normal(&mut random::stream(3, "fourier", 0), 300 * 200);
+        let fft = RealFft2::new(nx, ny);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
+                fft.forward_padded(&map, 200, 300, &mut spectrum, &mut work);
+                let forward = spectrum.clone();
+                let mut back = vec![0.0; 300 * 200];
+                fft.inverse_cropped(&mut spectrum, &mut back, 200, 300, &mut work);
+                (forward, back)
+            })
+        };
+        let alone = with(1);
+        assert!(alone == with(2) && alone == with(3));
+        assert!(alone.1.iter().zip(&map).all(|(a, b)| (a - b).abs() < 1e-13));
     }
 
     #[test]

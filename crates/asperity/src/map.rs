@@ -185,6 +185,12 @@ impl HeightMap {
         &self.heights_m
     }
 
+    /// All heights in row order, in metre, NaN where missing.
+    pub fn values_m(&self) -> &[f64] {
+        // `new` keeps rows contiguous, so that there always is a slice.
+        self.heights_m.as_slice().unwrap_or_default()
+    }
+
     /// The heights that are present, in row order, in metre.
     pub fn present_m(&self) -> impl Iterator<Item = f64> + '_ {
         self.heights_m.iter().copied().filter(|z| !z.is_nan())

@@ -1,9 +1,11 @@
 //! Sample statistics: moments, intervals, histograms, and how much a correlated record is worth.
 
 mod autocorrelation;
+pub(crate) mod blocks;
 mod bootstrap;
 mod histogram;
 mod moments;
+mod sorting;
 
 use thiserror::Error;
 
@@ -11,7 +13,8 @@ pub(crate) use autocorrelation::lag_sums;
 pub use autocorrelation::{CorrelationTime, correlation_time};
 pub use bootstrap::{Bootstrap, Resampling};
 pub use histogram::Histogram;
-pub use moments::Moments;
+pub use moments::{Extent, Moments};
+pub(crate) use sorting::{Order, sorted};
 
 /// Why a statistic is undefined.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -78,9 +81,8 @@ pub fn quantile_sorted(sorted: &[f64], probability: f64) -> f64 {
 
 /// The present (not NaN) values, sorted.
 pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    sorted
+    let present: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
+    sorted(&present, 0.0, Order::Ascending)
 }
 
 /// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.

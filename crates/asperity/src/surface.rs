@@ -1,6 +1,8 @@
 //! What a rough surface is, and how to draw maps like it (paper §2).
 
 pub mod areal;
+mod conditional;
+mod filling;
 pub mod filter;
 pub mod fractal;
 mod gaussian;
@@ -13,12 +15,17 @@ mod translation;
 pub mod uncertainty;
 mod weierstrass_mandelbrot;
 
+pub use conditional::{ConditionalError, ConditionalSurface, Conditioning, surrounded};
+pub use filling::{FillCovariance, FillError, FillMarginal, FillOptions, Filling, filling_memory_bytes};
 pub use gaussian::{GaussianSurface, GeneratorError};
 pub use karhunen_loeve::{
     KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_memory_bytes, profile_modes,
 };
 pub use spectral::SpectralField;
-pub use translation::{Predistorted, Translated, TranslationError, TranslationReport};
+pub use translation::{
+    CorrectedField, CorrectionReport, Feasibility, Predistorted, Translated, TranslationCorrection, TranslationError,
+    TranslationReport,
+};
 pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};
 
 use crate::map::{Grid, HeightMap};

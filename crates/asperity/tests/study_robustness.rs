@@ -286,13 +286,13 @@ fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
 }
 
 #[test]
-fn a_scan_without_any_complete_profile_has_no_spectrum_but_all_else() {
+fn a_scan_without_any_complete_profile_has_everything() {
     let mut heights = rough(96, 96, 16e-6);
     (0..96).for_each(|i| heights[[i, (7 * i) % 96]] = f64::NAN);
     let folder = folder_with(heights);
     let outcome = run_in(folder.path(), &measured(), Some(Stage::Surface)).unwrap();
     assert_numbers(&outcome, USUAL);
-    assert!(!outcome.tables.contains_key("height_psd") && outcome.tables.contains_key("height_acf"));
+    assert!(outcome.tables.contains_key("height_psd") && outcome.tables.contains_key("height_acf"));
     assert_eq!(outcome.results.surface.unwrap().statistics.unwrap().missing_points, 96);
 }
 

@@ -1,6 +1,7 @@
 //! Rough surfaces: what a map is, and maps like it.
 
 mod convert;
+mod fill;
 mod generate;
 mod modes;
 mod stats;
@@ -17,6 +18,8 @@ pub(crate) enum Surface {
     Stats(stats::Stats),
     /// Rewrite a file in another format, chosen by the extension.
     Convert(convert::Convert),
+    /// Fill missing heights, and extend a map beyond its edges, by random heights that continue it.
+    Fill(fill::Fill),
     /// Draw random maps like a specified surface.
     Generate(generate::Generate),
     /// Karhunen–Loève eigenvalues of a covariance.
@@ -28,6 +31,7 @@ impl Surface {
         match self {
             Self::Stats(stats) => stats.run(monitor),
             Self::Convert(convert) => convert.run(monitor),
+            Self::Fill(fill) => fill.run(monitor),
             Self::Generate(generate) => generate.run(monitor),
             Self::Modes(modes) => modes.run(monitor),
         }

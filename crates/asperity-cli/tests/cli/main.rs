@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot run the program has failed")]
 
 mod contact;
+mod formats;
 mod study;
 mod support;
 mod surface;

@@ -9,23 +9,54 @@ use crate::error::shown;
 use crate::sample::Sample;
 use crate::scan::{Dimension, shape};
 use crate::xml::Document;
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::{Format, FormatError, ReadOptions, Scan};
 
-/// The largest `main.xml`, in bytes: room for a data list of a few million points.
-const MAX_MAIN_BYTES: u64 = 1 << 28;
+/// The largest `main.xml`, in bytes: room for a data list of two million points.
+const MAX_MAIN_BYTES: u64 = 1 << 26;
 /// The largest checksum file, in bytes.
 const MAX_CHECKSUM_BYTES: u64 = 1 << 12;
 /// Bytes that a validity file may have beyond those that its points need.
 const VALIDITY_PADDING: u64 = 1 << 12;
+/// The most layers of one file.
+const MAX_LAYERS: u64 = 1 << 12;
+/// The origin of files whose first line is at the top, where a file states one.
+const TOP_LEFT: &str = "NW";
+/// A program that takes the integers of the format for unsigned when it writes; it names itself as the manufacturer.
+const UNSIGNED_WRITER: &str = "SurfaceTopography";
 /// The only feature type that is a height map.
 const SURFACE: &str = "SUR";
 
-/// Reads the first layer of a surface.
+/// The stored matrix and the layer of it that is read.
+struct Matrix {
+    ny: usize,
+    nx: usize,
+    layers: u64,
+    layer: u64,
+}
+
+impl Matrix {
+    /// Points of one layer.
+    fn points(&self) -> usize {
+        self.nx * self.ny
+    }
+
+    /// Points before the layer. A few thousand layers of 2²⁸ points are far from the end of `u64`.
+    fn skipped(&self) -> u64 {
+        self.layer * self.points() as u64
+    }
+
+    /// Points of all layers.
+    fn total(&self) -> u64 {
+        self.layers * self.points() as u64
+    }
+}
+
+/// Reads a layer of a surface, the first unless told.
 ///
 /// # Errors
 /// Damaged archives and descriptions, records that are no surface on an incremental grid, and data that do not fill the
 /// stated dimensions. A checksum that does not fit is only a warning.
-pub(super) fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let mut archive = Archive::open(Format::X3p, bytes)?;
     archive.enter_folder_of(MAIN)?;
     let main = archive.read_whole(MAIN, MAX_MAIN_BYTES)?;
@@ -35,29 +66,66 @@ pub(super) fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatE
     check_kind(&document)?;
 
     let (ny, nx, layers) = dimensions(&document)?;
-    if layers > 1 {
-        warnings.push(format!("{layers} layers; only the first was read"));
-    }
-    let letter = document.required(&axis_path("CZ", "DataType"), "I, L, F or D")?;
-    let sample = sample(&letter.text)
-        .ok_or_else(|| document.wrong(&axis_path("CZ", "DataType"), &letter.text, letter.offset, "I, L, F or D"))?;
-    let increment = document.number(&axis_path("CZ", "Increment"))?.unwrap_or(1.0);
-    let offset_m = document.number(&axis_path("CZ", "Offset"))?.unwrap_or(0.0);
+    let channels: Vec<String> = (1..=layers).map(|layer| format!("layer {layer}")).collect();
+    let channel = options.choose(Format::X3p, &channels)?;
+    let matrix = Matrix { ny, nx, layers, layer: channel as u64 };
+    let (sample, increment, offset_m) = z_axis(&document, &mut warnings)?;
 
-    let mut heights = stored(&mut archive, &document, sample, (ny, nx, layers), &mut warnings)?;
+    let mut heights = stored(&mut archive, &document, sample, &matrix, &mut warnings)?;
     for z in &mut heights {
         *z = *z * increment + offset_m;
     }
-    mask(&mut archive, &document, &mut heights, layers, &mut warnings)?;
+    mask(&mut archive, &document, &mut heights, &matrix, &mut warnings)?;
 
     let pitch_m = document.number(&axis_path("CX", "Increment"))?.zip(document.number(&axis_path("CY", "Increment"))?);
     if pitch_m.is_none() {
         warnings.push("the x or y axis has no increment; no pixel size was read".into());
     }
+    if let Some(origin) = document.text(path::ORIGIN).filter(|origin| *origin != TOP_LEFT) {
+        let origin = shown(origin);
+        warnings
+            .push(format!("the file states the origin `{origin}`; its first line was taken for the top all the same"));
+    }
     let heights_m =
         Array2::from_shape_vec((ny, nx), heights).map_err(|error| damaged(Format::X3p, MAIN, error.to_string()))?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
-    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) })
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
+}
+
+/// Type of the stored numbers, and increment and offset that make them metre.
+fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f64, f64), FormatError> {
+    let (type_path, increment_path) = (axis_path("CZ", "DataType"), axis_path("CZ", "Increment"));
+    let letter = document.required(&type_path, "I, L, F or D")?;
+    let sample =
+        sample(&letter.text).ok_or_else(|| document.wrong(&type_path, &letter.text, letter.offset, "I, L, F or D"))?;
+    let is_integer = matches!(sample, Sample::I16 | Sample::I32);
+    let sample = match sample {
+        Sample::I16 | Sample::I32 if document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER) => {
+            warnings.push(format!("{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read so"));
+            if sample == Sample::I16 { Sample::U16 } else { Sample::U32 }
+        }
+        _ => sample,
+    };
+    let increment = match document.number(&increment_path)? {
+        // The schema asks for an increment of integers only; a zero of floats can but mean that there is none.
+        Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),
+        Some(0.0) => {
+            warnings.push("the increment of CZ is 0; the floating-point heights were taken for metre".into());
+            1.0
+        }
+        Some(increment) => increment,
+        None => {
+            if is_integer {
+                warnings.push("CZ has integers and no increment; they were taken for metre".into());
+            }
+            1.0
+        }
+    };
+    if document.text(&axis_path("CZ", "AxisType")) == Some("I") {
+        warnings
+            .push("CZ calls itself incremental, which the format rules out; its numbers were read as heights".into());
+    }
+    Ok((sample, increment, document.number(&axis_path("CZ", "Offset"))?.unwrap_or(0.0)))
 }
 
 fn axis_path(axis: &str, field: &str) -> String {
@@ -134,73 +202,86 @@ fn dimensions(document: &Document) -> Result<(usize, usize, u64), FormatError> {
     }
     let (layers, offset) = document.integer(path::SIZE_Z)?;
     match u64::try_from(layers) {
+        Ok(found) if found > MAX_LAYERS => Err(FormatError::TooLarge {
+            format: Format::X3p,
+            field: path::SIZE_Z.into(),
+            at: document.at(offset),
+            found,
+            limit: MAX_LAYERS,
+        }),
         Ok(layers) if layers > 0 => Ok((ny, nx, layers)),
         _ => Err(document.wrong(path::SIZE_Z, &layers.to_string(), offset, "1 or more")),
     }
 }
 
-/// The numbers of the first layer as they are stored.
+/// The numbers of the layer as they are stored.
 fn stored(
     archive: &mut Archive,
     document: &Document,
     sample: Sample,
-    (ny, nx, layers): (usize, usize, u64),
+    matrix: &Matrix,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<f64>, FormatError> {
-    let total = (ny as u64 * nx as u64).saturating_mul(layers);
     let Some(link) = document.text(path::POINT_DATA) else {
-        return listed(document, ny * nx, total, warnings);
+        return listed(document, matrix, warnings);
     };
-    let numbers = archive.read_numbers(link, sample, ny * nx, total)?;
+    let numbers = archive.read_numbers_at(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
+    let wanted = matrix.total() * sample.size() as u64;
     match (numbers.md5, document.text(path::POINT_DATA_MD5)) {
-        (None, _) => warnings.push(format!("{link} is longer than the stated dimensions")),
-        (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
-        (Some(_), None) => (),
+        (None, _) if numbers.length > wanted => warnings.push(format!("{link} is longer than the stated dimensions")),
+        (None, _) => warnings.push(format!("{link} goes on beyond reason behind the layer and could not be verified")),
+        (Some(found), stated) => {
+            if numbers.length < wanted {
+                warnings.push(format!("{link} is shorter than the stated {} layers", matrix.layers));
+            }
+            if let Some(stated) = stated {
+                compare(link, stated, &found, warnings);
+            }
+        }
     }
     Ok(numbers.values)
 }
 
 /// The numbers of a data list in `main.xml`.
-fn listed(document: &Document, count: usize, total: u64, warnings: &mut Vec<String>) -> Result<Vec<f64>, FormatError> {
+fn listed(document: &Document, matrix: &Matrix, warnings: &mut Vec<String>) -> Result<Vec<f64>, FormatError> {
     let Some(list) = &document.list else {
         return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
     };
-    match list.get(..count) {
-        Some(first) => {
+    let total = matrix.total();
+    let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
+    match list.get(start..).and_then(|rest| rest.get(..matrix.points())) {
+        Some(layer) => {
             if list.len() as u64 != total {
                 warnings.push(format!("the data list has {} values, not the stated {total}", list.len()));
             }
-            Ok(first.to_vec())
+            Ok(layer.to_vec())
         }
         None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
     }
 }
 
 /// Takes out the heights that the validity file marks: one bit per point, the lowest bit first, 1 for a valid point.
+///
+/// The file may unpack as far as it must: the points that it tells of have been unpacked, and are 16 times as many bits.
 fn mask(
     archive: &mut Archive,
     document: &Document,
     heights: &mut [f64],
-    layers: u64,
+    matrix: &Matrix,
     warnings: &mut Vec<String>,
 ) -> Result<(), FormatError> {
     let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
-    let wanted = heights.len().div_ceil(8);
-    let total = (heights.len() as u64).saturating_mul(layers).div_ceil(8);
-    let bits = archive.read_whole(link, total.min(crate::MAX_POINTS) + VALIDITY_PADDING)?;
-    if bits.len() < wanted {
-        return Err(FormatError::Truncated {
-            format: Format::X3p,
-            part: "the validity bits".into(),
-            at: Location::Entry { entry: link.into(), offset: 0 },
-            found: bits.len() as u64,
-            wanted: wanted as u64,
-        });
+    // Layers follow each other without padding, so a layer may start within a byte.
+    let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
+    let length = (shift + heights.len()).div_ceil(8);
+    let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
+    let (bits, unpacked) = archive.read_part(link, "the validity bits", (start, length), total)?;
+    match (unpacked.md5, document.text(path::VALID_POINTS_MD5)) {
+        (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
+        (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
+        (_, None) => (),
     }
-    if let Some(stated) = document.text(path::VALID_POINTS_MD5) {
-        compare(link, stated, &hexadecimal(&Md5::digest(&bits)), warnings);
-    }
-    for (point, z) in heights.iter_mut().enumerate() {
+    for (point, z) in (shift..).zip(heights) {
         if bits[point / 8] >> (point % 8) & 1 == 0 {
             *z = f64::NAN;
         }

@@ -6,11 +6,12 @@ use std::io::{Cursor, Write as _};
 
 use md5::{Digest, Md5};
 use quick_xml::escape::escape;
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipWriter};
+use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
-use crate::archive::{damaged, hexadecimal};
+use crate::archive::{damaged, hexadecimal, may_hold, unpacked_limit};
 use crate::{Format, FormatError, Scan};
 
 /// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
@@ -32,7 +33,10 @@ struct Stored {
 
 /// The scan as an X3P file. Equal scans give equal bytes.
 ///
-/// The measurement's description (`Record2/…` of the metadata) is kept; what is unknown reads "not available".
+/// The measurement's description (`Record2/…` of the metadata; operator, date and comment of other formats) is kept; what
+/// is unknown reads "not available".
+///
+/// Files are deflated, unless they would become so small that the reader would take them for a bomb.
 ///
 /// # Errors
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
@@ -56,7 +60,7 @@ pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
     let mut files: Vec<(&str, &[u8])> = vec![(MAIN, main.as_bytes()), (POINT_DATA, &stored.points)];
     files.extend(stored.valid.as_deref().map(|valid| (VALID_POINTS, valid)));
     files.push((CHECKSUM, checksum.as_bytes()));
-    archive(&files)
+    archive(&files, data)
 }
 
 fn not_storable(found: String, wanted: &'static str) -> FormatError {
@@ -64,19 +68,46 @@ fn not_storable(found: String, wanted: &'static str) -> FormatError {
 }
 
 /// A zip archive whose bytes depend on nothing but its files: no clock, no host.
-fn archive(files: &[(&str, &[u8])]) -> Result<Vec<u8>, FormatError> {
+///
+/// Files are deflated, unless that makes them so small that the reader would take them for a bomb: ideal gratings.
+fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>, FormatError> {
+    let deflated = zip(files, |_| CompressionMethod::Deflated).map_err(unwritten)?;
+    let mut written = ZipArchive::new(Cursor::new(&deflated)).map_err(unwritten)?;
+    let mut refused = Vec::new();
+    for (place, &(name, bytes)) in files.iter().enumerate() {
+        let packed = written.by_index_raw(place).map_err(unwritten)?.compressed_size();
+        let is_read = match name {
+            POINT_DATA => may_hold(packed, (bytes.len() / data.sample().size()) as u64, data.sample()),
+            // Bounded by the points.
+            VALID_POINTS => true,
+            _ => bytes.len() as u64 <= unpacked_limit(packed),
+        };
+        if !is_read {
+            refused.push(name);
+        }
+    }
+    if refused.is_empty() {
+        return Ok(deflated);
+    }
+    let method = |name| if refused.contains(&name) { CompressionMethod::Stored } else { CompressionMethod::Deflated };
+    zip(files, method).map_err(unwritten)
+}
+
+fn unwritten(error: ZipError) -> FormatError {
+    damaged(Format::X3p, "archive", error.to_string())
+}
+
+fn zip<'a>(files: &[(&'a str, &[u8])], method: impl Fn(&'a str) -> CompressionMethod) -> Result<Vec<u8>, ZipError> {
     let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .system(System::Unix)
         .unix_permissions(0o644);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in files {
-        let large = options.large_file(u32::try_from(bytes.len()).is_err());
-        zip.start_file(*name, large).map_err(|error| damaged(Format::X3p, name, error.to_string()))?;
-        zip.write_all(bytes).map_err(|error| damaged(Format::X3p, name, error.to_string()))?;
+    for &(name, bytes) in files {
+        zip.start_file(name, options.compression_method(method(name)).large_file(u32::try_from(bytes.len()).is_err()))?;
+        zip.write_all(bytes)?;
     }
-    Ok(zip.finish().map_err(|error| damaged(Format::X3p, "archive", error.to_string()))?.into_inner())
+    Ok(zip.finish()?.into_inner())
 }
 
 fn float64(scan: &Scan) -> Stored {
@@ -120,12 +151,24 @@ fn int16(scan: &Scan) -> Result<Stored, FormatError> {
     Ok(Stored { points, valid: (!complete).then_some(valid), increment, offset_m: low })
 }
 
+/// Elements of `Record2` that scans of other formats know by other names.
+const OTHER_NAMES: [(&str, &str); 3] = [("Date", "date"), ("Creator", "operator name"), ("Comment", "comment")];
+
 /// The text of a metadata field as XML content.
-fn known<'a>(metadata: &'a BTreeMap<String, String>, field: &str) -> Option<String> {
-    let value: &'a str = metadata.get(&format!("Record2/{field}"))?;
+fn known(metadata: &BTreeMap<String, String>, field: &str) -> Option<String> {
+    let other_name = OTHER_NAMES.iter().find(|(element, _)| *element == field).map(|(_, name)| *name);
+    let other = || metadata.get(other_name?).filter(|text| field != "Date" || is_date_time(text));
+    let value = metadata.get(&format!("Record2/{field}")).or_else(other)?;
     // XML 1.0 has no place for other control characters, not even escaped.
     let text: String = value.chars().filter(|c| !c.is_control() || matches!(c, '\n' | '\t')).collect();
     Some(escape(text.as_str()).into_owned())
+}
+
+/// Whether a text has the form `yyyy-mm-ddThh:mm:ss`, which the schema demands of dates.
+fn is_date_time(text: &str) -> bool {
+    let form = b"0000-00-00T00:00:00";
+    let fits = |(found, form): (u8, &u8)| if *form == b'0' { found.is_ascii_digit() } else { found == *form };
+    text.len() == form.len() && text.bytes().zip(form).all(fits)
 }
 
 /// The description, in the order that the schema demands.

@@ -1,7 +1,186 @@
-//! BCR.
+use asperity_formats::{Scan, read_bytes};
 
+use crate::assert_heights;
 use crate::fixture::Fixture;
 
+const NAN: f64 = f64::NAN;
+
+#[derive(Clone, Copy)]
+enum Text {
+    Ascii,
+    Utf16,
+    Utf16Marked,
+    Utf16Big,
+}
+
+/// A header of so many characters, in the encoding of the variant, filled up with spaces, and the data.
+fn file(lines: &[&str], text: Text, characters: usize, data: &[u8]) -> Vec<u8> {
+    let mut header: String = lines.iter().flat_map(|line| [line, "\n"]).collect();
+    if matches!(text, Text::Utf16Marked) {
+        header.insert(0, '\u{feff}');
+    }
+    let filled = characters - header.chars().count();
+    header.push_str(&" ".repeat(filled));
+    let mut bytes: Vec<u8> = match text {
+        Text::Ascii => header.into_bytes(),
+        Text::Utf16 | Text::Utf16Marked => header.encode_utf16().flat_map(u16::to_le_bytes).collect(),
+        Text::Utf16Big => header.encode_utf16().flat_map(u16::to_be_bytes).collect(),
+    };
+    bytes.extend(data);
+    bytes
+}
+
+/// Integers with everything that is spelt out.
+const INTEGERS: [&str; 14] = [
+    "fileformat = bcrstm",
+    "% a comment = 3",
+    "xpixels = 3",
+    "ypixels = 2",
+    "xlength = 30",
+    "ylength = 10",
+    "xunit = nm",
+    "yunit = nm",
+    "zunit = nm",
+    "bit2nm = 0.5",
+    "voidpixels = 1",
+    "intelmode = 1",
+    "starttime = 12 01 16 14:30:59:00",
+    "forcecurve = 0",
+];
+
+fn numbers() -> Vec<u8> {
+    [1_i16, -2, 3, i16::MIN, 32767, 6].iter().flat_map(|z| z.to_le_bytes()).collect()
+}
+
+fn floats() -> Vec<u8> {
+    [1.5_f32, -2.0, f32::MAX, NAN as f32, 5.0, 1.8e38].iter().flat_map(|z| z.to_le_bytes()).collect()
+}
+
+fn with(line: &'static str) -> Vec<&'static str> {
+    let key = |line: &str| line.split('=').next().unwrap().trim().to_owned();
+    let mut lines: Vec<&str> = INTEGERS.iter().copied().filter(|old| key(old) != key(line)).collect();
+    lines.push(line);
+    lines.rotate_right(usize::from(line.starts_with("fileformat")));
+    lines
+}
+
+fn without(key: &str) -> Vec<&'static str> {
+    INTEGERS.iter().copied().filter(|line| !line.starts_with(key)).collect()
+}
+
+fn read(lines: &[&str]) -> Scan {
+    read_bytes(&file(lines, Text::Ascii, 2048, &numbers())).unwrap()
+}
+
+fn refused(lines: &[&str]) -> String {
+    read_bytes(&file(lines, Text::Ascii, 2048, &numbers())).unwrap_err().to_string()
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![]
+    let unicode = with("fileformat = bcrf_unicode");
+    vec![
+        Fixture::whole("BCR integers", file(&INTEGERS, Text::Ascii, 2048, &numbers())),
+        Fixture::whole("BCR floats, Unicode", file(&unicode, Text::Utf16, 2048, &floats())),
+    ]
+}
+
+#[test]
+fn integers_are_steps_and_the_greatest_is_missing() {
+    let scan = read(&INTEGERS);
+    assert_eq!(scan.heights_m.dim(), (2, 3));
+    assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
+    // 30 nm are three points of 10 nm, 10 nm are two of 5 nm.
+    assert_eq!(scan.pitch_m, Some((1e-8, 5e-9)));
+    assert_eq!(scan.metadata["starttime"], "12 01 16 14:30:59:00");
+    assert!(!scan.metadata.keys().any(|key| key.contains("comment")));
+}
+
+#[test]
+fn floats_are_heights_in_their_unit_and_great_ones_are_missing() {
+    let lines = [
+        "fileformat = bcrf",
+        "xpixels = 3",
+        "ypixels = 2",
+        "xlength = 3",
+        "ylength = 4",
+        " xunit = um",
+        " yunit = um",
+        " zunit = um",
+    ];
+    let scan = read_bytes(&file(&lines, Text::Ascii, 2048, &floats())).unwrap();
+    assert_heights(&scan, &[1.5e-6, -2e-6, NAN, NAN, 5e-6, NAN]);
+    assert_eq!(scan.pitch_m, Some((1e-6, 2e-6)));
+    assert!(scan.warnings.iter().all(|warning| !warning.contains("bit2nm")));
+    // A factor for integers does not change floats.
+    let scaled = [&lines[..], &["bit2nm = 2"]].concat();
+    let scan = read_bytes(&file(&scaled, Text::Ascii, 2048, &floats())).unwrap();
+    assert_heights(&scan, &[1.5e-6, -2e-6, NAN, NAN, 5e-6, NAN]);
+    assert!(scan.warnings.iter().any(|warning| warning.contains("bit2nm is 2")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn headers_in_unicode_are_read_in_either_order() {
+    let lines = with("fileformat = bcrstm_unicode");
+    for text in [Text::Utf16, Text::Utf16Marked, Text::Utf16Big] {
+        let scan = read_bytes(&file(&lines, text, 2048, &numbers())).unwrap();
+        assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
+    }
+}
+
+#[test]
+fn a_longer_header_ends_where_it_says() {
+    for (text, format) in [(Text::Ascii, "fileformat = bcrstm"), (Text::Utf16, "fileformat = bcrstm_unicode")] {
+        let mut lines = with("headersize = 3000");
+        lines[0] = format;
+        let scan = read_bytes(&file(&lines, text, 3000, &numbers())).unwrap();
+        assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
+    }
+}
+
+#[test]
+fn big_endian_numbers_are_marked() {
+    let data: Vec<u8> = [1_i16, 256, 3, 4, 32767, 6].iter().flat_map(|z| z.to_be_bytes()).collect();
+    let scan = read_bytes(&file(&with("intelmode = 0"), Text::Ascii, 2048, &data)).unwrap();
+    assert_heights(&scan, &[0.5e-9, 128e-9, 1.5e-9, 2e-9, NAN, 3e-9]);
+}
+
+#[test]
+fn units_that_are_not_named_are_nanometre() {
+    let lines: Vec<&str> = INTEGERS.iter().copied().filter(|line| !line.contains("unit")).collect();
+    let scan = read(&lines);
+    assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
+    assert_eq!(scan.pitch_m, Some((1e-8, 5e-9)));
+    assert_heights(&read(&with("zunit = [um]")), &[0.5e-6, -1e-6, 1.5e-6, -16384e-6, NAN, 3e-6]);
+}
+
+#[test]
+fn the_mark_is_a_height_where_the_header_says_that_no_point_is_missing() {
+    let scan = read(&with("voidpixels = 0"));
+    assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, 16383.5e-9, 3e-9]);
+    assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights equal the code")), "{:?}", scan.warnings);
+    // Some files state the mark itself, some nothing.
+    assert_eq!(read(&with("voidpixels = 3.402823E+38")).missing_points(), 1);
+    assert_eq!(read(&without("voidpixels")).missing_points(), 1);
+}
+
+#[test]
+fn a_pixel_size_needs_lengths() {
+    assert_eq!(read(&without("ylength")).pitch_m, None);
+    let scan = read(&with("xunit = V"));
+    assert_eq!(scan.pitch_m, None);
+    assert!(scan.warnings.iter().any(|warning| warning.starts_with("xunit is `V`")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn what_is_no_height_map_is_refused_with_its_reason() {
+    assert_eq!(refused(&with("forcecurve = 1")), "BCR: the file holds force curves; wanted a height map");
+    assert_eq!(refused(&with("zunit = V")), "BCR: the values are in V, which is no length; wanted heights");
+    assert!(refused(&with("fileformat = bcrz")).starts_with("BCR: fileformat (byte 0) is `bcrz`"));
+    assert!(refused(&without("xpixels")).starts_with("BCR: xpixels is missing"));
+    assert!(refused(&with("ypixels = two")).starts_with("BCR: ypixels (byte 0) is `two`; wanted a whole number"));
+    assert!(refused(&with("ypixels = 0")).starts_with("BCR: ypixels (byte 0) is `0`; wanted 1 or more"));
+    assert!(refused(&without("bit2nm")).starts_with("BCR: bit2nm is missing"));
+    assert!(refused(&with("bit2nm = 0")).starts_with("BCR: bit2nm (byte 0) is `0`"));
+    assert!(refused(&with("headersize = many")).starts_with("BCR: headersize (byte 0) is `many`"));
+    assert_eq!(refused(&with("ypixels = 3")), "BCR: the heights (byte 2048) stop after 12 bytes; wanted 18");
 }

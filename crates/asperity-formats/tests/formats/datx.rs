@@ -1,7 +1,609 @@
-//! DATX.
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
 
+use crate::assert_heights;
 use crate::fixture::Fixture;
+use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
+
+pub(crate) mod hdf5;
+
+const NAN: f64 = f64::NAN;
+/// The largest number, by which Mx marks points without data.
+const NO_DATA: f64 = f64::MAX;
+
+/// How the numbers of a map are stored.
+#[derive(Clone)]
+enum Store {
+    Contiguous,
+    /// In chunks of this shape with a pipeline message, each as its offsets, filter mask and bytes.
+    Chunked([u32; 2], Vec<u8>, Vec<([u64; 2], u32, Vec<u8>)>),
+    /// By another layout message, from the numbers.
+    Layout(fn(&mut Hdf5, &[u8]) -> Vec<u8>),
+}
+
+/// A dataset of a map.
+#[derive(Clone)]
+struct Map {
+    kind: &'static str,
+    datatype: Vec<u8>,
+    shape: [u64; 2],
+    numbers: Vec<u8>,
+    store: Store,
+    fill: Vec<u8>,
+    unit: Option<&'static str>,
+    no_data: Option<(Vec<u8>, Vec<u8>)>,
+    /// Category, base unit and parameters of the converters along x, y and z.
+    converters: [Option<(&'static str, &'static str, [f64; 4])>; 3],
+    /// Attributes that are numbers.
+    factors: Vec<(&'static str, f64)>,
+}
+
+impl Default for Map {
+    /// Two rows of three heights in nm, 1.5 µm apart along x and 2 µm along y, one without data.
+    fn default() -> Self {
+        let numbers = [100.0, -200.0, NO_DATA, 400.0, 500.5, 600.0];
+        Self {
+            kind: "Surface",
+            datatype: datatype::float(8, false),
+            shape: [2, 3],
+            numbers: numbers.iter().flat_map(|z: &f64| z.to_le_bytes()).collect(),
+            store: Store::Contiguous,
+            fill: vec![],
+            unit: Some("NanoMeters"),
+            no_data: Some((datatype::float(8, false), NO_DATA.to_le_bytes().to_vec())),
+            converters: [
+                Some(("LateralCat", "Pixels", [0.0, 1.5e-6, 0.0, 0.0])),
+                Some(("LateralCat", "Pixels", [0.0, 2e-6, 0.0, 0.0])),
+                Some(("HeightCat", "NanoMeters", [0.0, 6.3e-7, 0.5, 1.0])),
+            ],
+            factors: vec![],
+        }
+    }
+}
+
+impl Map {
+    /// The same map with integers of four bytes in fringes.
+    fn fringes(numbers: [i32; 6]) -> Self {
+        Self {
+            datatype: datatype::integer(4, false),
+            numbers: numbers.iter().flat_map(|z| z.to_le_bytes()).collect(),
+            unit: Some("Fringes"),
+            no_data: Some((datatype::integer(4, false), i32::MAX.to_le_bytes().to_vec())),
+            converters: [None, None, Some(("HeightCat", "Fringes", [0.0, 6e-7, 0.5, 0.75]))],
+            ..Self::default()
+        }
+    }
+
+    fn append(&self, file: &mut Hdf5) -> u64 {
+        let text = datatype::long_text();
+        let sequence = datatype::sequence(&datatype::float(8, false));
+        let converter = datatype::compound(&[
+            ("Category", 16, text.clone()),
+            ("BaseUnit", 16, text.clone()),
+            ("Parameters", 16, sequence),
+        ]);
+        let mut attributes = Vec::new();
+        if let Some(unit) = self.unit {
+            attributes.push(attribute("Unit", &text, &file.keep(unit.as_bytes()).of(unit.len())));
+        }
+        if let Some((datatype, value)) = &self.no_data {
+            attributes.push(attribute("No Data", datatype, value));
+        }
+        for (name, converting) in ["X Converter", "Y Converter", "Z Converter"].into_iter().zip(self.converters) {
+            let Some((category, unit, parameters)) = converting else { continue };
+            let parameters: Vec<u8> = parameters.iter().flat_map(|one| one.to_le_bytes()).collect();
+            let value = fields![
+                file.keep(category.as_bytes()).of(category.len()),
+                file.keep(unit.as_bytes()).of(unit.len()),
+                file.keep(&parameters).of(4),
+            ];
+            attributes.push(attribute(name, &converter, &value));
+        }
+        for (name, factor) in &self.factors {
+            attributes.push(attribute(name, &datatype::float(8, false), &factor.to_le_bytes()));
+        }
+        let mut messages = vec![
+            (hdf5::DATASPACE, dataspace(&self.shape)),
+            (hdf5::DATATYPE, self.datatype.clone()),
+            fill_value(&self.fill),
+        ];
+        messages.extend(self.layout(file));
+        messages.extend(attributes);
+        file.object(&messages)
+    }
+
+    fn layout(&self, file: &mut Hdf5) -> Vec<Message> {
+        match &self.store {
+            Store::Contiguous => {
+                let address = file.append(&self.numbers);
+                vec![contiguous(address, self.numbers.len() as u64)]
+            }
+            Store::Chunked(shape, filters, chunks) => {
+                let mut children = Vec::new();
+                for (offset, mask, bytes) in chunks {
+                    let address = file.append(bytes);
+                    // Bytes of the chunk, filter mask, offsets, offset within the element.
+                    let [row, column] = offset.map(u64::to_le_bytes);
+                    children.push((
+                        fields![(bytes.len() as u32).to_le_bytes(), mask.to_le_bytes(), row, column, [0; 8]],
+                        address,
+                    ));
+                }
+                // The key after the last chunk is beyond it.
+                let end = self.shape[0].next_multiple_of(u64::from(shape[0]));
+                let tree = file.tree(1, 0, &children, &fields![[0; 8], end.to_le_bytes(), [0; 16]]);
+                // The element is the last of the dimensions.
+                let element = self.datatype[4..8].to_vec();
+                let [rows, columns] = shape.map(u32::to_le_bytes);
+                let layout = fields![[3, 2, 3], tree.to_le_bytes(), rows, columns, element];
+                let pipeline = (!filters.is_empty()).then(|| (hdf5::FILTERS, filters.clone()));
+                [(hdf5::LAYOUT, layout)].into_iter().chain(pipeline).collect()
+            }
+            Store::Layout(layout) => vec![(hdf5::LAYOUT, layout(file, &self.numbers))],
+        }
+    }
+}
+
+/// A file of maps under `/Data`, with the table of links when it is to lead to one of them.
+fn file(maps: &[Map], main: Option<usize>, attributes: &[Message]) -> Vec<u8> {
+    let mut file = Hdf5::new();
+    let objects: Vec<u64> = maps.iter().map(|map| map.append(&mut file)).collect();
+    let names: Vec<String> = (0..maps.len()).map(|place| format!("{{{}}}", 9 - place)).collect();
+    let mut kinds: Vec<&str> = maps.iter().map(|map| map.kind).collect();
+    kinds.dedup();
+    let groups: Vec<(&str, u64)> = kinds
+        .into_iter()
+        .map(|kind| {
+            let members = maps.iter().zip(&names).zip(&objects).filter(|((map, _), _)| map.kind == kind);
+            let members: Vec<(&str, u64)> = members.map(|((_, name), object)| (name.as_str(), *object)).collect();
+            (kind, file.group(&members, &[]))
+        })
+        .collect();
+    let data = file.group(&groups, &[]);
+    let described = file.group(&[], attributes);
+    let described = file.group(&[("{A}", described)], &[]);
+    let mut links = vec![("Attributes", described), ("Data", data)];
+    if let Some(main) = main {
+        let path = format!("/Data/{}/{}", maps[main].kind, names[main]);
+        links.push(("MetaData", table(&mut file, &path)));
+    }
+    let root = file.group(&links, &[]);
+    let is_chunked = maps.iter().any(|map| matches!(map.store, Store::Chunked(..)));
+    file.finish(u8::from(is_chunked), root)
+}
+
+/// The table of links (source, link, destination) as texts in a global heap.
+fn table(file: &mut Hdf5, path: &str) -> u64 {
+    let texts = [
+        "Root",
+        "Measurement",
+        "{M}",
+        "Attributes",
+        "{A}",
+        "Surface",
+        "{S}",
+        "Path",
+        path,
+        "/Attributes/{A}",
+        "Layout",
+        "1",
+    ];
+    let cells = texts.map(|text| file.keep(text.as_bytes()).of(text.len()));
+    let rows = [[0, 10, 11], [0, 1, 2], [2, 3, 4], [2, 5, 6], [4, 7, 9], [6, 7, 8]];
+    let content: Vec<u8> = rows.iter().flatten().flat_map(|cell| cells[*cell].clone()).collect();
+    let text = datatype::long_text;
+    let row = datatype::compound(&[("Source", 16, text()), ("Link", 16, text()), ("Destination", 16, text())]);
+    let address = file.append(&content);
+    file.object(&[
+        (hdf5::DATASPACE, dataspace(&[rows.len() as u64])),
+        (hdf5::DATATYPE, row),
+        fill_value(&[]),
+        contiguous(address, content.len() as u64),
+    ])
+}
+
+fn one(map: Map) -> Vec<u8> {
+    file(&[map], Some(0), &[])
+}
+
+fn read(map: Map) -> Scan {
+    read_bytes(&one(map)).unwrap()
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    read_bytes(bytes).unwrap_err().to_string()
+}
+
+/// A zlib stream of one stored block (RFC 1950, RFC 1951): header, last block, length, its complement, bytes, Adler-32.
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let (mut low, mut high) = (1_u32, 0_u32);
+    for &byte in bytes {
+        low = (low + u32::from(byte)) % 65521;
+        high = (high + low) % 65521;
+    }
+    let length = bytes.len() as u16;
+    fields![[0x78, 1, 1], length.to_le_bytes(), (!length).to_le_bytes(), bytes, (high << 16 | low).to_be_bytes()]
+}
+
+/// A pipeline message of version 1 (IV.A.2.l): version, number, reserved; each filter with one value and without a name.
+fn pipeline(filters: &[(u16, u32)]) -> Vec<u8> {
+    let each = |&(filter, value): &(u16, u32)| {
+        // Filter, length of the name, flags, number of values; an odd number of values is padded.
+        fields![filter.to_le_bytes(), [0; 2], [0; 2], 1_u16.to_le_bytes(), value.to_le_bytes(), [0; 4]]
+    };
+    fields![[1, filters.len() as u8], [0; 6], filters.iter().flat_map(each).collect::<Vec<u8>>()]
+}
+
+/// Three rows of four integers in chunks of two by three; only three of the four chunks were written.
+fn chunked() -> Map {
+    let chunk = |numbers: [i16; 6]| numbers.iter().flat_map(|z| z.to_be_bytes()).collect::<Vec<u8>>();
+    // The first goes through shuffle and deflate: high bytes first, then low ones.
+    let first = chunk([1, 2, 3, 5, 6, 7]);
+    let shuffled: Vec<u8> = first.iter().step_by(2).chain(first.iter().skip(1).step_by(2)).copied().collect();
+    let chunks = vec![
+        ([0, 0], 0, zlib(&shuffled)),
+        // Elements beyond the edge are stored, and of no meaning; the mask leaves both filters out.
+        ([0, 3], 0b11, chunk([4, -1, -1, 8, -1, -1])),
+        ([2, 0], 0b11, chunk([9, -2, 11, -1, -1, -1])),
+    ];
+    Map {
+        datatype: datatype::integer(2, true),
+        shape: [3, 4],
+        store: Store::Chunked([2, 3], pipeline(&[(2, 2), (1, 6)]), chunks),
+        fill: 77_i16.to_be_bytes().to_vec(),
+        no_data: Some((datatype::integer(2, true), 11_i16.to_be_bytes().to_vec())),
+        ..Map::default()
+    }
+}
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![]
+    // The end of the last structure, the group at the root, is its message: header, two addresses.
+    vec![
+        Fixture::whole("DATX of float64 in nm", file(&[Map::default()], Some(0), &system())),
+        Fixture::whole("DATX of int32 in fringes", file(&[Map::fringes([1, 2, 3, 4, 5, i32::MAX])], None, &[])),
+        Fixture::whole("DATX in chunks", one(chunked())),
+    ]
+}
+
+/// What Mx says of the instrument.
+fn system() -> Vec<Message> {
+    let stamp =
+        datatype::compound(&[("Seconds", 4, datatype::integer(4, false)), ("Zone", 4, datatype::integer(4, false))]);
+    vec![
+        attribute("Data Context.Data Attributes.System Serial Number", &datatype::text(8), b"87266\0\0\0"),
+        attribute("Data Context.Lateral Resolution:Value", &datatype::float(8, false), &4e-6_f64.to_le_bytes()),
+        attribute("Data Context.Data Attributes.Camera Width", &datatype::integer(4, false), &1000_i32.to_le_bytes()),
+        attribute(
+            "Data Context.Data Attributes.Time Stamp",
+            &stamp,
+            &fields![1_500_000_000_i32.to_le_bytes(), (-60_i32).to_le_bytes()],
+        ),
+    ]
+}
+
+#[test]
+fn heights_in_nanometre_lie_in_rows_from_the_top() {
+    let scan = read(Map::default());
+    assert_eq!(scan.heights_m.dim(), (2, 3));
+    assert_heights(&scan, &[100e-9, -200e-9, NAN, 400e-9, 500.5e-9, 600e-9]);
+    assert_eq!((scan.channels, scan.warnings), (vec!["Surface".to_owned()], Vec::<String>::new()));
+}
+
+#[test]
+fn the_x_converter_counts_along_columns_and_the_y_converter_along_rows() {
+    assert_eq!(read(Map::default()).pitch_m, Some((1.5e-6, 2e-6)));
+}
+
+#[test]
+fn units_of_length_are_those_of_mx() {
+    for (unit, height_m) in [("Meters", 100.0), ("MilliMeters", 0.1), ("MicroMeters", 1e-4), ("nm", 1e-7)] {
+        let scan = read(Map { unit: Some(unit), ..Map::default() });
+        assert_eq!(scan.heights_m[[0, 0]], height_m, "{unit}");
+    }
+    let message = refusal(&one(Map { unit: Some("Counts"), ..Map::default() }));
+    assert!(message.contains("Unit") && message.contains("`Counts`; wanted Fringes or a unit of length"), "{message}");
+}
+
+#[test]
+fn the_unit_of_the_converter_counts_when_the_dataset_states_none() {
+    let scan = read(Map { unit: None, ..Map::default() });
+    assert_eq!(scan.heights_m[[0, 0]], 100e-9);
+    let [x, y, _] = Map::default().converters;
+    let converters = [x, y, Some(("HeightCat", "MicroMeters", [0.0; 4]))];
+    let scan = read(Map { converters, ..Map::default() });
+    assert_eq!(scan.heights_m[[0, 0]], 100e-9);
+    assert!(scan.warnings[0].contains("NanoMeters was used"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn fringes_are_heights_by_wavelength_scale_and_obliquity() {
+    // n · 600 nm · 0.5 · 0.75, from the parameters of the converter.
+    let height = 6e-7 * 0.5 * 0.75;
+    let scan = read(Map::fringes([1, -2, 3, 4, 5, i32::MAX]));
+    assert_heights(&scan, &[height, -2.0 * height, 3.0 * height, 4.0 * height, 5.0 * height, NAN]);
+    // The same from attributes, which go before the parameters.
+    let factors = vec![("Wavelength", 5e-7), ("Interferometric Scale Factor", 0.25), ("Obliquity Factor", 2.0)];
+    let [x, y, _] = Map::default().converters;
+    let map = Map { factors, converters: [x, y, None], ..Map::fringes([8, 0, 0, 0, 0, 0]) };
+    let scan = read(map.clone());
+    assert!((scan.heights_m[[0, 0]] / 2e-6 - 1.0).abs() < 1e-15);
+    assert_eq!(scan.warnings, Vec::<String>::new());
+    let disagreeing = Map { converters: [x, y, Some(("HeightCat", "Fringes", [0.0, 6e-7, 0.25, 2.0]))], ..map };
+    let scan = read(disagreeing);
+    assert!((scan.heights_m[[0, 0]] / 2e-6 - 1.0).abs() < 1e-15);
+    assert!(scan.warnings[0].starts_with("the Wavelength is 0.0000005, but"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn fringes_without_a_wavelength_are_refused() {
+    let map = Map { converters: [None, None, None], ..Map::fringes([1; 6]) };
+    assert!(
+        matches!(read_bytes(&one(map.clone())), Err(FormatError::MissingField { field, .. }) if field == "Wavelength")
+    );
+    let factors = vec![("Wavelength", 0.0)];
+    let message = refusal(&one(Map { factors, ..map }));
+    assert!(message.contains("Wavelength") && message.contains("wanted a finite number other than 0"), "{message}");
+}
+
+#[test]
+fn numbers_at_or_beyond_the_mark_have_no_data() {
+    let no_data = Some((datatype::integer(4, false), 1000_i32.to_le_bytes().to_vec()));
+    let scan = read(Map { no_data, ..Map::fringes([999, 1000, 1001, -999, -1000, i32::MIN]) });
+    let found: Vec<bool> = scan.heights_m.iter().map(|z| z.is_nan()).collect();
+    assert_eq!(found, [false, true, true, false, true, true]);
+    // A mark below zero is no limit.
+    let no_data = Some((datatype::integer(4, false), (-3_i32).to_le_bytes().to_vec()));
+    assert_eq!(read(Map { no_data, ..Map::fringes([1, -3, 3, 4, -4, 6]) }).missing_points(), 1);
+    assert_eq!(read(Map { no_data: None, ..Map::fringes([1, 2, 3, 4, 5, 6]) }).missing_points(), 0);
+}
+
+#[test]
+fn a_map_of_uncalibrated_pixels_takes_the_lateral_resolution_or_has_no_pitch() {
+    let zero = Some(("LateralCat", "Pixels", [0.0; 4]));
+    let map = Map { converters: [zero, zero, Map::default().converters[2]], ..Map::default() };
+    let scan = read_bytes(&file(std::slice::from_ref(&map), Some(0), &system())).unwrap();
+    assert_eq!(scan.pitch_m, Some((4e-6, 4e-6)));
+    let scan = read(map);
+    assert_eq!(scan.pitch_m, None);
+    assert!(scan.warnings[0].contains("no lateral resolution"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn maps_of_heights_are_channels_and_the_measured_surface_is_the_first() {
+    let first = |z: f64| z.to_le_bytes().iter().chain(&[0; 40]).copied().collect::<Vec<u8>>();
+    let [x, y, _] = Map::default().converters;
+    let intensity = Map {
+        kind: "Intensity",
+        unit: Some("Counts"),
+        converters: [x, y, Some(("IntensityCat", "Counts", [0.0; 4]))],
+        ..Map::default()
+    };
+    let maps = [
+        Map { kind: "Bottom Surface", numbers: first(1.0), ..Map::default() },
+        intensity.clone(),
+        // Members are called {9}, {8}, …, so the table leads to the second of the two in the file's order.
+        Map { numbers: first(2.0), ..Map::default() },
+        Map { numbers: first(3.0), ..Map::default() },
+    ];
+    let bytes = file(&maps, Some(2), &[]);
+    let read = |channel: Option<&str>| {
+        let options = ReadOptions { channel: channel.map(|name| Channel::Name(name.into())) };
+        read_bytes_with(&bytes, &options)
+    };
+    let scan = read(None).unwrap();
+    assert_eq!(scan.channels, ["Surface", "Surface 2", "Bottom Surface"]);
+    assert_eq!((scan.heights_m[[0, 0]], scan.channel), (2e-9, 0));
+    assert_eq!(read(Some("Surface 2")).unwrap().heights_m[[0, 0]], 3e-9);
+    assert_eq!(read(Some("Bottom Surface")).unwrap().heights_m[[0, 0]], 1e-9);
+    assert!(matches!(read(Some("Intensity")), Err(FormatError::NoSuchChannel { .. })));
+    assert_eq!(refusal(&one(intensity)), "DATX: the file holds no map of heights; wanted a surface under /Data");
+}
+
+#[test]
+fn without_the_table_the_first_surface_is_read() {
+    let other = Map { kind: "Bottom Surface", unit: Some("Meters"), ..Map::default() };
+    let scan = read_bytes(&file(&[other, Map::default()], None, &[])).unwrap();
+    assert_eq!(scan.channels, ["Surface", "Bottom Surface"]);
+    assert_eq!(scan.heights_m[[0, 0]], 100e-9);
+}
+
+#[test]
+fn attributes_are_kept_by_their_names() {
+    let scan = read_bytes(&file(&[Map::default()], Some(0), &system())).unwrap();
+    let wanted = [
+        ("Unit", "NanoMeters"),
+        ("No Data", "1.7976931348623157e308"),
+        ("X Converter", "Category LateralCat, BaseUnit Pixels, Parameters 0 1.5e-6 0 0"),
+        ("Data Context.Data Attributes.System Serial Number", "87266"),
+        ("Data Context.Data Attributes.Camera Width", "1000"),
+        ("Data Context.Data Attributes.Time Stamp", "Seconds 1500000000, Zone -60"),
+    ];
+    for (field, text) in wanted {
+        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
+    }
+}
+
+#[test]
+fn numbers_of_every_type_and_order_are_read() {
+    let heights = [1.0, -2.0, 3.0, 4.0, -5.0, 6.0].map(|z: f64| z * 1e-9);
+    for (datatype, numbers) in [
+        (datatype::float(4, false), [1.0_f32, -2.0, 3.0, 4.0, -5.0, 6.0].map(f32::to_le_bytes).concat()),
+        (datatype::float(4, true), [1.0_f32, -2.0, 3.0, 4.0, -5.0, 6.0].map(f32::to_be_bytes).concat()),
+        (datatype::float(8, true), [1.0_f64, -2.0, 3.0, 4.0, -5.0, 6.0].map(f64::to_be_bytes).concat()),
+        (datatype::integer(2, false), [1_i16, -2, 3, 4, -5, 6].map(i16::to_le_bytes).concat()),
+        (datatype::integer(8, true), [1_i64, -2, 3, 4, -5, 6].map(i64::to_be_bytes).concat()),
+    ] {
+        assert_heights(&read(Map { datatype, numbers, ..Map::default() }), &heights);
+    }
+}
+
+#[test]
+fn chunks_are_put_together_with_edges_masks_and_fill_values() {
+    let scan = read(chunked());
+    assert_eq!(scan.heights_m.dim(), (3, 4));
+    // The last chunk was never written and holds the fill value; 11 and beyond is without data.
+    let nm = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, -2.0, NAN, NAN];
+    assert_heights(&scan, &nm.map(|z: f64| z * 1e-9));
+}
+
+#[test]
+fn chunks_without_a_fill_value_are_zero_where_nothing_was_written() {
+    let scan = read(Map { store: Store::Chunked([2, 2], vec![], vec![]), ..Map::default() });
+    assert_heights(&scan, &[0.0; 6]);
+}
+
+#[test]
+fn a_fletcher_checksum_is_verified() {
+    let numbers = Map::default().numbers;
+    // Sums over big-endian words modulo 65535.
+    let (mut first, mut second) = (0_u64, 0_u64);
+    for word in numbers.chunks(2) {
+        first = (first + u64::from(u16::from_be_bytes([word[0], word[1]]))) % 65535;
+        second = (second + first) % 65535;
+    }
+    let summed = fields![numbers, (second << 16 | first).to_le_bytes()[..4]];
+    let map =
+        |bytes| Map { store: Store::Chunked([2, 3], pipeline(&[(3, 0)]), vec![([0, 0], 0, bytes)]), ..Map::default() };
+    assert_eq!(read(map(summed.clone())).heights_m[[1, 2]], 600e-9);
+    let mut damaged = summed;
+    damaged[5] ^= 1;
+    let message = refusal(&one(map(damaged)));
+    assert!(message.ends_with("the Fletcher-32 checksum does not fit"), "{message}");
+}
+
+#[test]
+fn layouts_and_filters_that_are_not_read_are_named() {
+    let szip = Map { store: Store::Chunked([2, 3], pipeline(&[(4, 0)]), vec![]), ..Map::default() };
+    assert!(refusal(&one(szip)).contains("filter 4 (szip)"));
+    // Version 4: class, flags, rank, width of sizes, sizes, index 3, bits of a page, address.
+    let fixed_array = |_: &mut Hdf5, _: &[u8]| fields![[4, 2, 0, 3, 1], [2, 3, 8], [3, 10], 104_u64.to_le_bytes()];
+    let message = refusal(&one(Map { store: Store::Layout(fixed_array), ..Map::default() }));
+    assert!(message.contains("chunks under a fixed array"), "{message}");
+    let version_5 = Map { store: Store::Layout(|_, _| vec![5, 1]), ..Map::default() };
+    assert!(refusal(&one(version_5)).contains("layout, version"));
+    let mut bytes = one(Map::default());
+    bytes[13] = 4;
+    assert_eq!(refusal(&bytes), "DATX: the size of offsets (byte 13) is 4; wanted 8 bytes");
+    bytes[8] = 9;
+    assert_eq!(refusal(&bytes), "DATX: superblock, version (byte 8) is `9`; wanted 0, 1, 2, 3");
+}
+
+#[test]
+fn compact_and_single_chunk_layouts_are_read() {
+    let compact = |_: &mut Hdf5, numbers: &[u8]| fields![[3, 0], (numbers.len() as u16).to_le_bytes(), numbers];
+    // Version 4: class, flags, rank, width of sizes, sizes, index 1, address; no filters.
+    let single = |file: &mut Hdf5, numbers: &[u8]| {
+        let address = file.append(numbers);
+        fields![[4, 2, 0, 3, 1], [2, 3, 8], [1], address.to_le_bytes()]
+    };
+    for layout in [compact as fn(&mut Hdf5, &[u8]) -> Vec<u8>, single] {
+        let scan = read(Map { store: Store::Layout(layout), ..Map::default() });
+        assert_heights(&scan, &[100e-9, -200e-9, NAN, 400e-9, 500.5e-9, 600e-9]);
+    }
+}
+
+#[test]
+fn hdf5_files_of_other_programs_are_not_claimed() {
+    let mut other = Hdf5::new();
+    let root = other.group(&[("Results", 104)], &[]);
+    assert_eq!(Format::detect(&other.finish(0, root)), Some(Format::NetCdf));
+    assert_eq!(Format::detect(&one(Map::default())), Some(Format::Datx));
+    // A root that cannot be looked into is taken for damage.
+    assert_eq!(Format::detect(b"\x89HDF\r\n\x1a\n"), Some(Format::Datx));
+}
+
+/// Reads a file that is made to do harm, within the limits of time and memory.
+fn read_harmful(bytes: &[u8]) -> Result<Scan, FormatError> {
+    let start = std::time::Instant::now();
+    let (scan, peak) = crate::memory::peak_bytes(|| read_bytes(bytes));
+    let took = start.elapsed();
+    assert!(took.as_secs_f64() < 2.0, "{took:?}");
+    assert!(peak <= (64 << 20) + 2 * bytes.len(), "{peak} bytes of memory for {} of input", bytes.len());
+    scan
+}
+
+#[test]
+fn a_tree_whose_nodes_are_shared_ends_as_an_error() {
+    let mut file = Hdf5::new();
+    let mut node = file.append(&fields![*b"SNOD", [1, 0], [0, 0]]);
+    // Each level refers sixty times to the one below: 60⁸ symbol table nodes.
+    for level in 0..8 {
+        let children = vec![(vec![0; 8], node); 60];
+        node = file.tree(0, level, &children, &[0; 8]);
+    }
+    let heap = file.append(&fields![*b"HEAP", [0; 4], 8_u64.to_le_bytes(), 1_u64.to_le_bytes(), node.to_le_bytes()]);
+    let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), heap.to_le_bytes()])]);
+    let message = read_harmful(&file.finish(0, root)).unwrap_err().to_string();
+    assert!(message.contains("shared too often"), "{message}");
+}
+
+#[test]
+fn a_tree_that_is_its_own_child_ends_as_an_error() {
+    let mut file = Hdf5::new();
+    let next = file.append(&[]);
+    let node = file.tree(0, 1, &[(vec![0; 8], next)], &[0; 8]);
+    assert_eq!(node, next);
+    let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), node.to_le_bytes()])]);
+    assert!(read_harmful(&file.finish(0, root)).is_err());
+}
+
+#[test]
+fn a_header_that_goes_on_in_itself_ends_as_an_error() {
+    let mut file = Hdf5::new();
+    // A continuation of the 24 bytes of this very message.
+    let next = file.append(&[]);
+    let root = file.object(&[(0x10, fields![(next + 16).to_le_bytes(), 24_u64.to_le_bytes()])]);
+    assert_eq!(root, next);
+    let message = read_harmful(&file.finish(0, root)).unwrap_err().to_string();
+    assert!(message.contains("the number of messages"), "{message}");
+}
+
+#[test]
+fn a_text_that_many_attributes_share_takes_no_memory() {
+    let mut file = Hdf5::with_heap(1 << 21);
+    let text = vec![b'x'; 1 << 20];
+    let reference = file.keep(&text);
+    let attributes: Vec<Message> = (0..3000)
+        .map(|number| attribute(&format!("text {number}"), &datatype::long_text(), &reference.of(text.len())))
+        .collect();
+    let described = file.group(&[], &attributes);
+    let described = file.group(&[("{A}", described)], &[]);
+    let map = Map::default().append(&mut file);
+    let kind = file.group(&[("{1}", map)], &[]);
+    let data = file.group(&[("Surface", kind)], &[]);
+    let root = file.group(&[("Attributes", described), ("Data", data)], &[]);
+    let scan = read_harmful(&file.finish(0, root)).unwrap();
+    assert_eq!(scan.heights_m[[0, 0]], 100e-9);
+}
+
+#[test]
+fn shapes_that_the_bytes_cannot_fill_are_refused() {
+    let huge = read_harmful(&one(Map { shape: [1 << 31, 1 << 31], ..Map::default() }));
+    assert!(matches!(huge, Err(FormatError::TooLarge { .. })), "{huge:?}");
+    let long = read_harmful(&one(Map { shape: [1 << 14, 1 << 14], ..Map::default() }));
+    assert!(matches!(long, Err(FormatError::Truncated { wanted: 0x8000_0000, .. })), "{long:?}");
+    // Chunks that were never written would be filled, and chunks far larger than the map unpacked.
+    for (shape, chunk) in [([1 << 12, 1 << 12], [16, 16]), ([2, 3], [1 << 15, 1 << 15])] {
+        let map = Map { shape, store: Store::Chunked(chunk, vec![], vec![]), ..Map::default() };
+        let refused = read_harmful(&one(map));
+        assert!(matches!(refused, Err(FormatError::TooLarge { .. })), "{refused:?}");
+    }
+}
+
+#[test]
+fn chunks_that_are_there_twice_or_off_their_grid_or_too_short_are_refused() {
+    let numbers = Map::default().numbers;
+    let chunk = |row, column, bytes: &[u8]| ([row, column], 0, bytes.to_vec());
+    for (chunks, reason) in [
+        (vec![chunk(0, 0, &numbers), chunk(0, 0, &numbers)], "a place of its own"),
+        (vec![chunk(1, 0, &numbers)], "a multiple of the chunk size"),
+        (vec![chunk(2, 0, &numbers)], "a multiple of the chunk size"),
+        (vec![chunk(0, 0, &numbers[1..])], "it unpacks to 47 bytes; wanted 48"),
+    ] {
+        let map = Map { store: Store::Chunked([2, 3], vec![], chunks), ..Map::default() };
+        let message = refusal(&one(map));
+        assert!(message.contains(reason), "{message}");
+    }
+    let bomb = zlib(&[numbers.clone(), numbers].concat());
+    let map = Map { store: Store::Chunked([2, 3], pipeline(&[(1, 6)]), vec![([0, 0], 0, bomb)]), ..Map::default() };
+    assert!(refusal(&one(map)).contains("it unpacks to 52 bytes; wanted 48"));
 }

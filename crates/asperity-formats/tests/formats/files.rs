@@ -5,6 +5,7 @@ use ndarray::array;
 
 use crate::bits;
 use crate::fixtures::{Sur, TEXT, X3p, npy};
+use crate::memory::peak_bytes;
 
 fn scan() -> Scan {
     Scan::new(array![[1e-6, f64::NAN], [3e-6, -4e-6]], Some((2e-6, 3e-6)))
@@ -30,7 +31,7 @@ fn the_content_decides_and_not_the_name() {
 #[test]
 fn unknown_content_is_shown() {
     for (bytes, start) in
-        [(&b""[..], "0 bytes that start with ``"), (b"\x00\x01BCR", "5 bytes that start with `\\x00\\x01BCR`")]
+        [(&b""[..], "the file is empty; known are"), (b"\x00\x01BCR", "5 bytes that start with `\\x00\\x01BCR`")]
     {
         assert_eq!(Format::detect(bytes), None);
         let error = read_bytes(bytes).unwrap_err();
@@ -45,9 +46,10 @@ fn extensions_choose_what_is_written() {
         ("a.x3p", Format::X3p, true),
         ("a.X3P", Format::X3p, true),
         ("a.npy", Format::Npy, false),
-        ("a.txt", Format::Text, false),
-        ("a.dat", Format::Text, false),
-        ("a.csv", Format::Text, false),
+        ("a.txt", Format::Text, true),
+        ("a.dat", Format::Text, true),
+        ("a.csv", Format::Text, true),
+        ("a.sdf", Format::Sdf, true),
     ] {
         let path = folder.path().join(name);
         write(&scan(), &path).unwrap();
@@ -59,10 +61,13 @@ fn extensions_choose_what_is_written() {
         assert_eq!(bits(&read), bits(&scan()));
         assert_eq!(read.pitch_m, scan().pitch_m.filter(|_| keeps_pitch));
     }
-    assert_eq!(fs::read_to_string(folder.path().join("a.csv")).unwrap(), "1e-6,nan\n3e-6,-4e-6\n");
-    for name in ["a.sur", "a.xyz", "a"] {
+    let csv = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    assert_eq!(csv, "# unit: m\n# pixel size: 2e-6 m x 3e-6 m\n1e-6,nan\n3e-6,-4e-6\n");
+    for (name, wanted) in
+        [("a.opd", "as `.opd`; wanted .x3p"), ("a.XYZ", "`.xyz`"), ("a", "no extension"), (".x3p", "no ext")]
+    {
         let error = write(&scan(), &folder.path().join(name)).unwrap_err();
-        assert!(error.to_string().contains("no format is written as"), "{error}");
+        assert!(error.to_string().contains(wanted), "{error}");
     }
 }
 
@@ -89,13 +94,40 @@ fn errors_name_the_path_and_a_missing_file_is_its_own_kind() {
     let missing = folder.path().join("none.x3p");
     let error = read(&missing).unwrap_err();
     assert!(error.is_not_found());
-    assert_eq!(error.to_string(), format!("{}: no such file", missing.display()));
+    assert_eq!(error.to_string(), format!("{}: no such file or folder", missing.display()));
     let error = read(folder.path()).unwrap_err();
     assert!(matches!(&error, FormatError::Io { path, .. } if path == folder.path()), "{error}");
+    assert!(error.to_string().ends_with("this is a folder; a file is wanted"), "{error}");
     let ragged = folder.path().join("ragged.csv");
     fs::write(&ragged, "1,2\n3\n").unwrap();
     let error = read(&ragged).unwrap_err();
     assert_eq!(error.to_string(), format!("{}: text: line 2 has 1 values; the first row has 2", ragged.display()));
     let error = write(&scan(), &folder.path().join("no folder/a.npy")).unwrap_err();
-    assert!(error.is_not_found(), "{error}");
+    assert!(error.is_not_found() && error.to_string().contains("no folder: no such"), "{error}");
+}
+
+#[test]
+fn long_content_of_no_known_format_is_not_read_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.dat");
+    let file = fs::File::create(&path).unwrap();
+    // A terabyte of zeros that takes no room.
+    file.set_len(1 << 40).unwrap();
+    let (result, peak) = peak_bytes(|| read(&path));
+    let error = result.unwrap_err().to_string();
+    assert!(error.contains("film.dat: unknown format: 65536 bytes"), "{error}");
+    assert!(peak < 1 << 20, "{peak}");
+}
+
+#[test]
+fn long_names_are_written_and_left_over_temporary_files_are_no_hindrance() {
+    let folder = tempfile::tempdir().unwrap();
+    for place in 0..200 {
+        fs::write(folder.path().join(format!(".asperity-{}-{place}.tmp", std::process::id())), "others").unwrap();
+    }
+    let path = folder.path().join(format!("{}.npy", "n".repeat(251)));
+    // Each attempt passes over a hundred names.
+    let written = (0..3).any(|_| write(&scan(), &path).is_ok());
+    assert!(written && bits(&read(&path).unwrap()) == bits(&scan()));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 201);
 }

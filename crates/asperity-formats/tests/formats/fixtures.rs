@@ -67,6 +67,24 @@ pub(crate) fn gzip(content: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// A zlib stream that stores its content unpacked (RFC 1950 around a stored block of RFC 1951).
+pub(crate) fn zlib(content: &[u8]) -> Vec<u8> {
+    // Deflate with a window of 32 KiB; check bits that make the two bytes a multiple of 31.
+    let mut bytes = vec![0x78, 0x01];
+    // One last block.
+    bytes.push(1);
+    bytes.extend((content.len() as u16).to_le_bytes());
+    bytes.extend((!(content.len() as u16)).to_le_bytes());
+    bytes.extend(content);
+    let (mut low, mut high) = (1_u32, 0_u32);
+    for &byte in content {
+        low = (low + u32::from(byte)) % 65521;
+        high = (high + low) % 65521;
+    }
+    bytes.extend((high << 16 | low).to_be_bytes());
+    bytes
+}
+
 pub(crate) fn md5(bytes: &[u8]) -> String {
     Md5::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -159,10 +177,14 @@ impl X3p {
     }
 }
 
-/// What a test says of a SUR file; the rest is as MountainsMap writes it.
+/// What a test says of an object of a SUR file; the rest is as MountainsMap writes it.
+#[derive(Clone)]
 pub(crate) struct Sur {
     pub(crate) signature: &'static [u8; 12],
+    pub(crate) big_endian: bool,
+    pub(crate) objects: i16,
     pub(crate) object_type: i16,
+    pub(crate) name: &'static [u8],
     pub(crate) special_points: i16,
     pub(crate) bits: i16,
     pub(crate) z_range: (i32, i32),
@@ -173,6 +195,8 @@ pub(crate) struct Sur {
     pub(crate) comment: &'static [u8],
     pub(crate) private: &'static [u8],
     pub(crate) data: Vec<u8>,
+    /// Where the data of a compressed object are cut into streams.
+    pub(crate) cuts: &'static [usize],
 }
 
 impl Default for Sur {
@@ -180,7 +204,10 @@ impl Default for Sur {
         let heights: [i16; 6] = [100, 200, 98, -300, 400, 500];
         Self {
             signature: b"DIGITAL SURF",
+            big_endian: false,
+            objects: 1,
             object_type: 2,
+            name: b"gear 7",
             special_points: 1,
             bits: 16,
             z_range: (100, 500),
@@ -191,68 +218,110 @@ impl Default for Sur {
             comment: b"hob ground, \xb5 = 0.1",
             private: b"\x00\x01\x02",
             data: heights.iter().flat_map(|z| z.to_le_bytes()).collect(),
+            cuts: &[],
         }
     }
 }
 
+/// Numbers in either order of bytes, one after the other.
+struct Numbers {
+    bytes: Vec<u8>,
+    big_endian: bool,
+}
+
+impl Numbers {
+    fn push<const N: usize>(&mut self, mut little: [u8; N]) {
+        if self.big_endian {
+            little.reverse();
+        }
+        self.bytes.extend(little);
+    }
+
+    fn i16s(&mut self, numbers: &[i16]) {
+        numbers.iter().for_each(|number| self.push(number.to_le_bytes()));
+    }
+
+    fn i32s(&mut self, numbers: &[i32]) {
+        numbers.iter().for_each(|number| self.push(number.to_le_bytes()));
+    }
+
+    fn f32s(&mut self, numbers: &[f32]) {
+        numbers.iter().for_each(|number| self.push(number.to_le_bytes()));
+    }
+
+    fn zeros(&mut self, count: usize) {
+        self.bytes.extend(vec![0; count]);
+    }
+
+    fn padded(&mut self, text: &[u8], width: usize) {
+        self.bytes.extend(text);
+        self.bytes.extend(vec![b' '; width - text.len()]);
+    }
+}
+
 impl Sur {
+    /// The compressed form of an object with the same heights.
+    pub(crate) fn compressed(self, cuts: &'static [usize]) -> Self {
+        Self { signature: b"DSCOMPRESSED", cuts, ..self }
+    }
+
+    /// The heights as the file holds them: as they are, or as a directory and streams.
+    fn heights(&self) -> Vec<u8> {
+        if self.signature == b"DIGITAL SURF" {
+            return self.data.clone();
+        }
+        let mut directory = Numbers { bytes: Vec::new(), big_endian: self.big_endian };
+        let mut streams = Vec::new();
+        directory.i32s(&[self.cuts.len() as i32 + 1]);
+        let mut start = 0;
+        for end in self.cuts.iter().copied().chain([self.data.len()]) {
+            let stream = zlib(&self.data[start..end]);
+            directory.i32s(&[(end - start) as i32, stream.len() as i32]);
+            streams.extend(stream);
+            start = end;
+        }
+        [directory.bytes, streams].concat()
+    }
+
     /// The fields of the header one after the other, in the order and with the widths of the published layout.
     pub(crate) fn bytes(&self) -> Vec<u8> {
-        fn padded(bytes: &mut Vec<u8>, text: &[u8], width: usize) {
-            bytes.extend(text);
-            bytes.extend(vec![b' '; width - text.len()]);
-        }
-        let mut bytes = self.signature.to_vec();
-        // Format (PC), number of objects, version.
-        bytes.extend([0, 0, 1, 0, 1, 0]);
-        bytes.extend(self.object_type.to_le_bytes());
-        padded(&mut bytes, b"gear 7", 30);
-        padded(&mut bytes, b"A. Operator", 30);
-        // Material code, acquisition type (stylus), range type.
-        bytes.extend([0, 0, 1, 0, 0, 0]);
-        bytes.extend(self.special_points.to_le_bytes());
-        // Absolute heights, gauge resolution, reserved.
-        bytes.extend([1, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
-        bytes.extend(self.bits.to_le_bytes());
-        bytes.extend(self.z_range.0.to_le_bytes());
-        bytes.extend(self.z_range.1.to_le_bytes());
-        bytes.extend(self.size.0.to_le_bytes());
-        bytes.extend(self.size.1.to_le_bytes());
-        bytes.extend(self.size.0.wrapping_mul(self.size.1).to_le_bytes());
-        for spacing in self.spacing {
-            bytes.extend(spacing.to_le_bytes());
-        }
+        let heights = self.heights();
+        let mut file = Numbers { bytes: self.signature.to_vec(), big_endian: self.big_endian };
+        // Format (PC, or the other order), number of objects, version, type.
+        file.i16s(&[if self.big_endian { 257 } else { 0 }, self.objects, 1, self.object_type]);
+        file.padded(self.name, 30);
+        file.padded(b"A. Operator", 30);
+        // Channels, acquisition type (stylus), range type.
+        file.i16s(&[0, 1, 0]);
+        // Special points, absolute heights.
+        file.i16s(&[self.special_points, 1]);
+        // Gauge resolution, points of a spectrum.
+        file.zeros(8);
+        file.i16s(&[self.bits]);
+        file.i32s(&[self.z_range.0, self.z_range.1, self.size.0, self.size.1, self.size.0.wrapping_mul(self.size.1)]);
+        file.f32s(&self.spacing);
         for name in [b"X", b"Y", b"Z"] {
-            padded(&mut bytes, name, 16);
+            file.padded(name, 16);
         }
         // Units of steps, then of lengths: the same here, so the ratios are 1.
         for unit in self.units.iter().chain(&self.units) {
-            padded(&mut bytes, unit, 16);
+            file.padded(unit, 16);
         }
-        for _ in 0..3 {
-            bytes.extend(1_f32.to_le_bytes());
-        }
+        file.f32s(&[1.0; 3]);
         // Imprint, inverted, levelled, 12 obsolete bytes.
-        bytes.extend([0; 18]);
-        for time in [59_i16, 30, 14, 1, 12, 2016, 4] {
-            bytes.extend(time.to_le_bytes());
-        }
-        bytes.extend(12.5_f32.to_le_bytes());
+        file.zeros(18);
+        file.i16s(&[59, 30, 14, 1, 12, 2016, 4]);
+        file.f32s(&[12.5]);
         // Size of compressed data and 6 obsolete bytes.
-        bytes.extend([0; 10]);
-        bytes.extend((self.comment.len() as i16).to_le_bytes());
-        bytes.extend((self.private.len() as i16).to_le_bytes());
-        bytes.extend([0; 128]);
-        for offset in [0.0, 0.0, self.z_offset] {
-            bytes.extend(offset.to_le_bytes());
-        }
+        file.i32s(&[if self.signature == b"DIGITAL SURF" { 0 } else { heights.len() as i32 }]);
+        file.zeros(6);
+        file.i16s(&[self.comment.len() as i16, self.private.len() as i16]);
+        file.padded(b"a program", 128);
+        file.f32s(&[0.0, 0.0, self.z_offset]);
         // Temperature axis: spacing, offset, unit, name.
-        bytes.extend([0; 34]);
-        assert_eq!(bytes.len(), 512);
-        bytes.extend(self.comment);
-        bytes.extend(self.private);
-        bytes.extend(&self.data);
-        bytes
+        file.zeros(34);
+        assert_eq!(file.bytes.len(), 512);
+        [&file.bytes, self.comment, self.private, &heights].concat()
     }
 }
 

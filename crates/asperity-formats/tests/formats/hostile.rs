@@ -3,11 +3,13 @@
 //! `ASPERITY_MUTATIONS` sets how many damaged files each fixture is turned into (default 400), `ASPERITY_MUTATE` limits
 //! them to fixtures whose name contains it.
 
+use std::io::{Cursor, Write};
 use std::time::{Duration, Instant};
 
 use asperity_formats::read_bytes;
 
 use crate::fixture::{Content, Fixture, all};
+use crate::fixtures::X3p;
 use crate::memory::peak_bytes;
 
 /// Bytes of which every bit is flipped.
@@ -67,6 +69,47 @@ fn flipped_bits_in_an_archive_directory_are_read_or_refused() {
     for fixture in all().iter().filter(|fixture| matches!(fixture.content, Content::Zip(_))) {
         flip_bits(fixture, |length| length.saturating_sub(FLIPPED_BYTES)..length);
     }
+}
+
+/// A gzip member and a zip archive of one file, both of `count` zeros.
+fn bombs(name: &str, count: usize) -> [Vec<u8>; 2] {
+    let zeros = vec![0; 1 << 20];
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+    for _ in 0..count >> 20 {
+        gzip.write_all(&zeros).unwrap();
+        zip.write_all(&zeros).unwrap();
+    }
+    [gzip.finish().unwrap(), zip.finish().unwrap().into_inner()]
+}
+
+#[test]
+fn bombs_are_refused_within_a_second() {
+    for name in ["main.xml", "index.xml", "heights.npy"] {
+        for bytes in bombs(name, 256 << 20) {
+            let start = Instant::now();
+            let (result, peak) = peak_bytes(|| read_bytes(&bytes));
+            let took = start.elapsed();
+            assert!(result.is_err() && took < Duration::from_secs(1), "{name}: {took:?}");
+            assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{name}: {peak} bytes of memory");
+        }
+    }
+}
+
+#[test]
+fn a_bomb_of_heights_is_refused_within_a_second() {
+    // 16384² heights of eight bytes, the most that a map may have, in a file of one five-hundredth.
+    let [_, zeros] = bombs("bindata/data.bin", 64 << 20);
+    let mut archive = zip::ZipWriter::new_append(Cursor::new(zeros)).unwrap();
+    let x3p = X3p { size: (1 << 14, 1 << 14, 1), ..X3p::default() };
+    archive.start_file("main.xml", zip::write::SimpleFileOptions::default()).unwrap();
+    archive.write_all(x3p.main_xml().as_bytes()).unwrap();
+    let bytes = archive.finish().unwrap().into_inner();
+    let start = Instant::now();
+    let (result, peak) = peak_bytes(|| read_bytes(&bytes));
+    assert!(result.is_err() && start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{peak} bytes of memory");
 }
 
 /// A multiplicative congruential generator (MMIX): noise enough to damage files with.

@@ -1,7 +1,482 @@
-//! NetCDF.
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
 
+use crate::assert_heights;
+use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fields, fill_value, new_attribute};
 use crate::fixture::Fixture;
 
+const NAN: f64 = f64::NAN;
+
+/// An attribute of any of the types that tests use.
+#[derive(Clone)]
+enum Att {
+    Text(&'static str),
+    Short(i16),
+    Int(i32),
+    Float(f32),
+    Double(f64),
+}
+
+impl Att {
+    /// Type, number of elements, bytes.
+    fn parts(&self) -> (u32, u64, Vec<u8>) {
+        match self {
+            Self::Text(text) => (2, text.len() as u64, text.as_bytes().to_vec()),
+            Self::Short(value) => (3, 1, value.to_be_bytes().to_vec()),
+            Self::Int(value) => (4, 1, value.to_be_bytes().to_vec()),
+            Self::Float(value) => (5, 1, value.to_be_bytes().to_vec()),
+            Self::Double(value) => (6, 1, value.to_be_bytes().to_vec()),
+        }
+    }
+}
+
+type Atts = Vec<(&'static str, Att)>;
+
+/// A variable: name, places of its dimensions, attributes, type, all its bytes.
+#[derive(Clone)]
+struct Var(&'static str, Vec<usize>, Atts, u32, Vec<u8>);
+
+/// A file of a classic format; a dimension of length 0 is that of the records.
+#[derive(Clone)]
+struct Classic {
+    version: u8,
+    records: Option<u64>,
+    dimensions: Vec<(&'static str, u64)>,
+    attributes: Atts,
+    variables: Vec<Var>,
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_be_bytes()).collect()
+}
+
+fn shorts(values: &[i16]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_be_bytes()).collect()
+}
+
+fn unit(unit: &'static str) -> Atts {
+    vec![("unit", Att::Text(unit))]
+}
+
+impl Default for Classic {
+    /// What SurfaceTopography writes of two points along x and three along y, 1.5 µm and 2 µm apart.
+    fn default() -> Self {
+        let side = |length| [unit("um"), vec![("length", Att::Double(length)), ("periodic", Att::Int(1))]].concat();
+        Self {
+            version: 2,
+            records: Some(0),
+            dimensions: vec![("x", 2), ("y", 3)],
+            attributes: vec![("json", Att::Text("{\"instrument\": {}}"))],
+            variables: vec![
+                Var("x", vec![0], side(3.0), 6, doubles(&[0.0, 1.5])),
+                Var("heights", vec![0, 1], unit("nm"), 6, doubles(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
+                Var("y", vec![1], side(6.0), 6, doubles(&[0.0, 2.0, 4.0])),
+            ],
+        }
+    }
+}
+
+impl Classic {
+    /// A count: 4 bytes, in version 5 8 bytes.
+    fn count(&self, count: u64) -> Vec<u8> {
+        if self.version == 5 { count.to_be_bytes().to_vec() } else { (count as u32).to_be_bytes().to_vec() }
+    }
+
+    fn name(&self, name: &str) -> Vec<u8> {
+        fields![self.count(name.len() as u64), padded(name.as_bytes())]
+    }
+
+    /// A list; one without entries is absent: tag and count are zero.
+    fn list(&self, tag: u32, entries: &[Vec<u8>]) -> Vec<u8> {
+        let tag = if entries.is_empty() { 0 } else { tag };
+        fields![tag.to_be_bytes(), self.count(entries.len() as u64), entries.concat()]
+    }
+
+    fn attributes(&self, attributes: &Atts) -> Vec<u8> {
+        let entry = |(name, att): &(&str, Att)| {
+            let (kind, count, bytes) = att.parts();
+            fields![self.name(name), kind.to_be_bytes(), self.count(count), padded(&bytes)]
+        };
+        self.list(0x0c, &attributes.iter().map(entry).collect::<Vec<_>>())
+    }
+
+    fn has_records(&self, variable: &Var) -> bool {
+        variable.1.first().is_some_and(|&place| self.dimensions[place].1 == 0)
+    }
+
+    fn header(&self, begins: &[u64]) -> Vec<u8> {
+        let dimension = |(name, length): &(&str, u64)| fields![self.name(name), self.count(*length)];
+        let variable = |(Var(name, places, attributes, kind, bytes), begin): (&Var, &u64)| {
+            let places: Vec<u8> = places.iter().flat_map(|&place| self.count(place as u64)).collect();
+            let rank = self.count((places.len() / self.count(0).len()) as u64);
+            let begin =
+                if self.version == 1 { (*begin as u32).to_be_bytes().to_vec() } else { begin.to_be_bytes().to_vec() };
+            // Name, dimensions, attributes, type, size, place.
+            let size = self.count(bytes.len() as u64);
+            fields![self.name(name), rank, places, self.attributes(attributes), kind.to_be_bytes(), size, begin]
+        };
+        fields![
+            [b'C', b'D', b'F', self.version],
+            // A number of records with all bits set stands for an unknown one.
+            self.count(self.records.unwrap_or(u64::MAX)),
+            self.list(0x0a, &self.dimensions.iter().map(dimension).collect::<Vec<_>>()),
+            self.attributes(&self.attributes),
+            self.list(0x0b, &self.variables.iter().zip(begins).map(variable).collect::<Vec<_>>()),
+        ]
+    }
+
+    /// The header, variables without records, and the records with a part of each of the others.
+    fn bytes(&self) -> Vec<u8> {
+        let mut begins = vec![0; self.variables.len()];
+        let start = self.header(&begins).len();
+        let mut data = Vec::new();
+        let (in_records, others): (Vec<usize>, Vec<usize>) =
+            (0..self.variables.len()).partition(|&place| self.has_records(&self.variables[place]));
+        for place in others {
+            begins[place] = (start + data.len()) as u64;
+            data.extend(padded(&self.variables[place].4));
+        }
+        // Files of an unknown number of records have three.
+        let records = self.records.unwrap_or(3) as usize;
+        for record in 0..records {
+            for &place in &in_records {
+                if record == 0 {
+                    begins[place] = (start + data.len()) as u64;
+                }
+                let bytes = &self.variables[place].4;
+                let part = &bytes[record * bytes.len() / records..(record + 1) * bytes.len() / records];
+                // A single variable in the records is not padded.
+                data.extend(if in_records.len() == 1 { part.to_vec() } else { padded(part) });
+            }
+        }
+        fields![self.header(&begins), data]
+    }
+
+    fn read(&self) -> Scan {
+        read_bytes(&self.bytes()).unwrap()
+    }
+
+    fn refusal(&self) -> String {
+        read_bytes(&self.bytes()).unwrap_err().to_string()
+    }
+}
+
+/// Bytes and zeros up to a multiple of four.
+fn padded(bytes: &[u8]) -> Vec<u8> {
+    let mut padded = bytes.to_vec();
+    padded.resize(bytes.len().next_multiple_of(4), 0);
+    padded
+}
+
+/// Integers z(y, x) of two rows that are packed, with a missing one.
+fn packed() -> Classic {
+    let attributes = vec![
+        ("units", Att::Text("um")),
+        ("scale_factor", Att::Double(0.5)),
+        ("add_offset", Att::Float(10.0)),
+        ("_FillValue", Att::Short(-999)),
+        ("missing_value", Att::Short(-998)),
+    ];
+    Classic {
+        version: 1,
+        records: Some(0),
+        dimensions: vec![("y", 2), ("x", 3)],
+        attributes: vec![],
+        variables: vec![Var("z", vec![0, 1], attributes, 3, shorts(&[0, 1, -999, 3, -998, 5]))],
+    }
+}
+
+/// Three records of two integers, with another variable of bytes in the records.
+fn in_records(version: u8, records: Option<u64>) -> Classic {
+    Classic {
+        version,
+        records,
+        dimensions: vec![("t", 0), ("x", 2)],
+        attributes: vec![],
+        variables: vec![
+            Var("quality", vec![0], vec![], 1, vec![7, 8, 9]),
+            Var("z", vec![0, 1], unit("mm"), 3, shorts(&[1, 2, 3, 4, 5, 6])),
+        ],
+    }
+}
+
+/// A dataset of `f64` in an HDF5 file.
+fn dataset(file: &mut Hdf5, shape: &[u64], values: &[f64], attributes: &[Message]) -> u64 {
+    let numbers: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let address = file.append(&numbers);
+    let messages = [
+        (hdf5::DATASPACE, dataspace(shape)),
+        (hdf5::DATATYPE, datatype::float(8, false)),
+        fill_value(&[]),
+        contiguous(address, numbers.len() as u64),
+    ];
+    file.new_object(&[&messages, attributes].concat())
+}
+
+/// A netCDF-4 file: heights(x, y) of two by three, with links and some of the attributes in fractal heaps.
+fn enhanced() -> Vec<u8> {
+    let mut file = Hdf5::new();
+    let text = |name, value: &str| new_attribute(name, &datatype::text(value.len() as u32), 1, value.as_bytes());
+    let scale = |name| {
+        [("CLASS", text("CLASS", "DIMENSION_SCALE")), ("NAME", text("NAME", name)), ("unit", text("unit", "um"))]
+    };
+    let in_header = scale("x").map(|(_, content)| (hdf5::ATTRIBUTE, content));
+    let x = dataset(&mut file, &[2], &[0.0, 1.5], &in_header);
+    let in_heap = file.dense_attributes(&scale("y"));
+    let y = dataset(&mut file, &[3], &[0.0, 2.0, 4.0], &[in_heap]);
+    // Each dimension has a sequence of references to its scales.
+    let scales = [x, y].map(|address: u64| file.keep(&address.to_le_bytes()).of(1)).concat();
+    let list = new_attribute("DIMENSION_LIST", &datatype::sequence(&datatype::reference()), 2, &scales);
+    let attributes = [(hdf5::ATTRIBUTE, list), (hdf5::ATTRIBUTE, text("unit", "nm"))];
+    let heights = dataset(&mut file, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &attributes);
+    let links = file.dense_links(&[("x", x), ("y", y), ("heights", heights)]);
+    let root = file.new_object(&[links, (hdf5::ATTRIBUTE, text("title", "a face"))]);
+    file.finish_new(root)
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![]
+    let enhanced = Fixture::whole("NetCDF-4", enhanced());
+    vec![
+        Fixture::whole("NetCDF of SurfaceTopography", Classic::default().bytes()),
+        Fixture::whole("NetCDF of packed int16", packed().bytes()),
+        Fixture::whole("NetCDF with records, version 5", in_records(5, Some(3)).bytes()),
+        // The checksum of the root at the end is not needed.
+        Fixture { needed: enhanced.needed - 4, ..enhanced },
+    ]
+}
+
+#[test]
+fn a_file_of_surfacetopography_is_turned_to_rows_of_y() {
+    for version in [1, 2, 5] {
+        let scan = Classic { version, ..Classic::default() }.read();
+        assert_eq!(scan.heights_m.dim(), (3, 2));
+        // heights[x][y] = 1 2 3, 4 5 6 nm; the first y is at the top.
+        assert_heights(&scan, &[1e-9, 4e-9, 2e-9, 5e-9, 3e-9, 6e-9]);
+        assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
+        assert_eq!((scan.channels, scan.warnings), (vec!["heights".to_owned()], Vec::<String>::new()));
+    }
+}
+
+#[test]
+fn rows_of_x_stay_as_they_are() {
+    let mut file = Classic { dimensions: vec![("y", 2), ("x", 3)], ..Classic::default() };
+    file.variables[0].0 = "y";
+    file.variables[2].0 = "x";
+    let scan = file.read();
+    assert_heights(&scan, &[1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9]);
+    assert_eq!((scan.heights_m.dim(), scan.pitch_m), ((2, 3), Some((2e-6, 1.5e-6))));
+}
+
+#[test]
+fn attributes_are_kept_by_their_names() {
+    let scan = Classic::default().read();
+    let wanted = [
+        ("json", "{\"instrument\": {}}"),
+        ("heights:unit", "nm"),
+        ("x:unit", "um"),
+        ("x:length", "3"),
+        ("y:periodic", "1"),
+    ];
+    for (field, text) in wanted {
+        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
+    }
+}
+
+#[test]
+fn points_under_the_mask_are_missing() {
+    let mut file = Classic::default();
+    file.variables.push(Var("mask", vec![0, 1], vec![], 1, vec![0, 0, 1, 0, 0, 0]));
+    let scan = file.read();
+    assert_heights(&scan, &[1e-9, 4e-9, 2e-9, 5e-9, NAN, 6e-9]);
+    assert_eq!(scan.channels.len(), 1);
+}
+
+#[test]
+fn packed_numbers_are_scaled_shifted_and_two_marks_are_missing() {
+    let scan = packed().read();
+    // n · 0.5 + 10, in µm.
+    assert_heights(&scan, &[10e-6, 10.5e-6, NAN, 11.5e-6, NAN, 12.5e-6]);
+    assert_eq!(scan.pitch_m, None);
+}
+
+#[test]
+fn the_fill_value_of_a_type_is_missing_unless_another_is_stated() {
+    let mut file = packed();
+    // −32767 fills variables of short integers.
+    file.variables[0].4 = shorts(&[0, -32767, 1, 1, 1, 1]);
+    assert_eq!(file.read().missing_points(), 0);
+    file.variables[0].2.retain(|(name, _)| *name != "_FillValue");
+    assert!(file.read().heights_m[[0, 1]].is_nan());
+    // 0x1.ep+122 fills variables of floats.
+    let mut file = Classic::default();
+    file.variables[1].4 = doubles(&[1.0, 9.969209968386869e36, 3.0, 4.0, 5.0, 6.0]);
+    assert!(file.read().heights_m[[1, 0]].is_nan());
+}
+
+#[test]
+fn a_mark_of_double_precision_marks_numbers_of_single_precision() {
+    let values: Vec<u8> = [1.0_f32, 1e20, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|z| z.to_be_bytes()).collect();
+    let attributes = vec![("units", Att::Text("nm")), ("missing_value", Att::Double(1e20))];
+    let file = Classic { variables: vec![Var("z", vec![0, 1], attributes, 5, values)], ..Classic::default() };
+    assert_eq!(file.read().missing_points(), 1);
+}
+
+#[test]
+fn integers_of_every_type_are_read() {
+    // Type, number, bytes of one element.
+    for (kind, value, bytes) in [
+        (1, -2.0, vec![0xfe]),
+        (3, -2.0, vec![0xff, 0xfe]),
+        (4, -2.0, vec![0xff, 0xff, 0xff, 0xfe]),
+        (7, 254.0, vec![0xfe]),
+        (8, 65534.0, vec![0xff, 0xfe]),
+        (9, 4294967294.0, vec![0xff, 0xff, 0xff, 0xfe]),
+        (10, -2.0, vec![0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xfe]),
+        (11, 4294967296.0, vec![0, 0, 0, 1, 0, 0, 0, 0]),
+    ] {
+        let variables = vec![Var("z", vec![0, 1], unit("m"), kind, bytes.repeat(6))];
+        let scan = Classic { version: 5, variables, ..Classic::default() }.read();
+        assert_eq!(scan.heights_m[[2, 1]], value, "type {kind}");
+    }
+    let attributes = vec![("unit", Att::Text("m")), ("_Unsigned", Att::Text("true"))];
+    let variables = vec![Var("z", vec![0, 1], attributes, 1, vec![0xfe; 6])];
+    assert_eq!(Classic { variables, ..Classic::default() }.read().heights_m[[0, 0]], 254.0);
+}
+
+#[test]
+fn records_are_put_together() {
+    for version in [1, 2, 5] {
+        // With a second variable each record is padded to four bytes; an unknown number of records is counted.
+        for records in [Some(3), None] {
+            let scan = in_records(version, records).read();
+            assert_eq!(scan.heights_m.dim(), (3, 2));
+            assert_heights(&scan, &[1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]);
+        }
+        // A single variable is not padded: three integers of two bytes follow each other.
+        let mut file = in_records(version, Some(2));
+        file.dimensions[1].1 = 3;
+        file.variables.remove(0);
+        assert_heights(&file.read(), &[1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]);
+    }
+}
+
+#[test]
+fn a_map_of_one_record_is_a_map() {
+    let file = Classic {
+        records: Some(1),
+        dimensions: vec![("time", 0), ("y", 2), ("x", 3)],
+        variables: vec![Var("z", vec![0, 1, 2], unit("um"), 3, shorts(&[1, 2, 3, 4, 5, 6]))],
+        ..Classic::default()
+    };
+    assert_heights(&file.read(), &[1e-6, 2e-6, 3e-6, 4e-6, 5e-6, 6e-6]);
+}
+
+#[test]
+fn maps_in_a_unit_of_length_are_channels_and_heights_is_the_first() {
+    let mut file = Classic::default();
+    file.variables.insert(0, Var("error", vec![0, 1], unit("um"), 6, doubles(&[7.0; 6])));
+    file.variables.insert(0, Var("current", vec![0, 1], unit("A/m"), 6, doubles(&[8.0; 6])));
+    let bytes = file.bytes();
+    let scan = read_bytes(&bytes).unwrap();
+    assert_eq!((scan.channels.as_slice(), scan.channel), (&["heights".to_owned(), "error".to_owned()][..], 0));
+    let options = ReadOptions { channel: Some(Channel::Name("error".into())) };
+    assert_eq!(read_bytes_with(&bytes, &options).unwrap().heights_m[[0, 0]], 7e-6);
+}
+
+#[test]
+fn files_without_a_map_of_heights_are_refused_with_what_they_hold() {
+    let mut file = Classic::default();
+    file.variables[1] = Var("current", vec![0, 1], unit("A/m"), 6, doubles(&[8.0; 6]));
+    assert!(file.refusal().starts_with("NetCDF: the file holds `current` (A/m); wanted"), "{}", file.refusal());
+    file.variables[1] = Var("heights", vec![1], unit("nm"), 6, doubles(&[8.0; 3]));
+    assert!(file.refusal().starts_with("NetCDF: the file holds a line scan"), "{}", file.refusal());
+    file.variables.clear();
+    assert!(file.refusal().starts_with("NetCDF: the file holds no map"), "{}", file.refusal());
+}
+
+#[test]
+fn heights_without_a_unit_are_in_that_of_the_positions_or_in_metre() {
+    let mut file = Classic::default();
+    file.variables[1].2.clear();
+    let scan = file.read();
+    assert_eq!((scan.heights_m[[0, 0]], scan.warnings), (1e-6, Vec::<String>::new()));
+    for variable in &mut file.variables {
+        variable.2.retain(|(name, _)| *name != "unit");
+    }
+    let scan = file.read();
+    assert_eq!((scan.heights_m[[0, 0]], scan.pitch_m), (1.0, Some((1.5, 2.0))));
+    assert!(scan.warnings[0].contains("no unit"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn positions_in_no_length_give_no_pitch() {
+    let mut file = Classic::default();
+    file.variables[0].2 = unit("s");
+    let scan = file.read();
+    assert_eq!(scan.pitch_m, None);
+    assert!(scan.warnings[0].starts_with("the unit of x is `s`"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn positions_go_before_the_stated_length_of_a_side() {
+    let mut file = Classic::default();
+    // A side of 1.5 µm is the distance between the first and the last of two points.
+    file.variables[0].2[1].1 = Att::Double(1.5);
+    let scan = file.read();
+    assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
+    assert!(scan.warnings[0].starts_with("the length of x means pixels of 0.75 um"), "{:?}", scan.warnings);
+    // Positions that were never written leave the length, of three points.
+    file.variables[2].4 = doubles(&[9.969209968386869e36; 3]);
+    assert_eq!(file.read().pitch_m, Some((1.5e-6, 2e-6)));
+}
+
+#[test]
+fn uneven_positions_are_doubted_and_falling_ones_are_not() {
+    let mut file = Classic::default();
+    file.variables[2].4 = doubles(&[4.0, 2.0, 0.0]);
+    let scan = file.read();
+    assert_eq!((scan.pitch_m, scan.warnings), (Some((1.5e-6, 2e-6)), Vec::<String>::new()));
+    file.variables[2].4 = doubles(&[0.0, 1.0, 4.0]);
+    let scan = file.read();
+    assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
+    assert!(scan.warnings[0].contains("not evenly spaced"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn netcdf_4_is_read_like_the_classic_formats() {
+    let scan = read_bytes(&enhanced()).unwrap();
+    assert_heights(&scan, &[1e-9, 4e-9, 2e-9, 5e-9, 3e-9, 6e-9]);
+    assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
+    let metadata: Vec<(&str, &str)> = scan.metadata.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    assert_eq!(metadata, [("heights:unit", "nm"), ("title", "a face"), ("x:unit", "um"), ("y:unit", "um")]);
+}
+
+#[test]
+fn only_known_versions_are_claimed() {
+    for (start, format) in [
+        (b"CDF\x01", Some(Format::NetCdf)),
+        (b"CDF\x02", Some(Format::NetCdf)),
+        (b"CDF\x05", Some(Format::NetCdf)),
+        (b"CDF\x03", None),
+    ] {
+        assert_eq!(Format::detect(&[start.as_slice(), &[0; 40]].concat()), format);
+    }
+}
+
+#[test]
+fn headers_that_the_bytes_cannot_bear_out_are_errors() {
+    let huge = Classic { dimensions: vec![("x", 1 << 30), ("y", 1 << 30)], ..Classic::default() };
+    assert!(matches!(read_bytes(&huge.bytes()), Err(FormatError::TooLarge { .. })));
+    let long = Classic { dimensions: vec![("x", 1 << 14), ("y", 1 << 14)], ..Classic::default() };
+    assert!(matches!(read_bytes(&long.bytes()), Err(FormatError::Truncated { wanted: 0x8000_0000, .. })));
+    // One record more than there is.
+    let mut bytes = in_records(2, Some(3)).bytes();
+    bytes[4..8].copy_from_slice(&4_u32.to_be_bytes());
+    assert!(matches!(read_bytes(&bytes), Err(FormatError::Truncated { .. })));
+    // The tag of the list of dimensions, and the number of its entries.
+    let mut bytes = Classic::default().bytes();
+    bytes[11] = 0x0c;
+    assert_eq!(read_bytes(&bytes).unwrap_err().to_string(), "NetCDF: dimensions (byte 8) is `tag 12`; wanted tag 10");
+    bytes[11] = 0x0a;
+    bytes[12..16].copy_from_slice(&1_000_000_u32.to_be_bytes());
+    assert!(matches!(read_bytes(&bytes), Err(FormatError::TooLarge { found: 1_000_000, .. })));
 }

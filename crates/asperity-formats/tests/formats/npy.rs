@@ -101,7 +101,9 @@ fn declared_sizes_are_not_believed() {
     assert!(matches!(read_bytes(&long), Err(FormatError::Truncated { found: 16, wanted: 2_147_483_648, .. })));
     let mut header_beyond = npy(2, &header("<f8", "False", "(1, 2)"), &[0; 16]);
     header_beyond[8..12].copy_from_slice(&[0xff; 4]);
-    assert!(matches!(read_bytes(&header_beyond), Err(FormatError::Truncated { wanted: 4_294_967_295, .. })));
+    assert!(matches!(read_bytes(&header_beyond), Err(FormatError::TooLarge { found: 4_294_967_295, .. })));
+    header_beyond[8..12].copy_from_slice(&[0xff, 0xff, 0, 0]);
+    assert!(matches!(read_bytes(&header_beyond), Err(FormatError::Truncated { wanted: 65_535, .. })));
 }
 
 #[test]

@@ -1,7 +1,191 @@
-//! NPZ.
+//! NPZ: zip archives of NPY files.
 
+use std::io::{Cursor, Write};
+
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+
+use crate::assert_heights;
 use crate::fixture::Fixture;
+use crate::fixtures::{npy, zip};
+
+fn array(descr: &str, column_major: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+    let order = if column_major { "True" } else { "False" };
+    npy(1, &format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n"), data)
+}
+
+fn f8(shape: &str, values: &[f64]) -> Vec<u8> {
+    array("<f8", false, shape, &values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())
+}
+
+fn map(values: &[f64; 6]) -> Vec<u8> {
+    f8("(2, 3)", values)
+}
+
+const GAP: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, f64::INFINITY];
+
+/// As a contact solution leaves it.
+fn contact() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        ("pressure_pa.npy", map(&[0.0; 6])),
+        ("displacement_m.npy", map(&[7.0; 6])),
+        ("gap_m.npy", map(&GAP)),
+        ("pitch_m.npy", f8("(2,)", &[2e-6, 3e-6])),
+    ]
+}
+
+fn archive(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
+    zip(&files)
+}
+
+/// An archive whose files are deflated.
+fn deflated(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        archive.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        archive.write_all(bytes).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![]
+    let contact = contact();
+    let files: Vec<(&str, &[u8])> = contact.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
+    let turned = array("<i2", true, "(2, 3)", &[7; 12]);
+    vec![
+        Fixture::zip("NPZ of a contact", &files),
+        Fixture::zip("NPZ in column order", &[("height_um.npy", &turned), ("dx.npy", &f8("()", &[1e-6]))]),
+        Fixture::whole("NPZ deflated", deflated(&contact)),
+    ]
+}
+
+fn read(files: &[(&str, Vec<u8>)]) -> Scan {
+    read_bytes(&archive(files)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn two_dimensional_arrays_of_lengths_are_channels_by_name() {
+    for bytes in [archive(&contact()), deflated(&contact())] {
+        assert_eq!(Format::detect(&bytes), Some(Format::Npz));
+        let scan = read_bytes(&bytes).unwrap();
+        assert_eq!((scan.channels.as_slice(), scan.channel), (&["displacement_m".into(), "gap_m".into()][..], 0));
+        assert_heights(&scan, &[7.0; 6]);
+        assert_eq!(scan.heights_m.dim(), (2, 3));
+        assert!(scan.warnings.iter().any(|warning| warning.ends_with("left out: pressure_pa")), "{:?}", scan.warnings);
+        let options = ReadOptions { channel: Some(Channel::Name("gap_m".into())) };
+        let gap = read_bytes_with(&bytes, &options).unwrap();
+        assert_heights(&gap, &[1.0, 2.0, 3.0, 4.0, 5.0, f64::NAN]);
+        assert_eq!(gap.pitch_m, Some((2e-6, 3e-6)));
+        assert_eq!(gap.metadata["pitch_m"], "0.000002, 0.000003");
+        let options = ReadOptions { channel: Some(Channel::Name("pressure_pa".into())) };
+        assert!(matches!(read_bytes_with(&bytes, &options), Err(FormatError::NoSuchChannel { .. })));
+    }
+}
+
+#[test]
+fn an_array_called_height_or_z_is_the_main_one() {
+    for (main, value) in [("z.npy", 5.0), ("heights_m.npy", 5.0), ("Height_um.npy", 5e-6)] {
+        let scan = read(&[("x.npy", map(&[1.0; 6])), (main, map(&[5.0; 6]))]);
+        assert_eq!(scan.channel, 1);
+        assert_heights(&scan, &[value; 6]);
+    }
+}
+
+#[test]
+fn names_state_units() {
+    for (name, per_metre) in
+        [("a_nm", 1e9), ("a_UM", 1e6), ("a_µm", 1e6), ("a_mm", 1e3), ("a_m", 1.0), ("a", 1.0), ("height_map", 1.0)]
+    {
+        assert_heights(&read(&[(&format!("{name}.npy"), map(&[3.0; 6]))]), &[3.0 / per_metre; 6]);
+    }
+    for name in ["p_pa", "p_MPa", "load_n", "slope_m_per_m", "compliance_m_per_pa", "phase_deg"] {
+        let error = read_bytes(&archive(&[(&format!("{name}.npy"), map(&[3.0; 6]))])).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn short_arrays_state_the_pitch() {
+    let pitch = |files: &[(&str, Vec<u8>)]| {
+        let mut all = vec![("z.npy", map(&[0.0; 6]))];
+        all.extend(files.iter().cloned());
+        let scan = read(&all);
+        (scan.pitch_m, scan.warnings.len())
+    };
+    assert_eq!(pitch(&[("pixel_size_um.npy", f8("()", &[2.0]))]), (Some((2e-6, 2e-6)), 0));
+    assert_eq!(pitch(&[("spacing.npy", f8("(1,)", &[2e-6]))]), (Some((2e-6, 2e-6)), 0));
+    assert_eq!(
+        pitch(&[("pitch_nm.npy", array("<i4", false, "(2,)", &[1, 0, 0, 0, 2, 0, 0, 0]))]),
+        (Some((1e-9, 2e-9)), 0)
+    );
+    assert_eq!(pitch(&[("dx.npy", f8("()", &[1e-6])), ("dy_um.npy", f8("()", &[2.0]))]), (Some((1e-6, 2e-6)), 0));
+    assert_eq!(pitch(&[("dx.npy", f8("()", &[1e-6]))]), (Some((1e-6, 1e-6)), 1));
+    assert_eq!(pitch(&[("dy.npy", f8("()", &[1e-6]))]), (None, 0));
+    assert_eq!(pitch(&[("pitch.npy", f8("(3,)", &[1.0; 3]))]), (None, 1));
+    assert_eq!(pitch(&[("pitch_pa.npy", f8("()", &[1.0]))]), (None, 0));
+    assert_eq!(pitch(&[]), (None, 0));
+}
+
+#[test]
+fn rows_and_columns_follow_the_stated_order() {
+    let data: Vec<u8> = (1..=6_i16).flat_map(i16::to_be_bytes).collect();
+    let rows = read(&[("z.npy", array(">i2", false, "(2, 3)", &data))]);
+    assert_eq!(rows.heights_m, ndarray::array![[1., 2., 3.], [4., 5., 6.]]);
+    let columns = read(&[("z.npy", array(">i2", true, "(2, 3)", &data))]);
+    assert_eq!(columns.heights_m, ndarray::array![[1., 3., 5.], [2., 4., 6.]]);
+    assert!(columns.heights_m.is_standard_layout());
+}
+
+#[test]
+fn numbers_across_the_pieces_of_a_deflated_stream_are_whole() {
+    let values: Vec<f64> = (0..300 * 200).map(|i| f64::from(i).sqrt()).collect();
+    let bytes = deflated(&[("z.npy", f8("(300, 200)", &values))]);
+    assert_heights(&read_bytes(&bytes).unwrap(), &values);
+    let turned: Vec<u8> = values.iter().flat_map(|z| (*z as f32).to_le_bytes()).collect();
+    let scan = read_bytes(&deflated(&[("z.npy", array("<f4", true, "(300, 200)", &turned))])).unwrap();
+    assert_eq!(scan.heights_m[[7, 11]], f64::from(values[11 * 300 + 7] as f32));
+}
+
+#[test]
+fn a_flat_map_unpacks_and_a_bomb_does_not() {
+    let flat = deflated(&[("z.npy", f8("(1024, 1024)", &vec![0.0; 1 << 20]))]);
+    assert!(flat.len() < 1 << 15);
+    assert_eq!(read_bytes(&flat).unwrap().heights_m.dim(), (1024, 1024));
+    let bomb = deflated(&[("z.npy", array("<i1", false, "(8192, 8192)", &vec![0; 1 << 26]))]);
+    let error = read_bytes(&bomb).unwrap_err().to_string();
+    assert!(error.contains("more than 256 times as many"), "{error}");
+}
+
+#[test]
+fn arrays_that_are_no_numbers_or_no_maps_are_left_out() {
+    let scan = read(&[
+        ("name.npy", array("<U3", false, "()", &[0; 12])),
+        ("valid.npy", array("|b1", false, "(2, 3)", &[1; 6])),
+        ("x.npy", f8("(9,)", &[0.0; 9])),
+        ("stack.npy", f8("(1, 2, 3)", &[0.0; 6])),
+        ("none.npy", f8("(0, 3)", &[])),
+        ("z.npy", map(&[1.0; 6])),
+        ("readme.txt", b"no array".to_vec()),
+    ]);
+    assert_eq!(scan.channels, ["z"]);
+    assert_eq!(scan.warnings, ["arrays that are no heights were left out: name, valid, x, stack, none"]);
+}
+
+#[test]
+fn declared_sizes_are_not_believed() {
+    let error = |bytes: Vec<u8>| read_bytes(&archive(&[("z.npy", bytes)])).unwrap_err();
+    assert!(matches!(error(f8("(99999, 99999)", &[])), FormatError::TooLarge { format: Format::Npz, .. }));
+    let short = error(f8("(4096, 4096)", &[0.0; 2]));
+    assert!(matches!(short, FormatError::Truncated { found: 16, wanted: 134_217_728, .. }), "{short}");
+    assert!(short.to_string().contains("z.npy, byte"), "{short}");
+    let mut broken = map(&[0.0; 6]);
+    broken[8..10].copy_from_slice(&u16::MAX.to_le_bytes());
+    assert!(matches!(error(broken), FormatError::Truncated { .. }));
+    assert!(error(b"no array".to_vec()).to_string().contains("z.npy"));
+}
+
+#[test]
+fn other_archives_are_not_claimed() {
+    assert_eq!(Format::detect(&archive(&[("main.xml", Vec::new()), ("z.npy", Vec::new())])), Some(Format::X3p));
+    assert_eq!(Format::detect(b"PK\x03\x04"), None);
 }

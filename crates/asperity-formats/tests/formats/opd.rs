@@ -160,6 +160,20 @@ fn integers_are_signed_and_divided_by_mult() {
 }
 
 #[test]
+fn a_number_whose_length_is_overstated_moves_no_block() {
+    let mut blocks = old_file();
+    blocks.insert(0, float("ImageModificat~0", 1.5));
+    let mut bytes = file(&blocks);
+    // The entry behind the two bytes and that of the directory: 16 bytes of name, 2 of type, the length.
+    let length = 2 + 24 + 18;
+    assert_eq!(bytes[length..length + 4], 4_i32.to_le_bytes());
+    bytes[length..length + 4].copy_from_slice(&40_i32.to_le_bytes());
+    let scan = read_bytes(&bytes).unwrap();
+    assert_eq!(crate::bits(&scan), crate::bits(&read_bytes(&file(&old_file())).unwrap()));
+    assert_eq!(scan.metadata["ImageModificat~0"], "1.5");
+}
+
+#[test]
 fn bytes_have_no_mark() {
     let bytes = ("RAW_DATA", 3, array(1, 3, 1, [0, 128, 255]));
     let scan = read_bytes(&file(&with(without(old_file(), "Mult"), bytes))).unwrap();
@@ -208,7 +222,7 @@ fn of_several_maps_the_primary_or_the_first_or_the_chosen_is_read() {
     let mut blocks = old_file();
     blocks.push(second);
     let read = |blocks: &[Block], channel: Option<&str>| {
-        let options = ReadOptions { channel: channel.map(|name| name.parse().unwrap()) };
+        let options = ReadOptions { channel: channel.map(Into::into) };
         read_bytes_with(&file(blocks), &options).unwrap()
     };
     let scan = read(&blocks, None);

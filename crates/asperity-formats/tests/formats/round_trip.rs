@@ -1,4 +1,6 @@
-use asperity_formats::{Format, FormatError, Scan, Separator, X3pData, read_bytes, write_npy, write_text, write_x3p};
+use asperity_formats::{
+    Format, FormatError, Scan, Separator, SurData, X3pData, read_bytes, write_npy, write_sur, write_text, write_x3p,
+};
 use ndarray::{Array2, array};
 
 use crate::bits;
@@ -42,6 +44,21 @@ fn x3p_keeps_doubles_pitch_and_description() {
         assert_eq!(read.metadata[field], text.replace('\u{1}', ""));
     }
     assert_eq!(read.metadata["Record2/Instrument/Serial"], "not available");
+}
+
+#[test]
+fn x3p_keeps_operator_date_and_comment_of_other_formats() {
+    let mut scan = Scan::new(array![[0.0, 1e-6]], Some((1e-6, 1e-6)));
+    for (field, text) in [("operator name", "A. Operator"), ("date", "2016-12-01T14:30:59"), ("comment", "a < b")] {
+        scan.metadata.insert(field.into(), text.into());
+    }
+    let read = x3p(&scan, X3pData::Float64);
+    assert_eq!(read.metadata["Record2/Creator"], "A. Operator");
+    assert_eq!(read.metadata["Record2/Date"], "2016-12-01T14:30:59");
+    assert_eq!(read.metadata["Record2/Comment"], "a < b");
+    // The schema has no place for dates of other forms.
+    scan.metadata.insert("date".into(), "1 Dec 2016".into());
+    assert_eq!(x3p(&scan, X3pData::Float64).metadata["Record2/Date"], "1970-01-01T00:00:00Z");
 }
 
 #[test]
@@ -107,6 +124,175 @@ fn x3p_bytes_depend_on_nothing_but_the_scan() {
 }
 
 #[test]
+fn x3p_stores_unpacked_what_would_look_like_a_bomb() {
+    // 2100² points are more than the 2²² that any archive may hold, and zeros deflate a thousandfold.
+    let mut flat = Scan::new(Array2::zeros((2100, 2100)), Some((1e-6, 1e-6)));
+    flat.heights_m[[7, 5]] = NAN;
+    for (data, size) in [(X3pData::Int16, 2), (X3pData::Float32, 4)] {
+        let bytes = write_x3p(&flat, data).unwrap();
+        assert!(bytes.len() > size * flat.heights_m.len());
+        assert_eq!(bits(&read_bytes(&bytes).unwrap()), bits(&flat));
+    }
+}
+
+const SUR_STEPS: [(SurData, f64); 2] = [(SurData::Int16, 32766.0), (SurData::Int32, 2147483646.0)];
+
+/// Asserts that heights are off by half a step of the range at most, the range counted from the lowest height as `f32`.
+fn assert_within_half_a_step(read: &Scan, scan: &Scan, steps: f64) {
+    let present = || scan.heights_m.iter().copied().filter(|z| z.is_finite());
+    let (low, high) = (present().fold(f64::MAX, f64::min), present().fold(f64::MIN, f64::max));
+    // The offset is at most one f32 below the lowest height, and the spacing at most one f32 above the exact one.
+    let range = high - low + low.abs() * f64::from(f32::EPSILON);
+    let half_step = range / steps / 2.0 * (1.0 + f64::from(f32::EPSILON));
+    // Heights are converted between units in f64.
+    let rounding = 4.0 * f64::EPSILON * low.abs().max(high.abs());
+    for (z, wanted) in read.heights_m.iter().zip(&scan.heights_m) {
+        assert_eq!(z.is_nan(), !wanted.is_finite());
+        assert!(z.is_nan() || (z - wanted).abs() <= half_step + rounding, "{z:e}, wanted {wanted:e} ± {half_step:e}");
+    }
+}
+
+fn sur(scan: &Scan, data: SurData) -> Scan {
+    let read = read_bytes(&write_sur(scan, data).unwrap()).unwrap();
+    assert_eq!(read.heights_m.dim(), scan.heights_m.dim());
+    read
+}
+
+#[test]
+fn sur_rounds_heights_to_half_a_step_and_the_pitch_to_single_precision() {
+    for (data, steps) in SUR_STEPS {
+        let (scan, read) = (scan(), sur(&scan(), data));
+        assert_within_half_a_step(&read, &scan, steps);
+        assert_eq!(read.missing_points(), 3);
+        assert_eq!(read.warnings, [] as [String; 0]);
+        let ((dx, dy), (wanted_dx, wanted_dy)) = (read.pitch_m.unwrap(), scan.pitch_m.unwrap());
+        for (pitch, wanted) in [(dx, wanted_dx), (dy, wanted_dy)] {
+            assert!((pitch / wanted - 1.0).abs() <= f64::from(f32::EPSILON) / 2.0, "{pitch:e}, wanted {wanted:e}");
+        }
+    }
+}
+
+#[test]
+fn sur_keeps_what_it_has_stored_once() {
+    for (data, _) in SUR_STEPS {
+        let once = sur(&scan(), data);
+        let twice = sur(&once, data);
+        assert_eq!(once.pitch_m, twice.pitch_m);
+        let range = 2e-6 + 0.5e-6;
+        for (z, wanted) in twice.heights_m.iter().zip(&once.heights_m) {
+            assert!(z.is_nan() && wanted.is_nan() || (z - wanted).abs() <= range / 2147483646.0, "{z:e} {wanted:e}");
+        }
+    }
+}
+
+#[test]
+fn sur_keeps_whole_nanometres_of_a_pitch() {
+    for (dx_m, dy_m) in [(2.58e-6, 0.645e-6), (1e-6, 0.5e-6), (3e-9, 1e-3), (16.016e-3, 1.0)] {
+        let read = sur(&Scan::new(array![[0.0, 1e-6]], Some((dx_m, dy_m))), SurData::Int32);
+        let (dx, dy) = read.pitch_m.unwrap();
+        assert!((dx / dx_m - 1.0).abs() < 4.0 * f64::EPSILON && (dy / dy_m - 1.0).abs() < 4.0 * f64::EPSILON);
+    }
+}
+
+#[test]
+fn sur_keeps_heights_far_from_zero() {
+    // A stage at 25 mm: the offset alone, as f32, is off by up to 2 nm.
+    let far = Scan { heights_m: scan().heights_m + 0.0251234567, ..scan() };
+    for (data, steps) in SUR_STEPS {
+        assert_within_half_a_step(&sur(&far, data), &far, steps);
+    }
+    let below = Scan { heights_m: scan().heights_m - 1.1, ..scan() };
+    assert_within_half_a_step(&sur(&below, SurData::Int32), &below, SUR_STEPS[1].1);
+}
+
+#[test]
+fn sur_stores_flat_empty_and_extreme_maps() {
+    let pitch_m = Some((1e-6, 1e-6));
+    let maps = [
+        array![[0.5, 0.5]],
+        array![[0.1, 0.1], [NAN, 0.1]],
+        array![[0.0, 0.0]],
+        array![[-0.3]],
+        array![[1e-6]],
+        array![[f64::INFINITY, 0.25]],
+        array![[1e-12, 1.0000001e-12]],
+        array![[0.0, 1e-34]],
+        array![[-1e30, 1e30]],
+    ];
+    for (data, steps) in SUR_STEPS {
+        for heights_m in &maps {
+            let scan = Scan::new(heights_m.clone(), pitch_m);
+            assert_within_half_a_step(&sur(&scan, data), &scan, steps);
+        }
+        assert_eq!(sur(&Scan::new(array![[NAN, NAN]], pitch_m), data).missing_points(), 2);
+        for heights_m in [array![[-1e308, 1e308]], array![[0.0, 1e308]], array![[1e40, 1e40]]] {
+            let error = write_sur(&Scan::new(heights_m, pitch_m), data).unwrap_err();
+            assert!(matches!(error, FormatError::NotStorable { .. }), "{error}");
+        }
+    }
+}
+
+#[test]
+fn sur_needs_a_pitch_and_a_point() {
+    let without = write_sur(&Scan::new(array![[0.0]], None), SurData::Int32);
+    assert!(matches!(without, Err(FormatError::NoPitch { format: Format::Sur })));
+    for (heights_m, pitch_m) in [
+        (Array2::zeros((0, 3)), (1e-6, 1e-6)),
+        (array![[0.0]], (0.0, 1e-6)),
+        (array![[0.0]], (-1e-6, 1e-6)),
+        (array![[0.0]], (1e-6, NAN)),
+        (array![[0.0]], (1e-60, 1e-6)),
+        (array![[0.0]], (1e60, 1e-6)),
+    ] {
+        let error = write_sur(&Scan::new(heights_m, Some(pitch_m)), SurData::Int32).unwrap_err();
+        assert!(matches!(error, FormatError::NotStorable { .. }), "{error}");
+    }
+}
+
+#[test]
+fn sur_keeps_name_operator_date_and_comment_of_either_format() {
+    let mut own = Scan::new(array![[0.0, 1e-6]], Some((1e-6, 1e-6)));
+    for (field, text) in [
+        ("object name", "gear 7, a name that is longer than its field"),
+        ("operator name", "A. Opérateur"),
+        ("date", "2016-12-01T14:30:59"),
+        ("comment", "two\nlines, 3 μm"),
+    ] {
+        own.metadata.insert(field.into(), text.into());
+    }
+    let read = sur(&own, SurData::Int32);
+    assert_eq!(read.metadata["object name"], "gear 7, a name that is longer");
+    assert_eq!(read.channels, ["gear 7, a name that is longer"]);
+    assert_eq!(read.metadata["operator name"], "A. Opérateur");
+    assert_eq!(read.metadata["date"], "2016-12-01T14:30:59");
+    assert_eq!(read.metadata["comment"], "two\nlines, 3 µm");
+    let read = sur(&scan(), SurData::Int16);
+    assert_eq!(read.metadata["operator name"], "A <operator> & \"co\"");
+    assert_eq!(read.metadata["date"], "2016-12-01T14:30:59");
+    assert_eq!(read.metadata["comment"], "two\nlines");
+    for wrong in ["yesterday", "2016-13-01T14:30:59", "2016-12-01", "1970-01-01T00:00:00Z", "２０１６-12-01T14:30:59"]
+    {
+        own.metadata.insert("date".into(), wrong.into());
+        assert_eq!(sur(&own, SurData::Int32).metadata.get("date"), None, "{wrong}");
+    }
+    own.metadata.insert("comment".into(), "x".repeat(100_000));
+    assert_eq!(sur(&own, SurData::Int32).metadata["comment"].len(), 32767);
+}
+
+#[test]
+fn sur_bytes_depend_on_nothing_but_the_scan() {
+    for (data, _) in SUR_STEPS {
+        assert_eq!(write_sur(&scan(), data).unwrap(), write_sur(&scan(), data).unwrap());
+    }
+    let bytes = write_sur(&scan(), SurData::Int32).unwrap();
+    assert_eq!(bytes.len(), 512 + "two\nlines".len() + 4 * 5 * 7);
+    let number = |place: usize| i32::from_le_bytes(bytes[place..place + 4].try_into().unwrap());
+    // Numbers from 0 up to the highest but one, so that readers that count from the z minimum agree; voids below.
+    assert_eq!((number(100), number(512 + "two\nlines".len())), (0, -2));
+    assert!((2147483000..=2147483646).contains(&number(104)), "{}", number(104));
+}
+
+#[test]
 fn npy_keeps_every_bit() {
     let scan = scan();
     let bytes = write_npy(&scan);
@@ -119,11 +305,26 @@ fn npy_keeps_every_bit() {
 }
 
 #[test]
-fn text_keeps_every_bit_with_every_separator() {
+fn text_keeps_every_bit_and_the_pitch_with_every_separator() {
     let scan = scan();
     for separator in [Separator::Space, Separator::Comma, Separator::Semicolon, Separator::Tab] {
-        assert_eq!(bits(&read_bytes(&write_text(&scan, separator)).unwrap()), bits(&scan));
+        let read = read_bytes(&write_text(&scan, separator)).unwrap();
+        assert_eq!(bits(&read), bits(&scan));
+        assert_eq!(read.pitch_m, scan.pitch_m);
+        assert_eq!(read.warnings, [] as [String; 0]);
     }
     let extremes = Scan::new(array![[f64::MIN_POSITIVE / 8.0, f64::MAX], [-0.0, 0.1 + 0.2]], None);
-    assert_eq!(bits(&read_bytes(&write_text(&extremes, Separator::Comma)).unwrap()), bits(&extremes));
+    let read = read_bytes(&write_text(&extremes, Separator::Comma)).unwrap();
+    assert_eq!(bits(&read), bits(&extremes));
+    assert_eq!(read.pitch_m, None);
+}
+
+#[test]
+fn a_map_that_looks_like_points_is_written_so_that_it_stays_a_map() {
+    let map = Scan::new(
+        Array2::from_shape_fn((30, 3), |(row, column)| [row % 5, row / 5, row][column] as f64),
+        Some((1.0, 1.0)),
+    );
+    let read = read_bytes(&write_text(&map, Separator::Space)).unwrap();
+    assert_eq!(bits(&read), bits(&map));
 }

@@ -1,4 +1,4 @@
-use asperity_formats::{FormatError, read_bytes};
+use asperity_formats::{Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
 
 use crate::assert_heights;
 use crate::fixture::Fixture;
@@ -6,8 +6,34 @@ use crate::fixtures::TEXT;
 
 const NAN: f64 = f64::NAN;
 
+/// As Gwyddion exports data fields with a header.
+const GWYDDION: &str = "# Channel: Topography\n# Width: 3.0 µm\n# Height: 1.00 µm\n# Value units: m\n\
+    1e-09\t2e-09\t3e-09\n4e-09\t5e-09\t6e-09\n";
+/// As SPIP exports images: lengths in nanometre, and ones where points are missing behind the heights.
+const SPIP: &str = "# File Format = ASCII\r\n# Created by SPIP 4.6.5.0\r\n# x-pixels = 3\r\n# y-pixels = 2\r\n\
+    # x-length = 30\r\n# y-length = 10\r\n# x-offset = 0\r\n# Bit2nm = 0.5\r\n# voidpixels = 1\r\n\
+    # Start of Data:\r\n1\t2\t3\r\n4\t5\t6\r\n0\t0\t0\r\n0\t1\t0\r\n";
+/// An ESRI grid.
+const ESRI: &str = "ncols 3\nnrows 2\nxllcorner 0.0\nyllcorner 0.0\ncellsize 0.5e-6\nNODATA_value -9999\n\
+    1e-9 2e-9 3e-9\n4e-9 -9999 6e-9\n";
+const DECIMAL_COMMAS: &str = "# unit: nm\n1,5;-2,5;3\n4,25E0;;6\n";
+
+/// Two of Gwyddion's channels in one file, and one that is no height.
+fn two_channels() -> String {
+    let phase = GWYDDION.replace("Topography", "Phase").replace("Value units: m", "Value units: deg");
+    let zoom = "# Channel: Zoom\n# Width: 4 nm\n# Height: 2 nm\n# Value units: nm\n1 2\n";
+    format!("{GWYDDION}\n{phase}\n{zoom}")
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![Fixture::open_ended("text", TEXT.to_vec())]
+    vec![
+        Fixture::open_ended("text", TEXT.to_vec()),
+        Fixture::open_ended("text of Gwyddion", GWYDDION.into()),
+        Fixture::open_ended("text of two channels", two_channels().into_bytes()),
+        Fixture::open_ended("text of SPIP", SPIP.into()),
+        Fixture::open_ended("text of ESRI", ESRI.into()),
+        Fixture::open_ended("text with decimal commas", DECIMAL_COMMAS.into()),
+    ]
 }
 
 #[test]
@@ -39,6 +65,67 @@ fn empty_fields_nan_and_inf_are_missing() {
 }
 
 #[test]
+fn errors_of_spreadsheets_are_missing_and_no_comments() {
+    for text in ["1,#N/A,3\n#DIV/0!,5,6 # both\n", "1\t#NV\t3\r\n#VALUE!\t5\t6\r\n", "1 #NUM! 3\n#REF! 5 6"] {
+        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        assert_heights(&scan, &[1.0, NAN, 3.0, NAN, 5.0, 6.0]);
+    }
+    let scan = read_bytes(b"#N/A,1\n2,3\n").unwrap();
+    assert_heights(&scan, &[NAN, 1.0, 2.0, 3.0]);
+    assert!(scan.metadata.is_empty());
+    assert_eq!(read_bytes(b"#N/Applicable\n2,3\n").unwrap().metadata["comment"], "N/Applicable");
+}
+
+#[test]
+fn text_in_utf16_is_read_as_spreadsheets_write_it() {
+    let text = "# unit: µm\r\n1,5\t2,5\r\n3,5\t4,5\r\n";
+    let little = text.encode_utf16().flat_map(u16::to_le_bytes);
+    let big = text.encode_utf16().flat_map(u16::to_be_bytes);
+    for bytes in [[0xff, 0xfe].into_iter().chain(little).collect(), [0xfe, 0xff].into_iter().chain(big).collect()] {
+        let bytes: Vec<u8> = bytes;
+        assert_eq!(Format::detect(&bytes), Some(Format::Text));
+        assert_heights(&read_bytes(&bytes).unwrap(), &[1.5e-6, 2.5e-6, 3.5e-6, 4.5e-6]);
+    }
+    // Bytes that only start like it.
+    assert_eq!(Format::detect(b"\xff\xfe\x00\x00\x01\x00"), None);
+}
+
+#[test]
+fn labels_of_rows_and_columns_are_no_heights() {
+    let heights = [1e-6, 2e-6, 3e-6, 4e-6];
+    for text in [
+        // As pandas writes a frame, and a spreadsheet with coordinates.
+        ",0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n",
+        ";1;2\n1;1e-6;2e-6\n2;3e-6;4e-6\n",
+    ] {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!(scan.heights_m.dim(), (2, 2), "{text:?}");
+        assert_heights(&scan, &heights);
+        assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("labels")), "{:?}", scan.warnings);
+    }
+    let scan = read_bytes(b"\t0.0\t0.33\t0.67\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n").unwrap();
+    assert_eq!(scan.heights_m.dim(), (4, 4), "0.33 is not half of 0.67");
+    let scan = read_bytes(b"\t0.0\t0.333\t0.666\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n").unwrap();
+    assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+    // A plane without its first point, as numbers; two columns; a corner that is there.
+    for (text, shape) in
+        [("nan,1,2\n1,2,3\n2,3,4\n", (3, 3)), (",1\n1,2\n2,3\n", (3, 2)), ("0,0,1\n0,5,6\n1,7,8\n", (3, 3))]
+    {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!((scan.heights_m.dim(), scan.warnings.len()), (shape, 0), "{text:?}");
+    }
+}
+
+#[test]
+fn channels_of_the_same_name_are_numbered() {
+    let text = "# Channel: Z\n1 2\n# Channel: Z\n3 4\n";
+    let scan = read_bytes(text.as_bytes()).unwrap();
+    assert_eq!(scan.channels, ["Z", "Z 2"]);
+    let options = ReadOptions { channel: Some("z 2".into()) };
+    assert_heights(&read_bytes_with(text.as_bytes(), &options).unwrap(), &[3.0, 4.0]);
+}
+
+#[test]
 fn comments_become_metadata() {
     let scan = read_bytes("# instrument: stylus\n## a note\n% Ra = 0.4 µm\n1 2\n# another\n".as_bytes()).unwrap();
     assert_eq!(scan.metadata["instrument"], "stylus");
@@ -59,8 +146,11 @@ fn ragged_rows_name_their_line() {
 fn what_is_no_number_names_its_line_and_column() {
     let error = read_bytes(b"1 2\n3 x4\n").unwrap_err();
     assert!(error.to_string().starts_with("text: value 2 (line 2) is `x4`; wanted a number"), "{error}");
-    let error = read_bytes(b"1,5;2,5\n").unwrap_err();
-    assert!(error.to_string().ends_with("is `1,5`; wanted a number with a decimal point"), "{error}");
+    let error = read_bytes(b"1;2\n3;4,5,6\n").unwrap_err();
+    assert!(error.to_string().starts_with("text: value 2 (line 2) is `4,5,6`; wanted a number"), "{error}");
+    // In one column a comma could be a separator.
+    let error = read_bytes(b"1\n2,5\n").unwrap_err();
+    assert!(error.to_string().ends_with("is `2,5`; wanted a number with a decimal point"), "{error}");
     let error = read_bytes(b"x,y,z\n1,2,3\n").unwrap_err();
     assert!(error.to_string().starts_with("text: value 1 (line 1) is `x`"), "{error}");
     // Beyond f64 is not the same as infinite.
@@ -93,14 +183,262 @@ fn a_list_of_points_is_doubted() {
 }
 
 #[test]
-fn a_comment_with_another_unit_than_metre_is_doubted() {
-    assert_eq!(read_bytes(b"# Width: 10 um\n# Value units: m\n1 2\n").unwrap().warnings, [] as [String; 0]);
-    let scan = read_bytes(b"# Value units: nm\n1 2\n").unwrap();
-    assert_heights(&scan, &[1.0, 2.0]);
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("`Value units: nm`")), "{:?}", scan.warnings);
+fn a_single_number_is_a_map() {
+    assert_heights(&read_bytes(b"-2.5e-6").unwrap(), &[-2.5e-6]);
+}
+
+const HEIGHTS_M: [f64; 6] = [1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9];
+const MATRIX: &str = "1 2 3\n4 5 6\n";
+
+#[test]
+fn gwyddion_states_the_size_of_all_points() {
+    let scan = read_bytes(GWYDDION.as_bytes()).unwrap();
+    assert_heights(&scan, &HEIGHTS_M);
+    // 3 µm are three points of 1 µm, 1 µm is two of 0.5 µm.
+    assert_eq!(scan.pitch_m, Some((1e-6, 0.5e-6)));
+    assert_eq!(scan.warnings, [] as [String; 0]);
+    assert_eq!(scan.metadata["Channel"], "Topography");
+    let german = GWYDDION.replace("Channel", "Kanal").replace("Width", "Breite").replace("Height", "Höhe");
+    assert_eq!(read_bytes(german.as_bytes()).unwrap().pitch_m, Some((1e-6, 0.5e-6)));
+    let commas = GWYDDION.replace("3.0", "3,0").replace("1.00", "1,00");
+    assert_eq!(read_bytes(commas.as_bytes()).unwrap().pitch_m, Some((1e-6, 0.5e-6)));
 }
 
 #[test]
-fn a_single_number_is_a_map() {
-    assert_heights(&read_bytes(b"-2.5e-6").unwrap(), &[-2.5e-6]);
+fn channels_of_one_file_are_told_apart() {
+    let text = two_channels();
+    let scan = read_bytes(text.as_bytes()).unwrap();
+    assert_heights(&scan, &HEIGHTS_M);
+    assert_eq!(scan.channels, ["Topography", "Zoom"]);
+    assert!(scan.warnings.iter().any(|warning| warning.contains("2 height maps")), "{:?}", scan.warnings);
+    let options = ReadOptions { channel: Some("zoom".into()) };
+    let scan = read_bytes_with(text.as_bytes(), &options).unwrap();
+    assert_eq!((scan.heights_m.dim(), scan.channel), ((1, 2), 1));
+    assert_heights(&scan, &[1e-9, 2e-9]);
+    assert_eq!(scan.pitch_m, Some((2e-9, 2e-9)));
+    let options = ReadOptions { channel: Some("Phase".into()) };
+    let error = read_bytes_with(text.as_bytes(), &options).unwrap_err().to_string();
+    assert_eq!(error, "text: no height map `Phase`; the file holds `Topography`, `Zoom`");
+    let broken = text.replace("\n1 2\n", "\n1 x\n");
+    let error = read_bytes_with(broken.as_bytes(), &ReadOptions { channel: Some("2".into()) }).unwrap_err();
+    assert!(error.to_string().starts_with("text: value 2 (line 19) is `x`"), "{error}");
+    let phases = text.replace("units: m", "units: V").replace("units: nm", "units: V");
+    let error = read_bytes(phases.as_bytes()).unwrap_err().to_string();
+    assert!(error.starts_with("text: the unit of no channel is a length"), "{error}");
+}
+
+#[test]
+fn spip_counts_in_nanometre_and_marks_voids_behind_the_heights() {
+    let scan = read_bytes(SPIP.as_bytes()).unwrap();
+    assert_eq!(scan.heights_m.dim(), (2, 3));
+    assert_heights(&scan, &[0.5e-9, 1e-9, 1.5e-9, 2e-9, NAN, 3e-9]);
+    let (dx_m, dy_m) = scan.pitch_m.unwrap();
+    assert!((dx_m * 1e8 - 1.0).abs() < 1e-14 && (dy_m / 5e-9 - 1.0).abs() < 1e-14, "{dx_m} {dy_m}");
+    assert_eq!(scan.warnings, [] as [String; 0]);
+    let micrometre = SPIP.replace("Bit2nm = 0.5", "z-unit = um");
+    assert_heights(&read_bytes(micrometre.as_bytes()).unwrap(), &[1e-6, 2e-6, 3e-6, 4e-6, NAN, 6e-6]);
+}
+
+#[test]
+fn an_esri_grid_is_read_whatever_its_lines() {
+    let wanted = [1e-9, 2e-9, 3e-9, 4e-9, NAN, 6e-9];
+    for text in [
+        ESRI.to_owned(),
+        ESRI.replace("3e-9\n", "3e-9 "),
+        ESRI.replace("NODATA_value -9999\n", ""),
+        ESRI.to_uppercase(),
+    ] {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!(scan.heights_m.dim(), (2, 3));
+        assert_heights(&scan, &wanted);
+        assert_eq!(scan.pitch_m, Some((0.5e-6, 0.5e-6)));
+    }
+    let error = read_bytes(ESRI.replace("nrows 2", "nrows 3").as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("ncols × nrows (line 1) is `3 × 3`; wanted 6"), "{error}");
+}
+
+#[test]
+fn headers_of_other_programs_are_understood() {
+    let attocube = "# Daisy frame view snapshot\n# x-pixels: 3\n# y-pixels: 2\n# x-length: 30\n# y-length: 10\n\
+        # x-unit: um\n# y-unit: um\n# z-unit: nm\n# Start of Data:\n";
+    let nova = "File Format = ASCII\nCreated by Nova\nNX = 3\nNY = 2\nScale X = 10\nScale Y = 5\nUnit X = um\n\
+        Unit Data = nm\nStart of Data :\n";
+    for header in [attocube, &nova.replace("Created by Nova\n", "Created by = Nova\n").replace("Start of Data :\n", "")]
+    {
+        let scan = read_bytes(format!("{header}{MATRIX}").as_bytes()).unwrap();
+        assert_heights(&scan, &HEIGHTS_M);
+        assert_eq!(scan.pitch_m, Some((1e-5, 5e-6)), "{header}");
+        assert_eq!(scan.warnings, [] as [String; 0], "{header}");
+    }
+}
+
+#[test]
+fn a_pixel_size_is_stated_in_many_ways() {
+    for (header, pitch_m) in [
+        ("# pixel size: 0.5 um x 0.25 um", (0.5e-6, 0.25e-6)),
+        ("# pixel size = 0.5 um", (0.5e-6, 0.5e-6)),
+        ("# pixel_size: 0.5 x 0.25 µm", (0.5e-6, 0.25e-6)),
+        ("# pixel size: 500nm, 250nm", (5e-7, 2.5e-7)),
+        ("# pixel size [um]: 0.5 0.25", (0.5e-6, 0.25e-6)),
+        ("# pixel size (mm) = (0.5, 0.25)", (0.5e-3, 0.25e-3)),
+        ("% dx = 0.5 um\n% dy = 0.25 um", (0.5e-6, 0.25e-6)),
+        ("# unit: um\n# dx: 0.5", (0.5e-6, 0.5e-6)),
+        ("# dx: 0.5\n# dy: 0.25\n# xy unit: mm", (0.5e-3, 0.25e-3)),
+        ("dx: 0.5 um\ndy: 0.25 um", (0.5e-6, 0.25e-6)),
+        ("pitch = 0.5 um", (0.5e-6, 0.5e-6)),
+        ("# size: 3 mm 1 mm", (1e-3, 0.5e-3)),
+        ("# size: 3x1 mm", (1e-3, 0.5e-3)),
+        ("# scan size: 3 um", (1e-6, 1.5e-6)),
+        ("# physical sizes: (3, 1) um", (1e-6, 0.5e-6)),
+        ("# x length: 3 um\n# y length: 1 um", (1e-6, 0.5e-6)),
+        ("# Width: 3\n# Height: 1\n# unit: um", (1e-6, 0.5e-6)),
+    ] {
+        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
+        let (dx_m, dy_m) = scan.pitch_m.unwrap_or_else(|| panic!("{header}"));
+        assert!(
+            (dx_m / pitch_m.0 - 1.0).abs() < 1e-14 && (dy_m / pitch_m.1 - 1.0).abs() < 1e-14,
+            "{header}: {dx_m} {dy_m}"
+        );
+    }
+    for header in
+        ["# size: 3 x 2", "# unit: um\n# size: 3 x 2", "# Width: 3\n# Height: 2", "# size: 3 MB", "# pixel size: small"]
+    {
+        assert_eq!(read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap().pitch_m, None, "{header}");
+    }
+}
+
+#[test]
+fn doubts_about_the_pixel_size_are_told() {
+    let warnings = |header: &str| read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap().warnings;
+    let found = warnings("# Width: 10 um");
+    assert!(matches!(found.as_slice(), [one] if one.contains("a width but no height")), "{found:?}");
+    let found = warnings("# dx = 0.5");
+    assert!(found.iter().any(|warning| warning.contains("without a unit")), "{found:?}");
+    let found = warnings("# nx = 4\n# ny = 2");
+    assert!(matches!(found.as_slice(), [one] if one == "the header states 4 × 2 points; there are 3 × 2"), "{found:?}");
+}
+
+#[test]
+fn heights_in_another_unit_are_converted() {
+    for (header, z) in [
+        ("# unit: um", 1e-6),
+        ("# Value units: nm", 1e-9),
+        ("# z-unit = [nm]", 1e-9),
+        ("# unit: um\n# height unit: nm", 1e-9),
+        ("unit: µm", 1e-6),
+        ("# height conversion factor (-> um) = 2", 2e-6),
+    ] {
+        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
+        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
+        assert!(scan.metadata["converted"].starts_with("heights from"), "{header}");
+        assert_eq!(scan.warnings, [] as [String; 0], "{header}");
+    }
+    let scan = read_bytes(format!("# unit: m\n{MATRIX}").as_bytes()).unwrap();
+    assert!(!scan.metadata.contains_key("converted"));
+}
+
+#[test]
+fn a_unit_that_is_no_length_is_doubted() {
+    for (header, shown) in [
+        ("# Value units: V", "`Value units: V`"),
+        // A current, and no Ångström.
+        ("# Value units: A", "`Value units: A`"),
+        ("# signal unit: deg", "`signal unit: deg`"),
+    ] {
+        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
+        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert!(matches!(scan.warnings.as_slice(), [one] if one.contains(shown)), "{:?}", scan.warnings);
+    }
+}
+
+#[test]
+fn a_header_without_comment_signs_must_be_keys_with_values() {
+    let scan = read_bytes(b"Instrument: stylus\nDate = 2016-12-01\n\n1 2\n").unwrap();
+    assert_eq!((scan.metadata["Instrument"].as_str(), scan.metadata["Date"].as_str()), ("stylus", "2016-12-01"));
+    assert_heights(&scan, &[1.0, 2.0]);
+    let error = read_bytes(b"12:30 1 2\n").unwrap_err();
+    assert!(error.to_string().starts_with("text: value 1 (line 1) is `12:30`"), "{error}");
+    let error = read_bytes(b"a: b\nsome words\n1 2\n").unwrap_err();
+    assert!(error.to_string().starts_with("text: value 1 (line 2) is `some`"), "{error}");
+    let error = read_bytes(b"1 2\na: b\n3 4\n").unwrap_err();
+    assert!(error.to_string().starts_with("text: value 1 (line 2) is `a:`"), "{error}");
+}
+
+#[test]
+fn decimal_commas_are_read_where_commas_separate_nothing() {
+    for text in [
+        "1,5;2,25;-3\n0;1e-3;7,0E1",
+        "1,5\t2,25\t-3\n0\t1e-3\t7,0E1",
+        "1,5 2,25 -3\n0 1e-3 7,0E1",
+        "-0,5 1 2\n1,5 2,5 3",
+    ] {
+        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert_eq!(scan.heights_m.dim(), (2, 3), "{text}");
+        assert_eq!(scan.metadata["decimal sign"], "comma");
+    }
+    let scan = read_bytes(DECIMAL_COMMAS.as_bytes()).unwrap();
+    assert_heights(&scan, &[1.5e-9, -2.5e-9, 3e-9, 4.25e-9, NAN, 6e-9]);
+    // Commas with spaces behind them separate.
+    assert_heights(&read_bytes(b"1, 2, 3").unwrap(), &[1.0, 2.0, 3.0]);
+    assert_heights(&read_bytes(b"1,5").unwrap(), &[1.0, 5.0]);
+    for (text, line) in [("1,5;2\n1.5;2\n", 2), ("1.5;2 # 1,5\n3;2,5\n", 1)] {
+        let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(&format!("a decimal sign (line {line}) is `.`; wanted a comma")), "{error}");
+    }
+    assert!(read_bytes(b"1.234,5;2\n").is_err());
+}
+
+#[test]
+fn marks_of_other_programs_are_missing_too() {
+    assert_heights(&read_bytes(b"1 BAD bad\nNo Data 2 no data\n").unwrap(), &[1.0, NAN, NAN, NAN, 2.0, NAN]);
+    assert_heights(&read_bytes(b"1,BAD,\nNo Data,2,3\n").unwrap(), &[1.0, NAN, NAN, NAN, 2.0, 3.0]);
+    assert_heights(&read_bytes(b"# NODATA_value: -1\n-1 2\n").unwrap(), &[NAN, 2.0]);
+}
+
+#[test]
+fn what_c_libraries_write_for_no_number_is_missing_and_no_comment() {
+    for text in ["1.#QNAN 2 -1.#IND\n4 1.#INF00 -nan(ind)\n", "1.#SNAN;2;1.#qnan0\n4;-1.#INF;nan(snan) # 1.#IND\n"] {
+        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        assert_heights(&scan, &[NAN, 2.0, NAN, 4.0, NAN, NAN]);
+    }
+    // With a decimal comma.
+    assert_heights(&read_bytes(b"0,5;1,#QNAN\n-1,#IND;2,5\n").unwrap(), &[0.5, NAN, NAN, 2.5]);
+    // At the end of a line without anything behind it.
+    assert_heights(&read_bytes(b"2 1.#IND").unwrap(), &[2.0, NAN]);
+    // Comments that touch a number stay comments.
+    assert_heights(&read_bytes(b"2 1.#a comment\n3 1.#INFO\n4 1#IND\n").unwrap(), &[2.0, 1.0, 3.0, 1.0, 4.0, 1.0]);
+    assert_heights(&read_bytes(b"2,1,#IND\n").unwrap(), &[2.0, 1.0]);
+}
+
+#[test]
+fn a_long_text_is_the_same_in_pieces() {
+    // Beyond a few MiB a text is read in pieces; comments, blank lines and voids fall anywhere.
+    let (rows, columns) = (3001, 257);
+    let value = |row: usize, column: usize| ((row * 31 + column * 17) % 1009) as f64 * 1.25e-9 - 3e-7;
+    let mut text = String::from("# unit: m\n");
+    for row in 0..rows {
+        let fields: Vec<String> = (0..columns)
+            .map(|column| match (row + column) % 997 {
+                0 => "nan".into(),
+                _ => format!("{:e}", value(row, column)),
+            })
+            .collect();
+        text += &fields.join(" ");
+        text += if row % 100 == 7 { " # a comment\n\n" } else { "\n" };
+    }
+    assert!(text.len() > 6 << 20);
+    let scan = read_bytes(text.as_bytes()).unwrap();
+    assert_eq!(scan.heights_m.dim(), (rows, columns));
+    for ((row, column), z) in scan.heights_m.indexed_iter() {
+        assert!(
+            (row + column) % 997 == 0 && z.is_nan() || z.to_bits() == value(row, column).to_bits(),
+            "{row} {column}"
+        );
+    }
+    assert_eq!(scan.metadata["comment"].lines().count(), 30);
+    // Row 2900 stands behind the unit, 2900 rows, and a blank line for each of 29 comments before.
+    let start = text.lines().take(2930).map(|line| line.len() + 1).sum::<usize>();
+    text.replace_range(start..start + 1, "x");
+    let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
+    assert!(error.starts_with("text: value 1 (line 2931)"), "{error}");
 }

@@ -1,7 +1,487 @@
-//! TIFF.
+//! TIFF, by TIFF 6.0 and its technical notes.
 
+use std::io::Write;
+
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use weezl::BitOrder;
+
+use crate::assert_heights;
 use crate::fixture::Fixture;
+use crate::memory::peak_bytes;
+
+const NAN: f64 = f64::NAN;
+
+/// A file in one of the two orders of bytes, classic or big.
+#[derive(Clone, Copy)]
+struct Kind {
+    big_endian: bool,
+    big: bool,
+}
+
+const CLASSIC: Kind = Kind { big_endian: false, big: false };
+const KINDS: [Kind; 4] = [
+    CLASSIC,
+    Kind { big_endian: true, big: false },
+    Kind { big_endian: false, big: true },
+    Kind { big_endian: true, big: true },
+];
+
+impl Kind {
+    /// A number of some bytes.
+    fn number(self, value: u64, width: usize) -> Vec<u8> {
+        let mut raw = value.to_le_bytes()[..width].to_vec();
+        if self.big_endian {
+            raw.reverse();
+        }
+        raw
+    }
+
+    fn f32s(self, values: &[f64]) -> Vec<u8> {
+        values.iter().flat_map(|&z| self.number((z as f32).to_bits().into(), 4)).collect()
+    }
+}
+
+/// The value of a field.
+#[derive(Clone)]
+enum Value {
+    Short(u64),
+    Long(u64),
+    Text(&'static str),
+    /// A quotient.
+    Rational(u64, u64),
+    Double(f64),
+}
+
+/// A page: its fields but for those of strips or tiles, and these.
+#[derive(Clone)]
+struct Page {
+    fields: Vec<(u16, Value)>,
+    chunks: Vec<Vec<u8>>,
+    tiled: bool,
+}
+
+impl Page {
+    /// A grey page of 3 × 2 numbers in one strip.
+    fn new(bits: u64, format: u64, strip: Vec<u8>) -> Self {
+        let fields = [(256, 3), (257, 2), (258, bits), (259, 1), (262, 1), (277, 1), (339, format)];
+        let fields = fields.map(|(tag, value)| (tag, Value::Short(value))).to_vec();
+        Self { fields, chunks: vec![strip], tiled: false }
+    }
+
+    fn with(mut self, tag: u16, value: Value) -> Self {
+        self.fields.retain(|(known, _)| *known != tag);
+        self.fields.push((tag, value));
+        self
+    }
+
+    /// Fields with their numbers, types and raw values; the offsets of strips or tiles start at `data`.
+    fn raw(&self, kind: Kind, mut data: u64) -> Vec<(u16, u64, u64, Vec<u8>)> {
+        let mut raw: Vec<_> = self
+            .fields
+            .iter()
+            .map(|(tag, value)| match value {
+                Value::Short(value) => (*tag, 3, 1, kind.number(*value, 2)),
+                Value::Long(value) => (*tag, 4, 1, kind.number(*value, 4)),
+                Value::Text(text) => (*tag, 2, text.len() as u64 + 1, [text.as_bytes(), &[0]].concat()),
+                Value::Rational(over, under) => (*tag, 5, 1, [kind.number(*over, 4), kind.number(*under, 4)].concat()),
+                Value::Double(value) => (*tag, 12, 1, kind.number(value.to_bits(), 8)),
+            })
+            .collect();
+        let (mut offsets, mut sizes) = (Vec::new(), Vec::new());
+        for chunk in &self.chunks {
+            offsets.extend(kind.number(data, 4));
+            sizes.extend(kind.number(chunk.len() as u64, 4));
+            data += chunk.len() as u64;
+        }
+        let count = self.chunks.len() as u64;
+        raw.push((if self.tiled { 324 } else { 273 }, 4, count, offsets));
+        raw.push((if self.tiled { 325 } else { 279 }, 4, count, sizes));
+        raw.sort_by_key(|(tag, ..)| *tag);
+        raw
+    }
+}
+
+/// Header, directories with their values, then the strips and tiles of all pages.
+fn tiff(kind: Kind, pages: &[Page]) -> Vec<u8> {
+    let (count_width, width, inline) = if kind.big { (8, 20, 8) } else { (2, 12, 4) };
+    let outside = |raw: &[u8]| if raw.len() > inline { raw.len() } else { 0 };
+    let directory_bytes = |page: &Page| {
+        let raw = page.raw(kind, 0);
+        count_width + raw.len() * width + inline + raw.iter().map(|(.., raw)| outside(raw)).sum::<usize>()
+    };
+    // Order of bytes, version; of big files the size of offsets and zero; the first directory.
+    let mut bytes = if kind.big_endian { b"MM".to_vec() } else { b"II".to_vec() };
+    bytes.extend(kind.number(if kind.big { 43 } else { 42 }, 2));
+    if kind.big {
+        bytes.extend([kind.number(8, 2), kind.number(0, 2)].concat());
+    }
+    let first = bytes.len() + inline;
+    bytes.extend(kind.number(first as u64, inline));
+    let mut data = first as u64 + pages.iter().map(|page| directory_bytes(page) as u64).sum::<u64>();
+    for (place, page) in pages.iter().enumerate() {
+        let raw = page.raw(kind, data);
+        data += page.chunks.iter().map(|chunk| chunk.len() as u64).sum::<u64>();
+        let mut values_at = bytes.len() + count_width + raw.len() * width + inline;
+        let mut values: Vec<u8> = Vec::new();
+        bytes.extend(kind.number(raw.len() as u64, count_width));
+        for (tag, field_type, count, value) in &raw {
+            bytes.extend(kind.number((*tag).into(), 2));
+            bytes.extend(kind.number(*field_type, 2));
+            bytes.extend(kind.number(*count, inline));
+            if outside(value) > 0 {
+                bytes.extend(kind.number(values_at as u64, inline));
+                values_at += value.len();
+                values.extend(value);
+            } else {
+                bytes.extend(value);
+                bytes.extend(vec![0; inline - value.len()]);
+            }
+        }
+        let next = if place + 1 < pages.len() { values_at } else { 0 };
+        bytes.extend(kind.number(next as u64, inline));
+        bytes.extend(values);
+    }
+    for page in pages {
+        bytes.extend(page.chunks.concat());
+    }
+    bytes
+}
+
+const HEIGHTS: [f64; 6] = [1.0, -2.0, 3.5, 4.0, 5.0, 0.25];
+
+fn floats() -> Page {
+    Page::new(32, 3, CLASSIC.f32s(&HEIGHTS))
+}
+
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+fn lzw(bytes: &[u8]) -> Vec<u8> {
+    weezl::encode::Encoder::with_tiff_size_switch(BitOrder::Msb, 8).encode(bytes).unwrap()
+}
+
+/// PackBits without repeats: the number of bytes less one, and the bytes.
+fn pack_bits(bytes: &[u8]) -> Vec<u8> {
+    bytes.chunks(128).flat_map(|piece| [&[piece.len() as u8 - 1], piece].concat()).collect()
+}
+
+/// Rows of 3 numbers in tiles of 2 × 2, filled up with 99.
+fn tiles(kind: Kind) -> Page {
+    let tile = |values: &[f64; 4]| kind.f32s(values);
+    let mut page = Page::new(32, 3, Vec::new()).with(322, Value::Short(2)).with(323, Value::Long(2));
+    page.tiled = true;
+    page.chunks = vec![tile(&[1.0, -2.0, 4.0, 5.0]), tile(&[3.5, 99.0, 0.25, 99.0])];
+    page
+}
+
+const IMAGE_J: &str = "ImageJ=1.54f\nunit=\\u00B5m\nvunit=nm\ncf=0\nc0=1\nc1=2\n";
+const OME: &str = "<?xml version=\"1.0\"?><!-- a --><OME><Image ID=\"Image:0\"><Pixels DimensionOrder=\"XYZCT\" \
+                   PhysicalSizeX=\"0.5\" PhysicalSizeY=\"250\" PhysicalSizeYUnit=\"nm\"/></Image></OME>";
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![]
+    let resolved = floats().with(282, Value::Rational(2, 1)).with(283, Value::Rational(4, 1));
+    let mut strips = floats().with(278, Value::Short(1)).with(259, Value::Short(32773));
+    strips.chunks = HEIGHTS.chunks(3).map(|row| pack_bits(&CLASSIC.f32s(row))).collect();
+    let second = Page::new(16, 1, vec![1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]);
+    let lzw_page = Page::new(8, 2, lzw(&[1, 2, 3, 4, 5, 255])).with(259, Value::Short(5)).with(317, Value::Short(2));
+    let two_pages = tiff(KINDS[1], &[floats().with(270, Value::Text(OME)), second]);
+    let deflated = |values: &[f64]| zlib(&values.iter().flat_map(|z| z.to_le_bytes()).collect::<Vec<_>>());
+    let predicted = Page::new(64, 3, deflated(&HEIGHTS)).with(259, Value::Short(8)).with(317, Value::Short(3));
+    vec![
+        Fixture::whole(
+            "TIFF of ImageJ",
+            tiff(CLASSIC, &[resolved.clone().with(270, Value::Text(IMAGE_J)).with(296, Value::Short(1))]),
+        ),
+        // The second page's twelve bytes stand last, and the first page is read.
+        Fixture { needed: two_pages.len() - 12, ..Fixture::whole("TIFF with OME-XML", two_pages) },
+        Fixture::whole("TIFF big with tiles", tiff(KINDS[2], &[tiles(KINDS[2]).with(42113, Value::Text("5"))])),
+        Fixture::whole("TIFF with PackBits", tiff(CLASSIC, &[strips.with(274, Value::Short(6))])),
+        Fixture::whole("TIFF with LZW", tiff(CLASSIC, &[lzw_page])),
+        Fixture::whole("TIFF with Deflate", tiff(CLASSIC, &[predicted])),
+    ]
+}
+
+fn read(page: &Page) -> Scan {
+    read_bytes(&tiff(CLASSIC, std::slice::from_ref(page))).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn message(page: &Page) -> String {
+    read_bytes(&tiff(CLASSIC, std::slice::from_ref(page))).unwrap_err().to_string()
+}
+
+#[test]
+fn floats_are_heights_in_metre_in_every_layout() {
+    for kind in KINDS {
+        let bytes = tiff(kind, &[Page::new(32, 3, kind.f32s(&HEIGHTS))]);
+        assert_eq!(Format::detect(&bytes), Some(Format::Tiff));
+        let scan = read_bytes(&bytes).unwrap();
+        assert_heights(&scan, &HEIGHTS);
+        assert_eq!(scan.heights_m.dim(), (2, 3));
+        assert_eq!(scan.pitch_m, None);
+        assert_eq!(scan.warnings, [] as [String; 0]);
+        assert_eq!(scan.channels, ["page 1"]);
+        let doubles = HEIGHTS.iter().flat_map(|z| kind.number((z / 3.0).to_bits(), 8)).collect();
+        assert_heights(&read_bytes(&tiff(kind, &[Page::new(64, 3, doubles)])).unwrap(), &HEIGHTS.map(|z| z / 3.0));
+        assert_heights(&read_bytes(&tiff(kind, &[tiles(kind)])).unwrap(), &HEIGHTS);
+    }
+}
+
+#[test]
+fn integers_are_counts_with_a_warning() {
+    let values: [i64; 6] = [1, 2, 127, -128, -1, 0];
+    for width in [1, 2, 4] {
+        for kind in KINDS {
+            let raw: Vec<u8> = values.iter().flat_map(|&z| kind.number(z as u64, width)).collect();
+            let bits = 8 * width as u64;
+            let signed = read_bytes(&tiff(kind, &[Page::new(bits, 2, raw.clone())])).unwrap();
+            assert_heights(&signed, &values.map(|z| z as f64));
+            assert!(signed.warnings.iter().any(|warning| warning.contains("counts without a unit")));
+            let unsigned = read_bytes(&tiff(kind, &[Page::new(bits, 1, raw)])).unwrap();
+            let range = 2_f64.powi(8 * width as i32);
+            assert_heights(&unsigned, &values.map(|z| if z < 0 { z as f64 + range } else { z as f64 }));
+        }
+    }
+}
+
+#[test]
+fn every_packing_reads() {
+    for kind in KINDS {
+        let rows: Vec<Vec<u8>> = HEIGHTS.chunks(3).map(|row| kind.f32s(row)).collect();
+        for (method, pack) in [
+            (1, (|bytes| bytes.to_vec()) as fn(&[u8]) -> Vec<u8>),
+            (5, lzw),
+            (8, zlib),
+            (32946, zlib),
+            (32773, pack_bits),
+        ] {
+            let mut page = Page::new(32, 3, Vec::new()).with(259, Value::Short(method)).with(278, Value::Long(1));
+            page.chunks = rows.iter().map(|row| pack(row)).collect();
+            assert_heights(&read_bytes(&tiff(kind, &[page])).unwrap(), &HEIGHTS);
+        }
+    }
+    for (method, name) in [(4, "fax"), (7, "JPEG"), (50000, "Zstandard"), (12345, "number 12345")] {
+        assert!(message(&floats().with(259, Value::Short(method))).contains(name));
+    }
+    assert!(message(&floats().with(266, Value::Short(2))).contains("FillOrder"));
+}
+
+#[test]
+fn differences_of_neighbours_are_summed() {
+    for kind in KINDS {
+        // Rows 500, 502, 501 and 65535, 0, 1 modulo 2¹⁶.
+        let raw: Vec<u8> = [500, 2, 0xffff, 0xffff, 1, 1].iter().flat_map(|&z| kind.number(z, 2)).collect();
+        let page = |packed| Page::new(16, 1, packed).with(317, Value::Short(2));
+        let packed = page(zlib(&raw)).with(259, Value::Short(8));
+        assert_heights(&read_bytes(&tiff(kind, &[packed])).unwrap(), &[500.0, 502.0, 501.0, 65535.0, 0.0, 1.0]);
+        // Without packing there is no predictor, whatever its field says.
+        let plain = page(raw);
+        assert_heights(&read_bytes(&tiff(kind, &[plain])).unwrap(), &[500.0, 2.0, 65535.0, 65535.0, 1.0, 1.0]);
+    }
+}
+
+#[test]
+fn differences_of_sorted_bytes_are_summed() {
+    for kind in KINDS {
+        // The bytes of a row from the highest of all numbers to the lowest of all, each less the one before it.
+        let encoded: Vec<u8> = HEIGHTS
+            .chunks(3)
+            .flat_map(|row| {
+                let raw: Vec<[u8; 4]> = row.iter().map(|&z| (z as f32).to_be_bytes()).collect();
+                let sorted: Vec<u8> = (0..4).flat_map(|place| raw.iter().map(move |raw| raw[place])).collect();
+                let before = [0].into_iter().chain(sorted.clone());
+                sorted.iter().zip(before).map(|(byte, before)| byte.wrapping_sub(before)).collect::<Vec<_>>()
+            })
+            .collect();
+        let page = Page::new(32, 3, zlib(&encoded)).with(259, Value::Short(8)).with(317, Value::Short(3));
+        assert_heights(&read_bytes(&tiff(kind, &[page])).unwrap(), &HEIGHTS);
+    }
+    let integers = Page::new(16, 1, zlib(&[0; 12])).with(259, Value::Short(8));
+    assert!(message(&integers.with(317, Value::Short(3))).contains("Predictor"));
+}
+
+#[test]
+fn numbers_stand_whichever_colour_is_zero() {
+    assert_heights(&read(&floats().with(262, Value::Short(0))), &HEIGHTS);
+}
+
+#[test]
+fn the_orientation_tag_turns_the_map_upright() {
+    let resolved =
+        floats().with(282, Value::Rational(1, 1)).with(283, Value::Rational(2, 1)).with(296, Value::Short(3));
+    let [a, b, c, d, e, f] = HEIGHTS;
+    // Where row 0 and column 0 are: top left, top right, bottom right, bottom left, then with rows upright.
+    for (orientation, wanted) in [
+        (1, [a, b, c, d, e, f]),
+        (2, [c, b, a, f, e, d]),
+        (3, [f, e, d, c, b, a]),
+        (4, [d, e, f, a, b, c]),
+        (5, [a, d, b, e, c, f]),
+        (6, [d, a, e, b, f, c]),
+        (7, [f, c, e, b, d, a]),
+        (8, [c, f, b, e, a, d]),
+    ] {
+        let scan = read(&resolved.clone().with(274, Value::Short(orientation)));
+        assert_heights(&scan, &wanted);
+        let (shape, pitch_m) = if orientation > 4 { ((3, 2), (0.005, 0.01)) } else { ((2, 3), (0.01, 0.005)) };
+        assert_eq!((scan.heights_m.dim(), scan.pitch_m), (shape, Some(pitch_m)), "{orientation}");
+    }
+    assert!(message(&floats().with(274, Value::Short(9))).contains("Orientation"));
+}
+
+#[test]
+fn resolutions_per_inch_and_centimetre_give_the_pitch() {
+    let page = |unit| {
+        let page = floats().with(282, Value::Rational(5080, 2)).with(283, Value::Double(1270.0));
+        page.with(296, Value::Short(unit))
+    };
+    assert_eq!(read(&page(2)).pitch_m, Some((0.0254 / 2540.0, 0.0254 / 1270.0)));
+    assert_eq!(read(&page(3)).pitch_m, Some((0.01 / 2540.0, 0.01 / 1270.0)));
+    // No absolute unit.
+    assert_eq!(read(&page(1)).pitch_m, None);
+    for (per_inch, doubted) in [(1, true), (72, true), (300, true), (25400, false)] {
+        let page = floats().with(282, Value::Rational(per_inch, 1)).with(283, Value::Rational(per_inch, 1));
+        let scan = read(&page);
+        assert_eq!(scan.pitch_m, Some((0.0254 / per_inch as f64, 0.0254 / per_inch as f64)));
+        let told = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
+        assert_eq!(told, doubted, "{per_inch}: {:?}", scan.warnings);
+    }
+    let none = floats().with(282, Value::Rational(1, 0)).with(283, Value::Rational(1, 0));
+    assert_eq!(read(&none).pitch_m, None);
+}
+
+#[test]
+fn the_description_of_imagej_states_units_and_calibration() {
+    let page = |text| {
+        let page =
+            floats().with(282, Value::Rational(2, 1)).with(283, Value::Rational(4, 1)).with(296, Value::Short(1));
+        page.with(270, Value::Text(text))
+    };
+    let scan = read(&page(IMAGE_J));
+    // Two and four points per micrometre; heights 1 nm + 2 nm · n.
+    assert_eq!(scan.pitch_m, Some((1.0 / 2e6, 1.0 / 4e6)));
+    assert_heights(&scan, &HEIGHTS.map(|z| 1e-9 + 2e-9 * z));
+    assert_eq!(scan.metadata["unit"], "µm");
+    assert_eq!(scan.metadata["ImageJ"], "1.54f");
+
+    let scan = read(&page("ImageJ=1.54f\nunit=micron\nyunit=mm\n"));
+    assert_eq!(scan.pitch_m, Some((1.0 / 2e6, 1.0 / 4e3)));
+    assert_heights(&scan, &HEIGHTS);
+    assert_eq!(read(&page("ImageJ=1.54f\nunit=pixel\n")).pitch_m, None);
+    let scan = read(&page("ImageJ=1.54f\ncf=20\nvunit=OD\n"));
+    assert_heights(&scan, &HEIGHTS);
+    assert!(scan.warnings.iter().any(|warning| warning.contains("calibration")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn ome_xml_states_the_pitch_before_resolution_tags() {
+    let page = floats().with(282, Value::Rational(72, 1)).with(283, Value::Rational(72, 1));
+    let scan = read(&page.clone().with(270, Value::Text(OME)));
+    assert_eq!(scan.pitch_m, Some((0.5 / 1e6, 250.0 / 1e9)));
+    assert_eq!(scan.metadata["ImageDescription"], OME);
+    assert_eq!(
+        read(&page.with(270, Value::Text("<OME><Pixels PhysicalSizeX=\"a\""))).pitch_m,
+        Some((0.0254 / 72.0, 0.0254 / 72.0))
+    );
+}
+
+#[test]
+fn the_value_for_no_data_is_missing() {
+    let scan = read(
+        &Page::new(32, 3, CLASSIC.f32s(&[1.0, NAN, f64::INFINITY, -9999.0, 0.1, 2.0]))
+            .with(42113, Value::Text("-9999")),
+    );
+    assert_heights(&scan, &[1.0, NAN, NAN, NAN, f64::from(0.1_f32), 2.0]);
+    // The digits of a double where the numbers are single.
+    let scan = read(&Page::new(32, 3, CLASSIC.f32s(&[0.1, 1.0, 2.0, 3.0, 4.0, 5.0])).with(42113, Value::Text("0.1")));
+    assert_eq!(scan.missing_points(), 1);
+    assert!(message(&floats().with(42113, Value::Text("none"))).contains("GDAL_NODATA"));
+}
+
+#[test]
+fn pages_are_channels_and_those_of_other_kinds_are_left_out() {
+    let named = Page::new(32, 3, CLASSIC.f32s(&[9.0; 6])).with(285, Value::Text("Height"));
+    let colours = Page::new(8, 1, vec![0; 18]).with(262, Value::Short(2)).with(277, Value::Short(3));
+    let thumbnail = floats().with(254, Value::Long(1));
+    let bytes = tiff(CLASSIC, &[colours, thumbnail, floats().with(305, Value::Text("a program")), named]);
+    let scan = read_bytes(&bytes).unwrap();
+    assert_eq!((scan.channels.as_slice(), scan.channel), (&["page 3".into(), "Height".into()][..], 0));
+    assert_heights(&scan, &HEIGHTS);
+    assert_eq!(scan.metadata["Software"], "a program");
+    assert!(scan.warnings.iter().any(|warning| {
+        warning.ends_with("left out: page 1 is in colours (RGB), page 2 is a smaller copy of another")
+    }));
+    let options = ReadOptions { channel: Some(Channel::Name("height".into())) };
+    let scan = read_bytes_with(&bytes, &options).unwrap();
+    assert_heights(&scan, &[9.0; 6]);
+    assert_eq!(scan.metadata["PageName"], "Height");
+}
+
+#[test]
+fn pages_that_cannot_be_heights_are_refused_with_a_reason() {
+    for (page, reason) in [
+        (floats().with(262, Value::Short(2)), "page 1 is in colours (RGB)"),
+        (floats().with(262, Value::Short(3)), "colours of a palette"),
+        (floats().with(277, Value::Short(2)), "2 numbers per point"),
+        (floats().with(258, Value::Short(16)), "numbers of 16 bits and SampleFormat 3"),
+        (floats().with(258, Value::Short(1)), "numbers of 1 bits"),
+        (floats().with(339, Value::Short(6)), "SampleFormat 6"),
+    ] {
+        let found = message(&page);
+        assert!(found.contains(reason), "{found}");
+    }
+}
+
+#[test]
+fn declared_sizes_are_not_believed() {
+    let huge = floats().with(256, Value::Long(1 << 15)).with(257, Value::Long(1 << 15));
+    assert!(matches!(read_bytes(&tiff(CLASSIC, &[huge])), Err(FormatError::TooLarge { .. })));
+    let large = floats().with(256, Value::Long(1 << 14)).with(257, Value::Long(1 << 14));
+    assert!(message(&large).contains("places for 1073741824 bytes"));
+    let packed = large.with(259, Value::Short(8));
+    assert!(message(&packed).contains("more than 256 times"), "{}", message(&packed));
+    assert!(message(&floats().with(256, Value::Short(0))).contains("ImageWidth"));
+    assert!(message(&floats().with(278, Value::Long(0))).contains("RowsPerStrip"));
+    assert!(message(&floats().with(278, Value::Long(1))).contains("wanted 2 numbers"));
+    // One strip after the other over the same bytes.
+    let mut overlapping = floats().with(259, Value::Short(32773)).with(278, Value::Short(1));
+    overlapping.chunks = vec![Vec::new(); 2];
+    let mut bytes = tiff(CLASSIC, &[overlapping]);
+    let sizes = bytes.len() - 8;
+    bytes[sizes..].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
+    let error = read_bytes(&bytes).unwrap_err().to_string();
+    assert!(error.contains("at most the"), "{error}");
+}
+
+#[test]
+fn a_flat_page_unpacks_within_bounds_and_a_bomb_does_not() {
+    let page = |size: u64, strip: Vec<u8>| {
+        let page = Page::new(64, 3, strip).with(256, Value::Long(size)).with(257, Value::Long(size));
+        tiff(CLASSIC, &[page.with(259, Value::Short(8))])
+    };
+    let flat = page(2048, zlib(&vec![0; 8 << 22]));
+    assert!(flat.len() < 1 << 16);
+    let (scan, peak) = peak_bytes(|| read_bytes(&flat).unwrap());
+    assert_eq!(scan.heights_m.dim(), (2048, 2048));
+    // The heights, and what unpacking one row takes.
+    assert!(peak < (8 << 22) + (1 << 20), "{peak}");
+    let error = read_bytes(&page(2049, zlib(&vec![0; 8 * 2049 * 2049]))).unwrap_err().to_string();
+    assert!(error.contains("more than 256 times as many"), "{error}");
+}
+
+#[test]
+fn directories_that_lead_back_are_refused() {
+    let mut bytes = tiff(CLASSIC, &[floats()]);
+    // The next directory stands behind two bytes of a count and 12 bytes of each field.
+    let fields = usize::from(bytes[8]);
+    bytes[10 + 12 * fields] = 8;
+    let error = read_bytes(&bytes).unwrap_err().to_string();
+    assert!(error.contains("no earlier directory"), "{error}");
+    assert!(matches!(read_bytes(b"II*\0\0\0\0\0"), Err(FormatError::Unsupported { .. })));
+    assert!(matches!(read_bytes(b"II*\0"), Err(FormatError::Truncated { .. })));
+    assert!(matches!(read_bytes(b"MM\0*\xff\xff\xff\xff"), Err(FormatError::Truncated { .. })));
 }

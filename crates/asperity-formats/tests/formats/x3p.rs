@@ -1,9 +1,12 @@
-use asperity_formats::{Format, FormatError, MAX_POINTS, Scan, X3pData, read_bytes, write_x3p};
+use asperity_formats::{
+    Format, FormatError, MAX_POINTS, ReadOptions, Scan, X3pData, read_bytes, read_bytes_with, write_x3p,
+};
 use ndarray::array;
 
 use crate::assert_heights;
 use crate::fixture::{Content, Fixture};
 use crate::fixtures::{X3p, md5, zip};
+use crate::memory::peak_bytes;
 
 const NAN: f64 = f64::NAN;
 
@@ -27,6 +30,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     vec![
         fixture("X3P of float64", &X3p::default()),
         fixture("X3P of int16 with a mask in a folder", &masked),
+        fixture("X3P of three layers of int32", &layered()),
         Fixture::whole("X3P with deflated files", packed),
     ]
 }
@@ -72,6 +76,21 @@ fn int32_is_signed_and_scaled() {
     };
     let scan = read_bytes(&file.bytes()).unwrap();
     assert_heights(&scan, &[-2147483648e-15, -1e-15, 0.0, 2147483647e-15]);
+}
+
+#[test]
+fn integers_of_a_program_that_writes_unsigned_ones_are_unsigned() {
+    let file = X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-12</Increment>",
+        size: (2, 1, 1),
+        data: le([0_u16, 65535].map(u16::to_le_bytes)),
+        ..X3p::default()
+    };
+    let main = file.main_xml().replace("Meyer &amp; S&#246;hne", "SurfaceTopography");
+    let scan = read_bytes(&file.with_main(main.as_bytes())).unwrap();
+    assert_heights(&scan, &[0.0, 65535e-12]);
+    assert!(scan.warnings.iter().any(|warning| warning.contains("unsigned")), "{:?}", scan.warnings);
+    assert_heights(&read_bytes(&file.bytes()).unwrap(), &[0.0, -1e-12]);
 }
 
 #[test]
@@ -198,12 +217,72 @@ fn the_checksum_file_may_hold_the_sum_alone_or_sums_of_other_files() {
     }
 }
 
+fn layer(text: &str) -> ReadOptions {
+    ReadOptions { channel: Some(text.into()) }
+}
+
+/// Three layers of 2 × 3 numbers in nanometre: hundreds tell the layer, tens the line, ones the column. Point (1, 0) of
+/// the second layer is not valid: bit 6 + 3, across a border of bytes.
+fn layered() -> X3p {
+    let numbers = [11, 12, 13, 21, 22, 23].map(|point| [100, 200, 300].map(|layer| layer + point));
+    X3p {
+        z_axis: "<AxisType>A</AxisType><DataType>L</DataType><Increment>1e-9</Increment>",
+        size: (3, 2, 3),
+        data: le((0..18).map(|n| i32::to_le_bytes(numbers[n % 6][n / 6]))),
+        valid: Some(vec![0xff, 0b1111_1101, 0b11]),
+        ..X3p::default()
+    }
+}
+
 #[test]
-fn of_several_layers_the_first_is_read() {
-    let file = X3p { size: (2, 1, 2), ..X3p::default() };
-    let scan = read_bytes(&file.bytes()).unwrap();
-    assert_heights(&scan, &[1e-6, 2e-6]);
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("2 layers")), "{:?}", scan.warnings);
+fn layers_are_channels_each_with_its_own_numbers_and_validity() {
+    let bytes = layered().bytes();
+    let read = |text: &str| read_bytes_with(&bytes, &layer(text)).unwrap();
+    assert_heights(&read("layer 1"), &[111e-9, 112e-9, 113e-9, 121e-9, 122e-9, 123e-9]);
+    assert_heights(&read("2"), &[211e-9, 212e-9, 213e-9, NAN, 222e-9, 223e-9]);
+    assert_heights(&read("Layer 3"), &[311e-9, 312e-9, 313e-9, 321e-9, 322e-9, 323e-9]);
+    for text in ["1", "2", "3"] {
+        let scan = read(text);
+        assert_eq!(scan.channels, ["layer 1", "layer 2", "layer 3"]);
+        assert_eq!((scan.channel + 1).to_string(), text);
+        assert_eq!(scan.warnings, [] as [String; 0]);
+    }
+    let first = read_bytes(&bytes).unwrap();
+    assert_eq!(first.heights_m, read("1").heights_m);
+    assert!(matches!(first.warnings.as_slice(), [one] if one.contains("3 height maps")), "{:?}", first.warnings);
+    for absent in ["0", "4", "height"] {
+        let error = read_bytes_with(&bytes, &layer(absent)).unwrap_err();
+        assert!(matches!(error, FormatError::NoSuchChannel { .. }), "{error}");
+    }
+}
+
+#[test]
+fn layers_that_the_data_do_not_reach_are_errors_when_asked_for() {
+    let mut file = layered();
+    file.data.truncate(4 * 14);
+    let bytes = file.bytes();
+    let scan = read_bytes_with(&bytes, &layer("2")).unwrap();
+    assert!(
+        matches!(scan.warnings.as_slice(), [one] if one.contains("shorter than the stated 3")),
+        "{:?}",
+        scan.warnings
+    );
+    match read_bytes_with(&bytes, &layer("3")) {
+        Err(FormatError::Truncated { part, found: 8, wanted: 24, .. }) => assert_eq!(part, "the numbers"),
+        other => panic!("{other:?}"),
+    }
+    let cut_mask = X3p { valid: Some(vec![0xff]), ..layered() }.bytes();
+    assert!(read_bytes_with(&cut_mask, &layer("1")).is_ok());
+    match read_bytes_with(&cut_mask, &layer("2")) {
+        Err(FormatError::Truncated { part, found: 1, wanted: 2, .. }) => assert_eq!(part, "the validity bits"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn more_layers_than_any_instrument_stacks_are_refused() {
+    let error = read_bytes(&X3p { size: (2, 2, 1 << 40), ..X3p::default() }.bytes()).unwrap_err();
+    assert!(matches!(error, FormatError::TooLarge { field, .. } if field.ends_with("SizeZ")));
 }
 
 #[test]
@@ -243,6 +322,12 @@ fn a_data_list_in_the_description_is_read() {
     let with_list = |list: &str| file.with_main(format!("{head}<DataList>{list}</DataList>{tail}").as_bytes());
     let list = "<Datum>986</Datum>\n<Datum> -308 </Datum><Datum/><!-- none --><Datum>1548</Datum>";
     assert_heights(&read_bytes(&with_list(list)).unwrap(), &[0.486, -0.808, NAN, 1.048]);
+    let layered = file.main_xml().replace("<SizeX>2<", "<SizeX>1<").replace("<SizeZ>1<", "<SizeZ>2<");
+    let (head, rest) = layered.split_once("<DataLink>").unwrap();
+    let (_, tail) = rest.split_once("</DataLink>").unwrap();
+    let bytes = file.with_main(format!("{head}<DataList>{list}</DataList>{tail}").as_bytes());
+    assert_heights(&read_bytes_with(&bytes, &layer("1")).unwrap(), &[0.486, -0.808]);
+    assert_heights(&read_bytes_with(&bytes, &layer("2")).unwrap(), &[NAN, 1.048]);
     assert!(matches!(
         read_bytes(&with_list("<Datum>986</Datum>")),
         Err(FormatError::Field { field, found, wanted, .. })
@@ -315,9 +400,53 @@ fn damaged_descriptions_are_errors_that_name_their_place() {
 }
 
 #[test]
-fn a_zip_archive_of_something_else_is_refused() {
-    let error = read_bytes(&zip(&[("a.npy", b"\x93NUMPY")])).unwrap_err();
-    assert!(matches!(&error, FormatError::Archive { .. }) && error.to_string().contains("no main.xml"), "{error}");
+fn a_zip_archive_is_known_by_main_xml() {
+    for other in ["a.npy", "domain.xml", "main.xm"] {
+        let bytes = zip(&[(other, b"\x93NUMPY")]);
+        assert_ne!(Format::detect(&bytes), Some(Format::X3p), "{other}");
+    }
+    for folder in ["", "a/", "a b\\"] {
+        let bytes = X3p { folder, ..X3p::default() }.bytes();
+        assert_eq!(Format::detect(&bytes), Some(Format::X3p));
+        // An archive that was cut off is still named.
+        assert_eq!(Format::detect(&bytes[..100]), Some(Format::X3p));
+        let error = read_bytes(&bytes[..100]).unwrap_err();
+        assert!(matches!(&error, FormatError::Archive { .. }), "{error}");
+    }
+}
+
+#[test]
+fn increments_that_say_nothing_are_doubted() {
+    let file = |z_axis, data: Vec<u8>| X3p { z_axis, size: (2, 1, 1), data, ..X3p::default() }.bytes();
+    let read = |bytes: &[u8], doubt: &str| {
+        let scan = read_bytes(bytes).unwrap();
+        assert!(scan.warnings.iter().any(|warning| warning.contains(doubt)), "{doubt}: {:?}", scan.warnings);
+        scan
+    };
+    let integers = le([-3_i16, 5].map(i16::to_le_bytes));
+    let floats = le([1e-6_f32, 2e-6].map(f32::to_le_bytes));
+    let whole = read(&file("<AxisType>A</AxisType><DataType>I</DataType>", integers.clone()), "no increment");
+    assert_heights(&whole, &[-3.0, 5.0]);
+    let none = "<AxisType>A</AxisType><DataType>F</DataType><Increment>0</Increment>";
+    assert_heights(&read(&file(none, floats.clone()), "is 0"), &[f64::from(1e-6_f32), f64::from(2e-6_f32)]);
+    let incremental = "<AxisType>I</AxisType><DataType>F</DataType>";
+    assert_heights(&read(&file(incremental, floats), "incremental"), &[f64::from(1e-6_f32), f64::from(2e-6_f32)]);
+    let none = "<AxisType>A</AxisType><DataType>I</DataType><Increment>0</Increment>";
+    let error = read_bytes(&file(none, integers)).unwrap_err();
+    assert!(matches!(&error, FormatError::Field { field, .. } if field.ends_with("CZ/Increment")), "{error}");
+}
+
+#[test]
+fn the_first_line_is_the_top_one_and_another_origin_is_doubted() {
+    let file = X3p { size: (1, 4, 1), ..X3p::default() };
+    let with_origin = |origin: &str| {
+        let main = file.main_xml().replace("</Axes>", &format!("<Origin>{origin}</Origin></Axes>"));
+        read_bytes(&file.with_main(main.as_bytes())).unwrap()
+    };
+    assert_heights(&with_origin("NW"), &[1e-6, 2e-6, 3e-6, 4e-6]);
+    assert_eq!(with_origin("NW").warnings, read_bytes(&file.bytes()).unwrap().warnings);
+    assert_heights(&with_origin("SW"), &[1e-6, 2e-6, 3e-6, 4e-6]);
+    assert!(with_origin("SW").warnings.iter().any(|warning| warning.contains("origin `SW`")));
 }
 
 #[test]
@@ -343,4 +472,20 @@ fn an_axis_without_increment_leaves_the_pitch_out() {
         read_bytes(&file.with_main(file.main_xml().replace("<Increment> 5e-6 </Increment>", "").as_bytes())).unwrap();
     assert_eq!(scan.pitch_m, None);
     assert_eq!(scan.warnings.len(), 1);
+}
+
+#[test]
+fn descriptions_that_would_take_more_memory_than_they_are_long_are_refused() {
+    let many = (0..100_000).map(|n| format!("<e{n}>1</e{n}>")).collect::<String>();
+    let long = "x".repeat(100_000);
+    let mains = [
+        (format!("<a>{many}</a>"), "different elements"),
+        (format!("<a><{long}>{many}</{long}></a>"), "names of more than"),
+    ];
+    for (main, reason) in mains {
+        let bytes = X3p::default().with_main(main.as_bytes());
+        let (error, peak) = peak_bytes(|| read_bytes(&bytes).unwrap_err());
+        assert!(error.to_string().contains(reason), "{error}");
+        assert!(peak < 4 * bytes.len(), "{peak} bytes for {}", bytes.len());
+    }
 }

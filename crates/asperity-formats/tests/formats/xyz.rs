@@ -1,7 +1,289 @@
-//! XYZ.
+use asperity_formats::{Format, Scan, read_bytes};
 
+use crate::assert_heights;
 use crate::fixture::Fixture;
 
+const NAN: f64 = f64::NAN;
+
+/// Columns, rows from the largest y on, and the pitch of the maps below.
+const SIZE: (usize, usize) = (4, 3);
+const PITCH: (f64, f64) = (0.5, 0.25);
+
+/// The height of a point, another one for each.
+fn height((row, column): (usize, usize)) -> f64 {
+    (4 * row + column) as f64 / 8.0
+}
+
+/// Where a point lies: row 0 has the largest y.
+fn position((row, column): (usize, usize)) -> (f64, f64) {
+    (10.0 + PITCH.0 * column as f64, -1.0 - PITCH.1 * row as f64)
+}
+
+fn by_rows() -> Vec<(usize, usize)> {
+    (0..SIZE.1).flat_map(|row| (0..SIZE.0).map(move |column| (row, column))).collect()
+}
+
+fn by_columns() -> Vec<(usize, usize)> {
+    (0..SIZE.0).flat_map(|column| (0..SIZE.1).map(move |row| (row, column))).collect()
+}
+
+fn list(points: &[(usize, usize)], separator: &str) -> String {
+    let line = |&point: &(usize, usize)| {
+        let (x, y) = position(point);
+        format!("{x}{separator}{y}{separator}{}\n", height(point))
+    };
+    points.iter().map(line).collect()
+}
+
+fn read(text: &str) -> Scan {
+    assert_eq!(Format::detect(text.as_bytes()), Some(Format::Xyz), "{text}");
+    read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+fn heights() -> Vec<f64> {
+    by_rows().into_iter().map(height).collect()
+}
+
+/// A Zygo file: a header of 13 lines and `#`, the points, `#` (Zygo, OMP-0347, appendix B).
+fn zygo(resolution: &str) -> String {
+    let mut text = String::from("Zygo XYZ Data File - Format 1\n");
+    // Program, version, date; origin and size of intensities, buckets, range; origin and size of phases.
+    text += "1 8 3 5 \"Tue Dec 01 14:30:59 2016\"\n0 0 0 0 0 0\n100 50 3 2\n";
+    // Comment, serial number, part number.
+    text += "\"hob ground\"\n\"S-17\"\n\"gear 7\"\n";
+    // Source, scale factor, wavelength, aperture, obliquity, magnification, camera resolution, time.
+    text += &format!("0 0.5 6.328e-07 0 1 0 {resolution} 1480602659\n");
+    // System; acquisition; processing; system error; refractive index.
+    text += "3 2 0 0 0 0 0 \"\"\n0 0 1 33 0 0 0.1 60.4 2 50\n0 1 100 0 0 0 0 0 0 0\n0 \"\"\n1 5 0\n#\n";
+    text += "100 50 0.25\n101 50 -0.5\n102 50 No Data\n100 51 1.5\n101 51 2\n102 51 No Data\n#\n";
+    text
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![]
+    vec![
+        Fixture::open_ended("XYZ", list(&by_rows(), " ").into_bytes()),
+        Fixture::open_ended("XYZ with units", format!("X [mm];Y [mm];Z [um]\n{}", list(&by_columns(), ";")).into()),
+        Fixture::open_ended("XYZ of Zygo", zygo("1e-05").into_bytes()),
+    ]
+}
+
+#[test]
+fn points_are_put_in_their_places_in_any_order() {
+    let (rows, columns) = (by_rows(), by_columns());
+    let reversed = |points: &[(usize, usize)]| points.iter().rev().copied().collect::<Vec<_>>();
+    let serpentine: Vec<_> = rows
+        .chunks(SIZE.0)
+        .enumerate()
+        .flat_map(|(row, line)| if row % 2 == 0 { line.to_vec() } else { reversed(line) })
+        .collect();
+    let mirrored: Vec<_> = rows.chunks(SIZE.0).flat_map(reversed).collect();
+    for points in [&rows, &columns, &reversed(&rows), &reversed(&columns), &serpentine, &mirrored] {
+        let scan = read(&list(points, " "));
+        assert_eq!(scan.heights_m.dim(), (3, 4));
+        assert_heights(&scan, &heights());
+        assert_eq!(scan.pitch_m, Some(PITCH));
+    }
+}
+
+#[test]
+fn lines_may_lie_closer_than_the_points_on_them() {
+    // Pixels of 5 µm × 1 µm in lines along x: a new line starts a fifth of a step further.
+    for (columns, rows) in [(4, 3), (2, 9), (7, 5), (3, 40)] {
+        let line = |row: usize| (0..columns).map(move |column| (row, column));
+        let there =
+            |row: usize| if row.is_multiple_of(2) { line(row).collect() } else { line(row).rev().collect::<Vec<_>>() };
+        let one_way: Vec<_> = (0..rows).flat_map(line).collect();
+        let serpentine: Vec<_> = (0..rows).flat_map(there).collect();
+        for points in [one_way, serpentine] {
+            let text: String = points
+                .iter()
+                .map(|&(row, column)| format!("{}e-6 {}e-6 {}e-7\n", 5 * column, rows - 1 - row, 10 * row + column))
+                .collect();
+            let scan = read(&text);
+            assert_eq!(scan.heights_m.dim(), (rows, columns));
+            let (dx_m, dy_m) = scan.pitch_m.unwrap();
+            assert!((dx_m / 5e-6 - 1.0).abs() < 1e-12 && (dy_m / 1e-6 - 1.0).abs() < 1e-12, "{dx_m} {dy_m}");
+            assert!(scan.heights_m.indexed_iter().all(|((y, x), z)| (z * 1e7 - (10 * y + x) as f64).abs() < 1e-9));
+        }
+    }
+}
+
+#[test]
+fn separators_comments_and_a_line_of_names_are_understood() {
+    let points = by_rows();
+    for text in [
+        list(&points, "\t"),
+        list(&points, ","),
+        list(&points, ", "),
+        list(&points, ";"),
+        list(&points, ";").replace('.', ","),
+        list(&points, "\t").replace('.', ","),
+        format!("# measured 2016\n{}", list(&points, " ")),
+        format!("X Y Z\n\n{}", list(&points, " ")),
+        format!("x,y,z\n{}", list(&points, ",")),
+        list(&points, "   ").replace('\n', "\r\n"),
+    ] {
+        let scan = read(&text);
+        assert_heights(&scan, &heights());
+        assert_eq!(scan.pitch_m, Some(PITCH));
+    }
+}
+
+#[test]
+fn units_stand_in_the_header() {
+    let points = list(&by_rows(), " ");
+    for (header, (dx_m, dy_m), z) in [
+        ("[um]\n", (0.5e-6, 0.25e-6), 1e-6),
+        ("mm\n", (0.5e-3, 0.25e-3), 1e-3),
+        ("X [mm] Y [mm] Z [um]\n", (0.5e-3, 0.25e-3), 1e-6),
+        ("# X (mm), Y (mm), Z (nm)\n", (0.5e-3, 0.25e-3), 1e-9),
+        ("X Y Z\n[mm] [um] [nm]\n", (0.5e-3, 0.25e-6), 1e-9),
+        ("x/um y/um z/nm\n", (0.5e-6, 0.25e-6), 1e-9),
+        ("# lateral [um], height [nm]\n", (0.5e-6, 0.25e-6), 1e-9),
+        ("# unit: um\n", (0.5e-6, 0.25e-6), 1e-6),
+        ("# unit: um\n# z unit: nm\n", (0.5e-6, 0.25e-6), 1e-9),
+        ("xy unit = mm\nz unit = um\n", (0.5e-3, 0.25e-3), 1e-6),
+    ] {
+        let scan = read(&format!("{header}{points}"));
+        let (found_x, found_y) = scan.pitch_m.unwrap();
+        assert!((found_x / dx_m - 1.0).abs() < 1e-14 && (found_y / dy_m - 1.0).abs() < 1e-14, "{header}");
+        assert_heights(&scan, &heights().iter().map(|height| height * z).collect::<Vec<_>>());
+        assert!(!scan.warnings.iter().any(|warning| warning.contains("no unit")), "{header}: {:?}", scan.warnings);
+    }
+    // English words are no units.
+    assert_eq!(read(&format!("# measured in 2016\n# in air\n{points}")).pitch_m, Some(PITCH));
+}
+
+#[test]
+fn wide_spacing_without_a_unit_is_doubted() {
+    let points = list(&by_rows(), " ");
+    let scan = read(&points);
+    assert!(scan.warnings.iter().any(|warning| warning.starts_with("no unit is stated")), "{:?}", scan.warnings);
+    let metre = by_rows().into_iter().map(|point| {
+        let (x, y) = position(point);
+        format!("{:e} {:e} {:e}\n", x * 1e-6, y * 1e-6, height(point) * 1e-6)
+    });
+    let scan = read(&metre.collect::<String>());
+    assert!(!scan.warnings.iter().any(|warning| warning.contains("no unit")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn missing_points_and_heights_are_nan() {
+    let text = list(&by_rows(), " ");
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines[2] = "11 -1 nan";
+    lines[3] = "11.5 -1 BAD";
+    lines[4] = "10 -1.25 1.#QNAN";
+    lines[7] = "11.5 -1.25 No Data";
+    lines.remove(6);
+    let mut wanted = heights();
+    for missing in [2, 3, 4, 6, 7] {
+        wanted[missing] = NAN;
+    }
+    assert_heights(&read(&lines.join("\n")), &wanted);
+    // A whole column and a whole row.
+    let some: Vec<_> = by_rows().into_iter().filter(|&(row, column)| row != 1 && column != 2).collect();
+    let scan = read(&list(&some, " "));
+    assert_eq!(scan.heights_m.dim(), (2, 4), "with two rows left their distance is the pitch");
+    assert_eq!(scan.missing_points(), 2);
+    assert_eq!(scan.pitch_m, Some((0.5, 0.5)));
+}
+
+#[test]
+fn coordinates_may_jitter_by_a_tenth_of_a_step() {
+    // Deterministic noise of ±1 steps of 1/10.
+    let noise = |index: usize| ((index * 7919 % 2001) as f64 / 1000.0 - 1.0) / 10.0;
+    let mut text = String::new();
+    for row in 0..20 {
+        for column in 0..30 {
+            let (x, y) = (column as f64 + noise(30 * row + column), row as f64 + noise(31 * row + 5 * column + 1));
+            text += &format!("{x} {y} {}\n", height((19 - row, column)));
+        }
+    }
+    let scan = read(&text);
+    assert_eq!(scan.heights_m.dim(), (20, 30));
+    let wanted: Vec<f64> = (0..20).flat_map(|row| (0..30).map(move |column| height((row, column)))).collect();
+    assert_heights(&scan, &wanted);
+    let (dx_m, dy_m) = scan.pitch_m.unwrap();
+    assert!((dx_m - 1.0).abs() < 0.01 && (dy_m - 1.0).abs() < 0.01, "{dx_m} {dy_m}");
+}
+
+#[test]
+fn coarse_digits_give_the_true_pitch() {
+    // A pitch of 1/300 with three digits: 0.003, 0.007, 0.010, 0.013.
+    let mut text = String::new();
+    for row in 0..31 {
+        for column in 0..31 {
+            text += &format!("{:.3} {:.3} {}\n", f64::from(column) / 300.0, f64::from(row) / 300.0, row * column);
+        }
+    }
+    let scan = read(&text);
+    assert_eq!(scan.heights_m.dim(), (31, 31));
+    assert_eq!(scan.missing_points(), 0);
+    let (dx_m, dy_m) = scan.pitch_m.unwrap();
+    assert!((dx_m * 300.0 - 1.0).abs() < 1e-12 && (dy_m * 300.0 - 1.0).abs() < 1e-12, "{dx_m} {dy_m}");
+}
+
+#[test]
+fn a_zygo_file_has_heights_in_micrometre_and_pixels_from_the_top() {
+    let scan = read(&zygo("1e-05"));
+    assert_eq!(scan.heights_m.dim(), (2, 3));
+    assert_heights(&scan, &[0.25e-6, -0.5e-6, NAN, 1.5e-6, 2e-6, NAN]);
+    assert_eq!(scan.pitch_m, Some((1e-5, 1e-5)));
+    assert_eq!(scan.warnings, [] as [String; 0]);
+    for (key, text) in [("comment", "hob ground"), ("part serial number", "S-17"), ("part number", "gear 7")] {
+        assert_eq!(scan.metadata[key], text);
+    }
+    let scan = read(&zygo("0"));
+    assert_eq!(scan.pitch_m, None);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("not calibrated")), "{:?}", scan.warnings);
+    let cut = zygo("1e-05").replace("\n#\n", "\n");
+    assert!(read_bytes(cut.as_bytes()).unwrap_err().to_string().contains("the line `#` behind the header is missing"));
+}
+
+#[test]
+fn maps_of_three_columns_stay_maps() {
+    let ramp: String = (0..100).map(|i| format!("{} {} {}\n", i, 2 * i, 3 * i)).collect();
+    let noise: String = (0..100_usize).map(|i| format!("{} {} {}\n", i * 7919 % 13, i * 104729 % 17, i)).collect();
+    let flat: String = (0..20).map(|_| "0 0 0\n").collect();
+    let alternating: String = (0..500).map(|i| format!("{} 0 {i}\n", i % 2)).collect();
+    let one_line: String = (0..20).map(|i| format!("{i} 0 {i}\n")).collect();
+    for text in [&ramp, &noise, &flat, &alternating, &one_line, "1 2 3\n4 5 6\n7 8 9\n", "0 0 0\n0 1 0\n0 0 0\n"] {
+        assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text), "{text}");
+        assert_eq!(read_bytes(text.as_bytes()).unwrap().heights_m.ncols(), 3);
+    }
+    // A pixel size tells a map that looks like points.
+    let text = format!("# pixel size: 1 um\n{}", list(&by_rows(), " "));
+    assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text));
+}
+
+#[test]
+fn points_beside_the_grid_or_on_one_another_name_their_line() {
+    let text = format!("# points\n\n{}", list(&by_rows(), " "));
+    let refused = |from: &str, to: &str| read_bytes(text.replace(from, to).as_bytes()).unwrap_err().to_string();
+    // The seventh point, on line 9.
+    let message = refused("11 -1.25 ", "11.2 -1.25 ");
+    assert!(message.starts_with("XYZ: x (line 9) is `0.40 steps off the grid`"), "{message}");
+    let message = refused("11 -1.25 ", "10.5 -1.25 ");
+    assert!(message.starts_with("XYZ: the point (line 9) is `in the place of another`"), "{message}");
+    let message = refused("11 -1.25 ", "inf -1.25 ");
+    assert!(message.starts_with("XYZ: x (line 9) is `not finite`"), "{message}");
+}
+
+#[test]
+fn what_is_no_point_names_its_line() {
+    let mut text: String = (0..900).map(|point| format!("{} {} 0.5\n", point % 30, point / 30)).collect();
+    text.insert_str(0, "# points\n");
+    // The point (17, 25) on line 2 + 25 · 30 + 17, beyond what tells that the text is a list of points.
+    let refused = |to: &str| read_bytes(text.replace("\n17 25 0.5\n", to).as_bytes()).unwrap_err().to_string();
+    assert_eq!(refused("\n17 25 0.5 7\n"), "XYZ: the number of values (line 769) is `4`; wanted 3: x, y and z");
+    assert!(refused("\n17 one 0.5\n").starts_with("XYZ: value 2 (line 769) is `one`; wanted a number"));
+}
+
+#[test]
+fn points_that_span_a_giant_grid_are_refused() {
+    let mut text = list(&by_rows(), " ");
+    text += "1000000000 -1 0\n";
+    let message = read_bytes(text.as_bytes()).unwrap_err().to_string();
+    assert!(message.starts_with("XYZ: the points would fill less than 1 of 4 places of a grid of"), "{message}");
 }

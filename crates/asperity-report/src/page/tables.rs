@@ -8,7 +8,7 @@ use crate::format::{Dimension, significant, with_error};
 use crate::{Input, Run};
 
 /// Surface parameters in the order of the table: key, symbol, meaning.
-const PARAMETERS: [(&str, &str, &str); 33] = [
+const PARAMETERS: [(&str, &str, &str); 46] = [
     ("Sa_m", "Sa", "arithmetic mean height"),
     ("Sq_m", "Sq", "root mean square height"),
     ("Ssk", "Ssk", "skewness of heights"),
@@ -21,11 +21,21 @@ const PARAMETERS: [(&str, &str, &str); 33] = [
     ("Sdr", "Sdr", "developed interfacial area ratio"),
     ("Sal_m", "Sal", "autocorrelation length"),
     ("Str", "Str", "texture aspect ratio"),
+    ("Std_rad", "Std", "direction of the lay, anticlockwise from x; of meaning where Str is small"),
+    ("Ssw_m", "Ssw", "dominant wavelength"),
     ("Sk_m", "Sk", "core height"),
     ("Spk_m", "Spk", "reduced peak height"),
     ("Svk_m", "Svk", "reduced dale height"),
     ("Smrk1", "Smrk1", "material ratio of the peaks"),
     ("Smrk2", "Smrk2", "material ratio of the dales"),
+    ("Spkx_m", "Spkx", "peak height above the core"),
+    ("Svkx_m", "Svkx", "dale depth below the core"),
+    ("Sxp_m", "Sxp", "peak extreme height, material ratios 2.5 % to 50 %"),
+    ("Sk_secant_m", "Sk", "core height by the secant"),
+    ("Spk_secant_m", "Spk", "reduced peak height by the secant"),
+    ("Svk_secant_m", "Svk", "reduced dale height by the secant"),
+    ("Smrk1_secant", "Smrk1", "material ratio of the peaks by the secant"),
+    ("Smrk2_secant", "Smrk2", "material ratio of the dales by the secant"),
     ("Vmp_m", "Vmp", "peak material volume per area"),
     ("Vmc_m", "Vmc", "core material volume per area"),
     ("Vvc_m", "Vvc", "core void volume per area"),
@@ -34,6 +44,9 @@ const PARAMETERS: [(&str, &str, &str); 33] = [
     ("correlation_length_y_m", "ℓy", "correlation length along y, to 1/e"),
     ("hurst", "H", "Hurst exponent"),
     ("fractal_dimension", "D", "fractal dimension"),
+    ("psd_reliable_low_rad_per_m", "", "spectrum reliable from"),
+    ("psd_reliable_high_rad_per_m", "", "spectrum reliable to"),
+    ("psd_upper_limit", "", "what ends the reliable spectrum"),
     ("nx", "nx", "points along x"),
     ("ny", "ny", "points along y"),
     ("dx_m", "Δx", "pixel size along x"),

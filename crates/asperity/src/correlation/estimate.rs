@@ -1,10 +1,12 @@
 //! Autocorrelation of maps with missing points.
 
-use ndarray::Array2;
+use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::fourier::{RealFft2, good_length};
+use super::profiles;
+use crate::fourier::{autocorrelation_sums, good_length};
 use crate::map::{Grid, HeightMap};
+use crate::stats::Extent;
 
 /// Why a correlation or spectrum could not be estimated.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -29,14 +31,6 @@ pub enum EstimateError {
         /// Step found in metre.
         step_m: f64,
     },
-    /// Every profile along the axis has missing points.
-    #[error("all {profiles} profiles along {axis} have missing points; none is left for a spectrum")]
-    NoCompleteProfile {
-        /// Axis of the profiles.
-        axis: Axis,
-        /// Number of profiles.
-        profiles: usize,
-    },
 }
 
 /// A direction of a map.
@@ -57,62 +51,89 @@ impl std::fmt::Display for Axis {
     }
 }
 
-/// Autocovariance of a map over all lags, normalised by the number of pairs:
+/// Autocovariance of a map, normalised by the number of pairs:
 /// C(k, l) = Σ z(i, j) z(i + l, j + k) / N(k, l) over the N pairs whose both heights are present, z without its mean.
 ///
-/// No height is filled in, so scattered missing points bias nothing. Removing the sample mean lowers every lag by about
-/// the variance of that mean; [`super::fit_covariance`] accounts for it. Lags close to the size of the map rest on few
-/// pairs: N says how many. Away from zero the estimate is not positive definite by construction.
+/// It is held for lags up to a reach along x and y, at most half the field unless more was asked for: beyond, few pairs are
+/// left, and the removed mean rules what they say. No height is filled in, so scattered missing points bias nothing.
+/// Removing the sample mean lowers every lag by about the variance of that mean; [`super::fit_covariance`] accounts for it.
+/// Away from zero the estimate is not positive definite by construction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Autocorrelation {
     grid: Grid,
     mean_m: f64,
     present: usize,
-    /// Rows are lags 0 … ny − 1 along y, columns −(nx − 1) … nx − 1 along x.
-    covariance_m2: Array2<f64>,
-    pairs: Array2<f64>,
+    reach_x: usize,
+    reach_y: usize,
+    /// Rows of the lags −reach_x … reach_x along x, for the lags 0 … reach_y along y.
+    covariance_m2: Vec<f64>,
+    /// Laid out alike; `None` of a complete map, whose pairs are (nx − |l|)(ny − |k|).
+    pairs: Option<Vec<f64>>,
 }
 
 impl Autocorrelation {
-    /// Estimates the autocovariance of `map` by zero-padded transforms of heights and mask.
+    /// Estimates the autocovariance of `map` at the lags up to half the field, [`Autocorrelation::half_field`].
     ///
     /// # Errors
     /// The heights present do not vary.
     pub fn estimate(map: &HeightMap) -> Result<Self, EstimateError> {
+        let (reach_x, reach_y) = Self::half_field(map.grid());
+        Self::within(map, reach_x, reach_y)
+    }
+
+    /// Half the points of a grid along x and y, rounded up: the lags of [`Autocorrelation::estimate`].
+    pub fn half_field(grid: Grid) -> (usize, usize) {
+        let half = |points: usize| points.div_ceil(2).min(points - 1);
+        (half(grid.nx()), half(grid.ny()))
+    }
+
+    /// Estimates the autocovariance of `map` at lags up to `reach_x` and `reach_y` points, by transforms of heights and mask
+    /// continued with as many zeros: exact up to rounding, and the faster the shorter the reach.
+    ///
+    /// # Errors
+    /// The heights present do not vary.
+    ///
+    /// # Panics
+    /// If a reach is not less than the points of the map.
+    pub fn within(map: &HeightMap, reach_x: usize, reach_y: usize) -> Result<Self, EstimateError> {
+        Self::about(map, &Extent::of(map.values_m()), (reach_x, reach_y))
+    }
+
+    /// As [`Autocorrelation::within`], the extent of the heights being known.
+    pub(crate) fn about(map: &HeightMap, extent: &Extent, reach: (usize, usize)) -> Result<Self, EstimateError> {
         let grid = map.grid();
-        let (ny, nx) = grid.shape();
-        let present = grid.points() - map.missing_points();
-        let mean_m = map.present_m().sum::<f64>() / present as f64;
-        let range = map.present_m().fold(0.0_f64, |m, z| m.max((z - mean_m).abs()));
-        if range <= 4.0 * f64::EPSILON * mean_m.abs() {
+        let ((ny, nx), (reach_x, reach_y)) = (grid.shape(), reach);
+        let (present, mean_m) = (extent.n, extent.mean);
+        if extent.largest_deviation() <= 4.0 * f64::EPSILON * mean_m.abs() {
             return Err(EstimateError::Constant { present });
         }
-        let centred: Vec<f64> = map.heights_m().iter().map(|z| if z.is_nan() { 0.0 } else { z - mean_m }).collect();
-        let mask: Vec<f64> = map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect();
-
-        let fft = RealFft2::new(good_length(2 * nx - 1), good_length(2 * ny - 1));
-        let mut work = fft.workspace();
-        let mut correlate = |values: &[f64]| {
-            let mut spectrum = fft.spectrum();
-            fft.forward_padded(values, ny, nx, &mut spectrum, &mut work);
-            for value in &mut spectrum {
-                *value = (value.norm_sqr()).into();
-            }
-            let mut sums = vec![0.0; fft.nx() * fft.ny()];
-            fft.inverse(&mut spectrum, &mut sums, &mut work);
-            sums
-        };
-        let (sums, counts) = (correlate(&centred), correlate(&mask));
-        let at = |row: usize, column: usize| {
-            let lag_x = column as isize - (nx as isize - 1);
-            row * fft.nx() + lag_x.rem_euclid(fft.nx() as isize) as usize
-        };
-        let pairs = Array2::from_shape_fn((ny, 2 * nx - 1), |(row, column)| counts[at(row, column)].round());
-        let covariance_m2 = Array2::from_shape_fn(pairs.dim(), |(row, column)| match pairs[[row, column]] {
-            count if count > 0.0 => sums[at(row, column)] / count,
-            _ => f64::NAN,
+        let heights = |row: usize| &map.values_m()[row * nx..(row + 1) * nx];
+        let mut covariance = autocorrelation_sums((ny, nx), reach, |row, out| {
+            out.iter_mut().zip(heights(row)).for_each(|(out, z)| *out = if z.is_nan() { 0.0 } else { z - mean_m });
         });
-        Ok(Self { grid, mean_m, present, covariance_m2, pairs })
+        let pairs = (present < grid.points()).then(|| {
+            autocorrelation_sums((ny, nx), reach, |row, out| {
+                out.iter_mut().zip(heights(row)).for_each(|(out, z)| *out = if z.is_nan() { 0.0 } else { 1.0 });
+            })
+        });
+        let pairs = pairs.map(|mut pairs| {
+            pairs.par_iter_mut().for_each(|count| *count = count.round());
+            pairs
+        });
+        let width = 2 * reach_x + 1;
+        covariance.par_chunks_exact_mut(width).enumerate().for_each(|(lag_y, row)| match &pairs {
+            Some(pairs) => {
+                for (value, count) in row.iter_mut().zip(&pairs[lag_y * width..]) {
+                    *value = if *count > 0.0 { *value / count } else { f64::NAN };
+                }
+            }
+            None => {
+                for (value, lag_x) in row.iter_mut().zip(-(reach_x as isize)..) {
+                    *value /= complete_pairs(grid, lag_x, lag_y as isize);
+                }
+            }
+        });
+        Ok(Self { grid, mean_m, present, reach_x, reach_y, covariance_m2: covariance, pairs })
     }
 
     /// Grid of the map.
@@ -130,18 +151,26 @@ impl Autocorrelation {
         self.present
     }
 
+    /// Largest lags along x and y in points.
+    pub fn reach(&self) -> (usize, usize) {
+        (self.reach_x, self.reach_y)
+    }
+
     /// Place of a lag, by the symmetry C(−k, −l) = C(k, l).
-    fn place(&self, lag_x: isize, lag_y: isize) -> (usize, usize) {
+    fn place(&self, lag_x: isize, lag_y: isize) -> usize {
         let (lag_x, lag_y) = if lag_y < 0 { (-lag_x, -lag_y) } else { (lag_x, lag_y) };
-        let (nx, ny) = (self.grid.nx() as isize, self.grid.ny() as isize);
-        assert!(lag_y < ny && lag_x.abs() < nx, "lag ({lag_x}, {lag_y}) exceeds the map of {nx} × {ny}");
-        (lag_y as usize, (lag_x + nx - 1) as usize)
+        let (reach_x, reach_y) = (self.reach_x as isize, self.reach_y as isize);
+        assert!(
+            lag_y <= reach_y && lag_x.abs() <= reach_x,
+            "lag ({lag_x}, {lag_y}) exceeds the reach of {reach_x} × {reach_y} points"
+        );
+        (lag_y * (2 * reach_x + 1) + lag_x + reach_x) as usize
     }
 
     /// Covariance at a lag in points, in m²; NaN where no pair is present.
     ///
     /// # Panics
-    /// If the lag exceeds the map.
+    /// If the lag exceeds the reach.
     pub fn covariance_m2(&self, lag_x: isize, lag_y: isize) -> f64 {
         self.covariance_m2[self.place(lag_x, lag_y)]
     }
@@ -149,15 +178,16 @@ impl Autocorrelation {
     /// Number of pairs of present heights at a lag in points.
     ///
     /// # Panics
-    /// If the lag exceeds the map.
+    /// If the lag exceeds the reach.
     pub fn pairs(&self, lag_x: isize, lag_y: isize) -> f64 {
-        self.pairs[self.place(lag_x, lag_y)]
+        let place = self.place(lag_x, lag_y);
+        self.pairs.as_ref().map_or_else(|| complete_pairs(self.grid, lag_x, lag_y), |pairs| pairs[place])
     }
 
     /// Correlation C(lag)/C(0); NaN where no pair is present.
     ///
     /// # Panics
-    /// If the lag exceeds the map.
+    /// If the lag exceeds the reach.
     pub fn correlation(&self, lag_x: isize, lag_y: isize) -> f64 {
         self.covariance_m2(lag_x, lag_y) / self.variance_m2()
     }
@@ -167,16 +197,16 @@ impl Autocorrelation {
         self.covariance_m2(0, 0)
     }
 
-    /// Correlation at the lags 0, 1, 2, … points along an axis.
+    /// Correlation at the lags 0, 1, 2, … points along an axis, up to its reach.
     pub fn along(&self, axis: Axis) -> Vec<f64> {
         match axis {
-            Axis::X => (0..self.grid.nx() as isize).map(|lag| self.correlation(lag, 0)).collect(),
-            Axis::Y => (0..self.grid.ny() as isize).map(|lag| self.correlation(0, lag)).collect(),
+            Axis::X => (0..=self.reach_x as isize).map(|lag| self.correlation(lag, 0)).collect(),
+            Axis::Y => (0..=self.reach_y as isize).map(|lag| self.correlation(0, lag)).collect(),
         }
     }
 
     /// Distance in metre at which the correlation along an axis first falls to `level`, linear between lags; `None` when
-    /// it does not fall so far within the map.
+    /// it does not fall so far within the reach, by default half the field.
     pub fn decay_length_m(&self, axis: Axis, level: f64) -> Option<f64> {
         let pitch_m = match axis {
             Axis::X => self.grid.dx_m(),
@@ -189,6 +219,43 @@ impl Autocorrelation {
     pub fn correlation_length_m(&self, axis: Axis) -> Option<f64> {
         self.decay_length_m(axis, (-1.0_f64).exp())
     }
+}
+
+/// Correlation of a map along an axis at all its lags 0, 1, … points, pair-normalised as [`Autocorrelation`]; NaN where no
+/// pair is present. Few pairs are left beyond half the field, and what they say is ruled by the mean that was removed.
+///
+/// # Errors
+/// The heights present do not vary.
+pub fn axis_correlation(map: &HeightMap, axis: Axis) -> Result<Vec<f64>, EstimateError> {
+    let extent = Extent::of(map.values_m());
+    let mean_m = extent.mean;
+    if extent.largest_deviation() <= 4.0 * f64::EPSILON * mean_m.abs() {
+        return Err(EstimateError::Constant { present: extent.n });
+    }
+    let (_, points, _) = profiles::dimensions(map, axis);
+    let padded = good_length(2 * points);
+    let sums = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { z - mean_m });
+    let pairs = profiles::lag_sums(map, axis, padded, |z| if z.is_nan() { 0.0 } else { 1.0 });
+    let covariance = |lag: usize| if pairs[lag] > 0.5 { sums[lag] / pairs[lag].round() } else { f64::NAN };
+    Ok((0..points).map(|lag| covariance(lag) / covariance(0)).collect())
+}
+
+/// Distance in metre at which the correlation of a map along an axis first falls to 1/e, linear between lags, at any lag of
+/// the map; `None` when it does not.
+///
+/// Within half the field it is [`Autocorrelation::correlation_length_m`]. A longer one says that the field is too short for
+/// the surface.
+///
+/// # Errors
+/// The heights present do not vary.
+pub fn axis_correlation_length_m(map: &HeightMap, axis: Axis) -> Result<Option<f64>, EstimateError> {
+    let (_, _, pitch_m) = profiles::dimensions(map, axis);
+    Ok(first_crossing(&axis_correlation(map, axis)?, (-1.0_f64).exp()).map(|lags| lags * pitch_m))
+}
+
+/// Pairs of points of a complete map at a lag.
+fn complete_pairs(grid: Grid, lag_x: isize, lag_y: isize) -> f64 {
+    ((grid.nx() - lag_x.unsigned_abs()) * (grid.ny() - lag_y.unsigned_abs())) as f64
 }
 
 /// Where a sequence that starts above `level` first reaches it, in steps, linear between values. Undefined values end it.
@@ -205,22 +272,24 @@ pub(super) fn first_crossing(values: &[f64], level: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::random;
+    use ndarray::Array2;
     use rand::RngExt;
 
-    /// A white map with every fourth or so height missing.
-    fn masked(nx: usize, ny: usize, seed: u64) -> HeightMap {
+    /// A white map with a share of its heights missing.
+    fn masked(nx: usize, ny: usize, missing: f64, seed: u64) -> HeightMap {
         let mut stream = random::stream(seed, "mask", 0);
         let heights = random::standard_normal(&mut stream, nx * ny);
         let values =
-            heights.into_iter().map(|z| if stream.random::<f64>() < 0.25 { f64::NAN } else { 5.0 + z }).collect();
+            heights.into_iter().map(|z| if stream.random::<f64>() < missing { f64::NAN } else { 5.0 + z }).collect();
         HeightMap::new(Grid::new(nx, ny, 0.5, 2.0).unwrap(), Array2::from_shape_vec((ny, nx), values).unwrap()).unwrap()
     }
 
     #[test]
     fn the_estimate_is_the_direct_sum_over_present_pairs() {
-        for (nx, ny) in [(9, 7), (12, 5), (2, 11)] {
-            let map = masked(nx, ny, (nx + ny) as u64);
-            let found = Autocorrelation::estimate(&map).unwrap();
+        for (nx, ny, missing) in [(9, 7, 0.25), (12, 5, 0.25), (2, 11, 0.25), (9, 7, 0.0), (12, 5, 0.0)] {
+            let map = masked(nx, ny, missing, (nx + ny) as u64);
+            let found = Autocorrelation::within(&map, nx - 1, ny - 1).unwrap();
+            let half = Autocorrelation::estimate(&map).unwrap();
             let z = map.heights_m();
             let mean = map.present_m().sum::<f64>() / map.present_m().count() as f64;
             for lag_y in -(ny as isize - 1)..ny as isize {
@@ -243,7 +312,25 @@ mod tests {
                     assert_eq!(found.pairs(lag_x, lag_y), count);
                     let value = found.covariance_m2(lag_x, lag_y);
                     assert!((value - sum / count).abs() < 1e-12 || (count == 0.0 && value.is_nan()));
+                    let (reach_x, reach_y) = half.reach();
+                    if lag_x.unsigned_abs() <= reach_x && lag_y.unsigned_abs() <= reach_y {
+                        assert_eq!(half.pairs(lag_x, lag_y), count);
+                        assert!((half.covariance_m2(lag_x, lag_y) - sum / count).abs() < 1e-12 || count == 0.0);
+                    }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_correlation_along_an_axis_is_that_of_all_lags_on_it() {
+        for missing in [0.0, 0.3] {
+            let map = masked(13, 9, missing, 3);
+            let found = Autocorrelation::within(&map, 12, 8).unwrap();
+            for axis in [Axis::X, Axis::Y] {
+                let (fast, slow) = (axis_correlation(&map, axis).unwrap(), found.along(axis));
+                assert_eq!(fast.len(), slow.len());
+                assert!(fast.iter().zip(&slow).all(|(a, b)| (a - b).abs() < 1e-12 || (a.is_nan() && b.is_nan())));
             }
         }
     }
@@ -322,11 +409,14 @@ mod tests {
         let mut compared = 0;
         for name in ["st_x3p-2.x3p", "st_sur-2.sur", "x3ptools_sample-land.x3p"] {
             let Ok(scan) = asperity_formats::read(&folder.join(name)) else { continue };
-            let found = Autocorrelation::estimate(&levelled(&HeightMap::try_from(scan).unwrap())).unwrap();
+            let map = levelled(&HeightMap::try_from(scan).unwrap());
+            let found = Autocorrelation::estimate(&map).unwrap();
             for (axis, key) in [(Axis::X, "corrlen_x_1/e_m"), (Axis::Y, "corrlen_y_1/e_m")] {
                 let wanted = reference[name]["own_numpy_after_LS_plane"][key].as_f64();
-                let length = found.correlation_length_m(axis);
+                let length = axis_correlation_length_m(&map, axis).unwrap();
                 println!("{name} {axis}: {length:?}, reference {wanted:?}");
+                let within = found.correlation_length_m(axis);
+                assert!(within.is_none() || (within.unwrap() / length.unwrap() - 1.0).abs() < 1e-9);
                 if let (Some(length), Some(wanted)) = (length, wanted) {
                     assert!(
                         (length / wanted - 1.0).abs() < 1e-6,

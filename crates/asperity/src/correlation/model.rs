@@ -121,15 +121,35 @@ impl CorrelationModel {
     }
 }
 
-/// A stationary covariance of heights, even in x and in y.
+/// A stationary covariance of heights.
 ///
 /// Generators ask for no more than this, so a covariance may be a model, a product of profiles, or a table.
 pub trait StationaryCovariance: Sync {
     /// Standard deviation σ in metre.
     fn std_m(&self) -> f64;
 
-    /// Correlation ρ at the lag (dx, dy) in metre; 1 at zero.
+    /// Correlation ρ at the lag (dx, dy) in metre; 1 at zero, and ρ(−dx, −dy) = ρ(dx, dy).
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64;
+
+    /// Whether ρ(−dx, dy) = ρ(dx, dy), as without a lay or with one along an axis. Then lags of one quadrant say all, and
+    /// modes are even or odd in x and in y. A covariance that does not say so is taken to be oblique.
+    fn mirror_symmetric(&self) -> bool {
+        false
+    }
+}
+
+impl<C: StationaryCovariance + ?Sized> StationaryCovariance for &C {
+    fn std_m(&self) -> f64 {
+        (**self).std_m()
+    }
+
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        (**self).correlation(dx_m, dy_m)
+    }
+
+    fn mirror_symmetric(&self) -> bool {
+        (**self).mirror_symmetric()
+    }
 }
 
 /// A stationary covariance C(x, y) = σ² ρ(r), r = √((x/ℓx)² + (y/ℓy)²).
@@ -238,6 +258,10 @@ impl StationaryCovariance for Covariance {
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
         Covariance::correlation(self, dx_m, dy_m)
     }
+
+    fn mirror_symmetric(&self) -> bool {
+        true
+    }
 }
 
 /// The product C(x, y) = σ² ρ(|x|/ℓx) ρ(|y|/ℓy) of two profile correlations.
@@ -254,6 +278,63 @@ impl StationaryCovariance for SeparableCovariance {
 
     fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
         self.0.correlation(dx_m, 0.0) * self.0.correlation(0.0, dy_m)
+    }
+
+    fn mirror_symmetric(&self) -> bool {
+        true
+    }
+}
+
+/// A covariance with its axes turned: a lay at an angle.
+///
+/// ρ(x, y) = ρ₀(x cos α + y sin α, y cos α − x sin α), so that the first axis of the inner covariance points along
+/// (cos α, sin α) of the map, y running down the rows. Turning keeps a covariance positive definite, but a separable one is
+/// no longer a product of profiles along the map's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rotated<C> {
+    covariance: C,
+    angle_rad: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl<C: StationaryCovariance> Rotated<C> {
+    /// The covariance turned by the angle α in radian, from x towards y.
+    ///
+    /// # Errors
+    /// An angle that is not finite.
+    pub fn new(covariance: C, angle_rad: f64) -> Result<Self, CovarianceError> {
+        if !angle_rad.is_finite() {
+            let (parameter, wanted) = ("angle_rad", "finite");
+            return Err(CovarianceError::Parameter { parameter, value: angle_rad, wanted });
+        }
+        let (sin, cos) = angle_rad.sin_cos();
+        Ok(Self { covariance, angle_rad, sin, cos })
+    }
+
+    /// The angle in radian.
+    pub fn angle_rad(&self) -> f64 {
+        self.angle_rad
+    }
+
+    /// The covariance in its own axes.
+    pub fn inner(&self) -> &C {
+        &self.covariance
+    }
+}
+
+impl<C: StationaryCovariance> StationaryCovariance for Rotated<C> {
+    fn std_m(&self) -> f64 {
+        self.covariance.std_m()
+    }
+
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        self.covariance.correlation(dx_m * self.cos + dy_m * self.sin, dy_m * self.cos - dx_m * self.sin)
+    }
+
+    fn mirror_symmetric(&self) -> bool {
+        // A quarter turn exchanges the axes; its cosine of 6e-17 is rounding.
+        self.covariance.mirror_symmetric() && (self.sin * self.cos).abs() < 1e-15
     }
 }
 

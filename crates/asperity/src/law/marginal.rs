@@ -1,55 +1,9 @@
 //! The marginal law of heights, pressures and friction coefficients.
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::special::{beta_cdf, beta_quantile, beta_survival, ln_beta, standard_normal_cdf, standard_normal_quantile};
-
-/// Why a law could not be made.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum LawError {
-    /// A parameter lies outside its range.
-    #[error("{law}: {parameter} is {value}, but must be {wanted}")]
-    Parameter {
-        /// Name of the law.
-        law: &'static str,
-        /// Name of the parameter.
-        parameter: &'static str,
-        /// Value found.
-        value: f64,
-        /// Values allowed.
-        wanted: &'static str,
-    },
-    /// The sample is too small or degenerate.
-    #[error("{law}: cannot be fitted to {n} values: {reason}")]
-    Sample {
-        /// Name of the law.
-        law: &'static str,
-        /// Sample size.
-        n: usize,
-        /// What is wrong.
-        reason: &'static str,
-    },
-    /// No correlation of normal variables gives the wanted one.
-    #[error("{law}: a correlation of {target} cannot be reached; translated normal variables reach {least} to 1")]
-    Correlation {
-        /// Name of the law.
-        law: &'static str,
-        /// Correlation that was wanted.
-        target: f64,
-        /// Least correlation that can be reached.
-        least: f64,
-    },
-    /// The text names no law.
-    #[error(
-        "`{text}` is not a law; write normal[:MEAN,STD], lognormal:MU,SIGMA[,SHIFT], weibull:SHAPE,SCALE[,SHIFT] or \
-         beta:A,B[,LOW,HIGH]"
-    )]
-    Syntax {
-        /// What was found.
-        text: String,
-    },
-}
+use super::{Johnson, JohnsonSystem, LawError, empirical};
 
 /// A continuous law on the real line.
 ///
@@ -94,6 +48,8 @@ pub enum Marginal {
         /// Upper end of the support.
         high: f64,
     },
+    /// Johnson's law: a simple function of (x − ξ)/λ is normal.
+    Johnson(Johnson),
     /// A measured law: linear interpolation between sorted values at probabilities (i + ½)/n, with the half steps
     /// beyond the first and the last value as atoms there.
     Empirical {
@@ -138,6 +94,14 @@ impl Marginal {
         Self::Beta { a, b, low, high }.checked()
     }
 
+    /// Johnson's law of these parameters.
+    ///
+    /// # Errors
+    /// δ is not positive, λ is not positive (not zero for [`JohnsonSystem::Lognormal`]), or a parameter is not finite.
+    pub fn johnson(system: JohnsonSystem, gamma: f64, delta: f64, xi: f64, lambda: f64) -> Result<Self, LawError> {
+        Self::Johnson(Johnson { system, gamma, delta, xi, lambda }).checked()
+    }
+
     /// The measured law of a sample, in any order.
     ///
     /// # Errors
@@ -147,13 +111,15 @@ impl Marginal {
         Self::Empirical { sorted: values }.checked()
     }
 
-    /// Name of the law: `normal`, `lognormal`, `weibull`, `beta` or `empirical`.
+    /// Name of the law: `normal`, `lognormal`, `weibull`, `beta`, `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl`
+    /// and `johnson_sn`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Normal { .. } => "normal",
             Self::Lognormal { .. } => "lognormal",
             Self::Weibull { .. } => "weibull",
             Self::Beta { .. } => "beta",
+            Self::Johnson(johnson) => johnson.system.name(),
             Self::Empirical { .. } => "empirical",
         }
     }
@@ -165,6 +131,9 @@ impl Marginal {
             Self::Lognormal { mu, sigma, shift } => vec![("mu", mu), ("sigma", sigma), ("shift", shift)],
             Self::Weibull { shape, scale, shift } => vec![("shape", shape), ("scale", scale), ("shift", shift)],
             Self::Beta { a, b, low, high } => vec![("a", a), ("b", b), ("low", low), ("high", high)],
+            Self::Johnson(Johnson { gamma, delta, xi, lambda, .. }) => {
+                vec![("gamma", gamma), ("delta", delta), ("xi", xi), ("lambda", lambda)]
+            }
             Self::Empirical { .. } => vec![],
         }
     }
@@ -193,6 +162,9 @@ impl Marginal {
                 Self::Weibull { shape: *shape, scale: scale * own, shift: at(*shift) }
             }
             Self::Beta { a, b, low, high } => Self::Beta { a: *a, b: *b, low: at(*low), high: at(*high) },
+            Self::Johnson(johnson) => {
+                Self::Johnson(Johnson { xi: at(johnson.xi), lambda: scale * johnson.lambda, ..*johnson })
+            }
             Self::Empirical { sorted } => Self::Empirical { sorted: sorted.iter().map(|x| at(*x)).collect() },
         })
     }
@@ -204,7 +176,7 @@ impl Marginal {
     pub fn check(&self) -> Result<(), LawError> {
         let law = self.name();
         for (parameter, value) in self.parameters() {
-            let positive = matches!(parameter, "std" | "sigma" | "shape" | "scale" | "a" | "b");
+            let positive = matches!(parameter, "std" | "sigma" | "shape" | "scale" | "a" | "b" | "delta");
             if !value.is_finite() || (positive && value <= 0.0) {
                 let wanted = if positive { "positive and finite" } else { "finite" };
                 return Err(LawError::Parameter { law, parameter, value, wanted });
@@ -213,6 +185,15 @@ impl Marginal {
         match self {
             Self::Beta { low, high, .. } if high <= low => {
                 Err(LawError::Parameter { law, parameter: "high", value: *high, wanted: "above low" })
+            }
+            Self::Johnson(Johnson { system, lambda, .. }) => {
+                let wanted = match system {
+                    JohnsonSystem::Lognormal if *lambda == 0.0 => "not zero",
+                    JohnsonSystem::Lognormal => return Ok(()),
+                    _ if *lambda > 0.0 => return Ok(()),
+                    _ => "positive and finite",
+                };
+                Err(LawError::Parameter { law, parameter: "lambda", value: *lambda, wanted })
             }
             Self::Empirical { sorted } => {
                 let reason = match (sorted.first(), sorted.last()) {
@@ -240,7 +221,8 @@ impl Marginal {
             Self::Lognormal { mu, sigma, shift } => standard_normal_cdf(((x - shift).max(0.0).ln() - mu) / sigma),
             Self::Weibull { shape, scale, shift } => -(-((x - shift).max(0.0) / scale).powf(*shape)).exp_m1(),
             Self::Beta { a, b, low, high } => beta_cdf(*a, *b, (x - low) / (high - low)),
-            Self::Empirical { sorted } => empirical_cdf(sorted, x),
+            Self::Johnson(johnson) => standard_normal_cdf(johnson.normal_of(x)),
+            Self::Empirical { sorted } => empirical::cdf(sorted, x),
         }
     }
 
@@ -260,7 +242,8 @@ impl Marginal {
                     beta_survival(*a, *b, unit)
                 }
             }
-            Self::Empirical { sorted } => 1.0 - empirical_cdf(sorted, x),
+            Self::Johnson(johnson) => standard_normal_cdf(-johnson.normal_of(x)),
+            Self::Empirical { sorted } => 1.0 - empirical::cdf(sorted, x),
         }
     }
 
@@ -293,7 +276,8 @@ impl Marginal {
                 // Each end is reached exactly.
                 if unit <= 0.5 { low + (high - low) * unit } else { high - (high - low) * (1.0 - unit) }
             }
-            Self::Empirical { sorted } => empirical_quantile(sorted, lower),
+            Self::Johnson(johnson) => johnson.value_of(normal()),
+            Self::Empirical { sorted } => empirical::quantile(sorted, lower),
         }
     }
 
@@ -325,42 +309,20 @@ impl Marginal {
                 let rest = (high - x) / (high - low);
                 power_log(a - 1.0, unit) + power_log(b - 1.0, rest) - ln_beta(*a, *b) - (high - low).ln()
             }
+            Self::Johnson(johnson) => johnson.ln_pdf(x),
             Self::Empirical { .. } => f64::NAN,
         }
     }
 }
 
 /// ln φ(x).
-fn ln_normal(x: f64) -> f64 {
+pub(super) fn ln_normal(x: f64) -> f64 {
     -0.5 * x * x - 0.5 * std::f64::consts::TAU.ln()
 }
 
 /// ln(t^exponent), with 0⁰ = 1.
 fn power_log(exponent: f64, t: f64) -> f64 {
     if exponent == 0.0 { 0.0 } else { exponent * t.ln() }
-}
-
-fn empirical_cdf(sorted: &[f64], x: f64) -> f64 {
-    if x.is_nan() {
-        return f64::NAN;
-    }
-    let n = sorted.len() as f64;
-    let after = sorted.partition_point(|v| *v <= x);
-    if after == 0 {
-        return 0.0;
-    }
-    if after == sorted.len() {
-        return 1.0;
-    }
-    let (left, right) = (sorted[after - 1], sorted[after]);
-    (after as f64 - 0.5 + (x - left) / (right - left)) / n
-}
-
-fn empirical_quantile(sorted: &[f64], probability: f64) -> f64 {
-    let position = (probability * sorted.len() as f64 - 0.5).clamp(0.0, sorted.len() as f64 - 1.0);
-    let left = position.floor() as usize;
-    let right = (left + 1).min(sorted.len() - 1);
-    sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
 }
 
 #[cfg(test)]
@@ -376,13 +338,17 @@ pub(super) mod tests {
             Marginal::weibull(1.0, 1.0, 0.0).unwrap(),
             Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap(),
             Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(),
+            Marginal::johnson(JohnsonSystem::Unbounded, -1.1, 1.5, -1.0, 2.0).unwrap(),
+            Marginal::johnson(JohnsonSystem::Bounded, 0.5, 0.8, -1.0, 2.0).unwrap(),
+            Marginal::johnson(JohnsonSystem::Lognormal, 0.3, 2.5, 1.0, -2.0).unwrap(),
+            Marginal::johnson(JohnsonSystem::Normal, 0.3, 0.5, 1.0, 2.0).unwrap(),
             Marginal::empirical(vec![3.0, 1.0, 1.5, 2.0, 4.0]).unwrap(),
         ]
     }
 
     #[test]
     fn a_standardised_law_is_shifted_and_stretched() {
-        for text in ["normal:1,2", "lognormal:0.2,0.4,1", "weibull:1.5,2,-1", "beta:2.1,5,0,3"] {
+        for text in ["normal:1,2", "lognormal:0.2,0.4,1", "weibull:1.5,2,-1", "beta:2.1,5,0,3", "johnson:-1,5,2,3"] {
             let law: Marginal = text.parse().unwrap();
             let moved = law.standardised(-3.0, 0.5).unwrap();
             assert!((moved.mean() + 3.0).abs() < 1e-12 && (moved.std() - 0.5).abs() < 1e-12, "{text}");
@@ -439,6 +405,24 @@ pub(super) mod tests {
         }
         assert_eq!(crate::law::standard_normal_pdf(0.0), Marginal::STANDARD_NORMAL.pdf(0.0));
         assert!((Marginal::beta(1.0, 1.0, 0.0, 2.0).unwrap().pdf(0.0) - 0.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn beyond_the_support_there_is_nothing() {
+        for (text, below, above) in [
+            ("lognormal:0,1,2", Some(1.0), None),
+            ("weibull:1.5,1,2", Some(1.0), None),
+            ("beta:2,3,-1,1", Some(-2.0), Some(2.0)),
+            ("johnson_sb:0.5,1,-1,2", Some(-2.0), Some(2.0)),
+            ("johnson_sl:0.5,1,2,1", Some(1.0), None),
+            ("johnson_sl:0.5,1,2,-1", None, Some(3.0)),
+        ] {
+            let law: Marginal = text.parse().unwrap();
+            for (x, cdf) in [(below, 0.0), (above, 1.0)].into_iter().filter_map(|(x, cdf)| Some((x?, cdf))) {
+                assert_eq!((law.cdf(x), law.survival(x), law.pdf(x)), (cdf, 1.0 - cdf, 0.0), "{text} at {x}");
+            }
+            assert!(law.quantile(0.0) < law.quantile(1.0), "{text}");
+        }
     }
 
     #[test]

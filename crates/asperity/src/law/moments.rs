@@ -3,12 +3,12 @@
 use super::Marginal;
 use super::special::ln_gamma;
 
-/// Mean, variance, skewness and excess kurtosis of a law.
-struct Exact {
-    mean: f64,
-    std: f64,
-    skewness: f64,
-    excess_kurtosis: f64,
+/// Mean, standard deviation, skewness and excess kurtosis of a law.
+pub(super) struct Exact {
+    pub(super) mean: f64,
+    pub(super) std: f64,
+    pub(super) skewness: f64,
+    pub(super) excess_kurtosis: f64,
 }
 
 impl Marginal {
@@ -38,12 +38,13 @@ impl Marginal {
             Self::Lognormal { mu, sigma, shift } => lognormal(*mu, *sigma, *shift),
             Self::Weibull { shape, scale, shift } => weibull(*shape, *scale, *shift),
             Self::Beta { a, b, low, high } => beta(*a, *b, *low, *high),
+            Self::Johnson(johnson) => johnson.exact(),
             Self::Empirical { sorted } => empirical(sorted),
         }
     }
 }
 
-fn lognormal(mu: f64, sigma: f64, shift: f64) -> Exact {
+pub(super) fn lognormal(mu: f64, sigma: f64, shift: f64) -> Exact {
     let d = (sigma * sigma).exp_m1();
     let unshifted = (mu + 0.5 * sigma * sigma).exp();
     Exact {

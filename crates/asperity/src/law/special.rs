@@ -2,11 +2,16 @@
 
 use statrs::function::{beta, erf, gamma};
 
+/// Beyond it e^{−x²/2} is below the least double.
+const FARTHEST: f64 = 40.0;
+
 /// The standard normal distribution function Φ.
 pub fn standard_normal_cdf(x: f64) -> f64 {
     let tail = |x: f64| 0.5 * exp_minus_half_square(x) * scaled_erfc(x * std::f64::consts::FRAC_1_SQRT_2);
     if x.is_nan() {
         f64::NAN
+    } else if x.abs() > FARTHEST {
+        if x < 0.0 { 0.0 } else { 1.0 }
     } else if x.abs() < 0.5 {
         // Σ x^{2n+1}/(2n+1)!!, times φ: the area between 0 and x.
         let (mut term, mut sum, mut odd) = (x, x, 1.0);
@@ -44,6 +49,9 @@ fn scaled_erfc(y: f64) -> f64 {
 
 /// e^{−x²/2}; x² is split so that its rounding does not grow with x.
 fn exp_minus_half_square(x: f64) -> f64 {
+    if x.abs() > FARTHEST {
+        return 0.0;
+    }
     let coarse = (16.0 * x).trunc() / 16.0;
     (-0.5 * coarse * coarse).exp() * (-0.5 * (x - coarse) * (x + coarse)).exp()
 }
@@ -211,6 +219,15 @@ mod tests {
         assert_eq!(standard_normal_quantile(0.0), f64::NEG_INFINITY);
         assert_eq!(standard_normal_quantile(1.0), f64::INFINITY);
         assert!(standard_normal_quantile(1.1).is_nan() && standard_normal_quantile(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn the_normal_law_ends_at_infinity() {
+        for far in [50.0, 1e300, f64::INFINITY] {
+            assert_eq!((standard_normal_cdf(-far), standard_normal_cdf(far)), (0.0, 1.0));
+            assert_eq!((standard_normal_pdf(-far), standard_normal_pdf(far)), (0.0, 0.0));
+        }
+        assert!(standard_normal_cdf(f64::NAN).is_nan() && standard_normal_pdf(f64::NAN).is_nan());
     }
 
     /// Values by mpmath at 40 digits.

@@ -3,13 +3,15 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{LawError, Marginal};
+use super::{Johnson, JohnsonSystem, LawError, Marginal};
 
 impl FromStr for Marginal {
     type Err = LawError;
 
-    /// Reads `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]` or `beta:A,B[,LOW,HIGH]`.
-    /// Left out, the normal law is the standard one, the shift 0, and the Beta law lives on [0, 1].
+    /// Reads `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`,
+    /// `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` with the kurtosis as Sku, 3 for the normal law, or the Johnson laws by their
+    /// parameters, `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`, `johnson_sn`.
+    /// Left out, the mean is 0 and the standard deviation 1, the shift 0, the Beta law lives on [0, 1], and ξ is 0, λ is 1.
     fn from_str(text: &str) -> Result<Self, LawError> {
         let syntax = || LawError::Syntax { text: text.trim().into() };
         let (name, numbers) = match text.trim().split_once(':') {
@@ -27,7 +29,18 @@ impl FromStr for Marginal {
             ("weibull", &[shape, scale, shift]) => Self::weibull(shape, scale, shift),
             ("beta", &[a, b]) => Self::beta(a, b, 0.0, 1.0),
             ("beta", &[a, b, low, high]) => Self::beta(a, b, low, high),
-            _ => Err(syntax()),
+            ("johnson", &[skewness, kurtosis]) => Self::johnson_with_moments(0.0, 1.0, skewness, kurtosis - 3.0),
+            ("johnson", &[skewness, kurtosis, mean, std]) => {
+                Self::johnson_with_moments(mean, std, skewness, kurtosis - 3.0)
+            }
+            (name, numbers) => {
+                let system = JohnsonSystem::ALL.into_iter().find(|system| system.name() == name).ok_or_else(syntax)?;
+                match *numbers {
+                    [gamma, delta] => Self::johnson(system, gamma, delta, 0.0, 1.0),
+                    [gamma, delta, xi, lambda] => Self::johnson(system, gamma, delta, xi, lambda),
+                    _ => Err(syntax()),
+                }
+            }
         }
     }
 }
@@ -44,6 +57,12 @@ impl fmt::Display for Marginal {
             Self::Weibull { shape, scale, shift } => write!(f, "weibull:{shape},{scale},{shift}"),
             Self::Beta { a, b, low: 0.0, high: 1.0 } => write!(f, "beta:{a},{b}"),
             Self::Beta { a, b, low, high } => write!(f, "beta:{a},{b},{low},{high}"),
+            Self::Johnson(Johnson { system, gamma, delta, xi: 0.0, lambda: 1.0 }) => {
+                write!(f, "{}:{gamma},{delta}", system.name())
+            }
+            Self::Johnson(Johnson { system, gamma, delta, xi, lambda }) => {
+                write!(f, "{}:{gamma},{delta},{xi},{lambda}", system.name())
+            }
             Self::Empirical { ref sorted } => write!(f, "empirical law of {} values", sorted.len()),
         }
     }
@@ -55,20 +74,45 @@ mod tests {
 
     #[test]
     fn laws_read_back_what_they_show() {
-        for text in
-            ["normal", "normal:-1.5,2e-7", "beta:2.1,5", "beta:2.1,5,-1,3", "lognormal:0.1,0.2,3", "weibull:1.5,2"]
-        {
+        for text in [
+            "normal",
+            "normal:-1.5,2e-7",
+            "beta:2.1,5",
+            "beta:2.1,5,-1,3",
+            "lognormal:0.1,0.2,3",
+            "weibull:1.5,2",
+            "johnson_su:0.1,2",
+            "johnson_sb:-0.3,1.5,2e-7,1e-6",
+            "johnson_sl:0,2,1,-3",
+            "johnson_sn:1,2",
+        ] {
             let law: Marginal = text.parse().unwrap();
             assert_eq!(law.to_string().parse::<Marginal>(), Ok(law.clone()));
             assert_eq!(law.to_string().split(':').next(), text.split(':').next());
         }
         assert_eq!(" beta: 2.1 , 5 ".parse(), Marginal::beta(2.1, 5.0, 0.0, 1.0));
         assert_eq!("normal".parse(), Ok(Marginal::STANDARD_NORMAL));
+        let by_moments: Marginal = "johnson:0.5,4,1,2".parse().unwrap();
+        assert_eq!(by_moments.to_string().parse::<Marginal>(), Ok(by_moments));
     }
 
     #[test]
     fn a_wrong_word_count_or_range_is_an_error() {
-        for text in ["", "gamma:1,2", "beta", "beta:2.1", "beta:2.1,5,0", "normal:", "normal:1", "beta:2.1,x"] {
+        for text in [
+            "",
+            "gamma:1,2",
+            "beta",
+            "beta:2.1",
+            "beta:2.1,5,0",
+            "normal:",
+            "normal:1",
+            "beta:2.1,x",
+            "johnson",
+            "johnson:1",
+            "johnson:1,4,0",
+            "johnson_su:1",
+            "johnson_st:1,2",
+        ] {
             assert!(matches!(text.parse::<Marginal>(), Err(LawError::Syntax { .. })), "{text}");
         }
         assert!(matches!("beta:-1,5".parse::<Marginal>(), Err(LawError::Parameter { parameter: "a", .. })));

@@ -14,6 +14,8 @@ const ORDER: usize = 120;
 /// The trapezoidal rule runs over |g| ≤ 20 in steps of 1/64, past the tails of x² φ for every lognormal σ up to 6.
 const REACH: i32 = 20 * STEPS_PER_UNIT;
 const STEPS_PER_UNIT: i32 = 64;
+/// A tail of the series below it is rounding.
+const NEGLIGIBLE: f64 = 1e-15;
 
 /// The correlation of variables of one law made by translation from standard normal variables.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +23,8 @@ pub struct Translation {
     law: &'static str,
     /// s_1, s_2, …, s_ORDER and last what the series leaves of the variance, so that they sum to one.
     shares: Vec<f64>,
+    /// The shares without a tail of rounding, which is added to the last of them.
+    summed: Vec<f64>,
 }
 
 impl Translation {
@@ -51,7 +55,14 @@ impl Translation {
         let mut shares: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();
         let rest = 1.0 - shares.iter().sum::<f64>();
         shares.push(rest.max(0.0));
-        Ok(Self { law: law.name(), shares })
+        let mut summed = shares.clone();
+        while let [.., before, last] = &mut summed[..]
+            && *last < NEGLIGIBLE
+        {
+            *before += *last;
+            summed.pop();
+        }
+        Ok(Self { law: law.name(), shares, summed })
     }
 
     /// The correlation ρ_X of translated variables whose normal variables have the correlation ρ_G.
@@ -60,7 +71,7 @@ impl Translation {
     /// If ρ_G lies outside [−1, 1].
     pub fn correlation(&self, normal_correlation: f64) -> f64 {
         assert!(normal_correlation.abs() <= 1.0, "a correlation of {normal_correlation} is none");
-        self.shares.iter().rev().fold(0.0, |sum, share| (sum + share) * normal_correlation)
+        self.summed.iter().rev().fold(0.0, |sum, share| (sum + share) * normal_correlation)
     }
 
     /// The least correlation that two variables of this law can have by translation, ρ_X at ρ_G = −1.
@@ -112,9 +123,9 @@ impl Translation {
         self.shares[ORDER]
     }
 
-    /// dρ_X/dρ_G.
-    fn slope(&self, rho: f64) -> f64 {
-        self.shares.iter().enumerate().rev().fold(0.0, |sum, (i, share)| sum * rho + share * (i as f64 + 1.0))
+    /// The slope dρ_X/dρ_G at ρ_G.
+    pub fn slope(&self, rho: f64) -> f64 {
+        self.summed.iter().enumerate().rev().fold(0.0, |sum, (i, share)| sum * rho + share * (i as f64 + 1.0))
     }
 }
 

@@ -30,7 +30,7 @@ impl Histogram {
         let spread = if quartile_range > 0.0 { 2.0 * quartile_range } else { 3.49 * super::Moments::of(&sorted).std };
         let width = spread / (sorted.len() as f64).cbrt();
         let bins = ((last - first) / width).ceil().clamp(1.0, MAX_BINS as f64) as usize;
-        Self::with_bins(&sorted, bins)
+        Self::of_sorted(&sorted, bins)
     }
 
     /// The histogram of the present values in `bins` equal bins from the least to the largest.
@@ -42,8 +42,11 @@ impl Histogram {
     /// If `bins` is zero.
     pub fn with_bins(values: &[f64], bins: usize) -> Result<Self, StatsError> {
         assert!(bins > 0, "a histogram needs a bin");
-        let sorted = sorted_present(values.iter().copied());
-        let (first, last) = ends(&sorted)?;
+        Self::of_sorted(&sorted_present(values.iter().copied()), bins)
+    }
+
+    fn of_sorted(sorted: &[f64], bins: usize) -> Result<Self, StatsError> {
+        let (first, last) = ends(sorted)?;
         let edge = |i: usize| if i == bins { last } else { first + (last - first) * (i as f64 / bins as f64) };
         let edges: Vec<f64> = (0..=bins).map(edge).collect();
         let below = |edge: f64| sorted.partition_point(|v| *v < edge);

@@ -1,5 +1,7 @@
 //! Moments of a sample.
 
+use super::blocks::{self, LANES};
+
 /// Moments of the present (not NaN) values of a sample. Without values all but `n` are NaN; of equal values the standard
 /// deviation is 0 and skewness and kurtosis are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,49 +18,100 @@ pub struct Moments {
     pub excess_kurtosis: f64,
 }
 
-impl Moments {
-    /// The moments of a slice, NaN skipped.
+/// Number, mean and range of the present (not NaN) values of a sample. Without values all but `n` are NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Values present.
+    pub n: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Least value.
+    pub least: f64,
+    /// Largest value.
+    pub largest: f64,
+}
+
+impl Extent {
+    /// The extent of a sample. The mean is that of the differences from the first value.
     pub fn of(values: &[f64]) -> Self {
-        Self::of_values(values.iter().copied())
+        let Some(origin) = values.iter().copied().find(|v| !v.is_nan()) else {
+            return Self { n: 0, mean: f64::NAN, least: f64::NAN, largest: f64::NAN };
+        };
+        let blocks = blocks::map(values, |block| {
+            let (mut sums, mut counts) = ([0.0; LANES], [0.0; LANES]);
+            let (mut least, mut largest) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+            let mut take = |lane: usize, value: f64| {
+                sums[lane] += if value.is_nan() { 0.0 } else { value - origin };
+                counts[lane] += if value.is_nan() { 0.0 } else { 1.0 };
+                least[lane] = if value < least[lane] { value } else { least[lane] };
+                largest[lane] = if value > largest[lane] { value } else { largest[lane] };
+            };
+            let (chunks, rest) = block.as_chunks::<LANES>();
+            chunks.iter().for_each(|chunk| chunk.iter().enumerate().for_each(|(lane, value)| take(lane, *value)));
+            rest.iter().for_each(|value| take(0, *value));
+            let least = least.into_iter().fold(f64::INFINITY, f64::min);
+            let largest = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            (sums.iter().sum::<f64>(), counts.iter().sum::<f64>(), least, largest)
+        });
+        let (mut sum, mut count, mut least, mut largest) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for block in blocks {
+            (sum, count) = (sum + block.0, count + block.1);
+            (least, largest) = (least.min(block.2), largest.max(block.3));
+        }
+        Self { n: count as usize, mean: origin + sum / count, least, largest }
     }
 
-    /// The moments of values that can be passed through twice, NaN skipped.
+    /// Largest distance of a value from the mean.
+    pub fn largest_deviation(&self) -> f64 {
+        f64::max(self.largest - self.mean, self.mean - self.least)
+    }
+}
+
+impl Moments {
+    /// The moments of a slice, NaN skipped.
     ///
     /// Two passes: the mean of the differences from the first value, then powers of the deviations, scaled by the
     /// largest so that neither squares of nanometres nor large offsets lose digits.
-    pub fn of_values(values: impl Iterator<Item = f64> + Clone) -> Self {
-        let present = values.filter(|v| !v.is_nan());
-        let Some(origin) = present.clone().next() else {
-            return Self { n: 0, mean: f64::NAN, std: f64::NAN, skewness: f64::NAN, excess_kurtosis: f64::NAN };
-        };
-        let n = present.clone().count();
-        let count = n as f64;
-        let mean = origin + present.clone().map(|v| v - origin).sum::<f64>() / count;
-        let scale = present.clone().map(|v| (v - mean).abs()).fold(0.0, f64::max);
-        let constant = present.clone().all(|v| v == origin);
-        if constant || scale == 0.0 {
-            return Self { n, mean, std: 0.0, skewness: f64::NAN, excess_kurtosis: f64::NAN };
+    pub fn of(values: &[f64]) -> Self {
+        Self::within(&Extent::of(values), values)
+    }
+
+    /// The moments of a slice whose extent is known.
+    pub(crate) fn within(extent: &Extent, values: &[f64]) -> Self {
+        Self::with_absolute(extent, values).0
+    }
+
+    /// The moments of a slice whose extent is known, and its mean absolute deviation from the mean.
+    pub(crate) fn with_absolute(extent: &Extent, values: &[f64]) -> (Self, f64) {
+        let Extent { n, mean, least, largest } = *extent;
+        let scale = extent.largest_deviation();
+        if n == 0 || least == largest || scale == 0.0 {
+            let std = if n == 0 { f64::NAN } else { 0.0 };
+            return (Self { n, mean, std, skewness: f64::NAN, excess_kurtosis: f64::NAN }, std);
         }
-        let mut sums = [0.0; 4];
-        for deviation in present.map(|v| (v - mean) / scale) {
+        let sums = blocks::sums(values, |value| {
+            let deviation = if value.is_nan() { 0.0 } else { (value - mean) / scale };
             let square = deviation * deviation;
-            sums[0] += deviation;
-            sums[1] += square;
-            sums[2] += square * deviation;
-            sums[3] += square * square;
-        }
+            [deviation, square, square * deviation, square * square, deviation.abs()]
+        });
         // What rounding left in the mean is taken out of the higher moments.
-        let [rest, second, third, fourth] = sums.map(|sum| sum / count);
+        let [rest, second, third, fourth, absolute] = sums.map(|sum| sum / n as f64);
         let m2 = second - rest * rest;
         let m3 = third - 3.0 * rest * second + 2.0 * rest.powi(3);
         let m4 = fourth - 4.0 * rest * third + 6.0 * rest * rest * second - 3.0 * rest.powi(4);
-        Self {
+        let moments = Self {
             n,
             mean: mean + scale * rest,
             std: scale * m2.sqrt(),
             skewness: m3 / m2.powf(1.5),
             excess_kurtosis: m4 / (m2 * m2) - 3.0,
-        }
+        };
+        (moments, scale * absolute)
+    }
+
+    /// The moments of values that are passed one by one, NaN skipped.
+    pub fn of_values(values: impl Iterator<Item = f64>) -> Self {
+        Self::of(&values.collect::<Vec<f64>>())
     }
 
     /// Standard deviation with divisor n − 1, whose square is unbiased for independent values; NaN for a single one.

@@ -1,12 +1,15 @@
 //! What a scan says: its statistics, and the series behind the figures of its heights.
 
-use crate::correlation::{Autocorrelation, Axis, Covariance, ProfileSpectrum, profile_spectrum};
+use crate::correlation::{
+    Autocorrelation, Axis, Covariance, ProfileSpectrum, axis_correlation_length_m, profile_spectrum,
+};
 use crate::law::Marginal;
 use crate::law::fit::{Family, rank_by_aic};
 use crate::map::HeightMap;
 use crate::stats::{Histogram, Moments};
 use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
 use crate::study::{StudyError, Table};
+use crate::surface::areal::Analysis;
 use crate::surface::preparation::Prepared;
 use crate::surface::uncertainty::{self, Uncertainty, Values};
 use crate::surface::{areal, fractal};
@@ -17,8 +20,12 @@ use crate::surface::{areal, fractal};
 /// The map is flat.
 pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> {
     let map = &prepared.map;
-    let parameters = areal::parameters(map)?;
-    let correlation = Autocorrelation::estimate(map)?;
+    let Analysis { parameters, correlation, spectrum } = areal::analyse(map)?;
+    // Where the correlation does not fall to 1/e within half the field, the farther lags are asked as well.
+    let correlation_length_m = |axis: Axis| match correlation.correlation_length_m(axis) {
+        Some(length_m) => Ok(Some(length_m)),
+        None => axis_correlation_length_m(map, axis),
+    };
     let scaling = fractal::scaling(map, None)?;
     let uncertainty =
         Uncertainty { removed_terms: uncertainty::removed_terms(prepared.level), ..Uncertainty::default() };
@@ -44,17 +51,30 @@ pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> 
         Sdr: parameters.sdr,
         Sal_m: parameters.sal_m,
         Str: parameters.str_ratio,
-        Sk_m: parameters.sk_m,
-        Spk_m: parameters.spk_m,
-        Svk_m: parameters.svk_m,
-        Smrk1: parameters.smrk1,
-        Smrk2: parameters.smrk2,
+        Std_rad: parameters.std_rad,
+        Ssw_m: parameters.ssw_m,
+        Sk_m: parameters.core.sk_m,
+        Spk_m: parameters.core.spk_m,
+        Svk_m: parameters.core.svk_m,
+        Smrk1: parameters.core.smrk1,
+        Smrk2: parameters.core.smrk2,
+        Spkx_m: parameters.core.spkx_m,
+        Svkx_m: parameters.core.svkx_m,
+        Sk_secant_m: parameters.core_secant.sk_m,
+        Spk_secant_m: parameters.core_secant.spk_m,
+        Svk_secant_m: parameters.core_secant.svk_m,
+        Smrk1_secant: parameters.core_secant.smrk1,
+        Smrk2_secant: parameters.core_secant.smrk2,
+        Sxp_m: parameters.sxp_m,
         Vmp_m: parameters.vmp_m,
         Vmc_m: parameters.vmc_m,
         Vvc_m: parameters.vvc_m,
         Vvv_m: parameters.vvv_m,
-        correlation_length_x_m: correlation.correlation_length_m(Axis::X),
-        correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
+        psd_reliable_low_rad_per_m: spectrum.reliable.low_rad_per_m,
+        psd_reliable_high_rad_per_m: spectrum.reliable.high_rad_per_m,
+        psd_upper_limit: spectrum.reliable.upper_limit.name(),
+        correlation_length_x_m: correlation_length_m(Axis::X)?,
+        correlation_length_y_m: correlation_length_m(Axis::Y)?,
         hurst: scaling.map(|s| s.hurst),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
         intervals: StatisticsIntervals(estimates),
@@ -77,7 +97,6 @@ impl Measured {
     }
 
     /// Density, correlation and spectra, beside the law and the covariance of the random surfaces, where they have one.
-    /// The spectra are absent where every profile lacks a point.
     pub(super) fn tables(
         &self,
         covariance: Option<&Covariance>,

@@ -101,6 +101,7 @@ pub struct SurfaceStatistics {
     /// Points rejected as outliers.
     pub outliers: usize,
     /// Radius of the cylinder or sphere that was removed, positive for a ridge or cap.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub form_radius_m: Option<f64>,
     /// Arithmetical mean height.
     pub Sa_m: f64,
@@ -126,7 +127,11 @@ pub struct SurfaceStatistics {
     pub Sal_m: Option<f64>,
     /// Texture aspect ratio.
     pub Str: Option<f64>,
-    /// Core height.
+    /// Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π.
+    pub Std_rad: Option<f64>,
+    /// Dominant wavelength.
+    pub Ssw_m: Option<f64>,
+    /// Core height, by the least-squares line of ISO 25178-2, as those up to Svkx.
     pub Sk_m: f64,
     /// Reduced peak height.
     pub Spk_m: f64,
@@ -136,6 +141,22 @@ pub struct SurfaceStatistics {
     pub Smrk1: f64,
     /// Lower material ratio of the core.
     pub Smrk2: f64,
+    /// Height of the highest peak above the core.
+    pub Spkx_m: f64,
+    /// Depth of the deepest dale below the core.
+    pub Svkx_m: f64,
+    /// Core height by the flattest secant, as the next four.
+    pub Sk_secant_m: f64,
+    /// Reduced peak height.
+    pub Spk_secant_m: f64,
+    /// Reduced dale depth.
+    pub Svk_secant_m: f64,
+    /// Upper material ratio of the core.
+    pub Smrk1_secant: f64,
+    /// Lower material ratio of the core.
+    pub Smrk2_secant: f64,
+    /// Peak extreme height, between the material ratios 2.5 % and 50 %.
+    pub Sxp_m: f64,
     /// Peak material volume.
     pub Vmp_m: f64,
     /// Core material volume.
@@ -144,6 +165,12 @@ pub struct SurfaceStatistics {
     pub Vvc_m: f64,
     /// Dale void volume.
     pub Vvv_m: f64,
+    /// Lower end of the wavenumbers at which the radial spectrum is reliable.
+    pub psd_reliable_low_rad_per_m: f64,
+    /// Their upper end; nothing is reliable when it is not above the lower.
+    pub psd_reliable_high_rad_per_m: f64,
+    /// What sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    pub psd_upper_limit: &'static str,
     /// 1/e correlation length along x.
     pub correlation_length_x_m: Option<f64>,
     /// 1/e correlation length along y.

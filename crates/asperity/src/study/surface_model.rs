@@ -8,8 +8,8 @@ use crate::study::config::TranslationChoice;
 use crate::study::result::KarhunenLoeveResult;
 use crate::study::sentence;
 use crate::surface::{
-    GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
-    WeierstrassForm, WeierstrassMandelbrot,
+    CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
+    TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot,
 };
 
 /// Ratio of neighbouring wavenumbers and number of ridges of Weierstrass–Mandelbrot surfaces.
@@ -17,6 +17,8 @@ pub(super) const GAMMA: f64 = 1.5;
 pub(super) const RIDGES: usize = 20;
 /// Below this share of captured variance a Karhunen–Loève expansion is warned about.
 const WANTED_VARIANCE: f64 = 0.9;
+/// Above this deviation of the correlation a corrected translation is warned about.
+const CORRELATION_LEFT: f64 = 0.01;
 /// Above this share of clipped variance a spectral field is warned about.
 const CLIPPED_VARIANCE: f64 = 1e-3;
 
@@ -127,11 +129,28 @@ impl SurfaceModel {
         let make = |covariance: &dyn StationaryCovariance| {
             if periodic { Ok(SpectralField::periodic(covariance, grid)) } else { SpectralField::free(covariance, grid) }
         };
+        let mut warnings = Vec::new();
         let field = match translation {
             TranslationChoice::Plain => make(&covariance)?,
-            TranslationChoice::Corrected => make(&Predistorted::new(covariance, &self.marginal)?)?,
+            TranslationChoice::Corrected => {
+                let correction = TranslationCorrection::default();
+                let CorrectedField { field, report } = if periodic {
+                    correction.periodic(&covariance, &self.marginal, grid)?
+                } else {
+                    correction.free(&covariance, &self.marginal, grid)?
+                };
+                let left = report.corrected.largest_deviation;
+                if left > CORRELATION_LEFT {
+                    warnings.push(format!(
+                        "heights of the marginal law cannot have the correlation that was asked for: it is met to {}, by \
+                         plain translation to {}",
+                        sentence::digits(left),
+                        sentence::digits(report.plain.largest_deviation)
+                    ));
+                }
+                field
+            }
         };
-        let mut warnings = Vec::new();
         if field.clipped_variance() > CLIPPED_VARIANCE {
             warnings.push(format!(
                 "wrapped around a grid of {} the covariance is not positive definite, because a side holds too few \

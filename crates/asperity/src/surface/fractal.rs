@@ -1,13 +1,19 @@
 //! Structure function, Hurst exponent and fractal dimension.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::correlation::Axis;
+use crate::correlation::{Axis, profiles};
 use crate::map::HeightMap;
 use crate::stats::Moments;
+use crate::stats::blocks::LANES;
 
 /// Bands of neighbouring profiles that are left out in turn for the standard error.
 const BANDS: usize = 16;
+/// Profiles that are copied at a time, so that those along y lie in one piece; they fit the second cache.
+const COPIED: usize = 16;
 /// Ratio of neighbouring lags of the logarithmic ladder, before rounding to pixels.
 const LADDER: f64 = 1.15;
 /// A fit needs lags whose longest is at least this many times the shortest.
@@ -59,33 +65,22 @@ pub struct StructureFunction {
 impl StructureFunction {
     /// The structure function along an axis; lags without a pair are left out. No form is removed here.
     pub fn of(map: &HeightMap, axis: Axis) -> Self {
-        let (z, grid) = (map.heights_m(), map.grid());
-        let (profiles, length, pitch_m) = match axis {
-            Axis::X => (grid.ny(), grid.nx(), grid.dx_m()),
-            Axis::Y => (grid.nx(), grid.ny(), grid.dy_m()),
-        };
-        let at = |profile: usize, i: usize| match axis {
-            Axis::X => z[[profile, i]],
-            Axis::Y => z[[i, profile]],
-        };
-        let band_count = BANDS.min(profiles);
+        let (all, length, pitch_m) = profiles::dimensions(map, axis);
+        let band_count = BANDS.min(all);
+        let lags = ladder(length / 2);
+        let sums: Vec<Vec<(f64, f64)>> = (0..band_count)
+            .into_par_iter()
+            .map(|band| band_sums(map, axis, band * all / band_count..(band + 1) * all / band_count, &lags))
+            .collect();
         let mut lags_m = vec![];
         let mut values_m2 = vec![];
         let mut bands = vec![vec![]; band_count];
-        for lag in ladder(length / 2) {
-            let sums: Vec<(f64, f64)> = (0..band_count)
-                .map(|band| {
-                    (band * profiles / band_count..(band + 1) * profiles / band_count)
-                        .flat_map(|profile| (0..length - lag).map(move |i| at(profile, i + lag) - at(profile, i)))
-                        .filter(|difference| !difference.is_nan())
-                        .fold((0.0, 0.0), |(sum, count), difference| (sum + difference * difference, count + 1.0))
-                })
-                .collect();
-            let (sum, count) = total(sums.iter());
+        for (place, lag) in lags.into_iter().enumerate() {
+            let (sum, count) = total(sums.iter().map(|band| &band[place]));
             if count > 0.0 {
                 lags_m.push(lag as f64 * pitch_m);
                 values_m2.push(sum / count);
-                bands.iter_mut().zip(sums).for_each(|(band, sum)| band.push(sum));
+                bands.iter_mut().zip(&sums).for_each(|(band, sums)| band.push(sums[place]));
             }
         }
         Self { axis, lags_m, values_m2, bands }
@@ -180,7 +175,7 @@ pub struct Scaling {
 /// # Errors
 /// The heights do not vary, or the range is not positive and ascending.
 pub fn scaling(map: &HeightMap, range_m: Option<(f64, f64)>) -> Result<Option<Scaling>, FractalError> {
-    let moments = Moments::of_values(map.heights_m().iter().copied());
+    let moments = Moments::of(map.values_m());
     if moments.std <= 8.0 * f64::EPSILON * moments.mean.abs() || moments.std == 0.0 {
         return Err(FractalError::Flat { present: moments.n });
     }
@@ -213,6 +208,57 @@ pub fn scaling(map: &HeightMap, range_m: Option<(f64, f64)>) -> Result<Option<Sc
     let hurst = axes.iter().map(|axis| axis.hurst).sum::<f64>() / n;
     let hurst_se = axes.iter().map(|axis| axis.hurst_se).sum::<Option<f64>>().map(|sum| sum / n);
     Ok(Some(Scaling { hurst, hurst_se, fractal_dimension: 3.0 - hurst, x, y }))
+}
+
+/// Sums and numbers of squared differences at every lag over neighbouring profiles.
+fn band_sums(map: &HeightMap, axis: Axis, band: Range<usize>, lags: &[usize]) -> Vec<(f64, f64)> {
+    let (_, length, _) = profiles::dimensions(map, axis);
+    let mut sums = vec![(0.0, 0.0); lags.len()];
+    let mut heights_m = vec![0.0; COPIED * length];
+    for first in band.clone().step_by(COPIED) {
+        let copied = first..(first + COPIED).min(band.end);
+        let heights_m = &mut heights_m[..copied.len() * length];
+        profiles::copy(map, axis, copied, heights_m);
+        for profile in heights_m.chunks_exact(length) {
+            let complete = profile.iter().all(|z| !z.is_nan());
+            for ((sum, count), lag) in sums.iter_mut().zip(lags) {
+                let (squares, pairs) = squared_differences(profile, *lag, complete);
+                *sum += squares;
+                *count += pairs;
+            }
+        }
+    }
+    sums
+}
+
+/// Sum and number of the squared differences of a profile at a lag, over the pairs of present heights.
+fn squared_differences(profile: &[f64], lag: usize, complete: bool) -> (f64, f64) {
+    let (here, there) = (&profile[..profile.len() - lag], &profile[lag..]);
+    // Several sums side by side let the processor add several differences at once.
+    let (here_lanes, here_rest) = here.as_chunks::<LANES>();
+    let (there_lanes, there_rest) = there.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    let mut counts = [0.0; LANES];
+    if complete {
+        for (a, b) in here_lanes.iter().zip(there_lanes) {
+            for lane in 0..LANES {
+                let difference = b[lane] - a[lane];
+                sums[lane] += difference * difference;
+            }
+        }
+        let rest: f64 = here_rest.iter().zip(there_rest).map(|(a, b)| (b - a) * (b - a)).sum();
+        return (sums.iter().sum::<f64>() + rest, here.len() as f64);
+    }
+    let mut take = |lane: usize, a: f64, b: f64| {
+        let square = (b - a) * (b - a);
+        sums[lane] += if square.is_nan() { 0.0 } else { square };
+        counts[lane] += if square.is_nan() { 0.0 } else { 1.0 };
+    };
+    for (a, b) in here_lanes.iter().zip(there_lanes) {
+        (0..LANES).for_each(|lane| take(lane, a[lane], b[lane]));
+    }
+    here_rest.iter().zip(there_rest).for_each(|(a, b)| take(0, *a, *b));
+    (sums.iter().sum(), counts.iter().sum())
 }
 
 /// 1, 2, 3, … growing by the ladder's ratio, up to `longest`.
@@ -313,6 +359,35 @@ mod tests {
         assert_eq!(Some(found.hurst), found.x.map(|x| x.hurst));
         assert!((found.hurst - 0.5).abs() < 4.0 * found.hurst_se.unwrap(), "{found:?}");
         assert_eq!(found.fractal_dimension, 3.0 - found.hurst);
+    }
+
+    #[test]
+    fn sums_by_bands_are_those_over_all_present_pairs() {
+        for (nx, ny, holes) in [(50, 41, 0), (41, 50, 7), (5, 70, 3), (300, 3, 0)] {
+            let mut heights = random::standard_normal(&mut random::stream(12, "pairs", nx as u64), nx * ny);
+            if holes > 0 {
+                heights.iter_mut().step_by(holes).for_each(|z| *z = f64::NAN);
+            }
+            let heights = Array2::from_shape_vec((ny, nx), heights).unwrap();
+            let map = HeightMap::new(Grid::new(nx, ny, 0.5, 0.25).unwrap(), heights.clone()).unwrap();
+            for (axis, pitch, profiles) in [(Axis::X, 0.5, heights.view()), (Axis::Y, 0.25, heights.t())] {
+                let found = StructureFunction::of(&map, axis);
+                for (lag_m, value) in found.lags_m.iter().zip(&found.values_m2) {
+                    let lag = (lag_m / pitch).round() as usize;
+                    let squares: Vec<f64> = profiles
+                        .rows()
+                        .into_iter()
+                        .flat_map(|z| (0..z.len() - lag).map(|i| (z[i + lag] - z[i]).powi(2)).collect::<Vec<_>>())
+                        .filter(|square| !square.is_nan())
+                        .collect();
+                    let wanted = squares.iter().sum::<f64>() / squares.len() as f64;
+                    assert!((value / wanted - 1.0).abs() < 1e-12, "{nx} × {ny}, {axis}, {lag}: {value} {wanted}");
+                    let bands =
+                        found.bands.iter().map(|band| &band[found.lags_m.iter().position(|l| l == lag_m).unwrap()]);
+                    assert_eq!(total(bands).1, squares.len() as f64);
+                }
+            }
+        }
     }
 
     #[test]

@@ -2,11 +2,13 @@
 
 mod general;
 mod lanczos;
+mod parity;
 mod profile;
 
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
+use self::general::ClassModes;
 use super::gaussian::{check_germ, map_of};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
@@ -21,10 +23,10 @@ pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
 #[serde(rename_all = "snake_case")]
 pub enum ModesRoute {
     /// Products of the modes of two profiles. Exact for the squared exponential; any other model is replaced by the
-    /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}.
+    /// product ρ(x, 0)ρ(0, y) of its profiles, the exponential by e^{−|x|/ℓx−|y|/ℓy}; an oblique lay is lost.
     Separable,
-    /// The covariance as it stands: densely by parity up to about 64 × 64 points, beyond by block Lanczos on products with
-    /// the circulant embedding.
+    /// The covariance as it stands, oblique or not: densely by parity up to about 64 × 64 points, beyond by block Lanczos on
+    /// products with the circulant embedding.
     General,
     /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
     Periodic,
@@ -66,8 +68,8 @@ enum Basis {
         y: Array2<f64>,
         pairs: Vec<(usize, usize)>,
     },
-    /// φ_j as rows of ny·nx values.
-    Dense(Array2<f64>),
+    /// φ_j by their values on one part of the map.
+    Classes(ClassModes),
     Fourier(FourierModes),
 }
 
@@ -88,8 +90,8 @@ impl KarhunenLoeve {
         let (eigenvalues_m2, basis) = match route {
             ModesRoute::Separable => tensor_modes(covariance, grid, modes)?,
             ModesRoute::General => {
-                let (values, vectors) = general::modes(covariance, grid, modes)?;
-                (values, Basis::Dense(vectors))
+                let found = general::modes(covariance, grid, modes)?;
+                (found.eigenvalues_m2.clone(), Basis::Classes(found))
             }
             ModesRoute::Periodic => {
                 let fft = RealFft2::new(grid.nx(), grid.ny());
@@ -153,15 +155,7 @@ impl KarhunenLoeve {
                 }
                 y.t().dot(&profiles).into_raw_vec_and_offset().0
             }
-            Basis::Dense(vectors) => {
-                let mut heights = vec![0.0; ny * nx];
-                for (weight, vector) in weights.iter().zip(vectors.rows()) {
-                    for (z, phi) in heights.iter_mut().zip(vector) {
-                        *z += weight * phi;
-                    }
-                }
-                heights
-            }
+            Basis::Classes(found) => found.superpose(weights.iter().copied()),
             Basis::Fourier(fourier) => fourier.synthesise(weights, ny, nx),
         }
     }
@@ -226,14 +220,9 @@ impl GaussianSurface for KarhunenLoeve {
                 }
                 y2.t().dot(&profiles)
             }
-            Basis::Dense(vectors) => {
-                let mut sum = Array2::<f64>::zeros((ny, nx));
-                for (value, vector) in self.eigenvalues_m2.iter().zip(vectors.rows()) {
-                    for (share, phi) in sum.iter_mut().zip(vector) {
-                        *share += value * phi * phi;
-                    }
-                }
-                sum
+            Basis::Classes(found) => {
+                let sum = found.superpose_squares(&self.eigenvalues_m2);
+                Array2::from_shape_fn((ny, nx), |(row, column)| sum[row * nx + column])
             }
         };
         shares.mapv(|share| self.std_m * share.max(0.0).sqrt())
@@ -249,10 +238,9 @@ impl GaussianSurface for KarhunenLoeve {
                 let weights = self.eigenvalues_m2.iter().zip(pairs).map(|(value, pair)| value * at_point(pair));
                 self.superpose(&weights.collect::<Vec<_>>())
             }
-            Basis::Dense(vectors) => {
-                let place = row * nx + column;
-                let weights = self.eigenvalues_m2.iter().enumerate().map(|(j, value)| value * vectors[[j, place]]);
-                self.superpose(&weights.collect::<Vec<_>>())
+            Basis::Classes(found) => {
+                let here = found.values_at(row * nx + column);
+                found.superpose(self.eigenvalues_m2.iter().zip(here).map(|(value, phi)| value * phi))
             }
         };
         let variance = self.std_m * self.std_m;
@@ -304,20 +292,22 @@ pub fn modes(
     }
 }
 
-/// Memory in byte that [`modes`] needs, roughly: dense matrices of each interval, or the vectors of the rectangle.
+/// Memory in byte that [`modes`] needs, roughly: the dense problems of each interval, or the bases of the rectangle.
 pub fn modes_memory_bytes(points: &[usize], modes: usize, route: ModesRoute) -> f64 {
     const DOUBLE_BYTES: f64 = 8.0;
-    // The matrix, its vectors and the work of the dense solver; for the general route the subspace and its images.
-    const COPIES: f64 = 4.0;
+    // Two problems of half the size, their vectors, and the functions.
+    const DENSE_COPIES: f64 = 2.0;
+    // A domain of four times the map: its eigenvalues, and two spectra for each of up to four threads.
+    const TRANSFORMS: f64 = 50.0;
     let sides: Vec<f64> = points.iter().map(|n| *n as f64).collect();
-    let dense = sides.iter().map(|n| n * n).fold(0.0, f64::max);
-    let vectors = sides.iter().product::<f64>() * modes as f64;
+    let dense = DENSE_COPIES * sides.iter().map(|n| n * n).fold(0.0, f64::max);
+    let area = sides.iter().product::<f64>();
     let numbers = match (route, sides.len()) {
-        (ModesRoute::General, 2) => vectors,
-        (ModesRoute::Periodic, 2) => sides.iter().product(),
+        (ModesRoute::General, 2) => area * (lanczos::basis_vectors(4, modes) + TRANSFORMS),
+        (ModesRoute::Periodic, 2) => 4.0 * area,
         _ => dense,
     };
-    DOUBLE_BYTES * COPIES * numbers
+    DOUBLE_BYTES * numbers
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::correlation::{Covariance, StationaryCovariance};
 use crate::fourier::{RealFft2, good_length, signed_index};
 use crate::map::{Grid, HeightMap};
 
-pub(super) use modes::{FourierModes, wrapped_eigenvalues_m2, wrapped_spectrum};
+pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
 
 /// Share of negative circulant variance that counts as rounding.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -80,8 +80,7 @@ impl SpectralField {
             let (nx, ny) = (good_length(factor_x * grid.nx()), good_length(factor_y * grid.ny()));
             let domain = Grid::new(nx, ny, grid.dx_m(), grid.dy_m())?;
             let field = Self::on_domain(covariance, grid, domain);
-            let across_x = covariance.correlation(0.5 * domain.width_m(), 0.0).abs();
-            let across_y = covariance.correlation(0.0, 0.5 * domain.height_m()).abs();
+            let (across_x, across_y) = largest_across(covariance, domain);
             let factor = if across_x > across_y { &mut factor_x } else { &mut factor_y };
             if field.clipped_variance < NEGLIGIBLE || *factor >= LARGEST_FACTOR || 2 * domain.points() > LARGEST_DOMAIN
             {
@@ -91,11 +90,27 @@ impl SpectralField {
         }
     }
 
+    /// The modes, on the grid itself or on the embedding of a free field.
+    pub(super) fn modes(&self) -> &FourierModes {
+        &self.modes
+    }
+
     fn on_domain(covariance: &dyn StationaryCovariance, grid: Grid, domain: Grid) -> Self {
         let fft = RealFft2::new(domain.nx(), domain.ny());
         let spectrum = wrapped_spectrum(covariance, domain, &fft);
+        Self::from_spectrum(grid, domain, fft, covariance.std_m(), &spectrum)
+    }
+
+    /// A crop of `domain` with given eigenvalues.
+    pub(super) fn from_spectrum(
+        grid: Grid,
+        domain: Grid,
+        fft: RealFft2,
+        std_m: f64,
+        spectrum: &WrappedSpectrum,
+    ) -> Self {
         let modes = FourierModes::new(domain, fft, &spectrum.eigenvalues_m2);
-        Self { grid, std_m: covariance.std_m(), modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
+        Self { grid, std_m, modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
     }
 
     /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].
@@ -108,6 +123,19 @@ impl SpectralField {
     pub fn clipped_variance(&self) -> f64 {
         self.clipped_variance
     }
+}
+
+/// Largest |ρ| where a periodic domain closes along x, and along y. Without a lay at an angle both lie on the axes.
+fn largest_across(covariance: &dyn StationaryCovariance, domain: Grid) -> (f64, f64) {
+    const STEPS: usize = 64;
+    let (half_x, half_y) = (0.5 * domain.width_m(), 0.5 * domain.height_m());
+    let along = |value: &dyn Fn(f64) -> f64| {
+        if covariance.mirror_symmetric() {
+            return value(0.0).abs();
+        }
+        (0..=STEPS).map(|i| value(2.0 * i as f64 / STEPS as f64 - 1.0).abs()).fold(0.0, f64::max)
+    };
+    (along(&|t| covariance.correlation(half_x, t * half_y)), along(&|t| covariance.correlation(t * half_x, half_y)))
 }
 
 impl RandomSurface for SpectralField {
@@ -144,7 +172,7 @@ impl GaussianSurface for SpectralField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correlation::CorrelationModel;
+    use crate::correlation::{CorrelationModel, Rotated};
     use crate::random;
 
     fn model(model: CorrelationModel, length_x_m: f64, length_y_m: f64) -> Covariance {
@@ -207,6 +235,28 @@ mod tests {
             for ((row, column), value) in met.indexed_iter() {
                 let error = (value - covariance.value_m2(column as f64, row as f64)).abs();
                 assert!(error < 1e-8, "{kind:?} at ({row},{column}): {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_oblique_lay_keeps_its_angle_periodic_and_free() {
+        let ridge = Rotated::new(model(CorrelationModel::SquaredExponential, 9.0, 2.0), 0.7).unwrap();
+        for (nx, ny) in [(48, 40), (47, 41)] {
+            let grid = Grid::new(nx, ny, 1.0, 1.0).unwrap();
+            for field in [SpectralField::periodic(&ridge, grid), SpectralField::free(&ridge, grid).unwrap()] {
+                assert!(field.clipped_variance() < 1e-5, "{}", field.clipped_variance());
+                let met = field.covariance_with_m2(20, 23);
+                for (x, y) in [(0, 0), (5, 4), (-5, 4), (5, -4), (-5, -4), (10, 8), (1, 0), (0, -1)] {
+                    let value = met[[(20 + y) as usize, (23 + x) as usize]];
+                    let wanted = 4.0 * ridge.correlation(f64::from(x), f64::from(y));
+                    assert!((value - wanted).abs() < 1e-4, "({x}, {y}): {value} {wanted}");
+                }
+                // Along the ridge the correlation falls as e^{−(r/9)²}, across as e^{−(r/2)²}.
+                let along = met[[20 + 4, 23 + 5]] / met[[20, 23]];
+                let r = (5.0 * 0.7_f64.cos() + 4.0 * 0.7_f64.sin()).powi(2) / 81.0
+                    + (4.0 * 0.7_f64.cos() - 5.0 * 0.7_f64.sin()).powi(2) / 4.0;
+                assert!((along - (-r).exp()).abs() < 1e-5);
             }
         }
     }

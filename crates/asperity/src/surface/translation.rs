@@ -1,5 +1,12 @@
 //! Non-Gaussian surfaces by translation, z = F⁻¹(Φ(g)).
 
+mod correction;
+mod lags;
+mod normal_to_law;
+mod predistorted;
+#[cfg(test)]
+mod tests;
+
 use ndarray::Array2;
 
 use super::gaussian::map_of;
@@ -7,6 +14,11 @@ use super::{GaussianSurface, GeneratorError, RandomSurface};
 use crate::correlation::StationaryCovariance;
 use crate::law::{LawError, Marginal, translation::Translation};
 use crate::map::{Grid, HeightMap};
+
+pub use correction::{CorrectedField, CorrectionReport, Feasibility, TranslationCorrection};
+pub use predistorted::Predistorted;
+
+use normal_to_law::NormalToLaw;
 
 /// Least pointwise variance, over the largest on the map, that may be scaled up to a full marginal.
 const LEAST_SHARE: f64 = 1e-6;
@@ -18,7 +30,7 @@ const LEAST_SHARE: f64 = 1e-6;
 /// leaves out shows in the correlation alone, which [`Translated::correlation_report`] measures.
 ///
 /// *Plain* translation takes a Gaussian field with the wanted correlation; F⁻¹∘Φ then distorts it (towards zero). For the
-/// *corrected* one, make the Gaussian field with [`Predistorted`].
+/// *corrected* one, make the Gaussian field by [`TranslationCorrection`], or any other generator's with [`Predistorted`].
 ///
 /// # References
 /// Grigoriu, *J. Eng. Mech.* **110** (1984) 610, <https://doi.org/10.1061/(ASCE)0733-9399(1984)110:4(610)>.
@@ -127,11 +139,12 @@ impl<S: GaussianSurface> Translated<S> {
         let met = self.correlation_with(row, column)?;
         let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
         for ((r, c), value) in met.indexed_iter() {
-            let (x, y) = (c.abs_diff(column) as f64 * grid.dx_m(), r.abs_diff(row) as f64 * grid.dy_m());
-            let deviation = (value - target.correlation(x, y)).abs();
+            let lag_x = (c as f64 - column as f64) * grid.dx_m();
+            let lag_y = (r as f64 - row as f64) * grid.dy_m();
+            let deviation = (value - target.correlation(lag_x, lag_y)).abs();
             report.rms_deviation += deviation * deviation / grid.points() as f64;
             if deviation > report.largest_deviation {
-                (report.largest_deviation, report.lag_x_m, report.lag_y_m) = (deviation, x, y);
+                (report.largest_deviation, report.lag_x_m, report.lag_y_m) = (deviation, lag_x, lag_y);
             }
         }
         report.rms_deviation = report.rms_deviation.sqrt();
@@ -165,242 +178,16 @@ pub enum TranslationError {
     /// The Gaussian field cannot carry it.
     #[error(transparent)]
     Generator(#[from] GeneratorError),
-}
-
-/// The Gaussian correlation that a translation turns into that of `target`: ρ_G = T⁻¹(ρ_X).
-///
-/// ρ_G may fail to be a correlation function; generators then clip what is negative, and
-/// [`Translated::correlation_report`] says what is left. Targets below the least correlation of the law are raised to it.
-#[derive(Debug, Clone)]
-pub struct Predistorted<C> {
-    target: C,
-    translation: Translation,
-    least: f64,
-}
-
-impl<C: StationaryCovariance> Predistorted<C> {
-    /// The correlation to give to a Gaussian field for heights of law `law` with the covariance `target`.
-    ///
-    /// # Errors
-    /// A law with a parameter outside its range.
-    pub fn new(target: C, law: &Marginal) -> Result<Self, LawError> {
-        let translation = Translation::new(law)?;
-        let least = translation.least_correlation();
-        Ok(Self { target, translation, least })
-    }
-}
-
-impl<C: StationaryCovariance> StationaryCovariance for Predistorted<C> {
-    fn std_m(&self) -> f64 {
-        self.target.std_m()
-    }
-
-    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
-        let wanted = self.target.correlation(dx_m, dy_m).clamp(self.least, 1.0);
-        // A value that is not finite is found by the generators.
-        self.translation.normal_correlation(wanted).unwrap_or(f64::NAN)
-    }
-}
-
-/// Nodes per unit of the table, and its reach.
-const NODES_PER_UNIT: f64 = 128.0;
-const REACH: f64 = 8.0;
-
-/// g ↦ offset + scale·F⁻¹(Φ(g)).
-#[derive(Debug, Clone)]
-struct NormalToLaw {
-    law: Marginal,
-    offset: f64,
-    scale: f64,
-    /// Values at −REACH, …, REACH and two nodes beyond each end: where the quantile needs a root search for each value.
-    table: Option<Vec<f64>>,
-}
-
-impl NormalToLaw {
-    fn new(law: &Marginal, offset: f64, scale: f64) -> Self {
-        let table = matches!(law, Marginal::Beta { .. }).then(|| {
-            let nodes = (2.0 * REACH * NODES_PER_UNIT) as usize + 5;
-            (0..nodes).map(|i| law.translate((i as f64 - 2.0) / NODES_PER_UNIT - REACH)).collect()
-        });
-        Self { law: law.clone(), offset, scale, table }
-    }
-
-    fn value(&self, g: f64) -> f64 {
-        let value = match &self.table {
-            Some(table) if g.abs() < REACH => interpolate(table, (g + REACH) * NODES_PER_UNIT),
-            _ => self.law.translate(g),
-        };
-        self.offset + self.scale * value
-    }
-}
-
-/// Cubic Hermite interpolation at `position` (in nodes after the second) with fourth-order slopes: error O(h⁴).
-fn interpolate(table: &[f64], position: f64) -> f64 {
-    let left = (position.floor() as usize + 2).min(table.len() - 4);
-    let t = position - (left as f64 - 2.0);
-    let slope = |i: usize| (table[i - 2] - 8.0 * table[i - 1] + 8.0 * table[i + 1] - table[i + 2]) / 12.0;
-    let (a, b, m, n) = (table[left], table[left + 1], slope(left), slope(left + 1));
-    let rise = b - a;
-    a + t * (m + t * ((3.0 * rise - 2.0 * m - n) + t * (m + n - 2.0 * rise)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::correlation::{CorrelationModel, Covariance};
-    use crate::random;
-    use crate::surface::{KarhunenLoeve, ModesRoute, SpectralField};
-
-    fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
-        Covariance::isotropic(model, 1.0, length_m).unwrap()
-    }
-
-    fn beta() -> Marginal {
-        Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap()
-    }
-
-    #[test]
-    fn the_table_is_the_quantile() {
-        for law in [beta(), Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(), Marginal::beta(30.0, 2.0, 0.0, 1.0).unwrap()]
-        {
-            let map = NormalToLaw::new(&law, 0.0, 1.0);
-            for i in -900..=900 {
-                let g = f64::from(i) * 0.010_37;
-                let error = (map.value(g) - law.translate(g)).abs();
-                assert!(error < 2e-9, "{law:?} at {g}: {error:e}");
-            }
-        }
-    }
-
-    #[test]
-    fn heights_have_the_law_at_every_point_also_of_a_truncated_field() {
-        // 12 modes hold about half of the variance, unevenly; Kolmogorov's distance stays below its 1e−3 quantile.
-        let grid = Grid::new(16, 16, 1.0, 1.0).unwrap();
-        let field =
-            KarhunenLoeve::new(&covariance(CorrelationModel::Exponential, 4.0), grid, 12, ModesRoute::Separable)
-                .unwrap();
-        assert!(field.captured_variance() < 0.7);
-        let surface = Translated::new(field, beta()).unwrap();
-        assert!(surface.least_variance_share() < 0.9);
-        let count = 4000;
-        let maps: Vec<_> = (0..count)
-            .map(|index| surface.generate(&random::standard_normal(&mut random::stream(2, "law", index), 12)))
-            .collect();
-        for place in [[0, 0], [8, 8], [3, 15]] {
-            let mut values: Vec<f64> = maps.iter().map(|map| map.heights_m()[place]).collect();
-            values.sort_by(f64::total_cmp);
-            let distance = values
-                .iter()
-                .enumerate()
-                .fold(0.0_f64, |m, (i, z)| m.max((beta().cdf(*z) - (i as f64 + 0.5) / count as f64).abs()));
-            assert!(distance < 1.95 / (count as f64).sqrt(), "{place:?}: {distance}");
-        }
-    }
-
-    #[test]
-    fn a_plain_lognormal_translation_distorts_as_the_closed_form_says() {
-        // ρ_X = (e^{σ²ρ} − 1)/(e^{σ²} − 1).
-        let sigma = 0.8_f64;
-        let target = covariance(CorrelationModel::SquaredExponential, 4.0);
-        let field = SpectralField::free(&target, Grid::new(32, 32, 1.0, 1.0).unwrap()).unwrap();
-        let surface = Translated::new(field, Marginal::lognormal(0.0, sigma, 0.0).unwrap()).unwrap();
-        let met = surface.correlation_with(16, 16).unwrap();
-        let mut largest = 0.0_f64;
-        for ((row, column), value) in met.indexed_iter() {
-            let rho = target.correlation(column as f64 - 16.0, row as f64 - 16.0);
-            let wanted = (sigma * sigma * rho).exp_m1() / (sigma * sigma).exp_m1();
-            assert!((value - wanted).abs() < 1e-9);
-            largest = largest.max((wanted - rho).abs());
-        }
-        let report = surface.correlation_report(&target).unwrap();
-        assert!((report.largest_deviation - largest).abs() < 1e-9 && largest > 0.05);
-    }
-
-    #[test]
-    fn the_corrected_translation_meets_the_target_and_the_plain_one_does_not() {
-        let target = covariance(CorrelationModel::Exponential, 5.0);
-        let grid = Grid::new(48, 48, 1.0, 1.0).unwrap();
-        let law = Marginal::lognormal(0.0, 0.8, 0.0).unwrap();
-        let plain = Translated::new(SpectralField::periodic(&target, grid), law.clone()).unwrap();
-        let predistorted = Predistorted::new(target, &law).unwrap();
-        let field = SpectralField::periodic(&predistorted, grid);
-        let clipped = field.clipped_variance();
-        let corrected = Translated::new(field, law).unwrap();
-        let (before, after) =
-            (plain.correlation_report(&target).unwrap(), corrected.correlation_report(&target).unwrap());
-        assert!(before.largest_deviation > 0.03);
-        assert!(
-            after.largest_deviation < 0.02 * before.largest_deviation + 3.0 * clipped,
-            "{after:?}, clipped {clipped}"
-        );
-    }
-
-    #[test]
-    fn the_predistortion_of_the_papers_beta_is_the_published_one() {
-        // ρ_G for ρ_X = e⁻¹, e^{−.1} and e⁻².
-        let gaussian = Predistorted::new(covariance(CorrelationModel::Exponential, 1.0), &beta()).unwrap();
-        for (lag, wanted) in [(1.0, 0.375_013_83), (0.1, 0.907_643_18), (2.0, 0.138_828_91)] {
-            assert!((gaussian.correlation(lag, 0.0) - wanted).abs() < 5e-8);
-        }
-    }
-
-    #[test]
-    fn sampled_heights_have_the_correlation_that_is_computed() {
-        let target = covariance(CorrelationModel::SquaredExponential, 3.0);
-        let grid = Grid::new(24, 24, 1.0, 1.0).unwrap();
-        let predistorted = Predistorted::new(target, &beta()).unwrap();
-        let surface = Translated::with_rms_height(SpectralField::periodic(&predistorted, grid), beta(), 2.0).unwrap();
-        let wanted = surface.correlation_with(0, 0).unwrap();
-        let lags = [(0, 0), (1, 0), (2, 1), (0, 4)];
-        let count = 600;
-        let mut sums = [(0.0, 0.0); 4];
-        for index in 0..count {
-            let germ = random::standard_normal(&mut random::stream(4, "beta", index), surface.germ_len());
-            let map = surface.generate(&germ);
-            let z = map.heights_m();
-            for (sum, (x, y)) in sums.iter_mut().zip(lags) {
-                let mean = z.indexed_iter().map(|((r, c), v)| v * z[[(r + y) % 24, (c + x) % 24]]).sum::<f64>() / 576.0;
-                *sum = (sum.0 + mean, sum.1 + mean * mean);
-            }
-        }
-        for ((sum, square), (x, y)) in sums.into_iter().zip(lags) {
-            let mean = sum / count as f64;
-            let error = ((square / count as f64 - mean * mean) / (count - 1) as f64).sqrt();
-            assert!((mean - 4.0 * wanted[[y, x]]).abs() < 4.0 * error, "({x},{y}): {mean} ± {error}");
-        }
-    }
-
-    #[test]
-    fn a_field_that_vanishes_at_a_point_is_refused() {
-        // One odd mode is zero in the middle of a grid with an odd number of points.
-        let grid = Grid::new(9, 2, 1.0, 1.0).unwrap();
-        let full = covariance(CorrelationModel::SquaredExponential, 30.0);
-        let field = KarhunenLoeve::new(&full, grid, 1, ModesRoute::Separable).unwrap();
-        assert!(Translated::new(field, beta()).is_ok());
-        #[derive(Debug)]
-        struct Odd(Grid);
-        impl RandomSurface for Odd {
-            fn germ_len(&self) -> usize {
-                1
-            }
-            fn grid(&self) -> Grid {
-                self.0
-            }
-            fn generate(&self, germ: &[f64]) -> HeightMap {
-                HeightMap::from_function(self.0, |x, _| germ[0] * (x - 4.5)).unwrap()
-            }
-        }
-        impl GaussianSurface for Odd {
-            fn pointwise_std_m(&self) -> Array2<f64> {
-                self.generate(&[1.0]).heights_m().mapv(f64::abs)
-            }
-            fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {
-                let shape = self.generate(&[1.0]).heights_m().clone();
-                let here = shape[[row, column]];
-                shape * here
-            }
-        }
-        let error = Translated::new(Odd(grid), beta()).unwrap_err();
-        assert!(matches!(error, TranslationError::Generator(GeneratorError::NoVariance { column: 4, .. })), "{error}");
-    }
+    /// The target is not a correlation everywhere.
+    #[error(
+        "the target correlation at the lag ({lag_x_m}, {lag_y_m}) m is {value}, but must be in [-1, 1], and 1 at zero"
+    )]
+    Target {
+        /// Lag along x in metre.
+        lag_x_m: f64,
+        /// Lag along y in metre.
+        lag_y_m: f64,
+        /// Value found.
+        value: f64,
+    },
 }

@@ -1,5 +1,8 @@
 //! Weierstrass–Mandelbrot profiles and surfaces, Gaus et al. 2016, eq. (1).
 
+#[cfg(test)]
+mod tests;
+
 use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
@@ -135,6 +138,16 @@ struct Wave {
     amplitude: f64,
 }
 
+/// Waves of all wavenumbers in rad/m along all angles: amplitude √(ln γ/M) γ^{(D−3)j} with γ^j the wavenumber.
+fn waves(wavenumbers: impl Iterator<Item = f64>, angles: &[f64], dimension: f64, gamma: f64) -> Vec<Wave> {
+    let norm = (gamma.ln() / angles.len() as f64).sqrt();
+    let of_one = |q: f64| {
+        let amplitude = norm * q.powf(dimension - 3.0);
+        angles.iter().map(move |angle| Wave { qx: q * angle.cos(), qy: q * angle.sin(), amplitude })
+    };
+    wavenumbers.flat_map(of_one).collect()
+}
+
 impl WeierstrassMandelbrot {
     /// A surface of fractal dimension 2 < D < 3 with `ridges` directions and fractal roughness G.
     ///
@@ -189,19 +202,11 @@ impl WeierstrassMandelbrot {
             [0.0] => (grid.width_m(), PI / grid.dx_m()),
             _ => (grid.width_m().max(grid.height_m()), PI / grid.dx_m().max(grid.dy_m())),
         };
-        let norm = (gamma.ln() / angles.len() as f64).sqrt();
-        let mut waves = Vec::new();
         // The first wavenumber is always there, also on a grid too coarse for a second.
-        let mut q = TAU / length_m;
-        loop {
-            // γ^{(D−3)j} with γ^j = q.
-            let amplitude = norm * q.powf(dimension - 3.0);
-            waves.extend(angles.iter().map(|angle| Wave { qx: q * angle.cos(), qy: q * angle.sin(), amplitude }));
-            q *= gamma;
-            if q > nyquist * (1.0 + 1e-12) {
-                break;
-            }
-        }
+        let first = TAU / length_m;
+        let more = std::iter::successors(Some(first * gamma), |q| Some(q * gamma));
+        let wavenumbers = std::iter::once(first).chain(more.take_while(|q| *q <= nyquist * (1.0 + 1e-12)));
+        let waves = waves(wavenumbers, angles, dimension, gamma);
         Ok(Self { grid, dimension, gamma, roughness_m, form, waves })
     }
 
@@ -296,158 +301,5 @@ impl RandomSurface for WeierstrassMandelbrot {
         check_germ(germ, self.germ_len());
         let phases: Vec<f64> = germ.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
         self.map(&phases)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::correlation::{Axis, profile_spectrum};
-    use crate::random;
-
-    #[test]
-    fn the_structure_function_of_the_two_sided_sum_is_self_affine() {
-        for (dimension, gamma) in [(1.5, 1.5), (1.4, 1.7), (1.6, 1.5)] {
-            let profile = WeierstrassProfile::new(dimension, gamma, 1.0, -60, 60, WeierstrassForm::Convergent).unwrap();
-            // What the truncation leaves out is γ^{−60·2(2−D)} above and γ^{−60·2(D−1)} below.
-            let left_out = gamma.powf(-120.0 * (2.0 - dimension)) + gamma.powf(-120.0 * (dimension - 1.0));
-            for lag in [0.1, 1.0, 2.3] {
-                let ratio = profile.structure_function_m2(gamma * lag) / profile.structure_function_m2(lag);
-                let wanted = gamma.powf(2.0 * (2.0 - dimension));
-                assert!((ratio / wanted - 1.0).abs() < 10.0 * left_out, "D {dimension}: {ratio} {wanted}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_variance_of_the_truncated_sum_is_the_published_number() {
-        let profile = WeierstrassProfile::new(1.5, 1.5, 1.0, 0, 20, WeierstrassForm::Truncated).unwrap();
-        assert!((profile.variance_m2() - 1.499_699_271).abs() < 5e-10);
-    }
-
-    #[test]
-    fn random_phases_have_the_variance_and_the_structure_function() {
-        let profile = WeierstrassProfile::new(1.5, 1.5, 0.3, 0, 20, WeierstrassForm::Truncated).unwrap();
-        let count = 20_000;
-        let mut stream = random::stream(5, "phases", 0);
-        let (mut squares, mut steps) = (Vec::new(), Vec::new());
-        for _ in 0..count {
-            let phases: Vec<f64> =
-                random::standard_normal(&mut stream, 21).into_iter().map(|xi| TAU * standard_normal_cdf(xi)).collect();
-            let (here, there) = (profile.height_m(0.4, &phases), profile.height_m(0.9, &phases));
-            squares.push(here * here);
-            steps.push((there - here).powi(2));
-        }
-        for (values, wanted) in [(squares, profile.variance_m2()), (steps, profile.structure_function_m2(0.5))] {
-            let mean = values.iter().sum::<f64>() / count as f64;
-            let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt() / count as f64;
-            assert!((mean - wanted).abs() < 4.0 * error, "{mean} ± {error}, wanted {wanted}");
-        }
-    }
-
-    #[test]
-    fn the_spectrum_of_a_profile_falls_with_the_power_five_minus_two_d() {
-        for dimension in [1.2, 1.5, 1.8] {
-            let grid = Grid::new(8192, 2, 1.0, 1.0).unwrap();
-            let surface =
-                WeierstrassMandelbrot::corrugation(grid, dimension, 1.5, 1.0, WeierstrassForm::Truncated).unwrap();
-            let germ = random::standard_normal(&mut random::stream(6, "slope", 0), surface.germ_len());
-            let spectrum = profile_spectrum(&surface.generate(&germ), Axis::X).unwrap();
-            // Power per band of one line each, from where lines are tens of bins apart, over the band's width.
-            let root = 1.5_f64.sqrt();
-            let points: Vec<(f64, f64)> = (9..18)
-                .map(|k| {
-                    let line = TAU / 8192.0 * 1.5_f64.powi(k);
-                    let inside = spectrum.q_rad_per_m.iter().zip(&spectrum.psd_m3);
-                    let power: f64 =
-                        inside.filter(|(q, _)| **q > line / root && **q < line * root).map(|(_, p)| p).sum();
-                    (line.ln(), (power / line).ln())
-                })
-                .collect();
-            let n = points.len() as f64;
-            let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
-            let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
-                / points.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>();
-            assert!((slope + 5.0 - 2.0 * dimension).abs() < 0.01, "D {dimension}: slope {slope}");
-        }
-    }
-
-    #[test]
-    fn a_map_is_the_sum_of_its_cosines() {
-        let grid = Grid::new(9, 7, 0.5, 0.8).unwrap();
-        for form in [WeierstrassForm::Truncated, WeierstrassForm::Convergent] {
-            let surface = WeierstrassMandelbrot::new(grid, 2.4, 1.6, 5, 0.2, form).unwrap();
-            let germ = random::standard_normal(&mut random::stream(7, "cosines", 0), surface.germ_len());
-            let phases: Vec<f64> = germ.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
-            let map = surface.generate(&germ);
-            for ((row, column), z) in map.heights_m().indexed_iter() {
-                let (x, y) = (0.5 * column as f64, 0.8 * row as f64);
-                let mut sum = 0.0;
-                let terms = surface.germ_len() / 5;
-                for k in 0..terms {
-                    let q = TAU / 5.6 * 1.6_f64.powi(k as i32);
-                    for m in 1..=5 {
-                        let angle = PI * m as f64 / 5.0;
-                        let phase = phases[5 * k + m - 1];
-                        let wave = (q * (x * angle.cos() + y * angle.sin()) + phase).cos();
-                        let amplitude = 0.2_f64.powf(0.4) * (1.6_f64.ln() / 5.0).sqrt() * q.powf(-0.6);
-                        sum += match form {
-                            WeierstrassForm::Truncated => amplitude * wave,
-                            WeierstrassForm::Convergent => amplitude * (phase.cos() - wave),
-                        };
-                    }
-                }
-                assert!((z - sum).abs() < 1e-13);
-            }
-            if form == WeierstrassForm::Convergent {
-                assert!(map.heights_m()[[0, 0]].abs() < 1e-14, "zero at the origin");
-            }
-        }
-    }
-
-    #[test]
-    fn a_corrugation_is_the_profile_of_equation_one() {
-        // With a width of 2π the wavenumbers are γ^0, γ^1, …
-        let grid = Grid::covering(64, 2, TAU, 1.0).unwrap();
-        let surface = WeierstrassMandelbrot::corrugation(grid, 1.3, 1.5, 0.7, WeierstrassForm::Convergent).unwrap();
-        let last = surface.germ_len() as i32 - 1;
-        let profile = WeierstrassProfile::new(1.3, 1.5, 0.7, 0, last, WeierstrassForm::Convergent).unwrap();
-        let phases: Vec<f64> = (0..=last).map(|k| 0.7 * f64::from(k)).collect();
-        let map = surface.map(&phases);
-        for column in [0, 5, 63] {
-            let wanted = profile.height_m(grid.dx_m() * column as f64, &phases);
-            assert!((map.heights_m()[[0, column]] - wanted).abs() < 1e-13);
-            assert!((map.heights_m()[[1, column]] - wanted).abs() < 1e-13);
-        }
-        assert!((surface.variance_m2() - profile.variance_m2()).abs() < 1e-12 * profile.variance_m2());
-    }
-
-    #[test]
-    fn the_rms_height_can_be_set() {
-        let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
-        let surface = WeierstrassMandelbrot::new(grid, 2.3, 1.5, 10, 1e-12, WeierstrassForm::Truncated).unwrap();
-        let surface = surface.with_rms_height(1e-6).unwrap();
-        assert!((surface.variance_m2().sqrt() / 1e-6 - 1.0).abs() < 1e-12);
-        let powers: Vec<f64> = (0..400)
-            .map(|index| {
-                let germ = random::standard_normal(&mut random::stream(8, "rms", index), surface.germ_len());
-                surface.generate(&germ).present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
-            })
-            .collect();
-        let mean = powers.iter().sum::<f64>() / 400.0;
-        let error = powers.iter().map(|p| (p - mean).powi(2)).sum::<f64>().sqrt() / 400.0;
-        assert!((mean - 1e-12).abs() < 4.0 * error, "{mean:e} ± {error:e}");
-    }
-
-    #[test]
-    fn parameters_outside_their_ranges_are_refused() {
-        let grid = Grid::new(8, 8, 1.0, 1.0).unwrap();
-        let form = WeierstrassForm::Truncated;
-        assert!(WeierstrassProfile::new(2.0, 1.5, 1.0, 0, 5, form).is_err());
-        assert!(WeierstrassProfile::new(1.5, 1.0, 1.0, 0, 5, form).is_err());
-        assert!(WeierstrassProfile::new(1.5, 1.5, 1.0, 5, 0, form).is_err());
-        assert!(WeierstrassMandelbrot::new(grid, 1.5, 1.5, 4, 1.0, form).is_err());
-        assert!(WeierstrassMandelbrot::new(grid, 2.5, 1.5, 0, 1.0, form).is_err());
-        assert!(WeierstrassMandelbrot::new(grid, 2.5, f64::NAN, 4, 1.0, form).is_err());
     }
 }

@@ -1,7 +1,12 @@
 //! The material ratio (Abbott–Firestone) curve and what is read off it.
 
-/// Share of the curve that the secant of the core spans.
-const SECANT: f64 = 0.4;
+use rayon::prelude::*;
+
+use crate::stats::blocks::{self, BLOCK};
+use crate::stats::{Order, sorted};
+
+/// Share of the curve that the equivalent line of the core is laid through.
+const CORE: f64 = 0.4;
 
 /// Height as a function of the material ratio, the share of the surface at or above it.
 ///
@@ -10,18 +15,19 @@ const SECANT: f64 = 0.4;
 pub struct MaterialRatio {
     /// Heights in metre, highest first.
     descending_m: Vec<f64>,
-    /// Integral of the height from ratio 0 to the i-th highest.
-    integral_m: Vec<f64>,
+    /// Sums of the heights before every block of [`BLOCK`], in metre, and of all.
+    sums_m: Vec<f64>,
 }
 
 /// The straight line that stands for the core of a material ratio curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EquivalentLine {
-    /// The secant over 40 % of the curve that falls least.
-    Secant,
-    /// The least-squares line through the heights on that secant, as in ISO 13565-2:1996. Of normal heights its Sk is 2 %
-    /// smaller; where the secant spans two bends the two differ by tens of per cent.
+    /// The line of least squared deviations in height from the curve over the 40 % where its secant falls least, the first
+    /// of them where there are several: ISO 25178-2 and ISO 13565-2.
     LeastSquares,
+    /// That secant itself. Of normal heights its Sk is 2 % larger; where the curve bends within the 40 % the two differ by
+    /// tens of per cent.
+    Secant,
 }
 
 /// The core of a material ratio curve.
@@ -37,6 +43,10 @@ pub struct Core {
     pub smrk1: f64,
     /// Material ratio at the lower end of the core, a fraction.
     pub smrk2: f64,
+    /// Height of the highest peak above the core, in metre; negative where the line ends above it.
+    pub spkx_m: f64,
+    /// Depth of the deepest dale below the core, in metre; negative where the line ends below it.
+    pub svkx_m: f64,
 }
 
 /// Volumes per area.
@@ -49,23 +59,25 @@ pub(super) struct Volumes {
 }
 
 impl MaterialRatio {
-    /// The curve of heights in metre, in any order, none of them NaN.
+    /// The curve of heights in metre, in any order; NaN are missing.
     ///
     /// # Panics
-    /// If there is no height.
-    pub fn of(heights_m: impl Iterator<Item = f64>) -> Self {
-        let mut descending_m: Vec<f64> = heights_m.collect();
-        descending_m.sort_unstable_by(|a, b| b.total_cmp(a));
+    /// If no height is present.
+    pub fn of(heights_m: &[f64]) -> Self {
+        Self::about(heights_m, 0.0)
+    }
+
+    /// The curve of heights counted from `origin_m`.
+    pub(super) fn about(heights_m: &[f64], origin_m: f64) -> Self {
+        let descending_m = sorted(heights_m, origin_m, Order::Descending);
         assert!(!descending_m.is_empty(), "a material ratio curve needs heights");
-        let n = descending_m.len() as f64;
-        let mut integral_m = Vec::with_capacity(descending_m.len());
-        let mut reached = 0.5 * descending_m[0] / n;
-        integral_m.push(reached);
-        for pair in descending_m.windows(2) {
-            reached += 0.5 * (pair[0] + pair[1]) / n;
-            integral_m.push(reached);
+        let mut sums_m = vec![0.0];
+        let mut reached = 0.0;
+        for sum in blocks::map(&descending_m, |block| blocks::sum_present(block).0) {
+            reached += sum;
+            sums_m.push(reached);
         }
-        Self { descending_m, integral_m }
+        Self { descending_m, sums_m }
     }
 
     /// Height in metre at a material ratio from 0 to 1.
@@ -110,62 +122,132 @@ impl MaterialRatio {
             return ratio * self.descending_m[0];
         }
         let (left, along) = self.place(ratio);
+        // Trapezoids from the highest to the one on the left: all heights in full, but half of the last.
+        let block = left / BLOCK;
+        let heights = self.sums_m[block] + self.descending_m[block * BLOCK..=left].iter().sum::<f64>();
+        let trapezoids = (heights - 0.5 * self.descending_m[left]) / n;
         let trapezoid = 0.5 * (self.descending_m[left] + self.height_m(ratio)) * along / n;
         let beyond = (ratio - (1.0 - first)).max(0.0) * self.descending_m[self.descending_m.len() - 1];
-        self.integral_m[left] + trapezoid + beyond
+        trapezoids + trapezoid + beyond
     }
 
-    /// The ratio at which the secant over 40 % starts that falls least.
+    /// The ratio at which the secant over 40 % starts that falls least, the first where there are several.
     ///
     /// The fall is piecewise linear in the start, so its least value lies where either end meets a height. The level ends
     /// of the curve, half a step long, are no part of the surface's shape and are kept out.
     fn flattest_secant(&self) -> f64 {
-        let n = self.descending_m.len();
-        let ratio = |i: usize| (i as f64 + 0.5) / n as f64;
-        let (first, last) = (ratio(0), ratio(n - 1) - SECANT);
-        let starts = (0..n).map(ratio).chain((0..n).map(|i| ratio(i) - SECANT));
-        let fall = |start: f64| self.height_m(start) - self.height_m(start + SECANT);
-        starts
-            .filter(|start| (first..=last).contains(start))
-            .map(|start| (start, fall(start)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(0.5 * (1.0 - SECANT), |(start, _)| start)
+        let z = self.descending_m.as_slice();
+        let n = z.len();
+        // 40 % are `whole` steps and a `part`: ends lie between heights at the same place everywhere.
+        let (whole, part) = ((CORE * n as f64).floor() as usize, (CORE * n as f64).fract());
+        let between = usize::from(part > 0.0);
+        let count = n.saturating_sub(whole + between);
+        // Secants that start at a height: their end lies a part of a step after the height `whole` further on.
+        let of_starts = |first: usize| {
+            let (starts, ends, next) = (&z[first..count], &z[first + whole..], &z[first + whole + between..]);
+            let falls =
+                starts.iter().zip(ends).zip(next).map(|((start, end), next)| start - (end + part * (next - end)));
+            least(falls.take(BLOCK)).map(|(place, fall)| (fall, (first + place) as f64))
+        };
+        // Secants that end at a height, where that is not the same: their start lies as far before one.
+        let of_ends = |first: usize| {
+            let (before, starts, ends) = (&z[first..count], &z[first + between..], &z[first + whole + between..]);
+            let falls =
+                before.iter().zip(starts).zip(ends).map(|((before, start), end)| start + part * (before - start) - end);
+            least(falls.take(BLOCK)).map(|(place, fall)| (fall, (first + place + between) as f64 - part))
+        };
+        let both = |first: usize| [of_starts(first), of_ends(first)];
+        let found: Vec<[Option<(f64, f64)>; 2]> = if n < blocks::SHARED_FROM {
+            (0..count).step_by(BLOCK).map(both).collect()
+        } else {
+            (0..count.div_ceil(BLOCK)).into_par_iter().map(|block| both(block * BLOCK)).collect()
+        };
+        let first = found.into_iter().flatten().flatten().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        first.map_or(0.5 * (1.0 - CORE), |(_, steps)| (steps + 0.5) / n as f64)
     }
 
     /// Sk, Spk, Svk, Smrk1 and Smrk2: the equivalent line, continued to the ratios 0 and 1, bounds the core; the peaks
     /// above and the dales below are turned into triangles of equal area (ISO 13565-2).
     pub fn core(&self, line: EquivalentLine) -> Core {
+        let [core] = self.cores([line]);
+        core
+    }
+
+    /// The cores of several lines through the same part of the curve.
+    pub(super) fn cores<const N: usize>(&self, lines: [EquivalentLine; N]) -> [Core; N] {
         let start = self.flattest_secant();
-        let (slope_m, upper_m) = match line {
-            EquivalentLine::Secant => {
-                let slope_m = (self.height_m(start) - self.height_m(start + SECANT)) / SECANT;
-                (slope_m, self.height_m(start) + slope_m * start)
-            }
-            EquivalentLine::LeastSquares => self.least_squares(start),
-        };
-        let lower_m = upper_m - slope_m;
+        lines.map(|line| {
+            let (slope_m, upper_m) = match line {
+                EquivalentLine::LeastSquares => self.least_squares(start),
+                EquivalentLine::Secant => {
+                    let slope_m = (self.height_m(start) - self.height_m(start + CORE)) / CORE;
+                    (slope_m, self.height_m(start) + slope_m * start)
+                }
+            };
+            self.core_between(upper_m, upper_m - slope_m)
+        })
+    }
+
+    fn core_between(&self, upper_m: f64, lower_m: f64) -> Core {
         let (smrk1, smrk2) = (self.ratio_above(upper_m), self.ratio(lower_m));
         let peaks_m = self.integral_to(smrk1) - upper_m * smrk1;
         let dales_m = lower_m * (1.0 - smrk2) - (self.integral_to(1.0) - self.integral_to(smrk2));
         let triangle = |area_m: f64, base: f64| if base > 0.0 { (2.0 * area_m / base).max(0.0) } else { 0.0 };
-        Core { sk_m: slope_m, spk_m: triangle(peaks_m, smrk1), svk_m: triangle(dales_m, 1.0 - smrk2), smrk1, smrk2 }
+        Core {
+            sk_m: upper_m - lower_m,
+            spk_m: triangle(peaks_m, smrk1),
+            svk_m: triangle(dales_m, 1.0 - smrk2),
+            smrk1,
+            smrk2,
+            spkx_m: self.descending_m[0] - upper_m,
+            svkx_m: lower_m - self.descending_m[self.descending_m.len() - 1],
+        }
     }
 
-    /// Fall per unit of ratio, and height at ratio 0, of the least-squares line over 40 % from `start`. At least the two
-    /// ends of the secant are fitted.
+    /// Fall per unit of ratio, and height at ratio 0, of the line that deviates least in height, in the mean square over the
+    /// ratios from `start` to `start` + 40 %: slope 12 ∫ (r − r̄) z dr/w³ about the mean height ∫ z dr/w, w = 40 %.
     fn least_squares(&self, start: f64) -> (f64, f64) {
+        // Counted from its first height, a level stretch has no rounding, and its line no slope.
+        let (middle, level_m) = (start + 0.5 * CORE, self.height_m(start));
+        let (area_m, moment_m) = self.integrals(start, start + CORE, middle, level_m);
+        let slope_m = -12.0 * moment_m / CORE.powi(3);
+        (slope_m, level_m + area_m / CORE + slope_m * middle)
+    }
+
+    /// ∫ (z − `level_m`) dr and ∫ (r − `centre`)(z − `level_m`) dr from one ratio to another.
+    ///
+    /// Of a straight piece of width h the second is the trapezoid of the product, less h²/6 times the rise of z.
+    fn integrals(&self, from: f64, to: f64, centre: f64, level_m: f64) -> (f64, f64) {
         let n = self.descending_m.len() as f64;
-        let ends = [start, start + SECANT].map(|ratio| (ratio, self.height_m(ratio)));
-        let ratios = self.descending_m.iter().enumerate().map(|(i, z)| ((i as f64 + 0.5) / n, *z));
-        let points: Vec<(f64, f64)> =
-            ratios.filter(|(ratio, _)| *ratio > ends[0].0 && *ratio < ends[1].0).chain(ends).collect();
-        let count = points.len() as f64;
-        let (ratio, height) = points.iter().fold((0.0, 0.0), |(r, z), p| (r + p.0 / count, z + p.1 / count));
-        let (both, square) = points.iter().fold((0.0, 0.0), |(both, square), p| {
-            (both + (p.0 - ratio) * (p.1 - height), square + (p.0 - ratio).powi(2))
+        let trapezoid = |(r0, z0): (f64, f64), (r1, z1): (f64, f64)| {
+            let (width, product) = (r1 - r0, (r0 - centre) * z0 + (r1 - centre) * z1);
+            (0.5 * width * (z0 + z1), 0.5 * width * product - width * width * (z1 - z0) / 6.0)
+        };
+        let point = |i: usize| ((i as f64 + 0.5) / n, self.descending_m[i] - level_m);
+        let [start, end] = [from, to].map(|ratio| (ratio, self.height_m(ratio) - level_m));
+        // Heights strictly between the ends.
+        let first = (from * n - 0.5).floor() as usize + 1;
+        let last = ((to * n - 0.5).ceil() as usize).min(self.descending_m.len());
+        if first >= last {
+            return trapezoid(start, end);
+        }
+        let inner = &self.descending_m[first..last];
+        // Sums of z and of z times its place, block by block; half of the first and the last belong to the ends.
+        let sums: Vec<(f64, f64)> = blocks::map(inner, |block| {
+            let terms = block.iter().zip(0..).map(|(z, place)| (z - level_m, f64::from(place)));
+            terms.fold((0.0, 0.0), |(sum, moment), (z, place)| (sum + z, moment + place * z))
         });
-        let slope_m = -both / square;
-        (slope_m, height + slope_m * ratio)
+        let (mut area, mut moment) = (0.0, 0.0);
+        for (block, (sum, own)) in sums.into_iter().enumerate() {
+            area += sum / n;
+            moment += ((point(first + block * BLOCK).0 - centre) * sum + own / n) / n;
+        }
+        let (head, tail) = (point(first), point(last - 1));
+        area -= 0.5 * (head.1 + tail.1) / n;
+        moment -=
+            0.5 * ((head.0 - centre) * head.1 + (tail.0 - centre) * tail.1) / n + (tail.1 - head.1) / (6.0 * n * n);
+        let ends = [trapezoid(start, head), trapezoid(tail, end)];
+        (area + ends[0].0 + ends[1].0, moment + ends[0].1 + ends[1].1)
     }
 
     /// Material above and void below the heights at two ratios, p < q.
@@ -182,72 +264,16 @@ impl MaterialRatio {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::law::standard_normal_quantile;
-
-    #[test]
-    fn the_curve_and_its_integral_by_hand() {
-        let curve = MaterialRatio::of([1.0, 4.0, 2.0, 3.0].into_iter());
-        assert_eq!([0.0, 0.125, 0.5, 0.875, 1.0].map(|r| curve.height_m(r)), [4.0, 4.0, 2.5, 1.0, 1.0]);
-        assert_eq!([5.0, 4.0, 2.5, 1.0, 0.0].map(|z| curve.ratio(z)), [0.0, 0.125, 0.5, 1.0, 1.0]);
-        assert!((curve.integral_to(1.0) - 2.5).abs() < 1e-15, "the mean height");
-        assert!((curve.integral_to(0.5) - (0.125 * 4.0 + 0.375 * 3.25)).abs() < 1e-15);
-        assert!((curve.integral_to(0.0625) - 0.25).abs() < 1e-15);
-    }
-
-    /// Of normal heights the flattest secant spans 30 % to 70 %; all else follows from φ and Φ in closed form.
-    #[test]
-    fn normal_heights_have_the_closed_form_sk_family_and_volumes() {
-        let n = 400_000;
-        let curve = MaterialRatio::of((0..n).map(|i| standard_normal_quantile((f64::from(i) + 0.5) / f64::from(n))));
-        let (core, volumes) = (curve.core(EquivalentLine::Secant), curve.volumes(0.1, 0.8));
-        // The flattest secant is flat to second order in its start, so interpolation leaves about 1e-6 of the ends'.
-        for (name, found, wanted) in [
-            ("Sk", core.sk_m, 2.6220025635402036),
-            ("Spk", core.spk_m, 0.9369847010811971),
-            ("Svk", core.svk_m, 0.9369847010811971),
-            ("Smrk1", core.smrk1, 0.09492866528212707),
-            ("Smrk2", core.smrk2, 1.0 - 0.09492866528212707),
-            ("Vmp", volumes.peak_material_m, 0.04734317537802668),
-            ("Vmc", volumes.core_material_m, 0.9059157318881131),
-            ("Vvc", volumes.core_void_m, 1.2172570672294016),
-            ("Vvv", volumes.dale_void_m, 0.11163767369322544),
-            ("Sxp", curve.height_m(0.025) - curve.height_m(0.5), 1.9599639845400545),
-        ] {
-            assert!((found / wanted - 1.0).abs() < 1e-4, "{name} = {found}, not {wanted}");
+/// The first of the least values and its place.
+fn least(values: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
+    let mut found: Option<(usize, f64)> = None;
+    for (place, value) in values.enumerate() {
+        if found.is_none_or(|(_, least)| value < least) {
+            found = Some((place, value));
         }
     }
-
-    #[test]
-    fn the_least_squares_line_of_normal_heights_has_its_closed_form() {
-        // Slope ∫(p − ½) z dp / ∫(p − ½)² dp over 30 % to 70 %, by ∫ z Φ φ dz = −φΦ + Φ(√2 z)/(2√π).
-        let z = standard_normal_quantile(0.7);
-        let phi = |z: f64| crate::law::standard_normal_pdf(z);
-        let cdf = crate::law::standard_normal_cdf;
-        let above = -0.4 * phi(z) + (2.0 * cdf(2.0_f64.sqrt() * z) - 1.0) / (2.0 * std::f64::consts::PI.sqrt());
-        let wanted = above / (2.0 * 0.2_f64.powi(3) / 3.0);
-        let n = 100_000;
-        let curve = MaterialRatio::of((0..n).map(|i| standard_normal_quantile((f64::from(i) + 0.5) / f64::from(n))));
-        let found = curve.core(EquivalentLine::LeastSquares).sk_m;
-        assert!((found / wanted - 1.0).abs() < 1e-4, "{found}, not {wanted}");
-        assert!((wanted / 2.6220025635402036 - 0.98).abs() < 0.005, "2 % below the secant");
-    }
-
-    #[test]
-    fn a_ramp_is_all_core() {
-        let core = MaterialRatio::of((0..1000).map(f64::from)).core(EquivalentLine::Secant);
-        assert!((core.sk_m - 1000.0).abs() < 1e-9);
-        assert!(core.spk_m < 1e-9 && core.svk_m < 1e-9 && core.smrk1 < 1e-9 && core.smrk2 > 1.0 - 1e-9);
-    }
-
-    #[test]
-    fn a_plateau_with_dales_has_no_core_height() {
-        // Three quarters at height 0, the rest falling to −1: the flattest secant is level.
-        let core = MaterialRatio::of((0..1000).map(|i| if i < 750 { 0.0 } else { f64::from(749 - i) / 250.0 }));
-        let core = core.core(EquivalentLine::Secant);
-        assert_eq!((core.sk_m, core.spk_m), (0.0, 0.0));
-        assert!((core.smrk2 - 0.75).abs() < 2e-3 && (core.svk_m - 1.0).abs() < 0.01, "{core:?}");
-    }
+    found
 }
+
+#[cfg(test)]
+mod tests;

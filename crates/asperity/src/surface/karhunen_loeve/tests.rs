@@ -1,6 +1,6 @@
 use super::profile::dense_eigenpairs;
 use super::*;
-use crate::correlation::{CorrelationModel, SeparableCovariance};
+use crate::correlation::{CorrelationModel, Rotated, SeparableCovariance};
 use crate::random;
 
 fn unit(model: CorrelationModel, length_x_m: f64, length_y_m: f64) -> Covariance {
@@ -12,9 +12,17 @@ fn dense(covariance: &dyn StationaryCovariance, grid: Grid) -> Vec<f64> {
     let place = |i: usize| ((i % grid.nx()) as f64 * grid.dx_m(), (i / grid.nx()) as f64 * grid.dy_m());
     let entry = |i: usize, j: usize| {
         let ((xi, yi), (xj, yj)) = (place(i), place(j));
-        grid.cell_area_m2() * covariance.correlation((xi - xj).abs(), (yi - yj).abs())
+        grid.cell_area_m2() * covariance.correlation(xi - xj, yi - yj)
     };
     dense_eigenpairs(grid.points(), entry).unwrap().0
+}
+
+/// Functions as rows of ny·nx values.
+fn functions(found: &ClassModes) -> Array2<f64> {
+    let count = found.eigenvalues_m2.len();
+    let rows: Vec<Vec<f64>> =
+        (0..count).map(|j| found.superpose((0..count).map(|k| f64::from(u8::from(j == k))))).collect();
+    Array2::from_shape_fn((count, rows[0].len()), |(j, i)| rows[j][i])
 }
 
 fn assert_orthonormal(surface: &KarhunenLoeve) {
@@ -60,6 +68,74 @@ fn products_of_the_closed_form_are_the_separable_spectrum() {
 }
 
 #[test]
+fn the_separable_exponential_has_its_published_spectrum_on_the_unit_square() {
+    // Products of the closed-form eigenvalues of e^{−5|x−y|}.
+    let published = [
+        0.109_508_446_799_123_1,
+        0.069_419_234_116_789_88,
+        0.069_419_234_116_789_88,
+        0.044_006_012_378_218_42,
+        0.041_002_987_465_165_8,
+        0.041_002_987_465_165_8,
+        0.025_992_478_840_955_84,
+        0.025_992_478_840_955_84,
+        0.025_138_512_839_319_3,
+        0.025_138_512_839_319_3,
+        0.016_420_885_587_705_82,
+        0.016_420_885_587_705_82,
+    ];
+    let covariance = unit(CorrelationModel::Exponential, 0.2, 0.2);
+    let found = [256, 512].map(|n| modes(&covariance, &[1.0, 1.0], &[n, n], 101, ModesRoute::Separable).unwrap());
+    for (value, wanted) in found[1].eigenvalues.iter().zip(published) {
+        assert!((value / wanted - 1.0).abs() < 2e-4, "{value} {wanted}");
+    }
+    let errors = found.map(|found| (found.captured_variance - 0.838_697_221_059_422_5).abs());
+    assert!(errors[1] < 2e-4 && ((errors[0] / errors[1]).log2() - 2.0).abs() < 0.05, "{errors:?}");
+}
+
+#[test]
+fn a_hundred_and_one_modes_by_iteration_are_those_of_the_dense_problem_without_duplicates() {
+    // A constant start vector, or a single one, would return pairs of equal eigenvalues twice or once too few.
+    let grid = Grid::covering(64, 64, 1.0, 1.0).unwrap();
+    for covariance in
+        [unit(CorrelationModel::Exponential, 0.2, 0.2), unit(CorrelationModel::Matern { nu: 1.5 }, 0.2, 0.2)]
+    {
+        let wanted = general::dense_modes(&covariance, grid, 101).unwrap().eigenvalues_m2;
+        let found = general::iterated_modes(&covariance, grid, 101).unwrap();
+        assert!(found.eigenvalues_m2.iter().zip(&wanted).all(|(f, w)| (f - w).abs() < 1e-12 * wanted[0]));
+        let vectors = functions(&found);
+        let gram = vectors.dot(&vectors.t()) * grid.cell_area_m2();
+        assert!(gram.indexed_iter().all(|((i, j), v)| (v - f64::from(u8::from(i == j))).abs() < 1e-11));
+    }
+}
+
+#[test]
+fn an_oblique_lay_keeps_its_angle_in_the_modes() {
+    let grid = Grid::new(13, 10, 1.0, 0.8).unwrap();
+    let covariance = Rotated::new(unit(CorrelationModel::Matern { nu: 1.5 }, 6.0, 2.0), 0.6).unwrap();
+    let wanted = dense(&covariance, grid);
+    for method in [general::dense_modes, general::iterated_modes] {
+        let found = method(&covariance, grid, 40).unwrap();
+        assert!(found.eigenvalues_m2.iter().zip(&wanted).all(|(f, w)| (f - w).abs() < 1e-11 * wanted[0]));
+        let vectors = functions(&found);
+        let gram = vectors.dot(&vectors.t()) * grid.cell_area_m2();
+        assert!(gram.indexed_iter().all(|((i, j), v)| (v - f64::from(u8::from(i == j))).abs() < 1e-11));
+        // All modes rebuild the covariance, which is not that of mirrored lags.
+        let all = method(&covariance, grid, grid.points()).unwrap();
+        let here = all.values_at(4 * 13 + 6);
+        let met = all.superpose(all.eigenvalues_m2.iter().zip(here).map(|(value, phi)| value * phi));
+        for (place, value) in met.iter().enumerate() {
+            let (x, y) = ((place % 13) as f64 - 6.0, 0.8 * ((place / 13) as f64 - 4.0));
+            assert!((value - covariance.correlation(x, y)).abs() < 1e-11);
+        }
+        assert!((covariance.correlation(3.0, 2.4) - covariance.correlation(-3.0, 2.4)).abs() > 0.2);
+    }
+    let periodic = KarhunenLoeve::new(&covariance, grid, grid.points(), ModesRoute::Periodic).unwrap();
+    let met = periodic.covariance_with_m2(4, 6);
+    assert!((met[[6, 8]] - met[[2, 4]]).abs() < 1e-12 && met[[6, 8]] > met[[6, 4]] + 0.2);
+}
+
+#[test]
 fn both_general_methods_give_the_dense_eigenvalues_also_where_they_are_equal() {
     let grids = [Grid::new(16, 16, 1.0, 1.0), Grid::new(20, 11, 0.5, 1.0), Grid::new(9, 13, 1.0, 1.0)];
     for grid in grids.map(Result::unwrap) {
@@ -70,8 +146,9 @@ fn both_general_methods_give_the_dense_eigenvalues_also_where_they_are_equal() {
         ] {
             let wanted = dense(&covariance, grid);
             for method in [general::dense_modes, general::iterated_modes] {
-                let (values, vectors) = method(&covariance, grid, 40).unwrap();
-                for (j, (f, w)) in values.iter().zip(&wanted).enumerate() {
+                let found = method(&covariance, grid, 40).unwrap();
+                let vectors = functions(&found);
+                for (j, (f, w)) in found.eigenvalues_m2.iter().zip(&wanted).enumerate() {
                     assert!((f - w).abs() < 1e-11 * wanted[0], "{covariance:?} mode {j}: {f} {w}");
                 }
                 let gram = vectors.dot(&vectors.t()) * grid.cell_area_m2();
@@ -88,8 +165,9 @@ fn both_general_methods_span_the_same_field() {
     let covariance = unit(CorrelationModel::Matern { nu: 0.8 }, 5.0, 5.0);
     let all = dense(&covariance, grid);
     let count = (25..45).find(|&m| all[m - 1] - all[m] > 1e-4 * all[0]).unwrap();
-    let field = |(values, vectors): (Vec<f64>, Array2<f64>)| {
-        let weighted = Array2::from_shape_fn(vectors.dim(), |(j, i)| values[j] * vectors[[j, i]]);
+    let field = |found: ClassModes| {
+        let vectors = functions(&found);
+        let weighted = Array2::from_shape_fn(vectors.dim(), |(j, i)| found.eigenvalues_m2[j] * vectors[[j, i]]);
         vectors.t().dot(&weighted)
     };
     let a = field(general::dense_modes(&covariance, grid, count).unwrap());
@@ -206,7 +284,8 @@ fn modes_do_not_depend_on_the_number_of_threads() {
     for method in [general::dense_modes, general::iterated_modes] {
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| method(&covariance, grid, 25).unwrap())
+            let found = pool.install(|| method(&covariance, grid, 25).unwrap());
+            (functions(&found), found.eigenvalues_m2)
         };
         assert!(with(1) == with(3), "not one bit may differ");
     }

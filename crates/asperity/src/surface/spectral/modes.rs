@@ -36,23 +36,32 @@ pub(in crate::surface) struct WrappedSpectrum {
 
 /// Unclipped eigenvalues of the covariance wrapped onto the periodic `domain`: the transform of ρ at the least image.
 ///
-/// A covariance even in x and y has real eigenvalues with λ(k_x, k_y) = λ(k_x, −k_y); both are imposed against rounding.
+/// ρ is even under a change of both signs, so eigenvalues are real; a mirror-symmetric one has λ(k_x, k_y) = λ(k_x, −k_y).
+/// Both are imposed against rounding. Lags of half the domain have two or four images of equal length; their mean is taken.
 pub(in crate::surface) fn wrapped_eigenvalues_m2(
     covariance: &dyn StationaryCovariance,
     domain: Grid,
     fft: &RealFft2,
 ) -> Vec<f64> {
     let (nx, ny) = (domain.nx(), domain.ny());
-    // Only one quadrant is evaluated: a Bessel function costs more than a transform.
+    let mirrors = covariance.mirror_symmetric();
+    let rho = |column: f64, row: f64| covariance.correlation(column * domain.dx_m(), row * domain.dy_m());
     let mut wrapped = vec![0.0; nx * ny];
+    // Only one quadrant or half plane is evaluated: a Bessel function costs more than a transform.
     for row in 0..=ny / 2 {
         for column in 0..=nx / 2 {
-            let rho = covariance.correlation(column as f64 * domain.dx_m(), row as f64 * domain.dy_m());
-            for r in [row, (ny - row) % ny] {
-                for c in [column, (nx - column) % nx] {
-                    wrapped[r * nx + c] = rho;
-                }
+            let (x, y) = (column as f64, row as f64);
+            let mut same = rho(x, y);
+            let mut crossed = if mirrors || row == 0 || column == 0 { same } else { rho(-x, y) };
+            if 2 * row == ny || 2 * column == nx {
+                same = 0.5 * (same + crossed);
+                crossed = same;
             }
+            let (opposite_row, opposite_column) = ((ny - row) % ny, (nx - column) % nx);
+            wrapped[row * nx + column] = same;
+            wrapped[opposite_row * nx + opposite_column] = same;
+            wrapped[row * nx + opposite_column] = crossed;
+            wrapped[opposite_row * nx + column] = crossed;
         }
     }
     let mut spectrum = fft.spectrum();
@@ -60,7 +69,12 @@ pub(in crate::surface) fn wrapped_eigenvalues_m2(
     let cell = domain.cell_area_m2();
     (0..fft.stored_kx())
         .flat_map(|kx| (0..ny).map(move |ky| (kx, ky)))
-        .map(|(kx, ky)| 0.5 * cell * (spectrum[kx * ny + ky].re + spectrum[kx * ny + (ny - ky) % ny].re))
+        .map(|(kx, ky)| {
+            let here = spectrum[kx * ny + ky].re;
+            // For the mean and Nyquist columns (k_x, −k_y) is also −k: equal for every covariance.
+            let paired = mirrors || kx == 0 || 2 * kx == nx;
+            cell * if paired { 0.5 * (here + spectrum[kx * ny + (ny - ky) % ny].re) } else { here }
+        })
         .collect()
 }
 
@@ -118,6 +132,23 @@ impl FourierModes {
     /// Keeps the first `count` modes.
     pub(in crate::surface) fn truncate(&mut self, count: usize) {
         self.modes.truncate(count);
+    }
+
+    /// The transform of the domain.
+    pub(in crate::surface) fn fft(&self) -> &RealFft2 {
+        &self.fft
+    }
+
+    /// Eigenvalues in m² of all stored wavevectors, laid out as the spectrum of [`RealFft2`]; zero where modes were cut.
+    pub(in crate::surface) fn spectrum_m2(&self) -> Vec<f64> {
+        let mut spectrum = vec![0.0; self.fft.spectrum_len()];
+        for mode in &self.modes {
+            spectrum[mode.place] = mode.eigenvalue_m2;
+            if let Some(mirror) = mode.mirror {
+                spectrum[mirror] = mode.eigenvalue_m2;
+            }
+        }
+        spectrum
     }
 
     /// Number of modes.

@@ -1,0 +1,149 @@
+//! Voids filled and edges extended.
+
+use std::path::{Path, PathBuf};
+
+use asperity::map::HeightMap;
+use asperity::monitor::Monitor;
+use asperity::quantity::Length;
+use asperity::random;
+use asperity::surface::level::Level;
+use asperity::surface::{
+    ConditionalError, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
+    filling_memory_bytes,
+};
+use asperity_formats::Scan;
+use clap::{Args, ValueEnum};
+
+use super::convert::refused;
+use crate::args::{self, OneOrTwo};
+use crate::failure::{Failure, Kind, chain};
+use crate::input::{self, ScanOptions};
+use crate::monitor::Terminal;
+use crate::output::check_target;
+use crate::resources::require_memory;
+
+/// Fills missing heights with random ones that continue the map: given the heights present, with their covariance and
+/// law. Heights that are present stay as they are, bit by bit. What is filled in is one possible surface out of many.
+#[derive(Debug, Args)]
+pub(crate) struct Fill {
+    /// File to read, in any format that `asperity formats` lists; known by its content.
+    input: PathBuf,
+    #[command(flatten)]
+    options: ScanOptions,
+    /// File to write (.x3p, .npy, .txt, .dat, .csv), or, for several maps, the folder of map_0000.x3p, map_0001.x3p, …
+    #[arg(long, value_name = "FILE|DIR")]
+    out: PathBuf,
+    /// Seed of what is filled in.
+    #[arg(long, value_name = "N")]
+    seed: u64,
+    /// Number of maps, all with the same measured heights.
+    #[arg(long, value_name = "K", default_value = "1", value_parser = args::count, allow_hyphen_values = true)]
+    count: usize,
+    /// Length by which the map is continued beyond each of its edges, along x and y.
+    #[arg(long, value_name = "Q[,Q]", value_parser = extension, allow_hyphen_values = true)]
+    extend: Option<OneOrTwo<Length>>,
+    /// Form that is taken out before and put back afterwards: none, mean, plane, quadratic, polynomial:N, cylinder or
+    /// sphere.
+    #[arg(long, value_name = "FORM", default_value = "plane")]
+    level: Level,
+    /// Covariance of what is filled in: the map's own, or the model that fits it best.
+    #[arg(long, value_enum, default_value = "measured")]
+    covariance: Covariance,
+    /// Law of what is filled in: that of the heights present, or the normal one.
+    #[arg(long, value_enum, default_value = "measured")]
+    marginal: Marginal,
+    /// Variance of the measurement noise over that of the heights. Smooth maps need some, such as 1e-4: their heights
+    /// hardly tell neighbours apart.
+    #[arg(long, value_name = "X", default_value = "0", value_parser = args::non_negative, allow_hyphen_values = true)]
+    nugget: f64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Covariance {
+    Measured,
+    Fitted,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Marginal {
+    Measured,
+    Normal,
+}
+
+impl Fill {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let into_folder = self.count > 1 || self.out.is_dir();
+        if !into_folder {
+            check_target("--out", &self.out)?;
+        } else if self.out.is_file() {
+            let message = format!("--out {}: {} maps need a folder, this is a file", self.out.display(), self.count);
+            return Err(Failure::usage(message));
+        }
+        let map = input::map(&self.input, &self.options, monitor)?;
+        let options = self.fill_options(&map);
+        let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
+        require_memory(filling_memory_bytes(sides.iter().map(|n| *n as f64).product()), "filling a map of this size")?;
+        let filling = Filling::new(&map, options).map_err(|e| self.unfilled(&e))?;
+        let (filled, points) = (filling.filled_points(), filling.grid().points());
+        if filled == 0 {
+            monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
+        }
+        if into_folder {
+            std::fs::create_dir_all(&self.out)
+                .map_err(|e| Failure::io(Kind::Runtime, format_args!("cannot make {}", self.out.display()), &e))?;
+        }
+        for index in 0..self.count {
+            monitor.check()?;
+            let path = if into_folder { self.out.join(format!("map_{index:04}.x3p")) } else { self.out.clone() };
+            let mut stream = random::stream(self.seed, "fill", index as u64);
+            let germ = random::standard_normal(&mut stream, filling.germ_len());
+            let drawn = filling.draw(&germ).map_err(|e| self.unfilled(&e.into()))?;
+            write(&drawn, &path)?;
+            monitor.progress("maps", index + 1, self.count);
+        }
+        let share = 100.0 * filled as f64 / points as f64;
+        monitor.note(&format!(
+            "wrote {}: {filled} of {points} heights ({share:.1} %) are filled in, {} are measured",
+            self.out.display(),
+            points - filled
+        ));
+        Ok(())
+    }
+
+    fn fill_options(&self, map: &HeightMap) -> FillOptions {
+        let (x, y) = self.extend.map_or((0.0, 0.0), |pair| (pair.both().0.0, pair.both().1.0));
+        FillOptions {
+            level: self.level,
+            extend_x: (x / map.grid().dx_m()).ceil() as usize,
+            extend_y: (y / map.grid().dy_m()).ceil() as usize,
+            covariance: match self.covariance {
+                Covariance::Measured => FillCovariance::Measured,
+                Covariance::Fitted => FillCovariance::Fitted,
+            },
+            marginal: match self.marginal {
+                Marginal::Measured => FillMarginal::Measured,
+                Marginal::Normal => FillMarginal::Normal,
+            },
+            nugget: self.nugget,
+        }
+    }
+
+    fn unfilled(&self, error: &FillError) -> Failure {
+        let kind = match error {
+            FillError::Conditional(ConditionalError::NotConverged { .. }) => Kind::NotConverged,
+            FillError::Conditional(ConditionalError::Parameter { .. }) => Kind::Usage,
+            _ => Kind::Data,
+        };
+        Failure::new(kind, format!("{}: {}", self.input.display(), chain(error)))
+    }
+}
+
+fn extension(text: &str) -> Result<OneOrTwo<Length>, args::Refusal> {
+    args::pair(text, args::non_negative_quantity)
+}
+
+fn write(map: &HeightMap, path: &Path) -> Result<(), Failure> {
+    let grid = map.grid();
+    let scan = Scan::new(map.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
+    asperity_formats::write(&scan, path).map_err(|e| refused(&e))
+}

@@ -1,0 +1,160 @@
+//! `asperity formats`, and files of many formats on their way through the program.
+
+use std::fs;
+
+use asperity_formats::read;
+use ndarray::{Array2, array};
+use tempfile::TempDir;
+
+use crate::support::{asperity, asperity_in, listing, npy, number};
+
+fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+#[test]
+fn the_table_names_every_format_and_what_it_was_tried_on() {
+    let table = asperity("formats");
+    assert_eq!((table.code, table.stderr.as_str()), (0, ""));
+    let json = asperity("formats --json").json(0);
+    let formats = json["formats"].as_array().unwrap();
+    assert!(formats.len() >= 20, "{} formats", formats.len());
+    for format in formats {
+        let name = format["name"].as_str().unwrap();
+        let line = table.stdout.lines().find(|line| line.starts_with(name));
+        let extension = format["extensions"][0].as_str().unwrap();
+        assert!(line.is_some_and(|line| line.contains(&format!(".{extension}"))), "{name}: {line:?}");
+        assert!(table.stdout.contains(format["tested_on"].as_str().unwrap()));
+    }
+    let written: Vec<&str> =
+        formats.iter().filter(|format| format["writes"] != "").map(|format| format["name"].as_str().unwrap()).collect();
+    for wanted in ["X3P", "SUR", "SDF", "GWY", "NPY", "text"] {
+        assert!(written.contains(&wanted), "{wanted} is not among {written:?}");
+    }
+}
+
+/// Heights of micrometres with two missing ones, not square, on pixels that are not square either.
+fn map() -> Array2<f64> {
+    let mut heights = Array2::from_shape_fn((7, 9), |(row, column)| 1e-6 * ((row * 9 + column) as f64).sin());
+    heights[[0, 3]] = f64::NAN;
+    heights[[6, 8]] = f64::NAN;
+    heights
+}
+
+#[test]
+fn a_map_goes_through_every_written_format_and_comes_back() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "map.npy", map());
+    for (name, steps) in [
+        ("a.x3p", 0.0),
+        ("a.sur", 1.0 / 2_f64.powi(30)),
+        ("a.sdf", 0.0),
+        ("a.gwy", 0.0),
+        ("a.txt", 0.0),
+        ("a.csv", 0.0),
+    ] {
+        let convert = format!("surface convert map.npy {name} --pixel-size 2um,3um");
+        let ended = asperity_in(folder.path(), &words(&convert));
+        assert_eq!(ended.code, 0, "{name}: {ended:?}");
+        let scan = read(&folder.path().join(name)).unwrap();
+        let (dx_m, dy_m) = scan.pitch_m.unwrap();
+        // SUR holds pitches as f32.
+        assert!((dx_m / 2e-6 - 1.0).abs() < 1e-7 && (dy_m / 3e-6 - 1.0).abs() < 1e-7, "{name}: {dx_m} × {dy_m}");
+        let tolerance_m = 2e-6 * steps + 1e-21;
+        for (found, wanted) in scan.heights_m.iter().zip(&map()) {
+            assert!(
+                found.is_nan() && wanted.is_nan() || (found - wanted).abs() <= tolerance_m,
+                "{name}: {found} {wanted}"
+            );
+        }
+        let stats = asperity_in(folder.path(), &words(&format!("surface stats {name} --json"))).json(0);
+        assert_eq!((number(&stats, "nx"), number(&stats, "ny"), number(&stats, "missing_points")), (9.0, 7.0, 2.0));
+    }
+    let image = asperity_in(folder.path(), &words("surface convert map.npy a.vti --pixel-size 2um,3um"));
+    assert_eq!(image.code, 0, "{image:?}");
+    assert!(fs::read_to_string(folder.path().join("a.vti")).unwrap().contains("ImageData"));
+}
+
+#[test]
+fn a_map_of_several_is_chosen_by_name_or_number() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "map.npy", Array2::from_shape_fn((16, 16), |(row, column)| 1e-7 * (row * column % 7) as f64));
+    let press =
+        "contact map.npy --pixel-size 1um --youngs-modulus 1GPa --boundary periodic --mean-pressure 1MPa --out f.npz";
+    assert_eq!(asperity_in(folder.path(), &words(press)).code, 0);
+    let first = asperity_in(folder.path(), &words("surface convert f.npz a.npy"));
+    assert!(first.stderr.contains("warning: f.npz: the file holds 3 height maps"), "{first:?}");
+    let gap = asperity_in(folder.path(), &words("surface convert f.npz b.npy --channel gap_m"));
+    assert!(gap.code == 0 && !gap.stderr.contains("height maps"), "{gap:?}");
+    let names = ["displacement_m", "gap_m", "plastic_displacement_m"];
+    let place = names.iter().position(|name| *name == "gap_m").unwrap() + 1;
+    let by_number = asperity_in(folder.path(), &words(&format!("surface convert f.npz c.npy --channel {place}")));
+    assert_eq!(by_number.code, 0, "{by_number:?}");
+    let heights = |name: &str| read(&folder.path().join(name)).unwrap().heights_m;
+    assert_eq!(heights("b.npy"), heights("c.npy"));
+    assert!(heights("b.npy").iter().all(|gap| *gap >= 0.0));
+    assert_ne!(heights("a.npy"), heights("b.npy"));
+    let before = listing(folder.path());
+    for wrong in ["pressure_pa", "4", "0"] {
+        asperity_in(folder.path(), &words(&format!("surface convert f.npz d.npy --channel {wrong}")))
+            .refuses(2, &["f.npz", "gap_m", wrong]);
+    }
+    assert_eq!(listing(folder.path()), before);
+}
+
+#[test]
+fn a_study_names_the_map_of_a_file() {
+    let folder = TempDir::new().unwrap();
+    let rough = |seed: usize| {
+        Array2::from_shape_fn((32, 32), |(row, column)| {
+            1e-7 * (((row * 31 + column * 17 + seed) * 2_654_435_761 % 1000) as f64 / 1000.0)
+        })
+    };
+    npy(folder.path(), "a.npy", rough(1));
+    npy(folder.path(), "b.npy", rough(5) * 3.0);
+    let mut archive = zip::ZipWriter::new(fs::File::create(folder.path().join("two.npz")).unwrap());
+    for name in ["a", "b"] {
+        archive.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut archive, &fs::read(folder.path().join(format!("{name}.npy"))).unwrap()).unwrap();
+    }
+    archive.finish().unwrap();
+    let study = |channel: &str| {
+        let text = format!(
+            "seed = 1\n[surface]\nfile = \"two.npz\"\nchannel = \"{channel}\"\npixel_size = [\"1 um\", \"1 um\"]\n\
+             covariance = \"exponential\"\ncorrelation_length = [\"3 um\", \"3 um\"]\n"
+        );
+        fs::write(folder.path().join("study.toml"), text).unwrap();
+        asperity_in(folder.path(), &words("run study.toml --out out --force --json"))
+    };
+    let sq = |channel: &str| number(&study(channel).json(0)["surface"], "Sq_m");
+    let (first, second) = (sq("a"), sq("b"));
+    assert!((second / first - 3.0).abs() < 0.2, "{first:e} {second:e}");
+    assert_eq!(sq("2"), second);
+    study("c").refuses(2, &["two.npz", "`a`, `b`"]);
+}
+
+#[test]
+fn a_file_in_a_gzip_stream_is_read_and_a_damaged_one_refused() {
+    let folder = TempDir::new().unwrap();
+    // Stored without compression (RFC 1951 block of type 0 in RFC 1952); the sum is that of `1e-6 2e-6\n2e-6 1e-6\n`.
+    let text = b"1e-6 2e-6\n2e-6 1e-6\n";
+    let mut bytes = vec![0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255, 1];
+    bytes.extend((text.len() as u16).to_le_bytes());
+    bytes.extend((!(text.len() as u16)).to_le_bytes());
+    bytes.extend(text);
+    bytes.extend(crc32(text).to_le_bytes());
+    bytes.extend((text.len() as u32).to_le_bytes());
+    fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
+    let ended = asperity_in(folder.path(), &words("surface convert map.txt.gz map.npy"));
+    assert_eq!(ended.code, 0, "{ended:?}");
+    assert_eq!(read(&folder.path().join("map.npy")).unwrap().heights_m, array![[1e-6, 2e-6], [2e-6, 1e-6]]);
+    bytes[20] ^= 1;
+    fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
+    asperity_in(folder.path(), &words("surface stats map.txt.gz --pixel-size 1um")).refuses(3, &["map.txt.gz", "gzip"]);
+}
+
+/// CRC-32 of gzip, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), step))
+}

@@ -1,0 +1,81 @@
+//! The blocks of an FRT file.
+
+use std::collections::BTreeMap;
+
+use super::BLOCK_COUNT;
+use crate::FormatError;
+use crate::input::Input;
+
+pub(super) const CURRENT_IMAGE: u16 = 0x000b;
+pub(super) const IMAGE_SIZE: u16 = 0x0066;
+pub(super) const SCAN_SIZE: u16 = 0x0067;
+pub(super) const SENSOR: u16 = 0x006c;
+pub(super) const VALID_VALUES: u16 = 0x0070;
+pub(super) const IMAGES: u16 = 0x007d;
+pub(super) const ROUNDNESS: u16 = 0x009b;
+pub(super) const Z_UNIT: u16 = 0x009f;
+pub(super) const BUFFERS: u16 = 0x00ab;
+
+/// Tags of which a second block would change the heights.
+const ONCE: [u16; 5] = [CURRENT_IMAGE, IMAGE_SIZE, SCAN_SIZE, SENSOR, IMAGES];
+
+/// One block: the file up to its end, and where it starts.
+#[derive(Clone, Copy)]
+pub(super) struct Block<'a> {
+    pub(super) input: Input<'a>,
+    pub(super) start: usize,
+}
+
+impl Block<'_> {
+    pub(super) fn u32(&self, field: &str, offset: usize) -> Result<u32, FormatError> {
+        self.input.u32(field, self.start + offset)
+    }
+
+    pub(super) fn f64(&self, field: &str, offset: usize) -> Result<f64, FormatError> {
+        self.input.f64(field, self.start + offset)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.input.len() - self.start
+    }
+}
+
+/// The blocks of a file by their tags.
+pub(super) type Blocks<'a> = BTreeMap<u16, Block<'a>>;
+
+/// All blocks up to the end of the file.
+pub(super) fn blocks<'a>(
+    input: Input<'a>,
+    size_bytes: usize,
+    warnings: &mut Vec<String>,
+) -> Result<Blocks<'a>, FormatError> {
+    let mut blocks = Blocks::new();
+    let mut place = BLOCK_COUNT + 2;
+    let mut found = 0;
+    while place + 2 + size_bytes <= input.len() {
+        let tag = input.u16("a block's tag", place)?;
+        let field = format!("the size of block {tag:#06x}");
+        let size = match size_bytes {
+            4 => input.u32(&field, place + 2)?.into(),
+            _ => input.u64(&field, place + 2)?,
+        };
+        let start = place + 2 + size_bytes;
+        let size = usize::try_from(size).unwrap_or(usize::MAX);
+        let end = start + input.take(&format!("the bytes of block {tag:#06x}"), start, size)?.len();
+        let block = Block { input: input.up_to(end), start };
+        if blocks.contains_key(&tag) && ONCE.contains(&tag) {
+            return Err(input.wrong("a block's tag", place, format!("{tag:#06x}"), "a tag that did not occur yet"));
+        }
+        blocks.entry(tag).or_insert(block);
+        found += 1;
+        place = end;
+    }
+    if place < input.len() {
+        warnings.push(format!("{} bytes after the last block were left out", input.len() - place));
+    }
+    let stated = input.u16("the number of blocks", BLOCK_COUNT)?;
+    if found != usize::from(stated) {
+        warnings.push(format!("the file states {stated} blocks and holds {found}"));
+    }
+    Ok(blocks)
+}

@@ -1,0 +1,92 @@
+//! The images of an FRT file.
+
+use super::blocks::Block;
+use crate::FormatError;
+use crate::sample::Sample;
+
+/// Bytes before the first image of block 0x007d: what the current image is.
+const IMAGES_HEADER_BYTES: usize = 8;
+/// Bytes before the numbers of an image in block 0x007d.
+const IMAGE_HEADER_BYTES: usize = 16;
+/// The lower bits of a type that stand for a topography.
+pub(super) const TOPOGRAPHY: u32 = 0x0004;
+/// What an image shows, by the lower bits of its type.
+const KINDS: [(u32, &str); 4] =
+    [(TOPOGRAPHY, "Topography"), (0x0080, "Thickness"), (0x0800, "Sample thickness"), (0x1000, "AFM")];
+/// The bits of a type that say what the image shows.
+const KIND_MASK: u32 = 0xffdf;
+/// Flags of a type.
+const FLAGS: [(u32, &str); 3] = [(0x1_0000, "extended"), (0x2_0000, "computed"), (0x20, "filtered")];
+
+/// An image and where its numbers stand.
+#[derive(Clone, Copy)]
+pub(super) struct Image<'a> {
+    kind: u32,
+    pub(super) shape: (usize, usize),
+    pub(super) sample: Sample,
+    pub(super) numbers: Block<'a>,
+}
+
+impl<'a> Image<'a> {
+    /// An image whose size stands at `offset` of `header` and whose numbers start at `numbers.start`.
+    pub(super) fn new(kind: u32, header: Block, offset: usize, numbers: Block<'a>) -> Result<Self, FormatError> {
+        let [x, y, bits] = ["points along x", "points along y", "bits per point"];
+        let at = header.start + offset;
+        let (nx, ny) = (header.u32(x, offset)?, header.u32(y, offset + 4)?);
+        let shape = header.input.shape((y, at + 4, ny.into()), (x, at, nx.into()))?;
+        let sample = match header.u32(bits, offset + 8)? {
+            16 => Sample::U16,
+            32 => Sample::I32,
+            found => return Err(header.input.wrong(bits, at + 8, found, "16 or 32")),
+        };
+        let image = Self { kind, shape, sample, numbers };
+        numbers.input.take("the numbers of an image", numbers.start, image.bytes())?;
+        Ok(image)
+    }
+
+    /// Bytes of its numbers.
+    pub(super) fn bytes(&self) -> usize {
+        self.shape.0 * self.shape.1 * self.sample.size()
+    }
+
+    /// Whether it shows a topography.
+    pub(super) fn is_topography(&self) -> bool {
+        self.kind & KIND_MASK == TOPOGRAPHY
+    }
+
+    /// Its name; `None` where it shows no lengths.
+    pub(super) fn name(&self) -> Option<String> {
+        let (_, kind) = KINDS.into_iter().find(|(kind, _)| self.kind & KIND_MASK == *kind)?;
+        let sensor = match self.kind >> 28 & 3 {
+            0 => "top sensor".to_owned(),
+            1 => "bottom sensor".to_owned(),
+            other => format!("sensor {}", other + 1),
+        };
+        let buffer = (self.kind >> 24 & 0xf) + 1;
+        let flags = FLAGS.iter().filter(|(flag, _)| self.kind & flag != 0);
+        Some(flags.fold(format!("{kind} ({sensor}) {buffer}"), |name, (_, flag)| name + ", " + flag))
+    }
+}
+
+/// The most images of a file; sensors have at most sixteen buffers.
+const MAX_IMAGES: usize = 1 << 12;
+
+/// The images of block 0x007d, whatever they show.
+pub(super) fn images<'a>(block: Block<'a>, warnings: &mut Vec<String>) -> Result<Vec<Image<'a>>, FormatError> {
+    let mut images = Vec::new();
+    let mut offset = IMAGES_HEADER_BYTES;
+    while offset + IMAGE_HEADER_BYTES < block.len() {
+        let kind = block.u32("type of an image", offset)?;
+        let numbers = Block { start: block.start + offset + IMAGE_HEADER_BYTES, ..block };
+        let image = Image::new(kind, block, offset + 4, numbers)?;
+        offset += IMAGE_HEADER_BYTES + image.bytes();
+        images.push(image);
+        if images.len() > MAX_IMAGES {
+            return Err(block.input.too_large("the number of images", block.start, images.len(), MAX_IMAGES));
+        }
+    }
+    if offset < block.len() {
+        warnings.push(format!("{} bytes after the last image were left out", block.len() - offset));
+    }
+    Ok(images)
+}

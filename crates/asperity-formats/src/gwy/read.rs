@@ -1,0 +1,296 @@
+//! From a tree of objects to a scan.
+
+use std::collections::{BTreeMap, HashMap};
+
+use ndarray::Array2;
+
+use super::object::{Component, Object};
+use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
+use crate::error::shown;
+use crate::input::{Input, Room};
+use crate::sample::Sample;
+use crate::selection::{some_of, unique};
+use crate::unit::per_metre;
+use crate::{Format, FormatError, ReadOptions, Scan};
+
+/// Images that one file may hold.
+const MAX_IMAGES: usize = 1 << 16;
+/// The most bytes of a title, which is the name of its image.
+const MAX_TITLE_BYTES: usize = 256;
+/// Mask values above mark a point.
+const MASKED: f64 = 0.5;
+
+/// Where the parts of an image lie in the file.
+#[derive(Default)]
+struct Parts {
+    data: Option<usize>,
+    title: Option<usize>,
+    mask: Option<usize>,
+    meta: Option<usize>,
+}
+
+/// Reads the chosen image.
+///
+/// # Errors
+/// Files of Gwyddion 1, trees that the bytes cannot bear out, files without an image of lengths.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let input = Input::new(Format::Gwy, bytes);
+    if bytes.starts_with(MAGIC_1) {
+        let wanted = "a file that starts with GWYP; Gwyddion saves it again as one";
+        return Err(input.unsupported("the file is of Gwyddion 1 (GWYO)", wanted));
+    }
+    let root = Object::at(input, "root", MAGIC.len(), input.len())?;
+    root.expect(CONTAINER)?;
+    let (images, file_name) = images(&input, &root)?;
+
+    let (mut maps, mut titles, mut others) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, parts) in &images {
+        let Some(data) = parts.data else { continue };
+        let field = object(&input, &format!("/{number}/data"), data)?;
+        let title = parts.title.map(|at| title(&input, at)).filter(|title| !title.is_empty());
+        let title = title.unwrap_or_else(|| format!("/{number}/data"));
+        let units = Units::of(&input, &field)?;
+        if units.per_metre_z().is_some() {
+            maps.push((field, parts, units));
+            titles.push(title);
+        } else {
+            let unit = if units.z.is_empty() { "no unit".into() } else { shown(&units.z) };
+            others.push(format!("`{title}` ({unit})"));
+        }
+    }
+    if maps.is_empty() {
+        let found = match others.as_slice() {
+            [] => "the file holds no image".to_owned(),
+            _ => format!("no image of the file holds lengths: {}", some_of(&others)),
+        };
+        return Err(input.unsupported(found, "an image (/0/data, …) whose z unit is a unit of length"));
+    }
+    let names = unique(titles);
+    let place = options.choose(Format::Gwy, &names)?;
+    let (field, parts, units) = &maps[place];
+    let mut scan = image(&input, field, units)?;
+    if let Some(mask) = parts.mask {
+        apply_mask(&input, &object(&input, "mask", mask)?, &mut scan)?;
+    }
+    if let Some(meta) = parts.meta {
+        add_texts(&input, &object(&input, "meta", meta)?, &mut scan)?;
+    }
+    scan.metadata.insert("title".into(), names[place].clone());
+    if let Some(file_name) = file_name {
+        scan.metadata.insert("filename".into(), file_name);
+    }
+    if options.channel.is_none() && !others.is_empty() {
+        scan.warnings.push(format!("images whose values are no lengths were left out: {}", some_of(&others)));
+    }
+    Ok(scan.with_channels(names, place))
+}
+
+/// The images by number, and the name under which the file was saved.
+fn images(input: &Input, root: &Object) -> Result<(BTreeMap<u32, Parts>, Option<String>), FormatError> {
+    let (mut images, mut file_name) = (BTreeMap::<u32, Parts>::new(), None);
+    for component in root.components() {
+        let component = component?;
+        if component.name == "/filename" {
+            file_name = component.text(input)?;
+        }
+        let Some((number, part)) = image_key(&component.name) else { continue };
+        let parts = images.entry(number).or_default();
+        let (place, kind) = match part {
+            "data" => (&mut parts.data, b'o'),
+            "data/title" => (&mut parts.title, b's'),
+            "mask" => (&mut parts.mask, b'o'),
+            "meta" => (&mut parts.meta, b'o'),
+            _ => continue,
+        };
+        component.expect(input, kind)?;
+        *place = Some(component.value.0);
+        if images.len() > MAX_IMAGES {
+            return Err(input.wrong("number of images", root.start(), images.len(), &format!("at most {MAX_IMAGES}")));
+        }
+    }
+    Ok((images, file_name))
+}
+
+/// The number and the rest of `/0/data` and the like.
+fn image_key(key: &str) -> Option<(u32, &str)> {
+    let (number, rest) = key.strip_prefix('/')?.split_once('/')?;
+    let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
+    Some((number.parse().ok().filter(|_| is_number)?, rest))
+}
+
+/// An object whose place the walk through the root has found.
+fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a>, FormatError> {
+    Object::at(*input, field, offset, input.len())
+}
+
+/// A title whose place the walk through the root has found.
+fn title(input: &Input, offset: usize) -> String {
+    let bytes = input.bytes().get(offset..).unwrap_or_default();
+    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    String::from_utf8_lossy(&bytes[..end.min(MAX_TITLE_BYTES)]).into_owned()
+}
+
+/// The units of an image, empty where none is stated.
+struct Units {
+    xy: String,
+    z: String,
+}
+
+impl Units {
+    fn of(input: &Input, field: &Object) -> Result<Self, FormatError> {
+        field.expect(DATA_FIELD)?;
+        let mut units = Self { xy: String::new(), z: String::new() };
+        for component in field.components() {
+            let component = component?;
+            let unit = match &*component.name {
+                "si_unit_xy" => &mut units.xy,
+                "si_unit_z" => &mut units.z,
+                _ => continue,
+            };
+            component.expect(input, b'o')?;
+            let object = Object::of(*input, &component)?;
+            object.expect(UNIT)?;
+            for part in object.components() {
+                let part = part?;
+                if part.name == "unitstr" {
+                    part.expect(input, b's')?;
+                    *unit = part.text(input)?.unwrap_or_default().trim().to_owned();
+                }
+            }
+        }
+        Ok(units)
+    }
+
+    /// How often the unit of the values goes into a metre, `None` where they are no lengths.
+    fn per_metre_z(&self) -> Option<f64> {
+        if self.states_none() { Some(1.0) } else { per_metre(&self.z) }
+    }
+
+    fn per_metre_xy(&self) -> Option<f64> {
+        if self.states_none() { Some(1.0) } else { per_metre(&self.xy) }
+    }
+
+    fn states_none(&self) -> bool {
+        self.xy.is_empty() && self.z.is_empty()
+    }
+
+    fn warnings(&self, warnings: &mut Vec<String>) {
+        if self.states_none() {
+            warnings.push("the image states no units; its heights and sizes were taken in metre".into());
+        } else if self.per_metre_xy().is_none() {
+            let unit = &self.xy;
+            warnings.push(format!("the lateral unit is `{unit}`, which is no unit of length; no pixel size was read"));
+        }
+        for (unit, what) in [(&self.z, "heights"), (&self.xy, "sizes")] {
+            if per_metre(unit).is_some_and(|per_metre| per_metre != 1.0) {
+                warnings.push(format!("{what} were taken in {unit}; Gwyddion itself leaves prefixes out of account"));
+            }
+        }
+    }
+}
+
+/// The fields of a `GwyDataField`.
+fn fields<'a>(input: &Input<'a>, field: &Object<'a>) -> Result<HashMap<String, Component<'a>>, FormatError> {
+    let mut fields = HashMap::new();
+    for component in field.components() {
+        let component = component?;
+        let kind = match &*component.name {
+            "xres" | "yres" => b'i',
+            "xreal" | "yreal" | "xoff" | "yoff" => b'd',
+            "data" => b'D',
+            _ => continue,
+        };
+        component.expect(input, kind)?;
+        fields.insert(component.name.to_string(), component);
+    }
+    Ok(fields)
+}
+
+/// Rows, columns and the place of the first number.
+fn layout(
+    input: &Input,
+    field: &Object,
+    fields: &HashMap<String, Component>,
+) -> Result<(usize, usize, usize), FormatError> {
+    let required = |name: &str| {
+        let component = fields.get(name).ok_or_else(|| input.missing(name, field.start(), "xres, yres and data"))?;
+        Ok::<_, FormatError>(component.value.0)
+    };
+    let (rows_at, columns_at, data_at) = (required("yres")?, required("xres")?, required("data")?);
+    let rows = ("yres", rows_at, input.i32("yres", rows_at)?.into());
+    let (ny, nx) = input.shape(rows, ("xres", columns_at, input.i32("xres", columns_at)?.into()))?;
+    let count = input.u32("data", data_at)?;
+    if count as usize != nx * ny {
+        let wanted = format!("{nx} × {ny} = {}", nx * ny);
+        return Err(input.wrong("number of values in data", data_at, count, &wanted));
+    }
+    Ok((ny, nx, data_at + 4))
+}
+
+/// The heights and the pitch of an image.
+fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatError> {
+    let fields = fields(input, field)?;
+    let (ny, nx, data_at) = layout(input, field, &fields)?;
+    let per_metre = units.per_metre_z().unwrap_or(1.0);
+    let heights = input.samples_as("data", data_at, nx * ny, Sample::F64, |z| z / per_metre)?;
+    let heights_m =
+        Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong("data", data_at, nx * ny, "xres · yres"))?;
+
+    let number = |name: &str| fields.get(name).map(|component| input.f64(name, component.value.0)).transpose();
+    let (width, height) = (number("xreal")?, number("yreal")?);
+    let mut scan = Scan::new(heights_m, None);
+    units.warnings(&mut scan.warnings);
+    match (width.zip(height), units.per_metre_xy()) {
+        (Some((width, height)), Some(per_metre)) => {
+            scan.pitch_m = Some((width / nx as f64 / per_metre, height / ny as f64 / per_metre));
+        }
+        (None, _) => scan.warnings.push("the image has no xreal or yreal; no pixel size was read".into()),
+        (Some(_), None) => (),
+    }
+    for name in ["xoff", "yoff"] {
+        if let Some(offset) = number(name)?.filter(|&offset| offset != 0.0) {
+            scan.metadata.insert(name.into(), format!("{offset:e} {}", units.xy).trim_end().to_owned());
+        }
+    }
+    Ok(scan)
+}
+
+/// Takes out the heights that the mask marks.
+fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<(), FormatError> {
+    mask.expect(DATA_FIELD)?;
+    let (ny, nx, data_at) = layout(input, mask, &fields(input, mask)?)?;
+    if (ny, nx) != scan.heights_m.dim() {
+        scan.warnings.push(format!("the mask has {nx} × {ny} points, other than the image; it was left out"));
+        return Ok(());
+    }
+    let values = input.samples("data of the mask", data_at, nx * ny, Sample::F64)?;
+    let mut masked = 0_usize;
+    for (z, value) in scan.heights_m.iter_mut().zip(values) {
+        if value > MASKED {
+            *z = f64::NAN;
+            masked += 1;
+        }
+    }
+    if masked > 0 {
+        scan.warnings.push(format!("{masked} points under the mask were read as missing"));
+    }
+    Ok(())
+}
+
+/// Adds the texts of a container to the metadata.
+fn add_texts(input: &Input, meta: &Object, scan: &mut Scan) -> Result<(), FormatError> {
+    meta.expect(CONTAINER)?;
+    let mut room = Room::default();
+    for component in meta.components() {
+        let component = component?;
+        if !room.is_left() {
+            scan.warnings.push("the file holds more metadata than were read".into());
+            break;
+        }
+        if let Some(text) = component.text(input)? {
+            room.take(component.name.len() + text.len());
+            scan.metadata.insert(component.name.into_owned(), text);
+        }
+    }
+    Ok(())
+}

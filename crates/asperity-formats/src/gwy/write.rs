@@ -1,0 +1,147 @@
+//! From a scan to a tree of objects.
+
+use std::mem::size_of;
+
+use super::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
+use crate::{Format, FormatError, Scan};
+
+/// The title of a scan that has none.
+const TITLE: &str = "Height";
+
+/// A file in the making.
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn text(&mut self, text: &str) {
+        self.0.extend(text.bytes().filter(|&byte| byte != 0));
+        self.0.push(0);
+    }
+
+    fn name(&mut self, name: &str, kind: u8) {
+        self.text(name);
+        self.0.push(kind);
+    }
+
+    fn string(&mut self, name: &str, value: &str) {
+        self.name(name, b's');
+        self.text(value);
+    }
+
+    fn integer(&mut self, name: &str, value: i32) {
+        self.name(name, b'i');
+        self.0.extend(value.to_le_bytes());
+    }
+
+    fn double(&mut self, name: &str, value: f64) {
+        self.name(name, b'd');
+        self.0.extend(value.to_le_bytes());
+    }
+
+    /// An object: its type, its size, and what `content` writes.
+    fn object(
+        &mut self,
+        kind: &str,
+        content: impl FnOnce(&mut Self) -> Result<(), FormatError>,
+    ) -> Result<(), FormatError> {
+        self.text(kind);
+        let size_at = self.0.len();
+        self.0.extend([0; size_of::<u32>()]);
+        content(self)?;
+        let size = self.0.len() - size_at - size_of::<u32>();
+        let size = u32::try_from(size)
+            .map_err(|_| not_storable(format!("{size} bytes in one object"), "less than 4 GiB of heights and mask"))?;
+        self.0[size_at..size_at + size_of::<u32>()].copy_from_slice(&size.to_le_bytes());
+        Ok(())
+    }
+
+    fn unit(&mut self, name: &str, unit: &str) -> Result<(), FormatError> {
+        self.name(name, b'o');
+        self.object(UNIT, |writer| {
+            writer.string("unitstr", unit);
+            Ok(())
+        })
+    }
+
+    /// An image or mask of the scan's points.
+    fn field(
+        &mut self,
+        name: &str,
+        scan: &Scan,
+        (width_m, height_m): (f64, f64),
+        unit: &str,
+        value: impl Fn(f64) -> f64,
+    ) -> Result<(), FormatError> {
+        let (ny, nx) = scan.heights_m.dim();
+        let (Ok(xres), Ok(yres), Ok(count)) = (nx.try_into(), ny.try_into(), u32::try_from(nx * ny)) else {
+            return Err(not_storable(format!("a map of {nx} × {ny} points"), "less than 4 GiB of heights and mask"));
+        };
+        self.name(name, b'o');
+        self.object(DATA_FIELD, |writer| {
+            writer.integer("xres", xres);
+            writer.integer("yres", yres);
+            writer.double("xreal", width_m);
+            writer.double("yreal", height_m);
+            writer.unit("si_unit_xy", "m")?;
+            writer.unit("si_unit_z", unit)?;
+            writer.name("data", b'D');
+            writer.0.extend(count.to_le_bytes());
+            for &z in &scan.heights_m {
+                writer.0.extend(value(z).to_le_bytes());
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The scan as a Gwyddion file with one image. Equal scans give equal bytes.
+///
+/// Missing points are masked and have the mean of the others, as Gwyddion does it. The title is the metadata field
+/// `title`; all other fields become the image's metadata.
+///
+/// # Errors
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with a pixel
+/// size that is none, or of 4 GiB and more.
+pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
+    let pitch_m = scan.pitch_m.ok_or(FormatError::NoPitch { format: Format::Gwy })?;
+    let (ny, nx) = scan.heights_m.dim();
+    if ny == 0 || nx == 0 {
+        return Err(not_storable(format!("a map of {nx} × {ny} points"), "at least one point"));
+    }
+    let sizes_m = (nx as f64 * pitch_m.0, ny as f64 * pitch_m.1);
+    if [sizes_m.0, sizes_m.1].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
+        let found = format!("a pixel size of {} × {} m", pitch_m.0, pitch_m.1);
+        return Err(not_storable(found, "positive numbers"));
+    }
+    let missing = scan.missing_points();
+    let mean_m = mean(scan);
+    let mut writer = Writer(Vec::with_capacity(8 * nx * ny * if missing > 0 { 2 } else { 1 }));
+    writer.0.extend(MAGIC);
+    writer.object(CONTAINER, |writer| {
+        writer.string("/0/data/title", scan.metadata.get("title").map_or(TITLE, String::as_str));
+        writer.name("/0/data/visible", b'b');
+        writer.0.push(1);
+        writer.field("/0/data", scan, sizes_m, "m", |z| if z.is_finite() { z } else { mean_m })?;
+        if missing > 0 {
+            writer.field("/0/mask", scan, sizes_m, "", |z| if z.is_finite() { 0.0 } else { 1.0 })?;
+        }
+        writer.name("/0/meta", b'o');
+        writer.object(CONTAINER, |writer| {
+            for (name, value) in scan.metadata.iter().filter(|(name, _)| !matches!(name.as_str(), "" | "title")) {
+                writer.string(name, value);
+            }
+            Ok(())
+        })
+    })?;
+    Ok(writer.0)
+}
+
+/// The mean of the heights that are not missing; the format allows no number that is not finite.
+fn mean(scan: &Scan) -> f64 {
+    let count = scan.heights_m.len() - scan.missing_points();
+    let mean = scan.heights_m.iter().filter(|z| z.is_finite()).sum::<f64>() / count as f64;
+    if mean.is_finite() { mean } else { 0.0 }
+}
+
+fn not_storable(found: String, wanted: &'static str) -> FormatError {
+    FormatError::NotStorable { format: Format::Gwy, found, wanted }
+}

@@ -1,0 +1,148 @@
+//! Datasets: their type and shape, and their bytes out of the three layouts.
+
+use std::borrow::Cow;
+
+use super::chunks::{Chunks, Element, Filter};
+use super::datatype::{Class, Datatype, dimensions};
+use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_VALUE};
+use super::piece::Piece;
+use super::{File, Object, Value};
+use crate::FormatError;
+use crate::sample::{ByteOrder, Sample};
+
+/// A dataset whose header was read.
+pub(crate) struct Dataset<'a> {
+    /// Where its header starts.
+    pub(crate) at: usize,
+    pub(crate) datatype: Datatype,
+    pub(crate) shape: Vec<usize>,
+    layout: Layout<'a>,
+    filters: Vec<Filter>,
+    /// What elements hold that were never written, zeros unless stated.
+    fill: Option<&'a [u8]>,
+}
+
+/// Where the elements are.
+enum Layout<'a> {
+    /// In the header.
+    Compact(&'a [u8]),
+    /// Side by side, `None` where nothing was written.
+    Contiguous(Option<usize>),
+    Chunked(Chunks),
+}
+
+impl<'a> File<'a> {
+    /// The dataset that an object is, `None` for a group.
+    pub(crate) fn dataset(&self, object: &Object) -> Result<Option<Dataset<'a>>, FormatError> {
+        let (Some(datatype), Some(space), Some(layout)) =
+            (object.first(DATATYPE), object.first(DATASPACE), object.first(LAYOUT))
+        else {
+            return Ok(None);
+        };
+        let shape = dimensions(self.message(space, "dataspace")?)?;
+        let datatype = self.datatype(self.message(datatype, "datatype")?, datatype.shared)?;
+        let layout = read_layout(self.message(layout, "layout")?)?;
+        let filters = match object.first(FILTERS) {
+            Some(message) => super::chunks::filters(self.message(message, "filters")?)?,
+            None => Vec::new(),
+        };
+        let fill = match (object.first(FILL_VALUE), object.first(OLD_FILL_VALUE)) {
+            (Some(message), _) => fill_value(self.message(message, "fill value")?)?,
+            (None, Some(message)) => sized(self.message(message, "fill value")?)?,
+            (None, None) => None,
+        };
+        let fill = fill.filter(|fill| fill.len() == datatype.bytes);
+        Ok(Some(Dataset { at: object.at, datatype, shape, layout, filters, fill }))
+    }
+
+    /// All bytes of a dataset, in row order.
+    ///
+    /// # Errors
+    /// Data that are not there, and chunks that unpack to more than the file can mean.
+    pub(crate) fn bytes(&self, dataset: &Dataset<'a>) -> Result<Cow<'a, [u8]>, FormatError> {
+        let count = dataset.shape.iter().copied().fold(1, usize::saturating_mul);
+        let length = count.saturating_mul(dataset.datatype.bytes);
+        let at = dataset.at;
+        match &dataset.layout {
+            Layout::Compact(bytes) => match bytes.get(..length) {
+                Some(bytes) => Ok(Cow::Borrowed(bytes)),
+                None => Err(self.input.wrong("data in the header", at, bytes.len(), &format!("{length} bytes"))),
+            },
+            Layout::Contiguous(Some(address)) => self.input.take("data", *address, length).map(Cow::Borrowed),
+            Layout::Contiguous(None) => Err(self.input.missing("data", at, "data that were written")),
+            Layout::Chunked(chunks) => {
+                let element = Element { bytes: dataset.datatype.bytes, fill: dataset.fill };
+                self.unpack(chunks, &dataset.filters, &dataset.shape, element).map(Cow::Owned)
+            }
+        }
+    }
+
+    /// The numbers of a dataset in row order, `None` where it holds something else.
+    pub(crate) fn numbers(&self, dataset: &Dataset<'a>) -> Result<Option<Vec<f64>>, FormatError> {
+        let Some((sample, order)) = dataset.sample() else { return Ok(None) };
+        let bytes = self.bytes(dataset)?;
+        let mut numbers = Vec::with_capacity(bytes.len() / sample.size());
+        sample.decode(order, &bytes, &mut numbers);
+        Ok(Some(numbers))
+    }
+
+    /// Hands every element of a dataset to `visit`, until that has found something.
+    pub(crate) fn find_element<T>(
+        &self,
+        dataset: &Dataset<'a>,
+        bytes: &[u8],
+        mut visit: impl FnMut(Value) -> Result<Option<T>, FormatError>,
+    ) -> Result<Option<T>, FormatError> {
+        for bytes in bytes.chunks_exact(dataset.datatype.bytes) {
+            self.charge("table", dataset.at, bytes.len())?;
+            let found = visit(Value { file: self, datatype: &dataset.datatype, bytes })?;
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Dataset<'_> {
+    /// The type of the elements where they are numbers.
+    pub(crate) fn sample(&self) -> Option<(Sample, ByteOrder)> {
+        match self.datatype.class {
+            Class::Number(sample, order) => Some((sample, order)),
+            _ => None,
+        }
+    }
+}
+
+fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>, FormatError> {
+    let version = message.version(&[3, 4])?;
+    let class_at = message.at();
+    Ok(match message.u8("class")? {
+        0 => {
+            let length = message.size("size", 2)?;
+            Layout::Compact(message.take("data", length)?)
+        }
+        1 => Layout::Contiguous(message.optional_address("address")?),
+        2 => Layout::Chunked(super::chunks::layout(message, version)?),
+        class => return Err(message.wrong("class", class_at, class, "0 compact, 1 contiguous, 2 chunked")),
+    })
+}
+
+/// The value in a fill value message, `None` where it states none.
+fn fill_value<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatError> {
+    let is_defined = match message.version(&[1, 2, 3])? {
+        // Bit 5 of the flags.
+        3 => message.u8("flags")? & 1 << 5 != 0,
+        version => {
+            message.skip("times", 2)?;
+            message.u8("defined")? != 0 || version == 1
+        }
+    };
+    if is_defined { sized(message) } else { Ok(None) }
+}
+
+/// A value with its size before it; size 0 stands for none.
+fn sized<'a>(mut message: Piece<'a>) -> Result<Option<&'a [u8]>, FormatError> {
+    let length = message.size("size", 4)?;
+    Ok(Some(message.take("value", length)?).filter(|value| !value.is_empty()))
+}

@@ -1,0 +1,225 @@
+//! What the elements of data are, and how many there are.
+
+use super::header::DATATYPE;
+use super::piece::Piece;
+use super::{File, Object};
+use crate::FormatError;
+use crate::sample::{ByteOrder, Sample};
+
+/// How deep types may lie in each other.
+const MAX_DEPTH: usize = 8;
+/// Parts that a compound may have; those of instruments have fewer than ten.
+const MAX_MEMBERS: u64 = 256;
+/// The most dimensions that the format allows.
+const MAX_DIMENSIONS: u8 = 32;
+/// Bytes of a reference into a global heap: a length, the address of the heap, an index.
+pub(super) const REFERENCE_BYTES: usize = 4 + 8 + 4;
+
+/// The type of one element.
+pub(crate) struct Datatype {
+    /// Bytes of one element.
+    pub(crate) bytes: usize,
+    pub(crate) class: Class,
+}
+
+/// What an element is.
+pub(crate) enum Class {
+    Number(Sample, ByteOrder),
+    /// Text of as many bytes as the type has.
+    Text,
+    /// Text in a global heap.
+    TextElsewhere,
+    /// Any number of elements in a global heap.
+    Sequence(Box<Datatype>),
+    Compound(Vec<Member>),
+    /// Elements side by side.
+    Array(Box<Datatype>),
+    /// The address of an object.
+    ObjectReference,
+    /// Something that is not read.
+    Other,
+}
+
+/// A part of a compound.
+pub(crate) struct Member {
+    pub(crate) name: String,
+    pub(crate) offset: usize,
+    pub(crate) datatype: Datatype,
+}
+
+impl File<'_> {
+    /// The type in a datatype message, or in the committed datatype that it refers to.
+    pub(super) fn datatype(&self, mut message: Piece, is_shared: bool) -> Result<Datatype, FormatError> {
+        if !is_shared {
+            return read(&mut message, 0);
+        }
+        let version = message.version(&[1, 2, 3])?;
+        let kind_at = message.at();
+        let kind = message.u8("kind")?;
+        // Versions 1 and 2 know committed datatypes alone; in version 3 they have the number 2.
+        if version == 3 && kind != 2 {
+            return Err(message.wrong("kind", kind_at, kind, "2, a committed datatype"));
+        }
+        if version == 1 {
+            message.skip("reserved", 6)?;
+        }
+        let object: Object = self.object(message.address("address")?)?;
+        match object.first(DATATYPE) {
+            Some(datatype) if !datatype.shared => read(&mut self.message(datatype, "datatype")?, 0),
+            _ => Err(self.input.missing("committed datatype", object.at, "a datatype message")),
+        }
+    }
+}
+
+/// Reads one type; what is behind it stays in `message`.
+fn read(message: &mut Piece, depth: usize) -> Result<Datatype, FormatError> {
+    let start = message.at();
+    if depth > MAX_DEPTH {
+        return Err(message.wrong("depth", start, depth, &format!("at most {MAX_DEPTH}")));
+    }
+    let kind = message.u8("class and version")?;
+    let (class, version) = (kind & 15, kind >> 4);
+    let bits = message.number("bits of the class", 3)?;
+    let bytes = message.size("size", 4)?;
+    if bytes == 0 {
+        return Err(message.wrong("size", start + 4, bytes, "1 or more"));
+    }
+    let class = match class {
+        0 => integer(message, bits, bytes)?,
+        1 => float(message, bits, bytes)?,
+        3 => Class::Text,
+        6 => compound(message, version, bits, bytes, depth)?,
+        7 if bits & 15 == 0 => Class::ObjectReference,
+        7 => Class::Other,
+        // An enumeration is the integer behind its names.
+        8 => enumeration(message, version, bits, depth)?,
+        9 => {
+            let base = read(message, depth + 1)?;
+            if bits & 15 == 1 { Class::TextElsewhere } else { Class::Sequence(Box::new(base)) }
+        }
+        10 => {
+            let rank = usize::from(message.u8("dimensions")?);
+            // Old arrays have reserved bytes, and a permutation behind the sizes.
+            message.skip("sizes", if version < 3 { 3 + 8 * rank } else { 4 * rank })?;
+            Class::Array(Box::new(read(message, depth + 1)?))
+        }
+        // Times, bits and opaque bytes; later classes are not known, but inside of compounds must be passed over.
+        2 => skipped(message, 2)?,
+        4 => skipped(message, 4)?,
+        5 => skipped(message, (bits & 0xff) as usize)?,
+        _ => return Err(message.unsupported(format!("data of class {class}"), "numbers, texts and compounds of them")),
+    };
+    let fits = match &class {
+        Class::Number(sample, _) => sample.size() == bytes,
+        Class::TextElsewhere | Class::Sequence(_) => bytes == REFERENCE_BYTES,
+        Class::Array(base) => bytes.is_multiple_of(base.bytes),
+        Class::ObjectReference => bytes == 8,
+        _ => true,
+    };
+    if !fits {
+        return Err(message.wrong("size", start + 4, bytes, "the size of what the type holds"));
+    }
+    Ok(Datatype { bytes, class })
+}
+
+fn skipped(message: &mut Piece, length: usize) -> Result<Class, FormatError> {
+    message.skip("properties", length)?;
+    Ok(Class::Other)
+}
+
+fn integer(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, FormatError> {
+    let (offset, precision) = (message.u16("bit offset")?, message.u16("bit precision")?);
+    let sample = match (bytes, bits >> 3 & 1) {
+        (1, 0) => Sample::U8,
+        (1, _) => Sample::I8,
+        (2, 0) => Sample::U16,
+        (2, _) => Sample::I16,
+        (4, 0) => Sample::U32,
+        (4, _) => Sample::I32,
+        (8, 0) => Sample::U64,
+        (8, _) => Sample::I64,
+        _ => return Ok(Class::Other),
+    };
+    let is_whole = offset == 0 && usize::from(precision) == 8 * bytes;
+    Ok(if is_whole { Class::Number(sample, order(bits)) } else { Class::Other })
+}
+
+fn float(message: &mut Piece, bits: u64, bytes: usize) -> Result<Class, FormatError> {
+    let properties = message.take("properties", 12)?;
+    // Bit offset and precision; place and size of exponent and mantissa; bias of the exponent, by IEEE 754.
+    let sample = match (bytes, properties) {
+        (4, [0, 0, 32, 0, 23, 8, 0, 23, 127, 0, 0, 0]) => Sample::F32,
+        (8, [0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0]) => Sample::F64,
+        _ => return Ok(Class::Other),
+    };
+    // Bit 6 stands for the mixed order of the VAX.
+    Ok(if bits & 1 << 6 == 0 { Class::Number(sample, order(bits)) } else { Class::Other })
+}
+
+fn order(bits: u64) -> ByteOrder {
+    if bits & 1 == 0 { ByteOrder::Little } else { ByteOrder::Big }
+}
+
+fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Result<Class, FormatError> {
+    let base = read(message, depth + 1)?;
+    let count = (bits & 0xffff) as usize;
+    for _ in 0..count {
+        name(message, version)?;
+    }
+    message.skip("values", count * base.bytes)?;
+    Ok(base.class)
+}
+
+fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: usize) -> Result<Class, FormatError> {
+    let (count, mut members) = (bits & 0xffff, Vec::new());
+    if count > MAX_MEMBERS {
+        return Err(message.wrong("members", message.at(), count, &format!("at most {MAX_MEMBERS}")));
+    }
+    for _ in 0..count {
+        let name = String::from_utf8_lossy(name(message, version)?).into_owned();
+        let at = message.at();
+        // New offsets have as many bytes as the size of the compound needs.
+        let offset =
+            message.size("offset of a member", if version < 3 { 4 } else { super::tree::width(bytes as u64) })?;
+        if version < 2 {
+            // Dimensions, permutation and sizes, which arrays have taken over.
+            message.skip("dimensions of a member", 28)?;
+        }
+        let datatype = read(message, depth + 1)?;
+        if offset.checked_add(datatype.bytes).is_none_or(|end| end > bytes) {
+            return Err(message.wrong("offset of a member", at, offset, "a place inside of the compound"));
+        }
+        members.push(Member { name, offset, datatype });
+    }
+    Ok(Class::Compound(members))
+}
+
+/// A name that ends with a zero; old ones fill a multiple of 8 bytes.
+fn name<'a>(message: &mut Piece<'a>, version: u8) -> Result<&'a [u8], FormatError> {
+    let start = message.at();
+    let name = message.text("name")?;
+    if version < 3 {
+        message.align(start)?;
+    }
+    Ok(name)
+}
+
+/// The dimensions in a dataspace message; none for a single element.
+pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>, FormatError> {
+    let version = message.version(&[1, 2])?;
+    let rank_at = message.at();
+    let rank = message.u8("dimensions")?;
+    message.skip("flags", 1)?;
+    let kind = if version == 2 { message.u8("kind")? } else { 1 };
+    if version == 1 {
+        message.skip("reserved", 5)?;
+    }
+    if rank > MAX_DIMENSIONS {
+        return Err(message.wrong("dimensions", rank_at, rank, &format!("at most {MAX_DIMENSIONS}")));
+    }
+    // A dataspace of kind 2 holds nothing at all.
+    if kind == 2 {
+        return Ok(vec![0]);
+    }
+    (0..rank).map(|_| message.size("size of a dimension", 8)).collect()
+}

@@ -1,0 +1,155 @@
+//! Large arrays: memory that is cheap to touch for the first time, and passes over it on all threads.
+
+use rayon::prelude::*;
+
+/// Numbers from which on all threads work on an array, and how many each takes at a time.
+const PARALLEL_NUMBERS: usize = 1 << 18;
+const PIECE_NUMBERS: usize = 1 << 16;
+/// Side of the squares in which a map is transposed: two of them fit into the first cache.
+const TILE: usize = 32;
+
+/// So many zeros.
+pub(crate) fn zeros<T: Clone + Default>(count: usize) -> Vec<T> {
+    let mut values = vec![T::default(); count];
+    huge_pages(&mut values);
+    values
+}
+
+/// Room for so many values.
+pub(crate) fn with_capacity<T>(count: usize) -> Vec<T> {
+    let mut values = Vec::with_capacity(count);
+    huge_pages(&mut values);
+    values
+}
+
+/// Asks the system for huge pages under a large array: most of the time that a large file takes goes into the first
+/// touch of small ones.
+#[cfg(target_os = "linux")]
+fn huge_pages<T>(values: &mut Vec<T>) {
+    use rustix::mm::{Advice, madvise};
+    /// Arrays below gain nothing.
+    const LEAST_BYTES: usize = 4 << 20;
+    const PAGE_BYTES: usize = 4096;
+
+    let bytes = values.capacity() * size_of::<T>();
+    if bytes < LEAST_BYTES {
+        return;
+    }
+    let start: *mut T = values.as_mut_ptr();
+    let skipped = start.cast::<u8>().align_offset(PAGE_BYTES);
+    let Some(length) = bytes.checked_sub(skipped).map(|length| length / PAGE_BYTES * PAGE_BYTES) else { return };
+    #[expect(unsafe_code, reason = "the standard library has no call for advice on memory")]
+    // SAFETY: the bytes are whole pages within the memory of `values`, whose content this advice leaves as it is. Where the system
+    // knows no huge pages, the call fails and nothing is lost.
+    let _ = unsafe { madvise(start.cast::<u8>().wrapping_add(skipped).cast(), length, Advice::LinuxHugepage) };
+}
+
+#[cfg(not(target_os = "linux"))]
+fn huge_pages<T>(_values: &mut Vec<T>) {}
+
+/// What `fold` makes of the pieces of an array, in their order; one piece when it is small.
+pub(crate) fn pass<T: Send>(values: &mut [f64], fold: impl Fn(&mut [f64]) -> T + Sync) -> Vec<T> {
+    if values.len() < PARALLEL_NUMBERS {
+        return vec![fold(values)];
+    }
+    values.par_chunks_mut(PIECE_NUMBERS).map(&fold).collect()
+}
+
+/// Replaces every number.
+pub(crate) fn map(values: &mut [f64], change: impl Fn(f64) -> f64 + Sync) {
+    pass(values, |piece| piece.iter_mut().for_each(|value| *value = change(*value)));
+}
+
+/// Changes every number; how many times the change says yes.
+pub(crate) fn count(values: &mut [f64], change: impl Fn(&mut f64) -> bool + Sync) -> usize {
+    let count = |piece: &mut [f64]| piece.iter_mut().map(|value| usize::from(change(value))).sum::<usize>();
+    pass(values, count).into_iter().sum()
+}
+
+/// Fills an array from records of so many bytes each, of which every one gives one row of `columns` numbers.
+pub(crate) fn rows(columns: usize, records: &[u8], stride: usize, fill: impl Fn(&[u8], &mut [f64]) + Sync) -> Vec<f64> {
+    let mut values = zeros(records.len().div_ceil(stride) * columns);
+    let pairs = |values: &mut [f64], records: &[u8]| {
+        for (row, record) in values.chunks_mut(columns).zip(records.chunks(stride)) {
+            fill(record, row);
+        }
+    };
+    if values.len() < PARALLEL_NUMBERS {
+        pairs(&mut values, records);
+    } else {
+        let at_once = PIECE_NUMBERS.div_ceil(columns);
+        let records = records.par_chunks(at_once * stride);
+        values.par_chunks_mut(at_once * columns).zip(records).for_each(|(values, records)| pairs(values, records));
+    }
+    values
+}
+
+/// The numbers of a map in the order of its columns: `part` gives those of a row from a place on.
+pub(crate) fn turned((rows, columns): (usize, usize), part: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
+    let mut turned = zeros(rows * columns);
+    let strip = |(place, strip): (usize, &mut [f64])| {
+        // Rows and columns of a large map fall on the same lines of the cache; copies of a square do not.
+        let (mut row, mut tile) = ([0.0; TILE], [[0.0; TILE]; TILE]);
+        let row = &mut row[..strip.len() / rows];
+        for top in (0..rows).step_by(TILE) {
+            let height = TILE.min(rows - top);
+            for y in 0..height {
+                part(top + y, place * TILE, row);
+                tile.iter_mut().zip(&*row).for_each(|(column, &value)| column[y] = value);
+            }
+            for (column, turned) in strip.chunks_mut(rows).zip(&tile) {
+                column[top..top + height].copy_from_slice(&turned[..height]);
+            }
+        }
+    };
+    turned.par_chunks_mut(TILE * rows.max(1)).enumerate().for_each(strip);
+    turned
+}
+
+/// The numbers of a map in the order of its columns.
+pub(crate) fn transposed(values: &[f64], (rows, columns): (usize, usize)) -> Vec<f64> {
+    turned((rows, columns), |row, first, part| {
+        let start = row * columns + first;
+        part.copy_from_slice(&values[start..start + part.len()]);
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_arrays_start_as_zeros_and_are_changed_everywhere() {
+        for count in [3, PARALLEL_NUMBERS + 5, (4 << 20) / 8 + 1] {
+            let mut values: Vec<f64> = zeros(count);
+            assert!(values.len() == count && values.iter().all(|&value| value == 0.0));
+            map(&mut values, |value| value + 2.0);
+            let sum: f64 = pass(&mut values, |piece| piece.iter().sum::<f64>()).iter().sum();
+            assert_eq!(sum, 2.0 * count as f64);
+        }
+    }
+
+    #[test]
+    fn a_transposed_map_has_its_indices_exchanged() {
+        for (rows, columns) in [(1, 1), (1, 70), (70, 1), (33, 65), (2, 3)] {
+            let values: Vec<f64> = (0..rows * columns).map(|place| place as f64).collect();
+            let turned = transposed(&values, (rows, columns));
+            for y in 0..rows {
+                for x in 0..columns {
+                    assert_eq!(turned[x * rows + y], values[y * columns + x]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_come_from_records_of_any_stride() {
+        for (count, columns) in [(3, 2), (700, 600)] {
+            let records: Vec<u8> = (0..count).flat_map(|y: usize| [y as u8, (y >> 8) as u8, 9]).collect();
+            let values = rows(columns, &records, 3, |record, row| {
+                row.fill(f64::from(u16::from_le_bytes([record[0], record[1]])));
+            });
+            assert!(values.iter().enumerate().all(|(place, &value)| value == (place / columns) as f64));
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! The classic formats: a header of dimensions, attributes and variables, then their numbers, big-endian.
+//!
+//! Variables whose first dimension is that of the records lie behind the others, record by record.
+//! Layout: NetCDF Classic, 64-bit Offset and 64-bit Data Format Specifications.
+
+use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use crate::input::Input;
+use crate::large;
+use crate::sample::{ByteOrder, Sample};
+use crate::{Format, FormatError};
+
+/// Tags of the three lists.
+const DIMENSIONS: u32 = 0x0a;
+const VARIABLES: u32 = 0x0b;
+const ATTRIBUTES: u32 = 0x0c;
+/// Parts of a file start at multiples of this many bytes.
+const ALIGNMENT: usize = 4;
+/// The most dimensions of a variable that is looked at.
+const MAX_RANK: usize = 32;
+/// The longest name, by the library of the format.
+const MAX_NAME_BYTES: usize = 256;
+
+/// The version of a classic file: 1, 2 (64-bit offset) or 5 (64-bit data).
+pub(super) fn version(bytes: &[u8]) -> Option<u8> {
+    match bytes {
+        [b'C', b'D', b'F', version @ (1 | 2 | 5), ..] => Some(*version),
+        _ => None,
+    }
+}
+
+/// Reads the header.
+pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents), FormatError> {
+    let input = Input::new(Format::NetCdf, bytes).with_order(ByteOrder::Big);
+    let version = version(bytes).ok_or_else(|| input.wrong("version", 3, "other", "1, 2 or 5"))?;
+    let mut header = Header { input, at: ALIGNMENT, version, room: MAX_ENTRIES };
+    let records_at = header.at;
+    let records = header.raw_count("number of records")?;
+    let mut contents = Contents::default();
+    let mut record_dimension = None;
+    for place in 0..header.list("dimensions", DIMENSIONS)? {
+        let name = header.name("name of a dimension")?;
+        let length = header.count("length of a dimension")?;
+        if length == 0 {
+            record_dimension = Some(place);
+        }
+        contents.dimensions.push(Dimension { name, length });
+    }
+    contents.attributes = header.attributes()?;
+    for _ in 0..header.list("variables", VARIABLES)? {
+        let variable = header.variable(&contents.dimensions, record_dimension)?;
+        contents.variables.push(variable);
+    }
+    let records = match records {
+        // A file that was still being written does not say how many records it has.
+        None => count_records(&input, &contents.variables),
+        Some(found) => usize::try_from(found)
+            .map_err(|_| input.wrong("number of records", records_at, found, "as many as the file holds"))?,
+    };
+    for variable in contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()) {
+        variable.shape[0] = records;
+    }
+    if let Some(place) = record_dimension {
+        contents.dimensions[place].length = records;
+    }
+    let pads = contents.variables.iter().filter(|variable| variable.record_bytes.is_some()).count() > 1;
+    let record_bytes =
+        contents.variables.iter().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
+    for variable in contents.variables.iter_mut().filter(|variable| variable.record_bytes.is_some()) {
+        variable.record_bytes = Some(record_bytes);
+    }
+    Ok((input, contents))
+}
+
+/// Bytes of one record of a variable, `None` for a variable without records. A single variable is not padded.
+fn slab(variable: &Variable, pads: bool) -> Option<usize> {
+    variable.record_bytes?;
+    let size = variable.sample.map_or(1, Sample::size);
+    let bytes = variable.shape.iter().skip(1).fold(size, |bytes, &length| bytes.saturating_mul(length));
+    Some(if pads { bytes.checked_next_multiple_of(ALIGNMENT).unwrap_or(usize::MAX) } else { bytes })
+}
+
+/// Whole records from the first one to the end of the file.
+fn count_records(input: &Input, variables: &[Variable]) -> usize {
+    let in_records = || variables.iter().filter(|variable| variable.record_bytes.is_some());
+    let pads = in_records().count() > 1;
+    let record_bytes = in_records().filter_map(|variable| slab(variable, pads)).fold(0, usize::saturating_add);
+    let start = in_records().map(|variable| variable.at).min().unwrap_or(input.len());
+    input.len().saturating_sub(start).checked_div(record_bytes).unwrap_or(0)
+}
+
+/// The numbers of a variable in row order.
+pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>, FormatError> {
+    let Some(sample) = variable.sample else { return Ok(Vec::new()) };
+    let count = variable.shape.iter().copied().fold(1, usize::saturating_mul);
+    let Some(record_bytes) = variable.record_bytes else {
+        return input.samples(&variable.name, variable.at, count, sample);
+    };
+    let records = variable.shape.first().copied().unwrap_or_default();
+    let bytes = slab(variable, false).unwrap_or_default();
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    // Memory is taken when the last record is there.
+    input.take(&variable.name, variable.at.saturating_add(record_bytes.saturating_mul(records - 1)), bytes)?;
+    let mut values = large::with_capacity(count);
+    for record in 0..records {
+        let slab = input.take(&variable.name, variable.at + record * record_bytes, bytes)?;
+        sample.decode(ByteOrder::Big, slab, &mut values);
+    }
+    Ok(values)
+}
+
+/// The numbers of a map of so many rows and columns in the order of its columns.
+pub(super) fn columns(input: &Input, variable: &Variable, shape: (usize, usize)) -> Result<Vec<f64>, FormatError> {
+    let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
+        return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
+    };
+    let (rows, columns) = shape;
+    let bytes = input.take(&variable.name, variable.at, (rows * columns).saturating_mul(sample.size()))?;
+    Ok(sample.decode_columns(ByteOrder::Big, bytes, (columns, rows)))
+}
+
+/// The header, read from its start to its end.
+struct Header<'a> {
+    input: Input<'a>,
+    at: usize,
+    version: u8,
+    /// Dimensions, attributes and variables that the file may still have.
+    room: usize,
+}
+
+impl Header<'_> {
+    fn u32(&mut self, field: &str) -> Result<u32, FormatError> {
+        let found = self.input.u32(field, self.at)?;
+        self.at += 4;
+        Ok(found)
+    }
+
+    /// A count as it stands, `None` where all its bits are set.
+    fn raw_count(&mut self, field: &str) -> Result<Option<u64>, FormatError> {
+        if self.version == 5 {
+            let found = self.input.u64(field, self.at)?;
+            self.at += 8;
+            return Ok((found != u64::MAX).then_some(found));
+        }
+        let found = self.u32(field)?;
+        Ok((found != u32::MAX).then_some(found.into()))
+    }
+
+    fn count(&mut self, field: &str) -> Result<usize, FormatError> {
+        let at = self.at;
+        let found = self.raw_count(field)?;
+        let most = if self.version == 5 { i64::MAX as u64 } else { i32::MAX as u64 };
+        let count = found.filter(|&count| count <= most).and_then(|count| usize::try_from(count).ok());
+        count.ok_or_else(|| self.input.wrong(field, at, found.unwrap_or(u64::MAX), "no negative number"))
+    }
+
+    /// Bytes and the padding behind them.
+    fn padded(&mut self, field: &str, length: usize) -> Result<&[u8], FormatError> {
+        let bytes = self.input.take(field, self.at, length)?;
+        // The padding may be left out at the end of a file.
+        self.at = (self.at + length).next_multiple_of(ALIGNMENT);
+        Ok(bytes)
+    }
+
+    fn name(&mut self, field: &str) -> Result<String, FormatError> {
+        let at = self.at;
+        let length = self.count(field)?;
+        if length > MAX_NAME_BYTES {
+            let wanted = format!("at most {MAX_NAME_BYTES} bytes");
+            return Err(self.input.wrong(field, at, format!("{length} bytes long"), &wanted));
+        }
+        Ok(text(self.padded(field, length)?))
+    }
+
+    /// The number of entries of a list; an absent one has the tag 0.
+    fn list(&mut self, field: &str, wanted: u32) -> Result<usize, FormatError> {
+        let at = self.at;
+        let tag = self.u32(field)?;
+        let count = self.count(field)?;
+        if tag != wanted && (tag, count) != (0, 0) {
+            return Err(self.input.wrong(field, at, format!("tag {tag}"), &format!("tag {wanted}")));
+        }
+        self.room = self.room.checked_sub(count).ok_or_else(|| FormatError::TooLarge {
+            format: Format::NetCdf,
+            field: format!("the number of {field}"),
+            at: self.input.at(at + 4),
+            found: count as u64,
+            limit: self.room as u64,
+        })?;
+        Ok(count)
+    }
+
+    /// What numbers of a type are, `None` for characters.
+    fn sample(&mut self, field: &str) -> Result<Option<Sample>, FormatError> {
+        let at = self.at;
+        Ok(Some(match self.u32(field)? {
+            1 => Sample::I8,
+            2 => return Ok(None),
+            3 => Sample::I16,
+            4 => Sample::I32,
+            5 => Sample::F32,
+            6 => Sample::F64,
+            7 => Sample::U8,
+            8 => Sample::U16,
+            9 => Sample::U32,
+            10 => Sample::I64,
+            11 => Sample::U64,
+            other => return Err(self.input.wrong(field, at, other, "1 to 11")),
+        }))
+    }
+
+    fn attributes(&mut self) -> Result<Vec<Attribute>, FormatError> {
+        let count = self.list("attributes", ATTRIBUTES)?;
+        (0..count).map(|_| self.attribute()).collect()
+    }
+
+    fn attribute(&mut self) -> Result<Attribute, FormatError> {
+        let name = self.name("name of an attribute")?;
+        let sample = self.sample("type of an attribute")?;
+        let count = self.count("elements of an attribute")?;
+        let bytes = self.padded(&name, count.saturating_mul(sample.map_or(1, Sample::size)))?;
+        let value = match sample {
+            None => Value::Text(text(bytes)),
+            Some(sample) => {
+                let mut numbers = Vec::new();
+                sample.decode(ByteOrder::Big, &bytes[..bytes.len().min(MAX_NUMBERS * sample.size())], &mut numbers);
+                Value::Numbers(numbers)
+            }
+        };
+        Ok(Attribute { name, value })
+    }
+
+    fn variable(&mut self, known: &[Dimension], record_dimension: Option<usize>) -> Result<Variable, FormatError> {
+        let name = self.name("name of a variable")?;
+        let rank = self.count("dimensions of a variable")?;
+        let (mut dimensions, mut shape) = (Vec::new(), Vec::new());
+        for number in 0..rank {
+            let at = self.at;
+            let place = self.count("a dimension of a variable")?;
+            let dimension = known.get(place).ok_or_else(|| {
+                self.input.wrong(&format!("a dimension of {name}"), at, place, &format!("below {}", known.len()))
+            })?;
+            if number < MAX_RANK {
+                dimensions.push(Some(place));
+                shape.push(dimension.length);
+            }
+        }
+        let attributes = self.attributes()?;
+        let sample = self.sample("type of a variable")?;
+        // The size follows from the dimensions, and does not fit its field for large variables.
+        self.raw_count("size of a variable")?;
+        let at = self.at;
+        let begin = if self.version == 1 { self.u32("begin")?.into() } else { self.input.u64("begin", at)? };
+        self.at = at + if self.version == 1 { 4 } else { 8 };
+        let begin = usize::try_from(begin).unwrap_or(usize::MAX);
+        let has_records = record_dimension.is_some() && dimensions.first() == Some(&record_dimension);
+        let is_unsigned = matches!(
+            attributes.iter().find(|attribute| attribute.name == "_Unsigned").map(|attribute| &attribute.value),
+            Some(Value::Text(text)) if text == "true"
+        );
+        let sample = sample.filter(|_| rank <= MAX_RANK);
+        let sample = if is_unsigned { sample.map(unsigned) } else { sample };
+        let record_bytes = has_records.then_some(0);
+        Ok(Variable { name, dimensions, shape, attributes, sample, at: begin, record_bytes })
+    }
+}
+
+/// The type of the same size without sign: the classic formats have none but for bytes of characters.
+fn unsigned(sample: Sample) -> Sample {
+    match sample {
+        Sample::I8 => Sample::U8,
+        Sample::I16 => Sample::U16,
+        Sample::I32 => Sample::U32,
+        Sample::I64 => Sample::U64,
+        other => other,
+    }
+}
+
+/// UTF-8, or Latin-1 where it is none; without zeros at the end.
+fn text(bytes: &[u8]) -> String {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let bytes = &bytes[..end];
+    std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)
+}

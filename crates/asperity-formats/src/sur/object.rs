@@ -1,0 +1,190 @@
+//! An object: where its parts lie, and its numbers.
+
+use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
+use super::streams::Unpacked;
+use super::{SIGNATURE_COMPRESSED, is_object};
+use crate::archive::{beyond_reason, damaged, may_hold};
+use crate::input::Input;
+use crate::sample::Sample;
+use crate::{Format, FormatError};
+
+/// The most streams of one object; writers use one, or one per processor.
+const MAX_STREAMS: u32 = 1 << 10;
+/// Bytes of the number of streams, and of the sizes of one.
+const COUNT_BYTES: usize = 4;
+const SIZES_BYTES: usize = 8;
+
+/// What an object type says, by the published numbering.
+pub(super) fn kind(code: i16) -> Result<&'static str, &'static str> {
+    match code {
+        0 => Ok("an object of unknown type"),
+        1 => Ok("a profile"),
+        2 => Ok("a surface"),
+        5 => Ok("a series of surfaces"),
+        8 => Ok("a multilayer surface"),
+        11 => Ok("a surface with intensity"),
+        13 => Ok("a surface with colours"),
+        16 => Ok("a surface with colours and intensity"),
+        3 => Err("a binary image"),
+        4 => Err("a series of profiles"),
+        6 => Err("a meridian disc"),
+        7 => Err("a multilayer profile"),
+        9 => Err("a parallel disc"),
+        10 => Err("an intensity image"),
+        12 => Err("a colour image"),
+        14 | 15 => Err("force curves"),
+        17 => Err("a contour"),
+        18 => Err("a series of colour images"),
+        20 => Err("a spectrum"),
+        21 => Err("a hyperspectral map"),
+        _ => Err("an object of a type that is not published"),
+    }
+}
+
+/// Whether an object of a type is a surface with images of it in the objects that follow.
+pub(super) fn is_followed_by_images(code: i16) -> bool {
+    matches!(code, 11 | 13 | 16)
+}
+
+/// An object of a file.
+pub(super) struct Object<'a> {
+    pub(super) header: Header<'a>,
+    pub(super) code: i16,
+    pub(super) ny: usize,
+    pub(super) nx: usize,
+    sample: Sample,
+    /// First byte of the comment and of what follows the private zone.
+    comment_start: usize,
+    private_start: usize,
+    data_start: usize,
+    /// Number of zlib streams, `None` for numbers as they are.
+    streams: Option<usize>,
+    /// Bytes of all streams, unpacked and packed.
+    raw: u64,
+    packed: u64,
+    /// First byte behind the object.
+    pub(super) end: usize,
+}
+
+impl<'a> Object<'a> {
+    /// The object that starts at a byte; all of its bytes are there.
+    fn open(header: Header<'a>) -> Result<Self, FormatError> {
+        let input = header.input;
+        let sample = header.sample()?;
+        let (ny, nx) = header.shape()?;
+        let comment_start = header.start + HEADER_BYTES;
+        let private_start = comment_start + usize::from(header.u16(COMMENT_BYTES)?);
+        let data_start = private_start + usize::from(header.u16(PRIVATE_BYTES)?);
+        let object = Self {
+            header,
+            code: header.i16(OBJECT_TYPE)?,
+            ny,
+            nx,
+            sample,
+            comment_start,
+            private_start,
+            data_start,
+            streams: None,
+            raw: 0,
+            packed: 0,
+            end: data_start,
+        };
+        if input.bytes()[header.start..].starts_with(SIGNATURE_COMPRESSED) {
+            return object.with_directory();
+        }
+        let data = input.take("the heights", data_start, nx * ny * sample.size())?;
+        Ok(Self { end: data_start + data.len(), ..object })
+    }
+
+    /// The object with what the directory of its streams says.
+    fn with_directory(self) -> Result<Self, FormatError> {
+        let input = self.header.input;
+        let count = input.u32("number of streams", self.data_start)?;
+        if count > MAX_STREAMS {
+            return Err(input.wrong("number of streams", self.data_start, count, "1024 or less"));
+        }
+        let streams = count as usize;
+        let mut object = Self { streams: Some(streams), ..self };
+        object.end = object.streams_start(streams);
+        for number in 0..streams {
+            let (raw, bytes) = object.stream(number, object.end)?;
+            object.raw += raw;
+            object.packed += bytes.len() as u64;
+            object.end += bytes.len();
+        }
+        Ok(object)
+    }
+
+    /// The byte behind the directory of so many streams.
+    fn streams_start(&self, streams: usize) -> usize {
+        self.data_start + COUNT_BYTES + SIZES_BYTES * streams
+    }
+
+    /// Size of an unpacked stream, and its packed bytes, which start at `start`.
+    fn stream(&self, number: usize, start: usize) -> Result<(u64, &'a [u8]), FormatError> {
+        let input = self.header.input;
+        let sizes = self.data_start + COUNT_BYTES + SIZES_BYTES * number;
+        let raw = input.u32("size of a stream", sizes)?;
+        let packed = input.u32("packed size of a stream", sizes + SIZES_BYTES / 2)?;
+        let packed = usize::try_from(packed).unwrap_or(usize::MAX);
+        Ok((raw.into(), input.take("the bytes of a stream", start, packed)?))
+    }
+
+    /// The comment.
+    pub(super) fn comment(&self) -> Result<String, FormatError> {
+        self.header.input.latin1("comment", self.comment_start, self.private_start - self.comment_start)
+    }
+
+    /// The stored numbers.
+    pub(super) fn numbers(&self) -> Result<Vec<f64>, FormatError> {
+        let count = self.nx * self.ny;
+        let Some(streams) = self.streams else {
+            return self.header.input.samples("the heights", self.data_start, count, self.sample);
+        };
+        let wanted = (count * self.sample.size()) as u64;
+        if self.raw != wanted {
+            let (first, wanted) = (self.data_start + COUNT_BYTES, format!("{wanted} bytes for {count} points"));
+            return Err(self.header.input.wrong("size of all streams", first, self.raw, &wanted));
+        }
+        if !may_hold(self.packed, count as u64, self.sample) {
+            return Err(beyond_reason(Format::Sur, "the heights", self.packed, wanted));
+        }
+        let mut unpacked = Unpacked::new(self.sample, self.header.order, count);
+        let mut start = self.streams_start(streams);
+        for number in 0..streams {
+            let (size, stream) = self.stream(number, start)?;
+            start += stream.len();
+            let name = format!("stream {}", number + 1);
+            unpacked.add(stream, size).map_err(|reason| damaged(Format::Sur, &name, reason))?;
+        }
+        Ok(unpacked.values)
+    }
+}
+
+/// The objects of a file, and what ended them before the end of the file.
+///
+/// # Errors
+/// What is wrong with the first; later objects that are damaged end the list. `check` judges the first header before
+/// anything else of it is taken.
+pub(super) fn objects<'a>(
+    input: Input<'a>,
+    check: impl Fn(&Header) -> Result<(), FormatError>,
+) -> Result<(Vec<Object<'a>>, Option<String>), FormatError> {
+    let header = Header::open(input, 0)?;
+    check(&header)?;
+    let first = Object::open(header)?;
+    let mut end = first.end;
+    let mut objects = vec![first];
+    // `end` grows by a header at least, and is within the file.
+    while is_object(&input.bytes()[end..]) {
+        match Header::open(input, end).and_then(Object::open) {
+            Ok(object) => {
+                end = object.end;
+                objects.push(object);
+            }
+            Err(error) => return Ok((objects, Some(format!("what follows the objects was left out: {error}")))),
+        }
+    }
+    let left = input.len() - end;
+    Ok((objects, (left > 0).then(|| format!("{left} bytes behind the last object were left out"))))
+}

@@ -1,0 +1,158 @@
+//! From a file to a scan.
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
+
+use super::VOID_BELOW_MINIMUM;
+use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJECTS};
+use super::header::{NAME_BYTES, SPECIAL_POINTS, X, Y, Z, Z_MAX, Z_MIN};
+use super::object::{Object, is_followed_by_images, kind, objects};
+use crate::input::Input;
+use crate::large;
+use crate::unit::per_metre;
+use crate::{Format, FormatError, ReadOptions, Scan};
+
+/// Object types that surfaces may go by as well.
+const UNKNOWN: i16 = 0;
+const PROFILE: i16 = 1;
+
+/// Reads a surface, the first unless told.
+///
+/// # Errors
+/// Objects that are no surface, damaged streams, and headers that the bytes cannot bear out.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let (objects, left_out) = objects(Input::new(Format::Sur, bytes), check_kind)?;
+    let mut warnings: Vec<String> = left_out.into_iter().collect();
+    let first = &objects[0];
+    let announced = first.header.i16(OBJECTS)?;
+    if usize::try_from(announced).is_ok_and(|announced| announced > objects.len()) {
+        warnings.push(format!("the header announces {announced} objects; the file holds {}", objects.len()));
+    }
+    let (channels, surfaces) = surfaces(&objects)?;
+    let channel = options.choose(Format::Sur, &channels)?;
+    let object = surfaces[channel];
+
+    doubt_kind(object, &mut warnings)?;
+    let mut heights = object.numbers()?;
+    scale(&object.header, &mut heights, &mut warnings)?;
+    let pitch_m = pitch(&object.header, &mut warnings)?;
+    for axis in [X, Y, Z] {
+        warnings.extend(object.header.ratio_warning(axis)?);
+    }
+    // Writers describe the measurement in the first object only.
+    let mut metadata = BTreeMap::new();
+    for object in [first, object] {
+        metadata.extend(object.header.metadata()?);
+        let comment = object.comment()?;
+        if !comment.is_empty() {
+            metadata.insert("comment".into(), comment);
+        }
+    }
+    let heights_m = Array2::from_shape_vec((object.ny, object.nx), heights)
+        .map_err(|error| object.header.wrong(LINES, object.ny, &error.to_string()))?;
+    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
+}
+
+/// Refuses files that hold no surface.
+fn check_kind(header: &Header) -> Result<(), FormatError> {
+    let unsupported = |kind: &str| Err(header.input.unsupported(format!("the file holds {kind}"), "a surface"));
+    match (header.i16(OBJECT_TYPE)?, header.i32(LINES)?) {
+        (PROFILE, 1) => unsupported("a profile"),
+        (code, _) => kind(code).map_or_else(unsupported, |_| Ok(())),
+    }
+}
+
+/// Doubts surfaces that call themselves something else.
+fn doubt_kind(object: &Object, warnings: &mut Vec<String>) -> Result<(), FormatError> {
+    // Gwyddion calls the surfaces that it writes profiles.
+    if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
+        warnings.push(format!("the file calls itself {kind}; its {} lines were read as a surface", object.ny));
+    }
+    if object.header.i16(INVERTED)? != 0 {
+        warnings.push("the file states that it holds an inverted surface; heights were taken as they stand".into());
+    }
+    Ok(())
+}
+
+/// The objects that are height maps, with names of their own: those that they have, or their numbers.
+///
+/// Layers in other units, such as a phase, are no heights; nor are the images that belong to a surface.
+fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o Object<'a>>), FormatError> {
+    let (mut names, mut surfaces, mut seen) = (Vec::new(), Vec::new(), BTreeMap::new());
+    let only_first = is_followed_by_images(objects[0].code);
+    for object in objects.iter().take(if only_first { 1 } else { objects.len() }) {
+        let header = &object.header;
+        let is_profile = object.code == PROFILE && object.ny == 1;
+        if is_profile || kind(object.code).is_err() || per_metre(&header.unit(Z.step_unit)?).is_none() {
+            continue;
+        }
+        surfaces.push(object);
+        let name = header.text(OBJECT_NAME, NAME_BYTES)?;
+        let name = if name.is_empty() { format!("surface {}", surfaces.len()) } else { name };
+        let times: &mut usize = seen.entry(name.clone()).or_default();
+        *times += 1;
+        names.push(if *times > 1 { format!("{name} ({times})") } else { name });
+    }
+    if surfaces.is_empty() {
+        let header = &objects[0].header;
+        let unit = header.unit(Z.step_unit)?;
+        return Err(header.wrong(Z.step_unit, unit, "a unit of length (m, cm, mm, µm, nm, …)"));
+    }
+    Ok((names, surfaces))
+}
+
+/// Turns stored integers into metre, NaN where the point was not measured.
+fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<(), FormatError> {
+    let unit = header.unit(Z.step_unit)?;
+    let per_metre = per_metre(&unit).ok_or_else(|| header.wrong(Z.step_unit, unit, "a unit of length"))?;
+    let spacing_m = f64::from(header.f32(Z.spacing)?) / per_metre;
+    // Programs that divide the range of a flat map by the steps state 0: its one number is the offset.
+    let is_flat = heights.iter().all(|z| Some(z) == heights.first());
+    if !(spacing_m.is_finite() && (spacing_m != 0.0 || is_flat)) {
+        return Err(header.wrong(Z.spacing, header.f32(Z.spacing)?, "a finite number other than 0"));
+    }
+    let offset_m = f64::from(header.f32(Z.offset)?) / per_metre;
+    if !offset_m.is_finite() {
+        return Err(header.wrong(Z.offset, header.f32(Z.offset)?, "a finite number"));
+    }
+    // Integers of 32 bits and their neighbours are exact as f64.
+    let (low, high) = (f64::from(header.i32(Z_MIN)?), f64::from(header.i32(Z_MAX)?));
+    let void = low - f64::from(VOID_BELOW_MINIMUM);
+    let marked = header.i16(SPECIAL_POINTS)? != 0;
+    let counts = large::pass(heights, |piece| {
+        let (mut coded, mut outside) = (0_usize, 0_usize);
+        for z in piece {
+            let is_code = *z == void;
+            coded += usize::from(is_code);
+            outside += usize::from(!is_code && (*z < low || *z > high));
+            *z = if is_code && marked { f64::NAN } else { *z * spacing_m + offset_m };
+        }
+        (coded, outside)
+    });
+    let (coded, outside) = counts.into_iter().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
+    if coded > 0 && !marked {
+        warnings.push(format!(
+            "{coded} heights equal the code for missing points, but the header says that none are missing; they were kept"
+        ));
+    }
+    if outside > 0 && low < high {
+        warnings.push(format!("{outside} heights are outside of the stated range and may be saturated"));
+    }
+    Ok(())
+}
+
+/// The pitch in metre where both axes are lengths.
+fn pitch(header: &Header, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+    let mut along = |axis: Axis| {
+        let unit = header.unit(axis.step_unit)?;
+        let Some(per_metre) = per_metre(&unit) else {
+            let field = axis.step_unit.0;
+            warnings.push(format!("the {field} is `{unit}`, which is no unit of length; no pixel size was read"));
+            return Ok(None);
+        };
+        Ok(Some(f64::from(header.f32(axis.spacing)?) / per_metre))
+    };
+    let (dx_m, dy_m) = (along(X)?, along(Y)?);
+    Ok(dx_m.zip(dy_m))
+}

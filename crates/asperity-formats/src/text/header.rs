@@ -1,0 +1,372 @@
+//! What the comments and the header of a text say of its numbers: units, pixel size, missing points.
+//!
+//! Programs name the same thing differently. Known here are the headers of Gwyddion's text export (also in German,
+//! French, Italian, Spanish and Czech), of SPIP, Attocube and Nova, of ESRI grids, and plain keys such as `unit`,
+//! `pixel size`, `dx` and `size`. A length without a unit is in metre where no key names the unit.
+
+use std::collections::BTreeMap;
+
+use crate::error::shown;
+use crate::input::{MAX_TEXT_BYTES, Room, utf8_or_latin1};
+use crate::text::rows::decimal_comma;
+use crate::unit::per_metre;
+
+/// A key with its value, and a unit that stood in brackets behind the key.
+struct Pair {
+    key: String,
+    /// In small letters, without a unit, and with single spaces between words.
+    name: String,
+    unit: Option<f64>,
+    value: String,
+}
+
+/// The pairs of keys and values that a header holds.
+#[derive(Default)]
+pub(crate) struct Header {
+    pairs: Vec<Pair>,
+    /// Room for further pairs; what comes after is left out.
+    room: Room,
+}
+
+/// What a header says of the numbers below it.
+pub(crate) struct Meaning {
+    /// Distance between points along x and y.
+    pub(crate) pitch_m: Option<(f64, f64)>,
+    /// What turns a number into a height: first multiplied, then divided, so that units stay exact.
+    pub(crate) factor: f64,
+    pub(crate) per_metre: f64,
+    /// The unit of the numbers where they are not metre.
+    pub(crate) converted: Option<String>,
+    /// The number that marks a missing point.
+    pub(crate) no_data: Option<f64>,
+    pub(crate) warnings: Vec<String>,
+}
+
+const HEIGHT_UNIT: &[&str] = &[
+    "value units",
+    "value unit",
+    "z unit",
+    "z units",
+    "zunit",
+    "height unit",
+    "height units",
+    "unit z",
+    "data unit",
+    "data units",
+    "unit data",
+];
+const ANY_UNIT: &[&str] = &["unit", "units"];
+const X_UNIT: &[&str] =
+    &["x unit", "x units", "xunit", "unit x", "xy unit", "xy units", "unit xy", "lateral unit", "lateral units"];
+const Y_UNIT: &[&str] = &["y unit", "y units", "yunit", "unit y"];
+const PIXEL_SIZE: &[&str] =
+    &["pixel size", "pixel sizes", "pixel spacing", "point spacing", "pixel pitch", "pitch", "spacing"];
+const DX: &[&str] = &[
+    "dx",
+    "delta x",
+    "x step",
+    "step x",
+    "x spacing",
+    "x pitch",
+    "x pixel size",
+    "pixel size x",
+    "pixel width",
+    "scale x",
+];
+const DY: &[&str] = &[
+    "dy",
+    "delta y",
+    "y step",
+    "step y",
+    "y spacing",
+    "y pitch",
+    "y pixel size",
+    "pixel size y",
+    "pixel height",
+    "scale y",
+];
+const SIZE: &[&str] =
+    &["size", "sizes", "scan size", "physical size", "physical sizes", "field of view", "image size", "map size"];
+const WIDTH: &[&str] = &[
+    "width",
+    "x length",
+    "xlength",
+    "x size",
+    "size x",
+    "x range",
+    "breite",
+    "largeur",
+    "larghezza",
+    "anchura",
+    "šířka",
+];
+const HEIGHT: &[&str] =
+    &["height", "y length", "ylength", "y size", "size y", "y range", "höhe", "hauteur", "altezza", "altura", "výška"];
+const COLUMNS: &[&str] = &["x pixels", "ncols", "nx"];
+const ROWS: &[&str] = &["y pixels", "nrows", "ny"];
+const CHANNEL: &[&str] = &["channel", "kanal", "canal", "canale", "kanál"];
+/// Bytes of the longest of them.
+const MAX_CHANNEL_KEY: usize = 8;
+const NO_DATA: &[&str] = &["nodata value", "no data value", "nodata", "no data", "missing value", "fill value"];
+/// The keys of an ESRI grid, which stand before their values without a sign between.
+pub(super) const ESRI: &[&str] =
+    &["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
+/// What marks missing points in an ESRI grid that does not say.
+const ESRI_NO_DATA: f64 = -9999.0;
+
+impl Header {
+    /// Adds what a comment or a line of the header says.
+    pub(crate) fn add(&mut self, line: &str) {
+        let pair = line.split_once([':', '=']).map(|(key, value)| (key.trim(), value.trim()));
+        let (key, value) =
+            pair.filter(|(key, value)| !key.is_empty() && !value.is_empty()).unwrap_or(("comment", line.trim()));
+        self.insert(key, value);
+    }
+
+    /// Whether further pairs are kept.
+    pub(crate) fn has_room(&self) -> bool {
+        self.room.is_left()
+    }
+
+    /// Adds a pair.
+    pub(crate) fn insert(&mut self, key: &str, value: &str) {
+        let [key, value] = [key, value].map(|text| &text[..text.floor_char_boundary(MAX_TEXT_BYTES)]);
+        if value.is_empty() || !self.room.take(2 * key.len() + value.len()) {
+            return;
+        }
+        let (words, unit) = match key.split_once(['(', '[']) {
+            Some((words, bracket)) => {
+                (words, unit(bracket.trim_end_matches([')', ']']).trim_start_matches(['-', '>', ' '])))
+            }
+            None => (key, None),
+        };
+        let words = words.to_lowercase().replace(['_', '-'], " ");
+        let name = words.split_whitespace().collect::<Vec<_>>().join(" ");
+        self.pairs.push(Pair { key: key.into(), name, unit, value: value.into() });
+    }
+
+    fn find(&self, names: &[&str]) -> Option<&Pair> {
+        names.iter().find_map(|name| self.pairs.iter().find(|pair| pair.name == *name))
+    }
+
+    /// Whether a comment names a map.
+    pub(crate) fn names_channel(comment: &[u8]) -> bool {
+        let Some(end) = comment.iter().position(|byte| matches!(byte, b':' | b'=')) else { return false };
+        let (key, value) = (comment[..end].trim_ascii(), comment[end + 1..].trim_ascii());
+        key.len() <= MAX_CHANNEL_KEY
+            && !value.is_empty()
+            && CHANNEL.contains(&utf8_or_latin1(key).to_lowercase().as_str())
+    }
+
+    /// The name of the map, where the header gives one.
+    pub(crate) fn channel(&self) -> Option<&str> {
+        self.find(CHANNEL).map(|pair| pair.value.as_str())
+    }
+
+    /// Whether the header states a pixel size, which no list of points needs.
+    pub(crate) fn states_pixels(&self) -> bool {
+        self.find(PIXEL_SIZE).is_some()
+    }
+
+    /// Whether this is the header of an ESRI grid, whose rows may be broken into lines anywhere.
+    pub(crate) fn is_esri(&self) -> bool {
+        [["ncols"], ["nrows"], ["cellsize"]].iter().all(|names| self.find(names).is_some())
+    }
+
+    /// The shape `(rows, columns)` that the header states.
+    pub(crate) fn shape(&self) -> Option<(usize, usize)> {
+        let count = |names| self.find(names)?.value.parse().ok();
+        count(ROWS).zip(count(COLUMNS))
+    }
+
+    /// Whether a map of voids of the same shape follows the heights: ones where points are missing.
+    pub(crate) fn has_voids(&self) -> bool {
+        self.find(&["voidpixels"]).and_then(|pair| pair.value.parse::<f64>().ok()).is_some_and(|voids| voids != 0.0)
+    }
+
+    /// The unit of heights as the header spells it, and how often it goes into a metre; `None` where nothing is said.
+    pub(crate) fn height_unit(&self) -> Option<(&str, &str, Option<f64>)> {
+        let pair = self.find(HEIGHT_UNIT).or_else(|| self.find(ANY_UNIT))?;
+        Some((&pair.key, &pair.value, unit(&pair.value)))
+    }
+
+    /// How often the units of x, y and z that the header names go into a metre.
+    pub(crate) fn units(&self) -> [Option<f64>; 3] {
+        let named = |names| self.find(names).and_then(|pair: &Pair| unit(&pair.value));
+        let any = named(ANY_UNIT);
+        let x = named(X_UNIT).or(any);
+        [x, named(Y_UNIT).or(x), named(HEIGHT_UNIT).or(any)]
+    }
+
+    /// What the header says of a matrix of `columns` × `rows` numbers.
+    pub(crate) fn meaning(&self, (rows, columns): (usize, usize)) -> Meaning {
+        let mut warnings = Vec::new();
+        let pitch_m = self.pitch((rows, columns), &mut warnings);
+        if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
+            let (ny, nx) = stated;
+            warnings.push(format!("the header states {nx} × {ny} points; there are {columns} × {rows}"));
+        }
+        let mut meaning =
+            Meaning { pitch_m, factor: 1.0, per_metre: 1.0, converted: None, no_data: self.no_data(), warnings };
+        match self.height_unit() {
+            Some((_, unit, Some(per_metre))) => meaning.convert(unit, per_metre),
+            Some((key, unit, None)) => meaning.warnings.push(doubt(key, unit)),
+            None => self.scale(&mut meaning),
+        }
+        meaning
+    }
+
+    /// Takes heights by a factor where the header names no unit alone.
+    fn scale(&self, meaning: &mut Meaning) {
+        let number = |pair: &Pair| pair.value.parse().ok().filter(|factor: &f64| factor.is_finite() && *factor != 0.0);
+        let named = |name| self.find(&[name]);
+        // SPIP counts in nanometre, another program in any unit.
+        if let Some(factor) = named("bit2nm").and_then(number) {
+            meaning.factor = factor;
+            meaning.convert("nm", 1e9);
+        } else if let Some(pair) = named("height conversion factor").filter(|pair| pair.unit.is_some())
+            && let (Some(factor), Some(per_metre)) = (number(pair), pair.unit)
+        {
+            meaning.factor = factor;
+            meaning.convert(&pair.key, per_metre);
+        } else if let Some(pair) = self.pairs.iter().find(|pair| {
+            pair.name.contains("unit") && !X_UNIT.contains(&pair.name.as_str()) && !Y_UNIT.contains(&pair.name.as_str())
+        }) && pair.value != "m"
+        {
+            meaning.warnings.push(doubt(&pair.key, &pair.value));
+        }
+    }
+
+    fn no_data(&self) -> Option<f64> {
+        let stated = self.find(NO_DATA).and_then(|pair| pair.value.parse().ok());
+        stated.or_else(|| self.is_esri().then_some(ESRI_NO_DATA))
+    }
+
+    /// The pixel size by the first statement that names it.
+    fn pitch(&self, (rows, columns): (usize, usize), warnings: &mut Vec<String>) -> Option<(f64, f64)> {
+        let [x_unit, y_unit, _] = self.units();
+        let is_spip = || self.find(&["file format"]).is_some_and(|pair| pair.value == "ASCII");
+        let steps = |pair: &Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit));
+        if let Some(lengths) = self.find(PIXEL_SIZE).and_then(|pair| steps(pair, x_unit)) {
+            return Some(lengths.pair(warnings));
+        }
+        if let Some(x) = self.find(DX).and_then(|pair| steps(pair, x_unit)) {
+            let y = self.find(DY).and_then(|pair| steps(pair, y_unit));
+            let (dx_m, _) = x.pair(warnings);
+            return Some((dx_m, y.map_or(dx_m, |y| y.metre[0])));
+        }
+        if let Some(cell) = self.find(&["cellsize"]).and_then(|pair| steps(pair, x_unit)) {
+            return Some((cell.metre[0], cell.metre[0]));
+        }
+        // Sizes are those of all points: columns · dx, as Gwyddion and SPIP count them.
+        let pitch = |(width_m, height_m): (f64, f64)| (width_m / columns as f64, height_m / rows as f64);
+        if let Some(size) = self.find(SIZE).and_then(|pair| steps(pair, x_unit))
+            && size.has_unit
+            && size.numbers() != [columns as f64, rows as f64]
+        {
+            return Some(pitch(size.pair(warnings)));
+        }
+        let nanometre = is_spip().then_some(1e9);
+        let width = self.find(WIDTH).and_then(|pair| steps(pair, x_unit.or(nanometre)))?;
+        let Some(height) = self.find(HEIGHT).and_then(|pair| steps(pair, y_unit.or(nanometre))) else {
+            if width.has_unit {
+                warnings.push("the header states a width but no height; no pixel size was read".into());
+            }
+            return None;
+        };
+        let counts = [width.numbers(), height.numbers()].concat();
+        let are_lengths = width.has_unit && height.has_unit && counts != [columns as f64, rows as f64];
+        are_lengths.then(|| pitch((width.metre[0], height.metre[0])))
+    }
+
+    /// The pairs as metadata; values of one key are joined.
+    pub(crate) fn metadata(self) -> BTreeMap<String, String> {
+        let mut metadata: BTreeMap<String, String> = BTreeMap::new();
+        for Pair { key, value, .. } in self.pairs {
+            let kept = metadata.entry(key).or_default();
+            if !kept.is_empty() {
+                kept.push('\n');
+            }
+            kept.push_str(&value);
+        }
+        metadata
+    }
+}
+
+impl Meaning {
+    fn convert(&mut self, unit: &str, per_metre: f64) {
+        self.per_metre = per_metre;
+        self.converted = (self.factor != 1.0 || per_metre != 1.0).then(|| unit.to_owned());
+    }
+}
+
+fn doubt(key: &str, unit: &str) -> String {
+    format!("a comment states `{}: {}`; heights were taken as metre", shown(key), shown(unit))
+}
+
+/// How often a unit goes into a metre, whatever brackets stand around it.
+pub(crate) fn unit(text: &str) -> Option<f64> {
+    per_metre(text.trim().trim_matches(['[', ']', '(', ')', '"', '\'']).trim())
+}
+
+/// One length or two.
+struct Lengths {
+    metre: Vec<f64>,
+    stated: Vec<f64>,
+    has_unit: bool,
+}
+
+impl Lengths {
+    /// Lengths such as `0.5 um x 0.25 um`, `1 2 mm` or `(3, 4)`. A unit counts for the numbers before it; those without
+    /// one are in `unit`, or else in metre.
+    fn parse(text: &str, unit: Option<f64>) -> Option<Self> {
+        let mut lengths = Self { metre: Vec::new(), stated: Vec::new(), has_unit: true };
+        let (mut scaled, mut rest) = (0, text);
+        loop {
+            rest = rest.trim_start_matches([' ', '\t', ',', ';', '(', ')', '[', ']', '*', '×']);
+            let Some(first) = rest.chars().next() else { break };
+            if lengths.stated.len() > 2 {
+                return None;
+            }
+            let times = rest.strip_prefix(['x', 'X']).filter(|after| !after.starts_with(char::is_alphabetic));
+            if first.is_ascii_digit() || matches!(first, '+' | '-' | '.') {
+                let (number, length) = leading_number(rest)?;
+                lengths.stated.push(number);
+                rest = &rest[length..];
+            } else if let Some(after) = times.or_else(|| rest.strip_prefix("by ")) {
+                rest = after;
+            } else {
+                let length = rest.find([' ', '\t', ',', ';', '(', ')', '[', ']', '*', '×']).unwrap_or(rest.len());
+                let (word, after) = rest.split_at(length);
+                rest = after;
+                let per_metre = per_metre(word)?;
+                lengths.metre.extend(lengths.stated[scaled..].iter().map(|number| number / per_metre));
+                scaled = lengths.stated.len();
+            }
+        }
+        lengths.has_unit = unit.is_some() || scaled == lengths.stated.len();
+        lengths.metre.extend(lengths.stated[scaled..].iter().map(|number| number / unit.unwrap_or(1.0)));
+        (1..=2).contains(&lengths.metre.len()).then_some(lengths)
+    }
+
+    fn numbers(&self) -> &[f64] {
+        &self.stated
+    }
+
+    /// Along x and y; a single length counts for both.
+    fn pair(&self, warnings: &mut Vec<String>) -> (f64, f64) {
+        if !self.has_unit {
+            warnings.push("the header states a pixel size without a unit; it was taken as metre".into());
+        }
+        (self.metre[0], self.metre[self.metre.len() - 1])
+    }
+}
+
+/// The number at the start of a text and its length; `1,5` counts as one number.
+fn leading_number(text: &str) -> Option<(f64, usize)> {
+    let comma = text.find(|c: char| !c.is_ascii_digit() && c != ',').unwrap_or(text.len());
+    match decimal_comma(&text.as_bytes()[..comma]) {
+        Some(number) => Some((number, comma)),
+        None => fast_float2::parse_partial(text).ok(),
+    }
+}

@@ -1,0 +1,493 @@
+//! Rows of numbers in lines of text, read from the bytes without a copy of any field.
+//!
+//! A long text is cut at ends of lines and its pieces are read at the same time; the answer is the same for any number
+//! of them.
+
+use rayon::prelude::*;
+
+use crate::error::shown;
+use crate::input::{Room, utf8_or_latin1};
+use crate::large;
+use crate::text::Separator;
+use crate::{Format, FormatError, Location, MAX_POINTS};
+
+/// Bytes below which another thread costs more than it saves.
+const BYTES_PER_THREAD: usize = 1 << 20;
+/// Pieces beyond which the memory, not the numbers, takes the time.
+const MAX_PIECES: usize = 8;
+/// Places of a long text at which its numbers are counted to take memory for all, and bytes that are looked at there.
+const SAMPLES: usize = 8;
+const SAMPLE_BYTES: usize = 1 << 12;
+
+/// What a byte between numbers means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Class {
+    Other,
+    Blank,
+    Separator,
+    Comment,
+    LineEnd,
+}
+
+/// How numbers stand in a text.
+pub(crate) struct Layout {
+    format: Format,
+    separator: Separator,
+    line_end: u8,
+    /// Values of every row; `None` where ends of lines mean nothing.
+    columns: Option<usize>,
+    /// Signs that start a comment.
+    comment: &'static [u8],
+    classes: [Class; 256],
+}
+
+impl Layout {
+    pub(crate) fn new(format: Format, separator: Separator, comment: &'static [u8], line_end: u8) -> Self {
+        let mut classes = [Class::Other; 256];
+        for blank in *b" \t\r\x0c" {
+            classes[usize::from(blank)] = Class::Blank;
+        }
+        if separator != Separator::Space {
+            classes[usize::from(separator.sign())] = Class::Separator;
+        }
+        for &sign in comment {
+            classes[usize::from(sign)] = Class::Comment;
+        }
+        classes[usize::from(line_end)] = Class::LineEnd;
+        Self { format, separator, line_end, columns: None, comment, classes }
+    }
+
+    /// The same where every row holds as many values.
+    pub(crate) fn with_columns(self, columns: usize) -> Self {
+        Self { columns: Some(columns), ..self }
+    }
+
+    /// Number of values in the first line of `bytes`, if all of them are values.
+    pub(crate) fn count(&self, bytes: &[u8]) -> Option<usize> {
+        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
+        let mut table = Table::<Count>::default();
+        scanner.line(&mut table).ok().map(|()| table.values.len())
+    }
+
+    /// Number of values before the first fault of a line.
+    fn tally(&self, bytes: &[u8]) -> usize {
+        let mut scanner = Scanner { bytes, cursor: 0, layout: self };
+        let mut table = Table::<Count>::default();
+        // A part of a row has fewer columns than a row.
+        let _ = scanner.line(&mut table);
+        table.values.len()
+    }
+
+    /// Whether the first field of a line is a value.
+    pub(crate) fn starts_with_value(&self, line: &[u8]) -> bool {
+        let mut scanner = Scanner { bytes: line, cursor: 0, layout: self };
+        scanner.skip_blanks();
+        !scanner.is_at_end() && scanner.field(&mut Table::<Count>::default()).is_some()
+    }
+}
+
+/// What becomes of values.
+pub(crate) trait Values {
+    fn push(&mut self, value: f64);
+    fn len(&self) -> usize;
+}
+
+impl Values for Vec<f64> {
+    fn push(&mut self, value: f64) {
+        self.push(value);
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+}
+
+/// Values that are only counted.
+#[derive(Default)]
+struct Count(usize);
+
+impl Values for Count {
+    fn push(&mut self, _value: f64) {
+        self.0 += 1;
+    }
+
+    fn len(&self) -> usize {
+        self.0
+    }
+}
+
+/// Rows that were read.
+#[derive(Default)]
+pub(crate) struct Table<V = Vec<f64>> {
+    /// All values, row by row; NaN where missing.
+    pub(crate) values: V,
+    pub(crate) rows: usize,
+    /// Rows that end with a separator.
+    pub(crate) open_rows: usize,
+    /// Comments between and behind the rows, without their signs.
+    pub(crate) comments: Vec<String>,
+    /// Whether a number had a comma for its decimal sign.
+    pub(crate) decimal_comma: bool,
+    /// Room for further comments.
+    room: Room,
+    lines: usize,
+}
+
+/// What is wrong with a line.
+enum Fault {
+    Value { column: usize, found: String },
+    Ragged { found: usize },
+    TooMany,
+}
+
+/// Reads all rows of `bytes`, which start on the line after `lines_before` others.
+///
+/// # Errors
+/// A field that is no number, a row that is longer or shorter than the layout says, or too many values, each with the
+/// number of its line.
+pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table, FormatError> {
+    let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_PIECES);
+    // To ask for the number of threads starts them, which takes longer than to read a short text.
+    let pieces = cut(bytes, layout.line_end, if wanted > 1 { wanted.min(rayon::current_num_threads()) } else { 1 });
+    let per_byte = values_per_byte(bytes, layout);
+    let results: Vec<_> = pieces
+        .par_iter()
+        .enumerate()
+        .map(|(place, piece)| {
+            // All other pieces end up behind the first.
+            let length = if place == 0 { bytes.len() } else { piece.len() };
+            read_piece(piece, layout, (length as f64 * per_byte) as usize)
+        })
+        .collect();
+    let mut table = Table::<Vec<f64>>::default();
+    for result in results {
+        let line = |lines: usize| lines_before + table.lines + lines + 1;
+        let piece = result.map_err(|(lines, fault)| layout.error(fault, line(lines)))?;
+        if (table.values.len() + piece.values.len()) as u64 > MAX_POINTS {
+            return Err(layout.error(Fault::TooMany, line(0)));
+        }
+        table.append(piece);
+    }
+    match table.decimal_comma.then(|| line_with_point(bytes, layout)).flatten() {
+        Some(line) => Err(FormatError::Field {
+            format: layout.format,
+            field: "a decimal sign".into(),
+            at: Location::Line(lines_before + line + 1),
+            found: ".".into(),
+            wanted: "a comma, as in other numbers of the file".into(),
+        }),
+        None => Ok(table),
+    }
+}
+
+/// The first line that has a point outside of a comment.
+fn line_with_point(bytes: &[u8], layout: &Layout) -> Option<usize> {
+    let numbers = |line: &[u8]| {
+        let starts = |(place, &byte): (usize, &u8)| {
+            layout.classes[usize::from(byte)] == Class::Comment && spreadsheet_error(&line[place..]).is_none()
+        };
+        line.iter().enumerate().position(starts).unwrap_or(line.len())
+    };
+    bytes.split(|&byte| byte == layout.line_end).position(|line| line[..numbers(line)].contains(&b'.'))
+}
+
+/// Cuts bytes into pieces of about the same length that end with a line.
+fn cut(bytes: &[u8], line_end: u8, count: usize) -> Vec<&[u8]> {
+    let (mut pieces, mut rest) = (Vec::new(), bytes);
+    for left in (2..=count).rev() {
+        let (start, line) = rest.split_at(rest.len() / left);
+        let length = start.len() + line.iter().position(|&byte| byte == line_end).map_or(line.len(), |place| place + 1);
+        let (piece, after) = rest.split_at(length);
+        pieces.push(piece);
+        rest = after;
+    }
+    pieces.push(rest);
+    pieces
+}
+
+/// Values that a byte stands for, judged at some places and a little above; one is the most.
+fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
+    let is_border = |&byte: &u8| layout.classes[usize::from(byte)] != Class::Other;
+    let samples = if bytes.len() > SAMPLES * SAMPLE_BYTES { SAMPLES } else { 1 };
+    let (mut values, mut length) = (0, 0);
+    for start in (0..samples).map(|sample| bytes.len() / samples * sample) {
+        let sample = &bytes[start..bytes.len().min(start + SAMPLE_BYTES)];
+        length += sample.len();
+        // Fields that the sample cuts would not read as numbers.
+        let first = if start == 0 { Some(0) } else { sample.iter().position(is_border) };
+        let end = sample.iter().rposition(is_border);
+        let whole = first.zip(end).and_then(|(first, end)| sample.get(first..end)).unwrap_or_default();
+        values += whole.split(|&byte| byte == layout.line_end).map(|line| layout.tally(line)).sum::<usize>();
+    }
+    (1.01 * values as f64 / length.max(1) as f64).min(1.0)
+}
+
+fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
+    let mut scanner = Scanner { bytes, cursor: 0, layout };
+    let mut table = Table { values: large::with_capacity(expected + 1), ..Table::<Vec<f64>>::default() };
+    while scanner.cursor < bytes.len() {
+        scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
+        scanner.cursor += 1;
+        table.lines += 1;
+    }
+    Ok(table)
+}
+
+impl Table {
+    fn append(&mut self, piece: Self) {
+        if self.values.is_empty() {
+            self.values = piece.values;
+        } else {
+            self.values.extend_from_slice(&piece.values);
+        }
+        self.rows += piece.rows;
+        self.open_rows += piece.open_rows;
+        self.decimal_comma |= piece.decimal_comma;
+        self.lines += piece.lines;
+        for comment in piece.comments {
+            if self.room.take(comment.len()) {
+                self.comments.push(comment);
+            }
+        }
+    }
+}
+
+/// A place in a text.
+struct Scanner<'a> {
+    bytes: &'a [u8],
+    cursor: usize,
+    layout: &'a Layout,
+}
+
+impl Scanner<'_> {
+    fn class_at(&self, place: usize) -> Class {
+        self.bytes.get(place).map_or(Class::LineEnd, |&byte| self.layout.classes[usize::from(byte)])
+    }
+
+    fn class(&self) -> Class {
+        self.class_at(self.cursor)
+    }
+
+    fn skip_blanks(&mut self) {
+        while self.class() == Class::Blank {
+            self.cursor += 1;
+        }
+    }
+
+    /// Whether a row ends here.
+    fn is_at_end(&self) -> bool {
+        match self.class() {
+            Class::LineEnd => true,
+            Class::Comment => spreadsheet_error(&self.bytes[self.cursor..]).is_none(),
+            _ => false,
+        }
+    }
+
+    /// Reads one line up to its end.
+    fn line<V: Values>(&mut self, table: &mut Table<V>) -> Result<(), Fault> {
+        let before = table.values.len();
+        self.skip_blanks();
+        while !self.is_at_end() {
+            match self.field(table) {
+                Some(value) => table.values.push(value),
+                None => {
+                    let (column, found) = (table.values.len() - before + 1, shown(&utf8_or_latin1(self.odd_field())));
+                    return Err(Fault::Value { column, found });
+                }
+            }
+            if self.class() == Class::Separator {
+                self.cursor += 1;
+                self.skip_blanks();
+                if self.is_at_end() {
+                    table.values.push(f64::NAN);
+                    table.open_rows += 1;
+                }
+            }
+        }
+        if self.class() == Class::Comment {
+            let rest = &self.bytes[self.cursor..];
+            let length = rest.iter().position(|&byte| byte == self.layout.line_end).unwrap_or(rest.len());
+            if table.room.is_left() {
+                let comment = comment(&rest[..length], self.layout.comment);
+                table.room.take(comment.len());
+                table.comments.push(comment);
+            }
+            self.cursor += length;
+        }
+        let found = table.values.len() - before;
+        table.rows += usize::from(found > 0);
+        match self.layout.columns {
+            Some(columns) if found > 0 && found != columns => Err(Fault::Ragged { found }),
+            _ if table.values.len() as u64 > MAX_POINTS => Err(Fault::TooMany),
+            _ => Ok(()),
+        }
+    }
+
+    /// The value at the cursor, which moves to the separator or the field behind it; NaN where it is missing, `None`
+    /// where it is no number or beyond the range of `f64`.
+    fn field<V: Values>(&mut self, table: &mut Table<V>) -> Option<f64> {
+        let rest = &self.bytes[self.cursor..];
+        let is_one = |length: &usize| self.layout.separator != Separator::Comma || !rest[..*length].contains(&b',');
+        if let Some(length) = no_number(rest).filter(is_one) {
+            self.cursor += length;
+            self.skip_blanks();
+            return Some(f64::NAN);
+        }
+        if let Ok((value, length)) = fast_float2::parse_partial::<f64, _>(rest)
+            && !value.is_infinite()
+        {
+            let end = self.cursor + length;
+            let mut next = end;
+            while self.class_at(next) == Class::Blank {
+                next += 1;
+            }
+            let ended = self.class_at(next) != Class::Other || self.layout.separator == Separator::Space && next > end;
+            if ended {
+                self.cursor = next;
+                return Some(value);
+            }
+        }
+        let field = self.odd_field();
+        let value = if missing(field) {
+            f64::NAN
+        } else if let Some(value) = number(field) {
+            value
+        } else {
+            table.decimal_comma = true;
+            self.with_decimal_comma(field)?
+        };
+        self.cursor += field.len();
+        self.skip_blanks();
+        Some(value)
+    }
+
+    /// The bytes up to the end of the field at the cursor.
+    fn odd_field(&self) -> &[u8] {
+        let rest = &self.bytes[self.cursor..];
+        let spaced = self.layout.separator == Separator::Space;
+        // The two words `No Data` are one field wherever they stand.
+        let ends = |&byte: &u8| match self.layout.classes[usize::from(byte)] {
+            Class::Blank => spaced,
+            class => class != Class::Other,
+        };
+        let words = rest.get(..NO_DATA.len()).filter(|words| words.eq_ignore_ascii_case(NO_DATA));
+        if let Some(words) = words.filter(|_| self.class_at(self.cursor + NO_DATA.len()) != Class::Other) {
+            return words;
+        }
+        if let Some(error) = spreadsheet_error(rest) {
+            return error;
+        }
+        let length = rest.iter().position(ends).unwrap_or(rest.len());
+        rest[..length].trim_ascii_end()
+    }
+
+    /// A number such as `1,5`. In a single column without separators it could be two numbers as well.
+    fn with_decimal_comma(&self, field: &[u8]) -> Option<f64> {
+        let Layout { separator, columns, .. } = *self.layout;
+        if separator == Separator::Comma || separator == Separator::Space && columns == Some(1) {
+            return None;
+        }
+        decimal_comma(field)
+    }
+}
+
+const NO_DATA: &[u8] = b"No Data";
+
+/// Whether a field marks a point without a height.
+fn missing(field: &[u8]) -> bool {
+    let is_nan = || {
+        let unsigned = field.strip_prefix(b"-").unwrap_or(field);
+        // As C libraries write it: `-nan(ind)`.
+        unsigned.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"nan(")) && field.ends_with(b")")
+    };
+    field.is_empty()
+        || field.eq_ignore_ascii_case(b"bad")
+        || field.eq_ignore_ascii_case(NO_DATA)
+        || spreadsheet_error(field) == Some(field)
+        || is_nan()
+}
+
+/// The length of what Microsoft's C library wrote for no number (`1.#QNAN`, `-1.#IND00`, `1,#INF`), where it starts here.
+fn no_number(bytes: &[u8]) -> Option<usize> {
+    let unsigned = bytes.strip_prefix(b"-").unwrap_or(bytes);
+    let word = unsigned.strip_prefix(b"1.#").or_else(|| unsigned.strip_prefix(b"1,#"))?;
+    let letters = word.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(word.len());
+    let is_mark = [&b"QNAN"[..], b"SNAN", b"IND", b"INF"].iter().any(|mark| word[..letters].eq_ignore_ascii_case(mark));
+    let digits = word[letters..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    is_mark.then_some(bytes.len() - word.len() + letters + digits)
+}
+
+/// A number, NaN where it is infinite, `None` where it is beyond the range of `f64`.
+fn number(field: &[u8]) -> Option<f64> {
+    let value: f64 = std::str::from_utf8(field).ok()?.parse().ok()?;
+    let names_infinity = || field.iter().any(|byte| byte.eq_ignore_ascii_case(&b'n'));
+    match value.is_infinite() {
+        true => names_infinity().then_some(f64::NAN),
+        false => Some(value),
+    }
+}
+
+/// A number with one comma between digits for its decimal sign.
+pub(super) fn decimal_comma(field: &[u8]) -> Option<f64> {
+    let place = field.iter().position(|&byte| byte == b',')?;
+    let is_digit = |place: Option<usize>| place.and_then(|place| field.get(place)).is_some_and(u8::is_ascii_digit);
+    if !is_digit(place.checked_sub(1)) || !is_digit(place.checked_add(1)) || field.contains(&b'.') {
+        return None;
+    }
+    let mut field = field.to_vec();
+    field[place] = b'.';
+    number(&field)
+}
+
+/// What spreadsheets export where a cell has no value; the sign would start a comment otherwise.
+const SPREADSHEET_ERRORS: [&[u8]; 8] =
+    [b"#N/A", b"#DIV/0!", b"#VALUE!", b"#REF!", b"#NAME?", b"#NUM!", b"#NULL!", b"#NV"];
+
+/// The error of a spreadsheet at the start of a field.
+fn spreadsheet_error(rest: &[u8]) -> Option<&[u8]> {
+    let is_end = |byte: Option<&u8>| byte.is_none_or(|byte| matches!(byte, b',' | b';') || byte.is_ascii_whitespace());
+    let error = SPREADSHEET_ERRORS.iter().find(|error| rest.starts_with(error) && is_end(rest.get(error.len())))?;
+    rest.get(..error.len())
+}
+
+/// Where the comment of a line starts: its length where there is none.
+pub(super) fn comment_start(line: &[u8]) -> usize {
+    let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| no_number(&line[start..]).is_some());
+    let starts = |(place, byte): (usize, &u8)| {
+        super::COMMENT.contains(byte) && spreadsheet_error(&line[place..]).is_none() && !is_number(place)
+    };
+    line.iter().enumerate().position(starts).unwrap_or(line.len())
+}
+
+/// What a comment says, without the signs that start it.
+pub(super) fn comment(comment: &[u8], signs: &[u8]) -> String {
+    let start = comment.iter().position(|byte| !signs.contains(byte)).unwrap_or(comment.len());
+    utf8_or_latin1(comment[start..].trim_ascii())
+}
+
+impl Layout {
+    fn error(&self, fault: Fault, line: usize) -> FormatError {
+        let (format, at) = (self.format, Location::Line(line));
+        match fault {
+            Fault::Ragged { found } => FormatError::Ragged { line, found, wanted: self.columns.unwrap_or_default() },
+            Fault::TooMany => FormatError::TooLarge {
+                format,
+                field: "the number of values".into(),
+                at,
+                found: MAX_POINTS + 1,
+                limit: MAX_POINTS,
+            },
+            Fault::Value { column, found } => FormatError::Field {
+                format,
+                field: format!("value {column}"),
+                at,
+                wanted: match found.replace(',', ".").parse::<f64>() {
+                    Ok(_) => "a number with a decimal point".into(),
+                    Err(_) if format == Format::Sdf => "a number or BAD".into(),
+                    Err(_) => "a number, an empty field, nan, inf or BAD (start comments with # or %)".into(),
+                },
+                found,
+            },
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! From a file to a scan.
+
+use ndarray::{Array2, Axis};
+
+use super::description::{Units, units};
+use super::directory::{Directory, File, Tag, sample};
+use super::{decode, tag};
+use crate::input::Input;
+use crate::sample::{ByteOrder, Sample};
+use crate::selection::{some_of, unique};
+use crate::{Format, FormatError, ReadOptions, Scan};
+
+/// Pages that one file may have.
+const MAX_PAGES: usize = 4096;
+/// Bytes of a page's name beyond which it goes without.
+const MAX_NAME_BYTES: u64 = 256;
+/// Resolutions per inch that programs write that know of no size: none, those of screens, those of printers.
+const DEFAULTS: [f64; 7] = [1.0, 72.0, 96.0, 100.0, 150.0, 300.0, 600.0];
+/// Texts that are metadata.
+const TEXTS: [Tag; 9] = [
+    tag::DOCUMENT_NAME,
+    tag::MAKE,
+    tag::MODEL,
+    tag::PAGE_NAME,
+    tag::SOFTWARE,
+    tag::DATE_TIME,
+    tag::ARTIST,
+    tag::HOST_COMPUTER,
+    tag::COPYRIGHT,
+];
+
+/// Reads the chosen page.
+///
+/// # Errors
+/// Directories that the bytes cannot bear out, files without a page of one number per point, packings that are not read.
+pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    let file = File::open(Input::new(Format::Tiff, bytes))?;
+    let order = if bytes.starts_with(b"MM") { ByteOrder::Big } else { ByteOrder::Little };
+    let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
+    let mut seen = Vec::new();
+    let mut next = file.first()?;
+    while next != 0 {
+        if seen.contains(&next) || seen.len() == MAX_PAGES {
+            let at = seen.last().map_or(0, |&offset| usize::try_from(offset).unwrap_or(usize::MAX));
+            let wanted = format!("a place where no earlier directory stands, and at most {MAX_PAGES} of them");
+            return Err(file.input.wrong("offset of the next directory", at, next, &wanted));
+        }
+        seen.push(next);
+        let page = file.directory(next)?;
+        let name = Some(tag::PAGE_NAME).filter(|&name| page.length(name) <= MAX_NAME_BYTES);
+        let name = name.map_or(Ok(None), |name| page.text(name))?.unwrap_or_else(|| format!("page {}", seen.len()));
+        match numbers(&page)? {
+            Ok(sample) => {
+                maps.push((next, sample));
+                names.push(name);
+            }
+            Err(reason) => others.push(format!("{name} {reason}")),
+        }
+        next = page.next;
+    }
+    if maps.is_empty() {
+        let found = if others.is_empty() { "the file has no page".into() } else { some_of(&others) };
+        return Err(file.input.unsupported(found, "a grey page of integers or floating-point numbers"));
+    }
+    let names = unique(names);
+    let place = options.choose(Format::Tiff, &names)?;
+    let (offset, sample) = maps[place];
+    let page = file.directory(offset)?;
+    // Programs describe all pages in the first.
+    let own = page.text(tag::IMAGE_DESCRIPTION)?;
+    let description = match own {
+        Some(description) => Some(description),
+        None => file.directory(file.first()?)?.text(tag::IMAGE_DESCRIPTION)?,
+    };
+    let units = description.map_or_else(Units::default, |description| units(&description));
+    let mut scan = map(&page, sample, order, &units)?;
+    scan.metadata.extend(units.metadata);
+    scan.warnings.extend(units.warnings);
+    if options.channel.is_none() && !others.is_empty() {
+        scan.warnings.push(format!("pages that are no heights were left out: {}", some_of(&others)));
+    }
+    Ok(scan.with_channels(names, place))
+}
+
+/// The number type of a page of one number per point, or why it is none.
+fn numbers(page: &Directory) -> Result<Result<Sample, String>, FormatError> {
+    let subfile = page.integer(tag::NEW_SUBFILE_TYPE)?.unwrap_or(0);
+    if subfile & 1 != 0 {
+        return Ok(Err("is a smaller copy of another".into()));
+    }
+    let colours = match page.integer(tag::PHOTOMETRIC)? {
+        // Writers of numbers that are no picture leave it out.
+        None | Some(0 | 1) => None,
+        Some(2) => Some("in colours (RGB)"),
+        Some(3) => Some("in colours of a palette"),
+        Some(4) => Some("a mask"),
+        Some(5) => Some("in colours (CMYK)"),
+        Some(6) => Some("in colours (YCbCr)"),
+        Some(8..=10) => Some("in colours (L*a*b*)"),
+        Some(_) => Some("of an unknown PhotometricInterpretation"),
+    };
+    if let Some(colours) = colours {
+        return Ok(Err(format!("is {colours}")));
+    }
+    let per_point = page.integer(tag::SAMPLES_PER_PIXEL)?.unwrap_or(1);
+    if per_point != 1 {
+        return Ok(Err(format!("has {per_point} numbers per point")));
+    }
+    let bits = page.integer(tag::BITS_PER_SAMPLE)?.unwrap_or(1);
+    let kind = page.integer(tag::SAMPLE_FORMAT)?.unwrap_or(1);
+    Ok(sample(bits, kind).ok_or_else(|| format!("has numbers of {bits} bits and SampleFormat {kind}")))
+}
+
+/// The heights and the pitch of a page.
+fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units) -> Result<Scan, FormatError> {
+    let dimension = |tag: Tag| {
+        let found = page.integer(tag)?.ok_or_else(|| page.input.missing(tag.1, page.offset, "a whole number"))?;
+        Ok::<_, FormatError>((tag.1, page.offset, i64::try_from(found).unwrap_or(i64::MAX)))
+    };
+    let (ny, nx) = page.input.shape(dimension(tag::IMAGE_LENGTH)?, dimension(tag::IMAGE_WIDTH)?)?;
+    let mut values = decode::decode(page, (ny, nx), sample, order)?;
+    let mut scan = Scan::new(Array2::zeros((0, 0)), None);
+    remove_voids(page, sample, &mut values)?;
+    let is_integer = !matches!(sample, Sample::F32 | Sample::F64);
+    match units.line_m {
+        Some((offset_m, slope_m)) => values.iter_mut().for_each(|z| *z = *z * slope_m + offset_m),
+        None if is_integer => {
+            let doubt = "the numbers are integers, counts without a unit; they were taken as heights in metre";
+            scan.warnings.push(doubt.into());
+        }
+        None => (),
+    }
+    let values = Array2::from_shape_vec((ny, nx), values)
+        .map_err(|_| page.wrong(tag::IMAGE_WIDTH, nx, "a width that fits the numbers"))?;
+    let pitch_m = pitch(page, units, &mut scan.warnings)?;
+    let turned = page.integer(tag::ORIENTATION)?.unwrap_or(1);
+    (scan.heights_m, scan.pitch_m) = match turned {
+        1..=8 => (upright(values, turned), pitch_m.map(|(x, y)| if turned > 4 { (y, x) } else { (x, y) })),
+        _ => return Err(page.wrong(tag::ORIENTATION, turned, "1 to 8")),
+    };
+    for tag in TEXTS {
+        if let Some(text) = page.text(tag)? {
+            scan.metadata.insert(tag.1.into(), text);
+        }
+    }
+    Ok(scan)
+}
+
+/// Takes out the numbers that stand for no value.
+fn remove_voids(page: &Directory, sample: Sample, values: &mut [f64]) -> Result<(), FormatError> {
+    let Some(text) = page.text(tag::GDAL_NODATA)? else { return Ok(()) };
+    let void: f64 = text.parse().map_err(|_| page.wrong(tag::GDAL_NODATA, &text, "a number"))?;
+    // The text has the digits of a double also where the numbers are single.
+    let void = if sample == Sample::F32 { f64::from(void as f32) } else { void };
+    values.iter_mut().filter(|z| **z == void).for_each(|z| *z = f64::NAN);
+    Ok(())
+}
+
+/// The distance between points along the stored rows and columns.
+fn pitch(page: &Directory, units: &Units, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, FormatError> {
+    if units.pitch_m.is_some() {
+        return Ok(units.pitch_m);
+    }
+    let positive = |tag: Tag| Ok::<_, FormatError>(page.real(tag)?.filter(|&number| number > 0.0));
+    let Some((x, y)) = positive(tag::X_RESOLUTION)?.zip(positive(tag::Y_RESOLUTION)?) else { return Ok(None) };
+    if let Some((per_metre_x, per_metre_y)) = units.per_metre {
+        return Ok(Some((1.0 / (x * per_metre_x), 1.0 / (y * per_metre_y))));
+    }
+    let unit_m = match page.integer(tag::RESOLUTION_UNIT)?.unwrap_or(2) {
+        2 => 0.0254,
+        3 => 0.01,
+        // Other values say that there is no absolute size.
+        _ => return Ok(None),
+    };
+    if unit_m == 0.0254 && DEFAULTS.contains(&x) {
+        warnings.push(format!(
+            "the resolution of {x} points per inch may be a screen's or printer's, not the instrument's"
+        ));
+    }
+    Ok(Some((unit_m / x, unit_m / y)))
+}
+
+/// Turns and mirrors stored rows and columns so that row 0 is at the top and column 0 at the left.
+///
+/// The Orientation tag says where row 0 and column 0 are: 1 top left, 2 top right, 3 bottom right, 4 bottom left, and the
+/// same for rows that are columns, 5 left top, 6 right top, 7 right bottom, 8 left bottom.
+fn upright(stored: Array2<f64>, orientation: u64) -> Array2<f64> {
+    let mut turned = if orientation > 4 { stored.reversed_axes() } else { stored };
+    if matches!(orientation, 3 | 4 | 7 | 8) {
+        turned.invert_axis(Axis(0));
+    }
+    if matches!(orientation, 2 | 3 | 6 | 7) {
+        turned.invert_axis(Axis(1));
+    }
+    if turned.is_standard_layout() { turned } else { turned.as_standard_layout().into_owned() }
+}

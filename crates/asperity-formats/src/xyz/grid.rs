@@ -1,0 +1,169 @@
+//! The grid under a list of points.
+
+/// Part of a step by which a point may lie beside its grid point.
+pub(super) const TOLERANCE: f64 = 0.25;
+/// Grid points per point of the list above which the grid is taken for a mistake.
+pub(super) const MAX_SPREAD: f64 = 4.0;
+/// Part of the range of a coordinate below which differences are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A list of points, `[x, y, z]` after one another.
+#[derive(Clone, Copy)]
+pub(super) struct Points<'a>(pub(super) &'a [f64]);
+
+/// Equally spaced lines of a grid along one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Axis {
+    pub(super) first: f64,
+    pub(super) step: f64,
+    pub(super) lines: usize,
+}
+
+/// Heights on a grid: rows from the lowest y on, NaN where no point lies.
+pub(super) struct Grid {
+    pub(super) axes: [Axis; 2],
+    pub(super) heights: Vec<f64>,
+}
+
+/// Why points are no grid.
+#[derive(Debug, PartialEq)]
+pub(super) enum NoGrid {
+    /// A coordinate of a point is no number.
+    NotFinite { point: usize, axis: usize },
+    /// All points have the same coordinate along an axis, or there are too few.
+    Line { axis: usize },
+    /// The grid would be mostly empty.
+    Sparse { columns: f64, rows: f64 },
+    /// A point lies between grid points, by so many steps.
+    Off { point: usize, axis: usize, steps: f64 },
+    /// Two points lie on one grid point.
+    Twice { point: usize },
+}
+
+impl<'a> Points<'a> {
+    pub(super) fn len(self) -> usize {
+        self.0.len() / 3
+    }
+
+    fn coordinates(self, axis: usize) -> impl Iterator<Item = f64> + 'a {
+        self.0.chunks_exact(3).map(move |point| point[axis])
+    }
+
+    /// Distances between points that follow each other, unsorted.
+    fn steps(self, axis: usize) -> Vec<f64> {
+        self.coordinates(axis).zip(self.coordinates(axis).skip(1)).map(|(a, b)| (b - a).abs()).collect()
+    }
+
+    /// Puts the points on the grid that they imply.
+    ///
+    /// Points in lines, in whatever order: along a line the coordinate that changes fast steps by the pitch, and the
+    /// other only jitters. Coordinates closer than the steps allow are one grid line.
+    pub(super) fn grid(self) -> Result<Grid, NoGrid> {
+        for axis in [0, 1] {
+            if let Some(point) = self.coordinates(axis).position(|x| !x.is_finite()) {
+                return Err(NoGrid::NotFinite { point, axis });
+            }
+        }
+        let usual = [0, 1].map(|axis| part(&mut self.steps(axis), 0.5));
+        let fast = usize::from(usual[1] > usual[0]);
+        // Where points are missing the usual step may be several grid steps, but a quarter of them is one.
+        let step = Some(part(&mut self.steps(fast), 0.25)).filter(|step| *step > 0.0).unwrap_or(usual[fast]);
+        // Uniform jitter of ±j makes the slow coordinate step by 0.6 j as a rule, and by 2 j at most.
+        let width = |axis| if axis == fast { step / 2.0 } else { 4.0 * usual[axis] };
+        let axis = |axis| Axis::fit(self.coordinates(axis).collect(), width(axis)).ok_or(NoGrid::Line { axis });
+        let axes = [axis(0)?, axis(1)?];
+        let [columns, rows] = axes.map(|axis| axis.lines as f64);
+        if columns * rows > MAX_SPREAD * self.len() as f64 {
+            return Err(NoGrid::Sparse { columns, rows });
+        }
+        self.fill(axes)
+    }
+
+    fn fill(self, axes: [Axis; 2]) -> Result<Grid, NoGrid> {
+        let [columns, rows] = axes.map(|axis| axis.lines);
+        let mut heights = vec![f64::NAN; columns * rows];
+        let mut taken = vec![false; columns * rows];
+        for (point, position) in self.0.chunks_exact(3).enumerate() {
+            let mut place = [0; 2];
+            for axis in [0, 1] {
+                let Axis { first, step, lines } = axes[axis];
+                let steps = (position[axis] - first) / step;
+                let line = steps.round().clamp(0.0, (lines - 1) as f64);
+                if (steps - line).abs() > TOLERANCE {
+                    return Err(NoGrid::Off { point, axis, steps: (steps - line).abs() });
+                }
+                place[axis] = line as usize;
+            }
+            let place = place[1] * columns + place[0];
+            if std::mem::replace(&mut taken[place], true) {
+                return Err(NoGrid::Twice { point });
+            }
+            heights[place] = position[2];
+        }
+        Ok(Grid { axes, heights })
+    }
+}
+
+impl Axis {
+    /// The lines on which coordinates lie that are one where less than `width` apart.
+    fn fit(mut coordinates: Vec<f64>, width: f64) -> Option<Self> {
+        coordinates.sort_unstable_by(f64::total_cmp);
+        let (low, high) = (*coordinates.first()?, *coordinates.last()?);
+        let width = width.max(ROUNDING * (high - low));
+        let centres: Vec<f64> = coordinates
+            .chunk_by(|a, b| b - a <= width)
+            .map(|line| line.iter().map(|x| x - low).sum::<f64>() / line.len() as f64)
+            .collect();
+        drop(coordinates);
+        let gaps = || centres.windows(2).map(|pair| pair[1] - pair[0]);
+        let usual = part(&mut gaps().collect::<Vec<_>>(), 0.5);
+        let single: Vec<f64> = gaps().filter(|gap| (0.5..1.5).contains(&(gap / usual))).collect();
+        let usual = single.iter().sum::<f64>() / single.len() as f64;
+        let steps: f64 = gaps().map(|gap| (gap / usual).round().max(1.0)).sum();
+        let step = (centres.last()? - centres.first()?) / steps;
+        (step.is_finite() && step > 0.0).then(|| Self { first: low + centres[0], step, lines: steps as usize + 1 })
+    }
+}
+
+/// The value below which a part of the values lies; NaN where there is none.
+fn part(values: &mut [f64], part: f64) -> f64 {
+    match values.len().checked_sub(1) {
+        Some(last) => *values.select_nth_unstable_by((last as f64 * part) as usize, f64::total_cmp).1,
+        None => f64::NAN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(coordinates: &[f64], width: f64) -> Option<Axis> {
+        Axis::fit(coordinates.to_vec(), width)
+    }
+
+    #[test]
+    fn rounded_coordinates_give_the_true_step() {
+        // 10/3 steps printed as whole numbers: 3 or 4 apart.
+        let coordinates: Vec<f64> = (0..31).map(|line| (f64::from(line) * 10.0 / 3.0).round()).collect();
+        let found = axis(&coordinates, 0.0).unwrap();
+        assert_eq!(found.lines, 31);
+        assert!((found.step - 10.0 / 3.0).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn lines_that_are_missing_are_counted() {
+        let found = axis(&[0.0, 0.5, 0.5, 1.0, 3.5, 4.0], 0.0).unwrap();
+        assert_eq!(found, Axis { first: 0.0, step: 0.5, lines: 9 });
+    }
+
+    #[test]
+    fn one_line_is_no_axis() {
+        assert_eq!(axis(&[2.0, 2.0, 2.0], 0.0), None);
+        assert_eq!(axis(&[], 0.0), None);
+    }
+
+    #[test]
+    fn coordinates_beyond_all_range_are_no_axis() {
+        assert_eq!(axis(&[-1e308, 0.0, 1e308], 0.0), None);
+    }
+}

@@ -1,0 +1,52 @@
+//! Best and median seconds of the surface analysis of one map: `time_surface MAP.npy [REPEATS [ONLY]]`.
+//!
+//! ONLY names the lines to run, by a part of their names.
+//! The map's heights are in metre; without a pixel size in the file the pixels are 1 µm wide. `RAYON_NUM_THREADS` sets the
+//! number of threads. Each line is one analysis, from the heights in memory to its numbers.
+
+#![expect(clippy::print_stdout, reason = "the times are the program's output")]
+
+use std::error::Error;
+use std::time::Instant;
+
+use asperity::correlation::{Autocorrelation, Axis, profile_spectrum, radial_spectrum};
+use asperity::map::HeightMap;
+use asperity::surface::level::Level;
+use asperity::surface::preparation::Preparation;
+use asperity::surface::{areal, fractal};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let file = arguments.next().ok_or("usage: time_surface MAP.npy [REPEATS]")?;
+    let repeats = arguments.next().map_or(Ok(7), |count| count.parse())?;
+    let only = arguments.next().unwrap_or_default();
+    let mut scan = asperity_formats::read(file.as_ref())?;
+    scan.pitch_m.get_or_insert((1e-6, 1e-6));
+    let map = HeightMap::try_from(scan)?;
+    println!("{} x {} points, {} missing", map.grid().nx(), map.grid().ny(), map.missing_points());
+
+    let time = |name: &str, work: &dyn Fn() -> Result<(), Box<dyn Error>>| -> Result<(), Box<dyn Error>> {
+        if !name.contains(&only) {
+            return Ok(());
+        }
+        let mut seconds = Vec::new();
+        for _ in 0..repeats {
+            let start = Instant::now();
+            work()?;
+            seconds.push(start.elapsed().as_secs_f64());
+        }
+        seconds.sort_by(f64::total_cmp);
+        println!("{name:<42} best {:.4} s   median {:.4} s", seconds[0], seconds[seconds.len() / 2]);
+        Ok(())
+    };
+    time("texture parameters (ISO 25178-2)", &|| Ok(areal::parameters(&map).map(drop)?))?;
+    time("autocorrelation up to half the field", &|| Ok(Autocorrelation::estimate(&map).map(drop)?))?;
+    time("radial power spectrum", &|| Ok(radial_spectrum(&map).map(drop)?))?;
+    time("profile power spectra along x and y", &|| {
+        profile_spectrum(&map, Axis::X)?;
+        Ok(profile_spectrum(&map, Axis::Y).map(drop)?)
+    })?;
+    time("structure functions and Hurst exponent", &|| Ok(fractal::scaling(&map, None).map(drop)?))?;
+    let prepared = Preparation { level: Level::None, ..Preparation::default() }.apply(&map)?;
+    time("all of `surface stats`", &|| Ok(asperity::study::statistics(&prepared).map(drop)?))
+}

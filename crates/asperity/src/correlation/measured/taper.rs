@@ -1,0 +1,223 @@
+//! Up to which lags an autocorrelation is believed.
+
+use std::f64::consts::PI;
+
+use crate::correlation::estimate::Autocorrelation;
+
+/// Level of the central lobe, as for the autocorrelation length of ISO 25178-2.
+const LOBE: f64 = 0.2;
+/// Width of the rings in which lags are compared with their noise, in radii of the lobe.
+const RING: f64 = 0.5;
+/// Rings in a row that must be noise before the correlation counts as decayed.
+const QUIET_RINGS: usize = 3;
+/// Sectors of a ring, so that a correlation in one direction is not lost in the noise of the others.
+const SECTORS: usize = 4;
+/// Standard deviations by which the mean square of a sector must exceed that of noise to count.
+const SIGNIFICANT: f64 = 4.0;
+/// Share of the map over which the squares that make up the noise are summed, and to which lags are used where they decay.
+const NOISE_SHARE: f64 = 0.25;
+const LARGEST_SHARE: f64 = 0.5;
+
+/// The weight of a lag: 1 up to the reliable ones, falling to 0 at twice those; see [`super::MeasuredCovariance`].
+#[derive(Debug, Clone)]
+pub(super) struct Taper {
+    x: Side,
+    y: Side,
+    ellipse: Ellipse,
+    /// Radius in lobes up to which lags are reliable; infinite where nothing decays.
+    reliable: f64,
+    standard_error: f64,
+}
+
+/// One axis of the map.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    pitch_m: f64,
+    /// Lags in points beyond which nothing is used.
+    limit: isize,
+    /// Whether the correlation reaches beyond half of that.
+    open: bool,
+}
+
+impl Side {
+    fn weight(&self, lag: isize) -> f64 {
+        let s = lag.unsigned_abs() as f64 / (self.limit + 1) as f64;
+        if self.open { bohman(s) } else { flat_top(s) }
+    }
+
+    /// Largest lag in metre of weight 1, within `reliable_m`.
+    fn reliable_m(&self, reliable_m: f64) -> f64 {
+        if self.open { 0.0 } else { reliable_m.min(0.5 * (self.limit + 1) as f64 * self.pitch_m) }
+    }
+}
+
+/// The scaled distance r = √(hᵀBh), 1 on the edge of the central lobe.
+#[derive(Debug, Clone, Copy)]
+struct Ellipse {
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl Ellipse {
+    /// The lag in coordinates in which the ellipse is the unit circle.
+    fn scaled(&self, x_m: f64, y_m: f64) -> (f64, f64) {
+        let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
+        ((self.xx * x_m + self.xy * y_m) / self.xx.sqrt(), across * y_m)
+    }
+
+    fn radius(&self, x_m: f64, y_m: f64) -> f64 {
+        let (x, y) = self.scaled(x_m, y_m);
+        x.hypot(y)
+    }
+
+    /// Largest |x| and |y| at the radius 1.
+    fn half_widths_m(&self) -> (f64, f64) {
+        let determinant = self.xx * self.yy - self.xy * self.xy;
+        ((self.yy / determinant).sqrt(), (self.xx / determinant).sqrt())
+    }
+}
+
+impl Taper {
+    pub(super) fn of(estimate: &Autocorrelation) -> Self {
+        let grid = estimate.grid();
+        let share = |n: usize, share: f64| ((share * n as f64).floor() as isize).max(1);
+        let near = (share(grid.nx(), NOISE_SHARE), share(grid.ny(), NOISE_SHARE));
+        let limit = (share(grid.nx(), LARGEST_SHARE), share(grid.ny(), LARGEST_SHARE));
+        // Σρ² over all lags, the number of lags over which the noise of the estimate is itself correlated.
+        let squares: f64 = half_plane(near)
+            .map(|(x, y)| (estimate.correlation(x, y), if y == 0 { 1.0 } else { 2.0 }))
+            .filter(|(rho, _)| !rho.is_nan())
+            .map(|(rho, times)| times * rho * rho)
+            .sum();
+        let lobe = Lobe::of(estimate, limit);
+        let reliable = decay(estimate, limit, &lobe.ellipse, squares);
+        let side = |pitch_m: f64, n: usize, limit: isize, reach: isize| {
+            let open = 2 * reach > limit || reliable.is_infinite();
+            Side { pitch_m, limit: if open { n as isize - 1 } else { limit }, open }
+        };
+        Self {
+            x: side(grid.dx_m(), grid.nx(), limit.0, lobe.reach.0),
+            y: side(grid.dy_m(), grid.ny(), limit.1, lobe.reach.1),
+            ellipse: lobe.ellipse,
+            reliable,
+            standard_error: (squares / estimate.pairs(0, 0)).sqrt(),
+        }
+    }
+
+    /// Weight of a lag in points.
+    pub(super) fn weight(&self, lag_x: isize, lag_y: isize) -> f64 {
+        let radius = self.ellipse.radius(lag_x as f64 * self.x.pitch_m, lag_y as f64 * self.y.pitch_m);
+        self.x.weight(lag_x) * self.y.weight(lag_y) * flat_top(radius / (2.0 * self.reliable))
+    }
+
+    /// Lags along x and y in points beyond which every weight is zero.
+    pub(super) fn reach(&self) -> (usize, usize) {
+        let (x_m, y_m) = self.ellipse.half_widths_m();
+        let reach = |half_width_m: f64, side: &Side| {
+            ((2.0 * self.reliable * half_width_m / side.pitch_m).floor() as usize).clamp(1, side.limit as usize)
+        };
+        (reach(x_m, &self.x), reach(y_m, &self.y))
+    }
+
+    /// Largest lags along x and y of weight 1, in metre.
+    pub(super) fn reliable_m(&self) -> (f64, f64) {
+        let (x_m, y_m) = self.ellipse.half_widths_m();
+        (self.x.reliable_m(self.reliable * x_m), self.y.reliable_m(self.reliable * y_m))
+    }
+
+    /// Whether the correlation falls into its noise within the map, along x and along y.
+    pub(super) fn decayed(&self) -> (bool, bool) {
+        (!self.x.open, !self.y.open)
+    }
+
+    pub(super) fn standard_error(&self) -> f64 {
+        self.standard_error
+    }
+}
+
+/// 1 up to ½, 0 from 1 on; the step between has three continuous derivatives, so that it leaks little into high
+/// wavenumbers.
+fn flat_top(s: f64) -> f64 {
+    let t = (2.0 - 2.0 * s).clamp(0.0, 1.0);
+    t.powi(4) * (35.0 - 84.0 * t + 70.0 * t * t - 20.0 * t.powi(3))
+}
+
+/// Bohman's window, the correlation of half a cosine wave with itself: positive semi-definite.
+fn bohman(s: f64) -> f64 {
+    if s < 1.0 { (1.0 - s) * (PI * s).cos() + (PI * s).sin() / PI } else { 0.0 }
+}
+
+/// Lags (x, y) with y ≥ 0 up to a limit.
+fn half_plane(limit: (isize, isize)) -> impl Iterator<Item = (isize, isize)> {
+    (0..=limit.1).flat_map(move |y| (-limit.0..=limit.0).map(move |x| (x, y)))
+}
+
+/// Radius from which on the mean squares of rings are those of noise, s² = Σρ²/N; at least that of the lobe.
+fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, squares: f64) -> f64 {
+    let (dx_m, dy_m) = (estimate.grid().dx_m(), estimate.grid().dy_m());
+    // Of every sector of every ring the sum of ρ̂²/s², and the number of lags.
+    let mut rings: Vec<[(f64, f64); SECTORS]> = Vec::new();
+    for (x, y) in half_plane(limit) {
+        let rho = estimate.correlation(x, y);
+        if rho.is_nan() || (x, y) == (0, 0) {
+            continue;
+        }
+        let (scaled_x, scaled_y) = ellipse.scaled(x as f64 * dx_m, y as f64 * dy_m);
+        let ring = (scaled_x.hypot(scaled_y) / RING) as usize;
+        if ring >= rings.len() {
+            rings.resize(ring + 1, [(0.0, 0.0); SECTORS]);
+        }
+        // Sectors are centred on the axes of the ellipse and between; opposite ones are one.
+        let sector = (scaled_y.atan2(scaled_x) / PI * SECTORS as f64).round() as usize % SECTORS;
+        rings[ring][sector].0 += rho * rho * estimate.pairs(x, y) / squares;
+        rings[ring][sector].1 += 1.0;
+    }
+    let quiet = |(sum, lags): &(f64, f64)| {
+        // The mean square of noise is 1, with a variance of 2 over the number of independent lags.
+        let independent = (lags / squares).max(1.0);
+        *lags == 0.0 || sum / lags <= 1.0 + SIGNIFICANT * (2.0 / independent).sqrt()
+    };
+    let first = rings.windows(QUIET_RINGS).position(|window| window.iter().flatten().all(quiet));
+    first.map_or(f64::INFINITY, |ring| (RING * ring as f64).max(1.0))
+}
+
+/// The lags that are connected with zero above [`LOBE`].
+struct Lobe {
+    /// The ellipse of their second moments.
+    ellipse: Ellipse,
+    /// Largest lags along x and y in points.
+    reach: (isize, isize),
+}
+
+impl Lobe {
+    fn of(estimate: &Autocorrelation, limit: (isize, isize)) -> Self {
+        let (limit_x, limit_y) = limit;
+        let width = 2 * limit_x + 1;
+        let place = |x: isize, y: isize| ((y + limit_y) * width + x + limit_x) as usize;
+        let mut seen = vec![false; (width * (2 * limit_y + 1)) as usize];
+        let mut waiting = vec![(0_isize, 0_isize)];
+        seen[place(0, 0)] = true;
+        let (dx_m, dy_m) = (estimate.grid().dx_m(), estimate.grid().dy_m());
+        let (mut count, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0);
+        let mut reach = (0, 0);
+        while let Some((x, y)) = waiting.pop() {
+            let (x_m, y_m) = (x as f64 * dx_m, y as f64 * dy_m);
+            count += 1.0;
+            xx += x_m * x_m;
+            xy += x_m * y_m;
+            yy += y_m * y_m;
+            reach = (reach.0.max(x), reach.1.max(y));
+            for (x, y) in [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)] {
+                if x.abs() <= limit_x && y.abs() <= limit_y && !seen[place(x, y)] && estimate.correlation(x, y) > LOBE {
+                    seen[place(x, y)] = true;
+                    waiting.push((x, y));
+                }
+            }
+        }
+        // An ellipse of half axes a, b has the moments a²/4, b²/4. A lag stands for a cell, which gives a lone zero its size.
+        let (xx, xy, yy) = (4.0 * xx / count + dx_m * dx_m, 4.0 * xy / count, 4.0 * yy / count + dy_m * dy_m);
+        let determinant = xx * yy - xy * xy;
+        Self { ellipse: Ellipse { xx: yy / determinant, xy: -xy / determinant, yy: xx / determinant }, reach }
+    }
+}

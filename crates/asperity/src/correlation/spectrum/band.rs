@@ -1,0 +1,183 @@
+//! Where a measured spectrum can be relied on.
+
+/// Bins per octave in which a spectrum is looked at, and the bins over which its slope is taken: half an octave.
+const PER_OCTAVE: usize = 6;
+const SLOPE_OVER: usize = 3;
+/// A spectrum falls faster than any self-affine surface's when its exponent exceeds that of H = 1 by this.
+const STEEPER: f64 = 0.5;
+/// It is flat when its exponent over the last octave is below this.
+const FLAT: f64 = 0.5;
+/// A flat end is a noise floor when the spectrum starts this many times above.
+const ABOVE_FLOOR: f64 = 10.0;
+/// Signal and noise are equal where the spectrum is this many floors high.
+const FLOORS: f64 = 2.0;
+
+/// What ends a spectrum's reliable band towards short waves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UpperLimit {
+    /// The pixels: beyond half the Nyquist wavenumber, waves shorter than two pixels fold back. Of a self-affine surface they
+    /// are at most 3^{−2(1+H)} ≤ 11 % there.
+    Pixel,
+    /// The spectrum falls faster than that of any self-affine surface and goes on doing so: the instrument's resolution, a
+    /// filter, or interpolated pixels. A surface that is smooth on that scale looks the same.
+    RollOff,
+    /// The spectrum levels out: white noise of the instrument, or the scatter of a spectrum with missing points.
+    NoiseFloor,
+}
+
+impl UpperLimit {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pixel => "pixel",
+            Self::RollOff => "roll_off",
+            Self::NoiseFloor => "noise_floor",
+        }
+    }
+}
+
+/// The wavenumbers at which a spectrum shows the surface, rather than field, pixels and instrument.
+///
+/// The lower end is the resolution of the estimate: ±2 wavenumbers 2π/L under the Hann window, ±4 under the Parzen lag
+/// window; nearer to zero, the edge of the field and the removed form rule. The upper end is half the Nyquist wavenumber, or
+/// where the spectrum's fall shows that the instrument ended before the pixels did. Nothing is reliable when the upper end
+/// is not above the lower.
+///
+/// # References
+/// Jacobs, Junge & Pastewka, *Surf. Topogr.: Metrol. Prop.* **5** (2017) 013001,
+/// <https://doi.org/10.1088/2051-672X/aa51f8>, on what field, pixels and tip do to a spectrum. The rules for roll-off and
+/// noise floor are ours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReliableBand {
+    /// Lower end in rad/m.
+    pub low_rad_per_m: f64,
+    /// Upper end in rad/m.
+    pub high_rad_per_m: f64,
+    /// What sets the upper end.
+    pub upper_limit: UpperLimit,
+}
+
+impl ReliableBand {
+    /// The band of a profile's spectrum; H = 1 falls with the power 3.
+    pub(super) fn of_profile(q_rad_per_m: &[f64], psd_m3: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
+        Self::of(q_rad_per_m, psd_m3, low_rad_per_m, nyquist_rad_per_m, 3.0)
+    }
+
+    /// The band of a radial spectrum; H = 1 falls with the power 4.
+    pub(super) fn of_area(q_rad_per_m: &[f64], psd_m4: &[f64], low_rad_per_m: f64, nyquist_rad_per_m: f64) -> Self {
+        Self::of(q_rad_per_m, psd_m4, low_rad_per_m, nyquist_rad_per_m, 4.0)
+    }
+
+    fn of(q: &[f64], psd: &[f64], low: f64, nyquist: f64, steepest: f64) -> Self {
+        let pixel = 0.5 * nyquist;
+        let bins = binned(q, psd, low, nyquist);
+        let limits = [
+            (pixel, UpperLimit::Pixel),
+            (noise_floor(&bins).unwrap_or(f64::INFINITY), UpperLimit::NoiseFloor),
+            (roll_off(&bins, pixel, steepest + STEEPER).unwrap_or(f64::INFINITY), UpperLimit::RollOff),
+        ];
+        let (high, upper_limit) = limits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(limits[0]);
+        Self { low_rad_per_m: low, high_rad_per_m: high, upper_limit }
+    }
+}
+
+/// Means of the spectrum in bins of a sixth of an octave, from `low` to `high`, empty ones left out: (wavenumber, density).
+fn binned(q: &[f64], psd: &[f64], low: f64, high: f64) -> Vec<(f64, f64)> {
+    let mut bins: Vec<(f64, f64, f64)> = vec![];
+    let mut last = None;
+    for (q, psd) in q.iter().zip(psd).filter(|(q, _)| **q >= low && **q <= high) {
+        let bin = ((q / low).log2() * PER_OCTAVE as f64).floor();
+        if last != Some(bin) {
+            bins.push((0.0, 0.0, 0.0));
+            last = Some(bin);
+        }
+        if let Some(sums) = bins.last_mut() {
+            *sums = (sums.0 + q.ln(), sums.1 + psd, sums.2 + 1.0);
+        }
+    }
+    bins.into_iter().map(|(q, psd, n)| ((q / n).exp(), psd / n)).collect()
+}
+
+/// Where the spectrum comes down to twice the level of its flat end, or to zero.
+fn noise_floor(bins: &[(f64, f64)]) -> Option<f64> {
+    if let Some(lost) = bins.iter().position(|bin| bin.1 <= 0.0) {
+        return Some(bins[lost.saturating_sub(1)].0);
+    }
+    let end = bins.len().checked_sub(PER_OCTAVE + 1)?;
+    let octave = &bins[end..];
+    let floor = octave.iter().map(|bin| bin.1).sum::<f64>() / octave.len() as f64;
+    let highest = bins[..end].iter().map(|bin| bin.1).fold(0.0, f64::max);
+    if exponent(octave) > FLAT || highest < ABOVE_FLOOR * floor {
+        return None;
+    }
+    bins.iter().find(|bin| bin.1 < FLOORS * floor).map(|bin| bin.0)
+}
+
+/// Where the fall begins that stays steeper than `steepest` up to `end`.
+fn roll_off(bins: &[(f64, f64)], end: f64, steepest: f64) -> Option<f64> {
+    let below = bins.iter().take_while(|bin| bin.0 <= end).count();
+    let falls = |first: &usize| exponent(&bins[*first..first + SLOPE_OVER + 1]) > steepest;
+    let first = (0..below.checked_sub(SLOPE_OVER)?).rev().take_while(falls).last()?;
+    Some(bins[first].0)
+}
+
+/// −d ln P/d ln q by least squares.
+fn exponent(bins: &[(f64, f64)]) -> f64 {
+    let n = bins.len() as f64;
+    let points = || bins.iter().map(|(q, psd)| (q.ln(), psd.ln()));
+    let (x, y) = points().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (xy, xx) = points().fold((0.0, 0.0), |(xy, xx), p| (xy + (p.0 - x) * (p.1 - y), xx + (p.0 - x).powi(2)));
+    -xy / xx
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOW: f64 = 2.0;
+    const NYQUIST: f64 = 512.0;
+
+    /// The band of a spectrum given at whole wavenumbers up to Nyquist.
+    fn of(psd: impl Fn(f64) -> f64) -> (f64, UpperLimit) {
+        let q: Vec<f64> = (1..=512).map(f64::from).collect();
+        let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();
+        let band = ReliableBand::of_area(&q, &psd, LOW, NYQUIST);
+        assert_eq!(band.low_rad_per_m, LOW);
+        (band.high_rad_per_m, band.upper_limit)
+    }
+
+    /// Folded about Nyquist as sampling folds.
+    fn folded(psd: impl Fn(f64) -> f64) -> impl Fn(f64) -> f64 {
+        move |q| psd(q) + psd(2.0 * NYQUIST - q)
+    }
+
+    #[test]
+    fn self_affine_spectra_end_at_half_the_nyquist_wavenumber_folded_or_not() {
+        for hurst in [0.1, 0.5, 0.8, 1.0] {
+            let power = |q: f64| q.powf(-2.0 - 2.0 * hurst);
+            assert_eq!(of(power), (256.0, UpperLimit::Pixel));
+            assert_eq!(of(folded(power)), (256.0, UpperLimit::Pixel));
+        }
+        assert_eq!(of(|_| 1.0), (256.0, UpperLimit::Pixel), "white heights have no floor to tell from them");
+    }
+
+    #[test]
+    fn a_noise_floor_ends_the_band_where_it_equals_the_surface() {
+        let (high, limit) = of(|q| q.powf(-3.6) + 60_f64.powf(-3.6));
+        assert_eq!(limit, UpperLimit::NoiseFloor);
+        // A sixth of an octave either way.
+        assert!((high / 60.0).ln().abs() < 2_f64.ln() / 6.0, "{high}");
+        // Scatter about zero ends it as well.
+        let (high, limit) = of(|q| if q < 50.0 { q.powf(-3.6) } else { -1e-9 });
+        assert!(limit == UpperLimit::NoiseFloor && (40.0..50.0).contains(&high), "{high}");
+    }
+
+    #[test]
+    fn a_gaussian_beam_ends_the_band_where_it_bends_the_fall() {
+        // q^{−3.6} e^{−(q/40)²}: the exponent 3.6 + 2(q/40)² passes 4.5 at q = 40·√0.45 = 26.8.
+        let (high, limit) = of(|q| q.powf(-3.6) * (-(q / 40.0).powi(2)).exp());
+        assert_eq!(limit, UpperLimit::RollOff);
+        // The slope is taken over half an octave that begins there.
+        assert!((high / 26.8).log2().abs() < 0.5, "{high}");
+    }
+}

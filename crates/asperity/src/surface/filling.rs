@@ -1,0 +1,258 @@
+//! Voids of a measured map filled, and its edges extended, by what the rest of the map is like.
+
+use ndarray::Array2;
+use thiserror::Error;
+
+use super::conditional::{ConditionalError, ConditionalSurface, Conditioning, surrounded};
+use super::level::{Level, LevelError, remove_form};
+use super::{Predistorted, RandomSurface};
+use crate::correlation::{
+    Autocorrelation, CorrelationFamily, EstimateError, FitError, MeasuredCovariance, MeasuredCovarianceError,
+    StationaryCovariance, fit_covariance,
+};
+use crate::law::{LawError, Marginal};
+use crate::map::{Grid, HeightMap, MapError};
+
+/// Which covariance the missing heights get.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FillCovariance {
+    /// That of the map itself, [`MeasuredCovariance`].
+    #[default]
+    Measured,
+    /// The model that fits it best, [`fit_covariance`].
+    Fitted,
+}
+
+/// Which law the missing heights get.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FillMarginal {
+    /// The normal law.
+    Normal,
+    /// That of the heights present, by translation.
+    #[default]
+    Measured,
+}
+
+/// How a map is filled.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FillOptions {
+    /// Form that is taken out before and put back afterwards, also where heights were missing.
+    pub level: Level,
+    /// Points that are added on the left and on the right.
+    pub extend_x: usize,
+    /// Points that are added above and below.
+    pub extend_y: usize,
+    /// The covariance.
+    pub covariance: FillCovariance,
+    /// The law.
+    pub marginal: FillMarginal,
+    /// Variance of the measurement noise over that of the heights; see [`Conditioning::nugget`].
+    pub nugget: f64,
+}
+
+/// Why a map could not be filled.
+#[derive(Debug, Error)]
+pub enum FillError {
+    /// The form.
+    #[error("levelling: {0}")]
+    Level(#[from] LevelError),
+    /// The autocorrelation.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// The measured covariance.
+    #[error(transparent)]
+    Measured(#[from] MeasuredCovarianceError),
+    /// The fitted covariance.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The law of the heights.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// The heights given those present.
+    #[error(transparent)]
+    Conditional(#[from] ConditionalError),
+    /// The extended grid.
+    #[error(transparent)]
+    Grid(#[from] MapError),
+}
+
+/// Complete maps that agree with a measured one in every height that is present there.
+///
+/// The form is removed; the covariance and the law of what is left are estimated with missing heights masked; missing heights
+/// are drawn given those present ([`ConditionalSurface`]); the form is put back. Heights that are present are handed through
+/// bit by bit. What is filled in is one possible surface out of many, not a measurement: statistics of a filled map belong
+/// to the model as far as they rest on filled points.
+#[derive(Debug)]
+pub struct Filling {
+    measured: HeightMap,
+    form_m: Array2<f64>,
+    surface: ConditionalSurface,
+}
+
+impl Filling {
+    /// Prepares to fill `map`.
+    ///
+    /// # Errors
+    /// A form, covariance or law that is not determined by the heights present; options outside their ranges.
+    pub fn new(map: &HeightMap, options: FillOptions) -> Result<Self, FillError> {
+        let roughness = remove_form(map, options.level)?.map;
+        let estimate = Autocorrelation::estimate(&roughness)?;
+        let covariance: Box<dyn StationaryCovariance> = match options.covariance {
+            FillCovariance::Measured => Box::new(MeasuredCovariance::new(&estimate)?),
+            FillCovariance::Fitted => Box::new(fit_covariance(&estimate, &CorrelationFamily::ALL)?.best()),
+        };
+        let measured = surrounded(map, options.extend_x, options.extend_y)?;
+        let levelled = remove_form(&measured, options.level)?;
+        let conditioning =
+            Conditioning { mean_m: estimate.mean_m(), nugget: options.nugget, ..Conditioning::default() };
+        let surface = match options.marginal {
+            FillMarginal::Normal => ConditionalSurface::new(&*covariance, &levelled.map, conditioning)?,
+            FillMarginal::Measured => {
+                let law = Marginal::empirical(levelled.map.present_m().collect())?;
+                let gaussian = Predistorted::new(&*covariance, &law)?;
+                ConditionalSurface::with_law(&gaussian, &levelled.map, &law, conditioning)?
+            }
+        };
+        Ok(Self { measured, form_m: levelled.form_m, surface })
+    }
+
+    /// Number of heights that are filled in.
+    pub fn filled_points(&self) -> usize {
+        self.measured.missing_points()
+    }
+
+    /// The measured map, surrounded by what is to be drawn beyond its edges.
+    pub fn measured(&self) -> &HeightMap {
+        &self.measured
+    }
+
+    /// The random heights without the form.
+    pub fn surface(&self) -> &ConditionalSurface {
+        &self.surface
+    }
+
+    /// The map of one germ of [`RandomSurface::germ_len`] values.
+    ///
+    /// # Errors
+    /// The weights of the measured heights do not settle.
+    ///
+    /// # Panics
+    /// If the germ has another length or a value that is not finite.
+    pub fn draw(&self, germ: &[f64]) -> Result<HeightMap, ConditionalError> {
+        Ok(self.with_form(&self.surface.draw(germ)?))
+    }
+
+    fn with_form(&self, roughness: &HeightMap) -> HeightMap {
+        let mut heights = roughness.heights_m() + &self.form_m;
+        heights.zip_mut_with(self.measured.heights_m(), |z, measured| {
+            if !measured.is_nan() {
+                *z = *measured;
+            }
+        });
+        match HeightMap::new(self.measured.grid(), heights) {
+            Ok(map) => map,
+            Err(_) => unreachable!("measured heights are present on the grid"),
+        }
+    }
+}
+
+impl RandomSurface for Filling {
+    fn germ_len(&self) -> usize {
+        self.surface.germ_len()
+    }
+
+    fn grid(&self) -> Grid {
+        self.surface.grid()
+    }
+
+    fn generate(&self, germ: &[f64]) -> HeightMap {
+        self.with_form(&self.surface.generate(germ))
+    }
+}
+
+/// Memory in byte that filling a map of this grid needs, roughly: the modes of a domain of four times its points, and the
+/// sparse factor.
+pub fn filling_memory_bytes(points: f64) -> f64 {
+    const BYTES_PER_POINT: f64 = 1000.0;
+    BYTES_PER_POINT * points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlation::{CorrelationModel, Covariance};
+    use crate::random;
+    use crate::surface::SpectralField;
+
+    /// A tilted map of lognormal heights with a void, as a function of the seed.
+    fn scan(law: &Marginal) -> (HeightMap, HeightMap) {
+        let grid = Grid::new(160, 120, 1e-6, 1e-6).unwrap();
+        let covariance = Covariance::isotropic(CorrelationModel::Exponential, 1.0, 5e-6).unwrap();
+        let field = SpectralField::free(&covariance, grid).unwrap();
+        let germ = random::standard_normal(&mut random::stream(9, "scan", 0), field.germ_len());
+        let mut heights = field.generate(&germ).heights_m().mapv(|g| 1e-6 * law.translate(g));
+        for ((row, column), z) in heights.indexed_iter_mut() {
+            *z += 1e-2 * 1e-6 * column as f64 - 3e-2 * 1e-6 * row as f64 + 1.0;
+        }
+        let whole = HeightMap::new(grid, heights.clone()).unwrap();
+        heights.slice_mut(ndarray::s![30..80, 60..130]).fill(f64::NAN);
+        (whole, HeightMap::new(grid, heights).unwrap())
+    }
+
+    #[test]
+    fn a_filled_map_keeps_its_heights_and_fills_with_more_of_the_same() {
+        let law = Marginal::lognormal(0.0, 0.5, 0.0).unwrap();
+        let (whole, map) = scan(&law);
+        let options = FillOptions { extend_x: 20, extend_y: 10, ..FillOptions::default() };
+        let filling = Filling::new(&map, options).unwrap();
+        assert_eq!(filling.filled_points(), 200 * 140 - 160 * 120 + 50 * 70);
+        let germ = random::standard_normal(&mut random::stream(9, "fill", 0), filling.germ_len());
+        let filled = filling.draw(&germ).unwrap();
+        assert_eq!(filled.missing_points(), 0);
+        for (before, after) in filling.measured().heights_m().iter().zip(filled.heights_m()) {
+            assert!(before.is_nan() || before.to_bits() == after.to_bits());
+        }
+        // The inside of the void, without the tilt, has the skewed law of the rest: some fifty independent patches.
+        let inside = |map: &HeightMap, rows: usize, columns: usize| -> Vec<f64> {
+            let tilt = |r: usize, c: usize| 1e-8 * (c - columns) as f64 - 3e-8 * (r - rows) as f64;
+            (rows + 34..rows + 76)
+                .flat_map(|r| (columns + 64..columns + 126).map(move |c| (r, c)))
+                .map(|(r, c)| map.heights_m()[[r, c]] - 1.0 - tilt(r, c))
+                .collect()
+        };
+        let (truth, drawn) = (inside(&whole, 0, 0), inside(&filled, 10, 20));
+        let moments = |values: &[f64]| {
+            let moments = crate::stats::Moments::of(values);
+            (moments.mean, moments.std, moments.skewness)
+        };
+        let ((mean, std, _), (filled_mean, filled_std, skewness)) = (moments(&truth), moments(&drawn));
+        let error = std / 50.0_f64.sqrt();
+        assert!((filled_mean - mean).abs() < 4.0 * error, "{filled_mean:e} {mean:e} ± {error:e}");
+        assert!((filled_std / std - 1.0).abs() < 0.4, "{filled_std:e} {std:e}");
+        assert!(skewness > 0.5, "{skewness}");
+    }
+
+    #[test]
+    fn a_fitted_covariance_and_a_normal_law_are_choices() {
+        let (_, map) = scan(&Marginal::STANDARD_NORMAL);
+        let options = FillOptions {
+            covariance: FillCovariance::Fitted,
+            marginal: FillMarginal::Normal,
+            nugget: 1e-6,
+            ..FillOptions::default()
+        };
+        let filling = Filling::new(&map, options).unwrap();
+        let germ = random::standard_normal(&mut random::stream(9, "fill", 1), filling.germ_len());
+        let filled = filling.generate(&germ);
+        assert_eq!(filled.missing_points(), 0);
+        assert!(map.heights_m().iter().zip(filled.heights_m()).all(|(a, b)| a.is_nan() || a.to_bits() == b.to_bits()));
+    }
+
+    #[test]
+    fn a_flat_map_is_refused() {
+        let flat =
+            HeightMap::from_function(Grid::new(16, 16, 1.0, 1.0).unwrap(), |x, _| if x > 8.0 { f64::NAN } else { 2.0 });
+        let error = Filling::new(&flat.unwrap(), FillOptions::default()).unwrap_err();
+        assert!(matches!(error, FillError::Estimate(EstimateError::Constant { .. })), "{error}");
+    }
+}

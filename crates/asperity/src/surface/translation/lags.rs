@@ -1,0 +1,155 @@
+//! Correlations at all lags of a periodic domain, and their spectra.
+
+use ndarray::Array2;
+
+use super::{TranslationError, TranslationReport};
+use crate::correlation::StationaryCovariance;
+use crate::fourier::{RealFft2, Workspace};
+use crate::map::Grid;
+
+/// How far a correlation may leave [−1, 1].
+const ROUNDING: f64 = 1e-12;
+
+/// The lags of a periodic domain, of which those up to `rows` − 1 and `columns` − 1 points count.
+///
+/// Spectra are unnormalised transforms S of correlations, stored as [`RealFft2`] does; ρ(0) = 1 is ΣS = number of points.
+pub(super) struct Lags {
+    pub(super) domain: Grid,
+    pub(super) fft: RealFft2,
+    /// Counted lags along y and x, zero included.
+    rows: usize,
+    columns: usize,
+}
+
+impl Lags {
+    /// All lags of a periodic grid.
+    pub(super) fn periodic(grid: Grid) -> Self {
+        let fft = RealFft2::new(grid.nx(), grid.ny());
+        Self { domain: grid, fft, rows: grid.ny() / 2 + 1, columns: grid.nx() / 2 + 1 }
+    }
+
+    /// The lags within `grid` on a domain of at least twice its sides.
+    pub(super) fn within(grid: Grid, domain: Grid) -> Self {
+        let fft = RealFft2::new(domain.nx(), domain.ny());
+        Self { domain, fft, rows: grid.ny(), columns: grid.nx() }
+    }
+
+    pub(super) fn points(&self) -> usize {
+        self.domain.points()
+    }
+
+    /// The correlation at the least image of every lag of the domain.
+    pub(super) fn wrapped(&self, correlation: &dyn StationaryCovariance) -> Result<Vec<f64>, TranslationError> {
+        let (nx, ny) = (self.domain.nx(), self.domain.ny());
+        let mut wrapped = vec![0.0; nx * ny];
+        for row in 0..=ny / 2 {
+            for column in 0..=nx / 2 {
+                let (lag_x_m, lag_y_m) = (column as f64 * self.domain.dx_m(), row as f64 * self.domain.dy_m());
+                let value = correlation.correlation(lag_x_m, lag_y_m);
+                let at_zero = row == 0 && column == 0;
+                if value.is_nan() || value.abs() > 1.0 + ROUNDING || (at_zero && value < 1.0 - ROUNDING) {
+                    return Err(TranslationError::Target { lag_x_m, lag_y_m, value });
+                }
+                for r in [row, (ny - row) % ny] {
+                    for c in [column, (nx - column) % nx] {
+                        wrapped[r * nx + c] = value.clamp(-1.0, 1.0);
+                    }
+                }
+            }
+        }
+        Ok(wrapped)
+    }
+
+    /// The spectrum of an even map; what is not even is rounding and left out.
+    pub(super) fn spectrum(&self, map: &[f64], work: &mut Workspace) -> Vec<f64> {
+        let mut spectrum = self.fft.spectrum();
+        self.fft.forward(map, &mut spectrum, work);
+        let ny = self.fft.ny();
+        (0..spectrum.len())
+            .map(|place| {
+                let (kx, ky) = (place / ny, place % ny);
+                0.5 * (spectrum[place].re + spectrum[kx * ny + (ny - ky) % ny].re)
+            })
+            .collect()
+    }
+
+    /// The map of a spectrum.
+    pub(super) fn map(&self, spectrum: &[f64], work: &mut Workspace) -> Vec<f64> {
+        let mut complex = self.fft.spectrum();
+        for (to, from) in complex.iter_mut().zip(spectrum) {
+            to.re = *from;
+        }
+        let mut map = vec![0.0; self.points()];
+        self.fft.inverse(&mut complex, &mut map, work);
+        map
+    }
+
+    /// Σ over all wavevectors, stored or not.
+    pub(super) fn sum(&self, values: impl Iterator<Item = f64>) -> f64 {
+        let ny = self.fft.ny();
+        values.enumerate().map(|(place, value)| self.fft.multiplicity(place / ny) * value).sum()
+    }
+
+    /// The share of the variance that negative eigenvalues hold.
+    pub(super) fn negative_share(&self, spectrum: &[f64]) -> f64 {
+        self.sum(spectrum.iter().map(|s| (-s).max(0.0))) / self.points() as f64
+    }
+
+    /// Negative eigenvalues set to zero and the others scaled to unit variance.
+    pub(super) fn clip(&self, spectrum: &mut [f64]) {
+        let scale = self.points() as f64 / self.sum(spectrum.iter().map(|s| s.max(0.0)));
+        for s in spectrum {
+            *s = s.max(0.0) * scale;
+        }
+    }
+
+    /// The nearest spectrum (in the sum of squares) that is nowhere negative and has unit variance: max(S − c, 0).
+    ///
+    /// # References
+    /// Michelot, *J. Optim. Theory Appl.* **50** (1986) 195, <https://doi.org/10.1007/BF00938486>.
+    pub(super) fn project(&self, spectrum: &mut [f64]) {
+        let points = self.points() as f64;
+        let mut offset = f64::NEG_INFINITY;
+        loop {
+            let kept = |s: &f64| *s > offset;
+            let count = self.sum(spectrum.iter().map(|s| f64::from(u8::from(kept(s)))));
+            let sum = self.sum(spectrum.iter().map(|s| if kept(s) { *s } else { 0.0 }));
+            let next = (sum - points) / count;
+            // The offset rises until no kept value lies below it.
+            if next <= offset || next.is_nan() {
+                break;
+            }
+            offset = next;
+        }
+        for s in spectrum {
+            *s = (*s - offset).max(0.0);
+        }
+    }
+
+    /// Whether the lag at this place of a map counts.
+    pub(super) fn counts(&self, place: usize) -> bool {
+        let (nx, ny) = (self.domain.nx(), self.domain.ny());
+        let (row, column) = (place / nx, place % nx);
+        row.min(ny - row) < self.rows && column.min(nx - column) < self.columns
+    }
+
+    /// The counted lags of one quadrant, shape `[lags along y, lags along x]`.
+    pub(super) fn quadrant(&self, map: &[f64]) -> Array2<f64> {
+        Array2::from_shape_fn((self.rows, self.columns), |(row, column)| map[row * self.domain.nx() + column])
+    }
+
+    /// How far two correlations lie apart at the counted lags.
+    pub(super) fn deviation(&self, met: &[f64], target: &[f64]) -> TranslationReport {
+        let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
+        let differences = self.quadrant(met) - self.quadrant(target);
+        for ((row, column), difference) in differences.indexed_iter() {
+            report.rms_deviation += difference * difference / differences.len() as f64;
+            if difference.abs() > report.largest_deviation {
+                let (lag_x_m, lag_y_m) = (column as f64 * self.domain.dx_m(), row as f64 * self.domain.dy_m());
+                report = TranslationReport { largest_deviation: difference.abs(), lag_x_m, lag_y_m, ..report };
+            }
+        }
+        report.rms_deviation = report.rms_deviation.sqrt();
+        report
+    }
+}
