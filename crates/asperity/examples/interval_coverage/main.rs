@@ -100,7 +100,7 @@ impl Case {
         let heights: Vec<f64> = (0..count as usize).map(quantile).collect();
         let moments = Moments::of(&heights);
         let sa = heights.iter().map(|z| (z - moments.mean).abs()).sum::<f64>() / f64::from(count);
-        let core = MaterialRatio::of(heights.iter().copied()).core(EquivalentLine::Secant);
+        let core = MaterialRatio::of(&heights).core(EquivalentLine::LeastSquares);
         let translation = Translation::new(&self.law)?;
         let rho = |x: f64, y: f64| translation.correlation(self.covariance.correlation(x, y));
         let falls_to = |level: f64, turn: f64| {

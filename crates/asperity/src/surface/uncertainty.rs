@@ -82,9 +82,9 @@ impl Values {
             sku: parameters.sku,
             sdq: parameters.sdq,
             sal_m: parameters.sal_m,
-            sk_m: parameters.sk_m,
-            spk_m: parameters.spk_m,
-            svk_m: parameters.svk_m,
+            sk_m: parameters.core.sk_m,
+            spk_m: parameters.core.spk_m,
+            svk_m: parameters.core.svk_m,
             correlation_length_x_m: correlation.correlation_length_m(Axis::X),
             correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
         }

@@ -106,7 +106,7 @@ impl Classes {
                     counts[k] += d[k] - c[k] - b[k] + a[k];
                 }
             }
-            let core = MaterialRatio::of(self.heights(&counts)).core(EquivalentLine::Secant);
+            let core = MaterialRatio::of(&self.heights(&counts)).core(EquivalentLine::LeastSquares);
             [core.sk_m, core.spk_m, core.svk_m, self.mean_size(&counts)]
         };
         (0..draws.resamples).into_par_iter().map(replicate).collect()
@@ -130,7 +130,7 @@ impl Classes {
     }
 
     /// Two heights for each class, at the quarters of its share.
-    fn heights(&self, counts: &[f64]) -> impl Iterator<Item = f64> {
+    fn heights(&self, counts: &[f64]) -> Vec<f64> {
         let total = total(counts);
         let mut heights = Vec::with_capacity(2 * CLASSES);
         let (mut class, mut below) = (0, 0.0);
@@ -143,7 +143,7 @@ impl Classes {
             let part = ((wanted - below) / counts[class].max(1.0)).clamp(0.0, 1.0);
             heights.push(self.bounds[class] + part * (self.bounds[class + 1] - self.bounds[class]));
         }
-        heights.into_iter()
+        heights
     }
 
     /// ⟨|v − ⟨v⟩|⟩ with every height at the middle of its class.

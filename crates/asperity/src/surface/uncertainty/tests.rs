@@ -1,5 +1,5 @@
 use super::*;
-use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};
+use crate::correlation::{CorrelationModel, Covariance};
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::random;
