@@ -13,6 +13,7 @@ use asperity::correlation::{Autocorrelation, Axis, profile_spectrum, radial_spec
 use asperity::map::HeightMap;
 use asperity::surface::level::Level;
 use asperity::surface::preparation::Preparation;
+use asperity::surface::uncertainty::{Uncertainty, Values};
 use asperity::surface::{areal, fractal};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -48,5 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     })?;
     time("structure functions and Hurst exponent", &|| Ok(fractal::scaling(&map, None).map(drop)?))?;
     let prepared = Preparation { level: Level::None, ..Preparation::default() }.apply(&map)?;
+    let (values, uncertainty) =
+        (Values::new(&areal::parameters(&map)?, &Autocorrelation::estimate(&map)?), Uncertainty::default());
+    time("intervals of the statistics", &|| Ok(uncertainty.of(&map, &values).map(drop)?))?;
     time("all of `surface stats`", &|| Ok(asperity::study::statistics(&prepared).map(drop)?))
 }

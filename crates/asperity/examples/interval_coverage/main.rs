@@ -1,12 +1,13 @@
 //! How often the 95 % intervals of a map's statistics hold those of its surface.
 //!
-//! `cargo run --release -p asperity --example interval_coverage -- [MAPS] [LENGTHS] [MISSING] [LEVEL] [CASE …]`
+//! `cargo run --release -p asperity --example interval_coverage -- [MAPS [ONLY]]`
 //!
-//! draws MAPS maps (1000) of LENGTHS correlation lengths (30) a side with ten points to a length, takes a share MISSING of
-//! the points out (0) and the form LEVEL (mean), and counts for each case, such as `normal/exponential` or
-//! `beta:2.1,5/squared_exponential`, or `normal/exponential*4` of a lay along x, four times as long. Columns: the truth,
-//! the mean of the estimates, their spread, the mean standard error over it, the mean number of blocks, the share of maps with
-//! an interval, the share of these intervals that hold the truth, and the shares that lie above and below it.
+//! draws MAPS maps (1000) of each case, 30 correlation lengths a side and four points to a length, and counts. ONLY names
+//! the cases to run, by a part of their names. For each statistic: the truth, the mean of the estimates, their spread, the mean
+//! standard error over it, the mean number of blocks, the share of maps with an interval, the share of these intervals that
+//! hold the truth, and the shares that lie above and below it. The last table is that of `docs/validation/intervals.md`.
+
+#![expect(clippy::print_stdout, reason = "tables for people")]
 
 use asperity::correlation::{Autocorrelation, CorrelationModel, Covariance, StationaryCovariance};
 use asperity::law::Marginal;
@@ -16,34 +17,61 @@ use asperity::random;
 use asperity::stats::Moments;
 use asperity::surface::areal::{EquivalentLine, MaterialRatio, parameters};
 use asperity::surface::level::{Level, remove_form};
-use asperity::surface::uncertainty::{Estimates, Uncertainty, Values, removed_terms};
+use asperity::surface::uncertainty::{Estimate, Estimates, Uncertainty, Values, removed_terms};
 use asperity::surface::{RandomSurface, SpectralField, Translated};
 use ndarray::{Array2, s};
 use rand::RngExt;
+use rayon::prelude::*;
 
-/// Points to a correlation length.
-const POINTS: usize = 10;
+/// Correlation lengths a side, the geometric mean of those along x and y.
+const LENGTHS: f64 = 30.0;
+/// Points to the correlation length along y.
+const POINTS: f64 = 4.0;
+/// Seed of heights and of holes.
+const SEED: u64 = 1;
 
-type Failure = Box<dyn std::error::Error>;
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+struct Case {
+    law: &'static str,
+    model: CorrelationModel,
+    /// Correlation length along x over that along y.
+    stretch: f64,
+    /// Share of the points that are missing.
+    missing: f64,
+    level: Level,
+}
+
+const fn case(law: &'static str, model: CorrelationModel, level: Level) -> Case {
+    Case { law, model, stretch: 1.0, missing: 0.0, level }
+}
+
+const LOGNORMAL: &str = "lognormal:0,0.5";
+const BETA: &str = "beta:2.1,5";
+
+const CASES: [Case; 12] = {
+    use CorrelationModel::{Exponential, SquaredExponential};
+    use Level::{Mean, Plane};
+    [
+        case("normal", SquaredExponential, Mean),
+        case("normal", SquaredExponential, Plane),
+        case("normal", Exponential, Mean),
+        case("normal", Exponential, Plane),
+        case(LOGNORMAL, SquaredExponential, Mean),
+        case(LOGNORMAL, SquaredExponential, Plane),
+        case(LOGNORMAL, Exponential, Mean),
+        case(BETA, SquaredExponential, Mean),
+        case(BETA, Exponential, Mean),
+        case(BETA, Exponential, Plane),
+        Case { missing: 0.2, ..case("normal", Exponential, Mean) },
+        Case { stretch: 3.0, ..case("normal", SquaredExponential, Mean) },
+    ]
+};
 
 /// A covariance stretched along x.
 struct Lay {
     covariance: Covariance,
     stretch: f64,
-}
-
-impl Lay {
-    fn parse(text: &str) -> Result<Self, Failure> {
-        let (model, stretch) = text.split_once('*').unwrap_or((text, "1"));
-        let model = match model {
-            "squared_exponential" => CorrelationModel::SquaredExponential,
-            "exponential" => CorrelationModel::Exponential,
-            other => return Err(format!("no model {other}").into()),
-        };
-        let length = POINTS as f64;
-        let covariance = Covariance::new(model, 1.0, length, length)?;
-        Ok(Self { covariance, stretch: stretch.parse()? })
-    }
 }
 
 impl StationaryCovariance for Lay {
@@ -56,55 +84,58 @@ impl StationaryCovariance for Lay {
     }
 }
 
-struct Case {
-    law: Marginal,
-    covariance: Lay,
-    side: usize,
-    missing: f64,
-    level: Level,
-}
-
 impl Case {
-    fn parse(text: &str, lengths: usize, missing: f64, level: Level) -> Result<Self, Failure> {
-        let (law, model) = text.split_once('/').ok_or("a case is LAW/MODEL")?;
-        let law: Marginal = law.parse()?;
-        let law = law.standardised(0.0, 1.0)?;
-        Ok(Self { law, covariance: Lay::parse(model)?, side: lengths * POINTS, missing, level })
+    fn name(&self) -> String {
+        let lay = if self.stretch == 1.0 { String::new() } else { format!(", l_x = {} l_y", self.stretch) };
+        let holes = if self.missing > 0.0 { format!(", {} % missing", 100.0 * self.missing) } else { String::new() };
+        format!("{} {}, {} removed{lay}{holes}", self.law, self.model.name(), self.level)
     }
 
-    fn maps(&self, count: usize) -> Result<Vec<Estimates>, Failure> {
+    fn law(&self) -> Result<Marginal, Failure> {
+        Ok(self.law.parse::<Marginal>()?.standardised(0.0, 1.0)?)
+    }
+
+    fn covariance(&self) -> Result<Lay, Failure> {
+        Ok(Lay { covariance: Covariance::new(self.model, 1.0, POINTS, POINTS)?, stretch: self.stretch })
+    }
+
+    fn side(&self) -> usize {
+        (LENGTHS * POINTS * self.stretch.sqrt()).round() as usize
+    }
+
+    fn estimates(&self, count: u64) -> Result<Vec<Estimates>, Failure> {
         // Fifteen lengths beyond the map, opposite edges of the periodic field no longer know of each other.
-        let domain = self.side + 15 * (POINTS as f64 * self.covariance.stretch) as usize;
-        let field = SpectralField::periodic(&self.covariance, Grid::new(domain, domain, 1.0, 1.0)?);
-        let field = Translated::new(field, self.law.clone())?;
-        let grid = Grid::new(self.side, self.side, 1.0, 1.0)?;
+        let side = self.side();
+        let domain = side + (15.0 * POINTS * self.stretch) as usize;
+        let field = SpectralField::periodic(&self.covariance()?, Grid::new(domain, domain, 1.0, 1.0)?);
+        let field = Translated::new(field, self.law()?)?;
+        let grid = Grid::new(side, side, 1.0, 1.0)?;
         let uncertainty = Uncertainty { removed_terms: removed_terms(self.level), ..Uncertainty::default() };
-        let mut all = vec![];
-        for index in 0..count {
-            let germ = random::standard_normal(&mut random::stream(1, "coverage", index as u64), field.germ_len());
-            let mut heights: Array2<f64> =
-                field.generate(&germ).heights_m().slice(s![..self.side, ..self.side]).to_owned();
-            let mut holes = random::stream(1, "holes", index as u64);
+        let of_map = |index: u64| -> Result<Estimates, Failure> {
+            let germ = random::standard_normal(&mut random::stream(SEED, "coverage", index), field.germ_len());
+            let mut heights: Array2<f64> = field.generate(&germ).heights_m().slice(s![..side, ..side]).to_owned();
+            let mut holes = random::stream(SEED, "holes", index);
             heights.iter_mut().filter(|_| holes.random::<f64>() < self.missing).for_each(|z| *z = f64::NAN);
             let map = remove_form(&HeightMap::new(grid, heights)?, self.level)?.map;
-            let (parameters, correlation) = (parameters(&map)?, Autocorrelation::estimate(&map)?);
-            all.push(uncertainty.of(&map, &Values::new(&parameters, &correlation))?);
-        }
-        Ok(all)
+            let values = Values::new(&parameters(&map)?, &Autocorrelation::estimate(&map)?);
+            Ok(uncertainty.of(&map, &values)?)
+        };
+        (0..count).into_par_iter().map(of_map).collect()
     }
 
     /// The surface's own statistics, in the order of [`Estimates::named`].
     fn truths(&self) -> Result<[f64; 11], Failure> {
+        let (law, covariance) = (self.law()?, self.covariance()?);
         let count = 2_000_000;
-        let quantile = |i: usize| self.law.quantile((i as f64 + 0.5) / f64::from(count));
-        let heights: Vec<f64> = (0..count as usize).map(quantile).collect();
+        let quantile = |i: i32| law.quantile((f64::from(i) + 0.5) / f64::from(count));
+        let heights: Vec<f64> = (0..count).map(quantile).collect();
         let moments = Moments::of(&heights);
         let sa = heights.iter().map(|z| (z - moments.mean).abs()).sum::<f64>() / f64::from(count);
         let core = MaterialRatio::of(&heights).core(EquivalentLine::LeastSquares);
-        let translation = Translation::new(&self.law)?;
-        let rho = |x: f64, y: f64| translation.correlation(self.covariance.correlation(x, y));
+        let translation = Translation::new(&law)?;
+        let rho = |x: f64, y: f64| translation.correlation(covariance.correlation(x, y));
         let falls_to = |level: f64, turn: f64| {
-            let (mut near, mut far) = (0.0, 10.0 * self.side as f64);
+            let (mut near, mut far) = (0.0, 1e3 * POINTS);
             for _ in 0..60 {
                 let middle = 0.5 * (near + far);
                 if rho(middle * turn.cos(), middle * turn.sin()) > level { near = middle } else { far = middle }
@@ -114,57 +145,45 @@ impl Case {
         let inverse_e = (-1.0_f64).exp();
         let across = std::f64::consts::FRAC_PI_2;
         let (length_x, length_y) = (falls_to(inverse_e, 0.0), falls_to(inverse_e, across));
-        let (skew, kurtosis) = (self.law.skewness(), self.law.excess_kurtosis() + 3.0);
+        let (skew, kurtosis) = (law.skewness(), law.excess_kurtosis() + 3.0);
         let sdq = (4.0 - 2.0 * rho(1.0, 0.0) - 2.0 * rho(0.0, 1.0)).sqrt();
         Ok([sa, 1.0, skew, kurtosis, sdq, falls_to(0.2, across), core.sk_m, core.spk_m, core.svk_m, length_x, length_y])
     }
 }
 
-#[expect(clippy::print_stdout, reason = "a table for people")]
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let of = |place: usize, default: &'static str| arguments.get(place).map_or(default, String::as_str);
-    let count: usize = of(0, "1000").parse()?;
-    let lengths: usize = of(1, "30").parse()?;
-    let missing: f64 = of(2, "0").parse()?;
-    let level: Level = of(3, "mean").parse()?;
-    let mut cases: Vec<&str> = arguments.iter().skip(4).map(String::as_str).collect();
-    if cases.is_empty() {
-        cases = vec![
-            "normal/squared_exponential",
-            "normal/exponential",
-            "beta:2.1,5/squared_exponential",
-            "beta:2.1,5/exponential",
-        ];
-    }
-    for text in cases {
-        let case = Case::parse(text, lengths, missing, level)?;
-        println!("{text}: {count} maps of {lengths} lengths, {missing} missing, {level} removed");
-        let (truths, maps) = (case.truths()?, case.maps(count)?);
+    let count: u64 = arguments.first().map_or(Ok(1000), |count| count.parse())?;
+    let only = arguments.get(1).map_or("", String::as_str);
+    let mut table = String::new();
+    for case in CASES.iter().filter(|case| case.name().contains(only)) {
+        println!("{}: {count} maps of {} points a side", case.name(), case.side());
+        let (truths, maps) = (case.truths()?, case.estimates(count)?);
+        table += &format!("| {} |", case.name());
         for (k, truth) in truths.into_iter().enumerate() {
             let name = maps[0].named()[k].0;
-            let found: Vec<_> = maps.iter().filter_map(|m| m.named()[k].1).collect();
-            let share = |of: &dyn Fn(&asperity::surface::uncertainty::Estimate) -> bool| {
-                found.iter().filter(|e| of(e)).count() as f64 / found.len() as f64
-            };
-            let values: Vec<f64> = found.iter().map(|e| e.surface).collect();
-            let spread = Moments::of(&values);
-            let mean = |of: &dyn Fn(&asperity::surface::uncertainty::Estimate) -> f64| {
-                found.iter().map(of).sum::<f64>() / found.len() as f64
-            };
+            let found: Vec<Estimate> = maps.iter().filter_map(|m| m.named()[k].1).collect();
+            let share =
+                |of: &dyn Fn(&Estimate) -> bool| found.iter().filter(|e| of(e)).count() as f64 / found.len() as f64;
+            let spread = Moments::of(&found.iter().map(|e| e.surface).collect::<Vec<f64>>());
+            let mean = |of: &dyn Fn(&Estimate) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+            let covered = share(&|e| e.interval.contains(truth));
             println!(
-                "  {name:22} truth {truth:8.4} mean {:8.4} spread {:.4} se/spread {:.3} blocks {:5.1} given {:.3} covered {:.3} \
-                 (above {:.3}, below {:.3})",
+                "  {name:22} truth {truth:8.4} mean {:8.4} spread {:.4} se/spread {:.3} blocks {:5.1} given {:.3} covered \
+                 {covered:.3} (above {:.3}, below {:.3})",
                 spread.mean,
                 spread.std,
                 mean(&|e| e.standard_error) / spread.std,
                 mean(&|e| e.blocks),
                 found.len() as f64 / count as f64,
-                share(&|e| e.interval.contains(truth)),
                 share(&|e| e.interval.low > truth),
                 share(&|e| e.interval.high < truth),
             );
+            table += &format!(" {:.1} |", 100.0 * covered);
         }
+        table += "\n";
     }
+    println!("\n| case | Sa | Sq | Ssk | Sku | Sdq | Sal | Sk | Spk | Svk | l_x | l_y |");
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n{table}");
     Ok(())
 }

@@ -89,13 +89,8 @@ impl Preparation {
                 levelled = remove_form(&kept, self.level)?;
             }
         }
-        let mut prepared = Prepared {
-            map: levelled.map,
-            outliers,
-            lost: 0,
-            radius_m: levelled.radius_m,
-            level: self.level,
-        };
+        let mut prepared =
+            Prepared { map: levelled.map, outliers, lost: 0, radius_m: levelled.radius_m, level: self.level };
         if let Some(cutoff_m) = self.s_filter_m {
             prepared.map =
                 GaussianFilter::linear(cutoff_m).smooth(&prepared.map).map_err(PreparationError::SFilter)?.map;

@@ -188,11 +188,7 @@ impl Uncertainty {
     ///
     /// # Errors
     /// A confidence level outside (0, 1), or fewer than two resamples.
-    pub fn of(
-        &self,
-        map: &HeightMap,
-        values: &Values,
-    ) -> Result<Estimates, UncertaintyError> {
+    pub fn of(&self, map: &HeightMap, values: &Values) -> Result<Estimates, UncertaintyError> {
         if !(self.level > 0.0 && self.level < 1.0) {
             let wanted = "between 0 and 1";
             return Err(UncertaintyError::Parameter { parameter: "confidence level", value: self.level, wanted });

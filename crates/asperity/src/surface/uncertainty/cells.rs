@@ -52,8 +52,7 @@ impl Cells {
         }
         let value = map.heights_m().iter().map(|z| if z.is_nan() { 0.0 } else { (z - mean_m) / std_m }).collect();
         let missing = map.missing_points();
-        let present =
-            (missing > 0).then(|| map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect());
+        let present = (missing > 0).then(|| map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect());
         let step = [0, 1].map(|axis| length[axis].map_or(1.0, |l| size[axis] / (share * l)));
         Some(Self {
             grid,

@@ -34,13 +34,7 @@ pub(super) struct Lengths<'a> {
 }
 
 impl<'a> Lengths<'a> {
-    pub(super) fn new(
-        cells: &'a Cells,
-        window: &'a Window,
-        sums: &'a HeightSums,
-        removed: f64,
-        tail: f64,
-    ) -> Self {
+    pub(super) fn new(cells: &'a Cells, window: &'a Window, sums: &'a HeightSums, removed: f64, tail: f64) -> Self {
         Self { cells, window, sums, removed, tail, known: RefCell::default() }
     }
 

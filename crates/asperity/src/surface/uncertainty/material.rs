@@ -79,9 +79,9 @@ impl Classes {
         let last = sample.len() - 1;
         let mut bounds: Vec<f64> = (0..=CLASSES).map(|k| sample[k * last / CLASSES]).collect();
         // The sample may miss the extremes.
-        let (low, high) = (0..points).map(|point| cells.value(point)).fold((bounds[0], bounds[CLASSES]), |(l, h), v| {
-            (f64::min(l, v), f64::max(h, v))
-        });
+        let (low, high) = (0..points)
+            .map(|point| cells.value(point))
+            .fold((bounds[0], bounds[CLASSES]), |(l, h), v| (f64::min(l, v), f64::max(h, v)));
         (bounds[0], bounds[CLASSES]) = (low, high);
         let inner = &bounds[1..CLASSES];
         let counts = cells.histogram(CLASSES, |v| inner.partition_point(|bound| *bound <= v));

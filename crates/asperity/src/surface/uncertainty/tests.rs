@@ -107,7 +107,8 @@ fn so_do_those_of_skewed_surfaces_with_every_fifth_height_missing() {
 
 #[test]
 fn removing_a_plane_does_not_spoil_the_intervals() {
-    let uncertainty = Uncertainty { resamples: 2, removed_terms: removed_terms(Level::Plane), ..Uncertainty::default() };
+    let uncertainty =
+        Uncertainty { resamples: 2, removed_terms: removed_terms(Level::Plane), ..Uncertainty::default() };
     let (mut held, mut sum) = ([0.0; 2], 0.0);
     for map in maps(CorrelationModel::Exponential, &normal(), 30, 200) {
         let map = remove_form(&map, Level::Plane).unwrap().map;
@@ -216,9 +217,13 @@ fn missing_rows_change_nothing_but_the_count() {
     // Twice as many rows still make cells of half a correlation length.
     let full = maps(CorrelationModel::SquaredExponential, &normal(), 15, 1).next().unwrap();
     let side = full.grid().nx();
-    let padded = Array2::from_shape_fn((2 * side, side), |(row, column)| {
-        if row < side { full.heights_m()[[row, column]] } else { f64::NAN }
-    });
+    let padded =
+        Array2::from_shape_fn(
+            (2 * side, side),
+            |(row, column)| {
+                if row < side { full.heights_m()[[row, column]] } else { f64::NAN }
+            },
+        );
     let padded = HeightMap::new(Grid::new(side, 2 * side, 1.0, 1.0).unwrap(), padded).unwrap();
     let (a, b) = (estimates(&full), estimates(&padded));
     for ((name, a), (_, b)) in a.named().into_iter().zip(b.named()).filter(|((name, _), _)| !name.ends_with("k_m")) {

@@ -292,7 +292,8 @@ mod tests {
                     for x in -radius..=radius {
                         if x * x + y * y <= radius * radius {
                             let place = (row + radius as usize).wrapping_add_signed(y) * wide;
-                            values[row * side + column] += white[place + (column + radius as usize).wrapping_add_signed(x)];
+                            values[row * side + column] +=
+                                white[place + (column + radius as usize).wrapping_add_signed(x)];
                         }
                     }
                 }
