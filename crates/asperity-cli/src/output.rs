@@ -54,7 +54,8 @@ impl Answer {
     fn table(&self) -> String {
         let of = |key: &str| self.0.iter().find(|(own, _)| own == key).map(|(_, value)| value);
         let companion = |key: &str| {
-            let owner = key.strip_suffix("_interval").or_else(|| key.strip_suffix("_se"));
+            let endings = ["_interval", "_se", "_within_std", "_between_std"];
+            let owner = endings.iter().find_map(|ending| key.strip_suffix(ending));
             owner.is_some_and(|owner| of(owner).is_some() && of(&format!("{owner}_interval")).is_some())
         };
         let rows: Vec<(String, String)> = self
@@ -63,13 +64,16 @@ impl Answer {
             .filter(|(key, _)| !companion(key))
             .map(|(key, value)| {
                 let (label, text) = row(key, value);
-                match of(&format!("{key}_interval")) {
-                    Some(Value::Array(ends)) => {
-                        let ends: Vec<String> = ends.iter().map(|end| row(key, end).1).collect();
-                        (label, format!("{text}  (95 %: {})", ends.join(" to ")))
+                let Some(Value::Array(ends)) = of(&format!("{key}_interval")) else { return (label, text) };
+                let ends: Vec<String> = ends.iter().map(|end| row(key, end).1).collect();
+                let spread = |ending: &str| of(&format!("{key}_{ending}_std")).filter(|value| !value.is_null());
+                let spread = match (spread("within"), spread("between")) {
+                    (Some(within), Some(between)) => {
+                        format!("; ± {} within a scan, ± {} between scans", row(key, within).1, row(key, between).1)
                     }
-                    _ => (label, text),
-                }
+                    _ => String::new(),
+                };
+                (label, format!("{text}  (95 %: {}{spread})", ends.join(" to ")))
             })
             .collect();
         let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
@@ -118,6 +122,17 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Rows of text in aligned columns, one line each.
+pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    rows.iter().fold(String::new(), |mut text, row| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
+        text
+    })
+}
+
 /// Units by the ending of a key, longest first, and whether they take prefixes (µm, MPa).
 const UNITS: &[(&str, &str, bool)] = &[
     ("_rad_per_m", "rad/m", false),
@@ -128,7 +143,8 @@ const UNITS: &[(&str, &str, bool)] = &[
     ("_n", "N", true),
 ];
 
-fn row(key: &str, value: &Value) -> (String, String) {
+/// Name and value of a result as a table shows them.
+pub(crate) fn row(key: &str, value: &Value) -> (String, String) {
     let (name, unit, prefixed) = UNITS
         .iter()
         .find_map(|(ending, unit, prefixed)| Some((key.strip_suffix(ending)?, *unit, *prefixed)))

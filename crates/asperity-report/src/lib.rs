@@ -18,10 +18,13 @@ mod page;
 mod palette;
 mod polyline;
 mod raster;
+mod twin;
 
 use std::collections::BTreeMap;
 
 use thiserror::Error;
+
+pub use twin::{TwinRun, render_twins};
 
 /// Everything that the report shows of one study.
 #[derive(Debug, Clone, Default)]
@@ -169,30 +172,34 @@ pub enum ReportError {
 /// A table with columns of different lengths, a field that does not fill its grid or has no pixel size; never because
 /// something is absent.
 pub fn render(run: &Run) -> Result<Report, ReportError> {
-    validate(run)?;
+    let tables = run.tables.iter().map(|(name, table)| (name.as_str(), table));
+    validate(tables, run.fields.iter().map(|(name, field)| (name.as_str(), field)))?;
     let plates = figures::plates(run)?;
     let html = page::html(run, &plates)?;
     let figures = plates.into_iter().map(|plate| Figure { name: plate.name.into(), svg: plate.svg }).collect();
     Ok(Report { html, figures })
 }
 
-fn validate(run: &Run) -> Result<(), ReportError> {
-    for (name, table) in &run.tables {
+fn validate<'a>(
+    tables: impl IntoIterator<Item = (&'a str, &'a Table)>,
+    fields: impl IntoIterator<Item = (&'a str, &'a Field)>,
+) -> Result<(), ReportError> {
+    for (name, table) in tables {
         let wanted = table.columns.first().map_or(0, |(_, values)| values.len());
         if let Some((column, values)) = table.columns.iter().find(|(_, values)| values.len() != wanted) {
-            let (table, column, found) = (name.clone(), column.clone(), values.len());
+            let (table, column, found) = (name.to_owned(), column.clone(), values.len());
             return Err(ReportError::RaggedTable { table, column, found, wanted });
         }
     }
-    for (name, field) in &run.fields {
+    for (name, field) in fields {
         let &Field { nx, ny, dx_m, dy_m, .. } = field;
         let (found, wanted) = (field.values.len(), nx.saturating_mul(ny));
         if found != wanted {
-            return Err(ReportError::FieldShape { field: name.clone(), nx, ny, found, wanted });
+            return Err(ReportError::FieldShape { field: name.into(), nx, ny, found, wanted });
         }
         if !(dx_m > 0.0 && dy_m > 0.0 && dx_m.is_finite() && dy_m.is_finite()) {
             let (dx_m, dy_m) = (dx_m.to_string(), dy_m.to_string());
-            return Err(ReportError::FieldPitch { field: name.clone(), dx_m, dy_m });
+            return Err(ReportError::FieldPitch { field: name.into(), dx_m, dy_m });
         }
     }
     Ok(())

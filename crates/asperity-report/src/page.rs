@@ -8,9 +8,13 @@ mod tables;
 use minijinja::{AutoEscape, Environment, Value, context};
 
 use crate::figures::{Plate, Stage};
+
 use crate::{ReportError, Run};
+pub(crate) use json::plain;
 
 const TEMPLATE: &str = include_str!("page/report.html");
+/// Style of every page.
+const STYLE: &str = include_str!("page/style.css");
 
 /// A table of the page: header cells, rows of text, and the file that holds the numbers.
 #[derive(Debug, Clone, Default)]
@@ -131,9 +135,6 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
     .into_iter()
     .flatten()
     .collect();
-    let pairs = |rows: Vec<(String, String)>| -> Vec<Value> {
-        rows.into_iter().map(|(key, value)| context! { key => key, value => value }).collect()
-    };
     let inputs: Vec<Value> = tables::inputs(&run.inputs).iter().map(DataTable::value).collect();
     let present: Vec<Stage> = [
         (Stage::Surface, "surface"),
@@ -156,12 +157,34 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
         sections => sections,
         inputs => inputs,
         assumptions => run.assumptions.clone(),
-        provenance => pairs(json::flattened(&run.provenance)),
+        provenance => provenance(&run.provenance),
         references => references::references(&present),
     };
+    filled_in(TEMPLATE, page)
+}
+
+/// Every leaf of `provenance.json` as a row.
+pub(crate) fn provenance(provenance: &serde_json::Value) -> Vec<Value> {
+    let rows = json::flattened(provenance).into_iter();
+    rows.map(|(key, value)| context! { key => key, value => value }).collect()
+}
+
+/// Place of a surface parameter in its table, its symbol and its meaning, by its key.
+pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)> {
+    let place = tables::PARAMETERS.iter().position(|(own, _, _)| *own == key)?;
+    let (_, symbol, meaning) = tables::PARAMETERS[place];
+    Some((place, symbol, meaning))
+}
+
+/// A page from its template; all text of the context is escaped.
+///
+/// # Errors
+/// The template engine's.
+pub(crate) fn filled_in(template: &str, page: Value) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_global("style", Value::from_safe_string(STYLE.into()));
     environment
-        .render_named_str("report.html", TEMPLATE, page)
+        .render_named_str("page.html", template, page)
         .map_err(|error| ReportError::Template { message: format!("{error:#}") })
 }

@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::axis::Axis;
 use crate::canvas::{Align, Canvas, Dash, INK, LABEL, Pen, Rect, TEXT, text_width};
 use crate::chart::fitting_ticks;
-use crate::format::Dimension;
+use crate::format::{Dimension, Unit};
 use crate::palette::{MISSING, NO_CONTACT, colour_scale};
 use crate::{Field, ReportError};
 
@@ -67,12 +67,20 @@ fn averaged(field: &Field, block: usize) -> (usize, usize, Vec<f64>) {
     (nx, ny, means)
 }
 
-impl Raster {
-    /// The image of a field; `None` when no value is present.
-    ///
-    /// # Errors
-    /// The PNG encoder's.
-    pub(crate) fn new(field: &Field, kind: Kind) -> Result<Option<Self>, ReportError> {
+/// A field reduced to what an image shows.
+struct Shown {
+    nx: usize,
+    ny: usize,
+    /// Heights relative to their mean, pressures as they are.
+    values: Vec<f64>,
+    block: usize,
+    /// Ends of the field's own colour scale.
+    scale: (f64, f64),
+}
+
+impl Shown {
+    /// `None` when no value is present.
+    fn of(field: &Field, kind: Kind) -> Option<Self> {
         let mut block = 1;
         while field.nx.div_ceil(block) * field.ny.div_ceil(block) > MOST_POINTS
             || field.nx.max(field.ny).div_ceil(block) > MOST_ALONG
@@ -82,7 +90,7 @@ impl Raster {
         let (nx, ny, mut values) = averaged(field, block);
         let mut present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         if present.is_empty() {
-            return Ok(None);
+            return None;
         }
         if kind == Kind::Height {
             let mean = present.iter().sum::<f64>() / present.len() as f64;
@@ -98,13 +106,18 @@ impl Raster {
         };
         // A flat field has no scale of its own; it lies in the middle of a small one.
         let magnitude = field.values.iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
-        let (low, high) = match kind {
+        let scale = match kind {
             Kind::Height if high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
             Kind::Pressure if high <= 0.0 => (0.0, 1.0),
             _ => (low, high),
         };
+        Some(Self { nx, ny, values, block, scale })
+    }
+
+    fn coloured(&self, field: &Field, kind: Kind, (low, high): (f64, f64)) -> Result<Raster, ReportError> {
         let span = high - low;
-        let indices: Vec<u8> = values
+        let indices: Vec<u8> = self
+            .values
             .iter()
             .map(|&v| {
                 if !v.is_finite() {
@@ -116,16 +129,41 @@ impl Raster {
                 }
             })
             .collect();
-        Ok(Some(Self {
-            data_uri: png_data_uri(nx, ny, &indices)?,
+        Ok(Raster {
+            data_uri: png_data_uri(self.nx, self.ny, &indices)?,
             kind,
             width_m: field.nx as f64 * field.dx_m,
             height_m: field.ny as f64 * field.dy_m,
             low,
             high,
-            block,
+            block: self.block,
             missing: field.values.iter().filter(|v| !v.is_finite()).count(),
-        }))
+        })
+    }
+}
+
+impl Raster {
+    /// The image of a field; `None` when no value is present.
+    ///
+    /// # Errors
+    /// The PNG encoder's.
+    pub(crate) fn new(field: &Field, kind: Kind) -> Result<Option<Self>, ReportError> {
+        Shown::of(field, kind).map(|shown| shown.coloured(field, kind, shown.scale)).transpose()
+    }
+
+    /// The images of several fields on one colour scale, which holds that of each; those without values are left out.
+    ///
+    /// # Errors
+    /// The PNG encoder's.
+    pub(crate) fn on_one_scale<'a>(
+        fields: impl IntoIterator<Item = &'a Field>,
+        kind: Kind,
+    ) -> Result<Vec<Self>, ReportError> {
+        let shown: Vec<(&Field, Shown)> =
+            fields.into_iter().filter_map(|field| Some((field, Shown::of(field, kind)?))).collect();
+        let low = shown.iter().fold(f64::INFINITY, |low, (_, shown)| low.min(shown.scale.0));
+        let high = shown.iter().fold(f64::NEG_INFINITY, |high, (_, shown)| high.max(shown.scale.1));
+        shown.iter().map(|(field, shown)| shown.coloured(field, kind, (low, high))).collect()
     }
 
     /// Height of the drawn image per width.
@@ -140,21 +178,36 @@ impl Raster {
 
     /// Draws image and frame into `plot` with length axes at the left and below.
     pub(crate) fn draw(&self, canvas: &mut Canvas<'_>, plot: Rect, shows_x: bool) -> Result<(), ReportError> {
-        let pen = Pen::new(INK, 1.0, Dash::Solid);
-        canvas.image(plot, &self.data_uri);
-        canvas.frame(plot, pen)?;
+        self.draw_image(canvas, plot)?;
         let unit = Dimension::Length.unit(self.width_m.max(self.height_m));
-        let x = Axis::linear("x", unit.clone(), (0.0, self.width_m));
         if shows_x {
-            for tick in fitting_ticks(&x, plot.width()) {
-                let at = plot.left + tick.position * plot.width();
-                canvas.line(&[(at, plot.bottom), (at, plot.bottom + 5.0)], pen)?;
-                canvas.text((at, plot.bottom + 15.0), &tick.label, TEXT, Align::Middle)?;
-            }
-            let middle = 0.5 * (plot.left + plot.right);
-            canvas.text((middle, plot.bottom + 36.0), &x.label(), LABEL, Align::Middle)?;
+            self.draw_x_axis(canvas, plot)?;
         }
-        let unit = if shows_x { unit } else { Dimension::Length.unit(self.height_m) };
+        self.draw_y_axis(canvas, plot, if shows_x { unit } else { Dimension::Length.unit(self.height_m) })
+    }
+
+    /// Draws the image and its frame.
+    pub(crate) fn draw_image(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
+        canvas.image(plot, &self.data_uri);
+        canvas.frame(plot, Pen::new(INK, 1.0, Dash::Solid))
+    }
+
+    /// Draws the axis below `plot`.
+    pub(crate) fn draw_x_axis(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
+        let pen = Pen::new(INK, 1.0, Dash::Solid);
+        let x = Axis::linear("x", Dimension::Length.unit(self.width_m.max(self.height_m)), (0.0, self.width_m));
+        for tick in fitting_ticks(&x, plot.width()) {
+            let at = plot.left + tick.position * plot.width();
+            canvas.line(&[(at, plot.bottom), (at, plot.bottom + 5.0)], pen)?;
+            canvas.text((at, plot.bottom + 15.0), &tick.label, TEXT, Align::Middle)?;
+        }
+        let middle = 0.5 * (plot.left + plot.right);
+        canvas.text((middle, plot.bottom + 36.0), &x.label(), LABEL, Align::Middle)
+    }
+
+    /// Draws the axis at the left of `plot`.
+    pub(crate) fn draw_y_axis(&self, canvas: &mut Canvas<'_>, plot: Rect, unit: Unit) -> Result<(), ReportError> {
+        let pen = Pen::new(INK, 1.0, Dash::Solid);
         let y = Axis::linear("y", unit, (0.0, self.height_m));
         for tick in y.ticks((plot.height() / 110.0).max(2.0) as usize) {
             let at = plot.top + tick.position * plot.height();

@@ -175,6 +175,13 @@ impl HeightMap {
         Self::new(grid, heights_m)
     }
 
+    /// The map with every height multiplied by a finite factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        assert!(factor.is_finite(), "the factor {factor} is not finite");
+        Self { grid: self.grid, heights_m: &self.heights_m * factor }
+    }
+
     /// The grid.
     pub fn grid(&self) -> Grid {
         self.grid

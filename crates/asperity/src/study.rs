@@ -21,6 +21,7 @@ mod specimen;
 mod store;
 mod surface_model;
 mod surface_stage;
+mod twin;
 mod vibration_stage;
 mod window_friction;
 
@@ -35,3 +36,6 @@ pub use run::Stage;
 pub use series::{Field, Table, TableError};
 pub use specimen::{Sampler, Specimen};
 pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
+pub use twin::{
+    BandMethod, Comparison, CurveComparison, StatisticComparison, TwinError, TwinModel, TwinOptions, Twins,
+};

@@ -4,7 +4,9 @@ mod convert;
 mod fill;
 mod generate;
 mod modes;
+mod preparation;
 mod stats;
+mod twin;
 
 use clap::Subcommand;
 
@@ -22,6 +24,8 @@ pub(crate) enum Surface {
     Fill(fill::Fill),
     /// Draw random maps like a specified surface.
     Generate(generate::Generate),
+    /// Draw random maps like a measured one, and compare them with it.
+    Twin(Box<twin::Twin>),
     /// Karhunen–Loève eigenvalues of a covariance.
     Modes(modes::Modes),
 }
@@ -33,6 +37,7 @@ impl Surface {
             Self::Convert(convert) => convert.run(monitor),
             Self::Fill(fill) => fill.run(monitor),
             Self::Generate(generate) => generate.run(monitor),
+            Self::Twin(twin) => twin.run(monitor),
             Self::Modes(modes) => modes.run(monitor),
         }
     }

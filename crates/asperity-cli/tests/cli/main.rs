@@ -7,5 +7,6 @@ mod formats;
 mod study;
 mod support;
 mod surface;
+mod twin;
 mod usage;
 mod vibration;

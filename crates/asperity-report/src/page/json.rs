@@ -24,7 +24,7 @@ pub(super) fn shown(entry: &Value, key: &str) -> String {
 }
 
 /// A whole number, a number without unit, a word, or a dash.
-pub(super) fn plain(value: &Value) -> String {
+pub(crate) fn plain(value: &Value) -> String {
     match value {
         Value::Null => "–".into(),
         Value::Bool(true) => "yes".into(),

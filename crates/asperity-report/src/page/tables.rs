@@ -8,7 +8,7 @@ use crate::format::{Dimension, significant, with_error};
 use crate::{Input, Run};
 
 /// Surface parameters in the order of the table: key, symbol, meaning.
-const PARAMETERS: [(&str, &str, &str); 46] = [
+pub(super) const PARAMETERS: [(&str, &str, &str); 46] = [
     ("Sa_m", "Sa", "arithmetic mean height"),
     ("Sq_m", "Sq", "root mean square height"),
     ("Ssk", "Ssk", "skewness of heights"),

@@ -25,6 +25,22 @@ pub enum EstimateError {
         /// Values needed.
         wanted: usize,
     },
+    /// Maps whose lags differ have no common correlation.
+    #[error(
+        "map {map} has a pitch of {:e} × {:e} m, the first of {:e} × {:e} m: lags must be the same",
+        .pitch_m.0, .pitch_m.1, .first_pitch_m.0, .first_pitch_m.1
+    )]
+    Pitch {
+        /// Number of the map, from 0.
+        map: usize,
+        /// Its pitch along x and y in metre.
+        pitch_m: (f64, f64),
+        /// That of the first map.
+        first_pitch_m: (f64, f64),
+    },
+    /// There is nothing to pool.
+    #[error("no correlation to pool")]
+    Nothing,
     /// The distance between values is not a positive finite number.
     #[error("the step is {step_m} m, but must be positive")]
     BadStep {
@@ -32,6 +48,9 @@ pub enum EstimateError {
         step_m: f64,
     },
 }
+
+/// Pitches that differ by less are the same: over ten thousand lags the last is off by a hundredth of a pixel.
+const SAME_PITCH: f64 = 1e-6;
 
 /// A direction of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,7 +155,49 @@ impl Autocorrelation {
         Ok(Self { grid, mean_m, present, reach_x, reach_y, covariance_m2: covariance, pairs })
     }
 
-    /// Grid of the map.
+    /// The autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of all maps,
+    /// over the number of pairs. Each map is about its own mean.
+    ///
+    /// Its grid and reach are the smallest along x and y, so that every map has a say at every lag; the share of the
+    /// variance that went with the means is that of the smallest map.
+    ///
+    /// # Errors
+    /// Pitches that differ by more than a millionth, or no map.
+    pub fn pooled(estimates: &[&Self]) -> Result<Self, EstimateError> {
+        let [first, rest @ ..] = estimates else { return Err(EstimateError::Nothing) };
+        let mut grid = first.grid;
+        let pitch_m = |grid: Grid| (grid.dx_m(), grid.dy_m());
+        for (map, other) in (1..).zip(rest) {
+            let (pitch_m, first_pitch_m) = (pitch_m(other.grid), pitch_m(first.grid));
+            let same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_PITCH;
+            if !(same(pitch_m.0, first_pitch_m.0) && same(pitch_m.1, first_pitch_m.1)) {
+                return Err(EstimateError::Pitch { map, pitch_m, first_pitch_m });
+            }
+            let (nx, ny) = (grid.nx().min(other.grid.nx()), grid.ny().min(other.grid.ny()));
+            grid = Grid::new(nx, ny, grid.dx_m(), grid.dy_m()).unwrap_or(grid);
+        }
+        let least = |reach: &dyn Fn(&Self) -> usize| estimates.iter().map(|e| reach(e)).min().unwrap_or(0);
+        let (reach_x, reach_y) = (least(&|e| e.reach_x), least(&|e| e.reach_y));
+        let width = 2 * reach_x + 1;
+        let mut pairs = vec![0.0; width * (reach_y + 1)];
+        let mut covariance_m2 = pairs.clone();
+        for estimate in estimates {
+            for (place, (count, sum)) in pairs.iter_mut().zip(&mut covariance_m2).enumerate() {
+                let (lag_x, lag_y) = ((place % width) as isize - reach_x as isize, (place / width) as isize);
+                let own = estimate.pairs(lag_x, lag_y);
+                if own > 0.0 {
+                    *count += own;
+                    *sum += own * estimate.covariance_m2(lag_x, lag_y);
+                }
+            }
+        }
+        covariance_m2.iter_mut().zip(&pairs).for_each(|(sum, count)| *sum /= *count);
+        let present: usize = estimates.iter().map(|e| e.present).sum();
+        let mean_m = estimates.iter().map(|e| e.present as f64 * e.mean_m).sum::<f64>() / present as f64;
+        Ok(Self { grid, mean_m, present, reach_x, reach_y, covariance_m2, pairs: Some(pairs) })
+    }
+
+    /// Grid of the map; of pooled maps the smallest.
     pub fn grid(&self) -> Grid {
         self.grid
     }

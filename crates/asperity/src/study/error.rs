@@ -13,9 +13,11 @@ use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
+use crate::study::sentence;
 use crate::surface::areal::ArealError;
 use crate::surface::filter::FilterError;
 use crate::surface::fractal::FractalError;
+use crate::surface::pooling::PoolingError;
 use crate::surface::preparation::PreparationError;
 use crate::surface::uncertainty::UncertaintyError;
 use crate::surface::{GeneratorError, TranslationError};
@@ -35,6 +37,34 @@ pub enum StudyError {
         /// What is wrong.
         error: MapError,
     },
+    /// One of several scans cannot be used.
+    #[error("{file}: {error}")]
+    OneOf {
+        /// The scan file.
+        file: String,
+        /// What is wrong.
+        error: Box<StudyError>,
+    },
+    /// Scans of one part have different pixels.
+    #[error(
+        "{file} has pixels of {} and {first} of {}: scans of one part must have the same, or their correlations cannot be \
+         pooled",
+        sentence::size(.pitch_m.0, .pitch_m.1),
+        sentence::size(.first_pitch_m.0, .first_pitch_m.1)
+    )]
+    Pitch {
+        /// The scan file.
+        file: String,
+        /// Its pitch along x and y in metre.
+        pitch_m: (f64, f64),
+        /// The first scan file.
+        first: String,
+        /// Its pitch along x and y in metre.
+        first_pitch_m: (f64, f64),
+    },
+    /// The scans cannot be pooled.
+    #[error("the scans of [surface] file: {0}")]
+    Pooling(#[from] PoolingError),
     /// The scan cannot be levelled or filtered.
     #[error(transparent)]
     Preparation(#[from] PreparationError),
@@ -140,8 +170,11 @@ impl StudyError {
             Self::Scan(error) if matches!(error.cause(), FormatError::NoSuchChannel { .. }) => {
                 FailureKind::Configuration
             }
+            Self::OneOf { error, .. } => error.kind(),
             Self::Scan(_)
             | Self::Map { .. }
+            | Self::Pitch { .. }
+            | Self::Pooling(_)
             | Self::Preparation(PreparationError::Level(_) | PreparationError::Outliers(FilterError::Map(_)))
             | Self::Areal(_)
             | Self::Fractal(_)

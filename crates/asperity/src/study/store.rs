@@ -101,11 +101,20 @@ impl Staging {
     /// # Errors
     /// The file system refused.
     pub fn write(&self, relative: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        let path = self.path(relative)?;
+        fs::write(&path, bytes).map_err(at(&path))
+    }
+
+    /// Where a file of the run is to be written by someone else; its folder is there.
+    ///
+    /// # Errors
+    /// The file system refused the folder.
+    pub fn path(&self, relative: &str) -> Result<PathBuf, StoreError> {
         let path = self.partial.join(relative);
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(at(parent))?;
         }
-        fs::write(&path, bytes).map_err(at(&path))
+        Ok(path)
     }
 
     /// Writes results, tables and fields.

@@ -52,6 +52,14 @@ pub(super) struct Generated {
 }
 
 impl SurfaceModel {
+    /// The covariance, where the surfaces are made from one.
+    pub(super) fn covariance(&self) -> Option<&Covariance> {
+        match &self.texture {
+            Texture::Translated { covariance, .. } => Some(covariance),
+            Texture::WeierstrassMandelbrot { .. } => None,
+        }
+    }
+
     /// Surfaces for small patches, by the generator of the study.
     pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         match self.texture {

@@ -12,6 +12,7 @@ use crate::map::HeightMap;
 use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
+use crate::study::pooled::Part;
 use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
 use crate::study::surface_model::{GAMMA, RIDGES, SurfaceModel, Texture};
 use crate::study::{Field, StudyError, sentence};
@@ -32,39 +33,85 @@ pub(super) struct SurfaceStage {
     pub(super) output: StageOutput,
 }
 
-/// Runs the stage; `scan` is the file of the study, already read.
-pub(super) fn run(section: &SurfaceSection, scan: Option<(&str, Scan)>) -> Result<SurfaceStage, StudyError> {
+/// Runs the stage; `scans` are the files of the study, already read, with their names.
+pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
-    let measured = scan.map(|(file, scan)| measure(section, file, scan, &mut output)).transpose()?;
-    let fits = measured.as_ref().map(|m| fit_covariance(&m.correlation, &CorrelationFamily::ALL));
-    let (model, misfit) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
-        (fractal_model(section, measured.as_ref())?, None)
-    } else {
-        translated_model(section, measured.as_ref(), fits.as_ref())?
-    };
-    let fits = fits.and_then(Result::ok);
-    let covariance = match &model.texture {
-        Texture::Translated { covariance, .. } => Some(covariance),
-        Texture::WeierstrassMandelbrot { .. } => None,
-    };
-    if let Some(fits) = fits.as_ref().filter(|_| section.covariance == CovarianceChoice::Measured) {
-        output.warnings.extend(fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")));
-    }
+    let measured = measure_all(section, scans, &mut output)?;
+    let (model, result) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
     if let Some(measured) = &measured {
-        output.tables.extend(measured.tables(covariance, &model.marginal)?);
+        output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
     }
-    output.assumptions.push(model_sentence(section, &model));
-    let result = SurfaceResult {
-        statistics: measured.as_ref().map(|m| m.statistics.clone()),
-        covariance: covariance.map(|covariance| covariance_result(covariance, misfit, fits.as_ref())),
-        marginal: law_result(&model.marginal),
-        karhunen_loeve: None,
-    };
     Ok(SurfaceStage { model, result, output })
 }
 
+/// The random surfaces of a section; a measured covariance is the best fit of `families`.
+pub(super) fn model_of(
+    section: &SurfaceSection,
+    measured: Option<&Measured>,
+    families: &[CorrelationFamily],
+    output: &mut StageOutput,
+) -> Result<(SurfaceModel, SurfaceResult), StudyError> {
+    let fits = measured.map(|m| fit_covariance(m.correlation_of_all(), families));
+    let (model, misfit) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
+        (fractal_model(section, measured)?, None)
+    } else {
+        translated_model(section, measured, fits.as_ref())?
+    };
+    let fits = fits.and_then(Result::ok);
+    if let Some(fits) = fits.as_ref().filter(|_| section.covariance == CovarianceChoice::Measured) {
+        output.warnings.extend(fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")));
+    }
+    let part = measured.and_then(|m| m.part.as_ref());
+    output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
+    let result = SurfaceResult {
+        statistics: measured.filter(|_| part.is_none()).map(|m| m.statistics.clone()),
+        part: part.map(|part| part.statistics.clone()),
+        covariance: model.covariance().map(|covariance| covariance_result(covariance, misfit, fits.as_ref())),
+        marginal: law_result(&model.marginal),
+        karhunen_loeve: None,
+    };
+    Ok((model, result))
+}
+
+/// The first scan with what all say together; maps and series show the first.
+fn measure_all(
+    section: &SurfaceSection,
+    scans: Vec<(String, Scan)>,
+    output: &mut StageOutput,
+) -> Result<Option<Measured>, StudyError> {
+    if scans.len() < 2 {
+        let one = scans.into_iter().next();
+        return one.map(|(file, scan)| measure(section, &file, scan, output)).transpose();
+    }
+    let mut measured = Vec::with_capacity(scans.len());
+    for (file, scan) in scans {
+        let mut own = StageOutput::default();
+        let of_file = |error: StudyError| match error {
+            error @ StudyError::Map { .. } => error,
+            error => StudyError::OneOf { file: file.clone(), error: Box::new(error) },
+        };
+        let scan = measure(section, &file, scan, &mut own).map_err(of_file)?;
+        if measured.is_empty() {
+            output.fields = own.fields;
+        }
+        output.assumptions.append(&mut own.assumptions);
+        output.warnings.extend(own.warnings.into_iter().map(|warning| format!("{file}: {warning}")));
+        measured.push((file, scan));
+    }
+    output.assumptions.push(format!(
+        "The {} scans are taken as samples of one part: statistics are weighted means over the scans, the correlation is \
+         that of all pairs of heights within a scan, the marginal law that of all heights. Maps and figures of the \
+         measured heights show {}.",
+        measured.len(),
+        measured[0].0
+    ));
+    let part = Part::of(&measured)?;
+    let first = measured.into_iter().next();
+    Ok(first.map(|(_, first)| Measured { part: Some(part), ..first }))
+}
+
 /// Levels the scan and takes its statistics.
-fn measure(
+pub(super) fn measure(
     section: &SurfaceSection,
     file: &str,
     mut scan: Scan,
@@ -150,27 +197,31 @@ fn translated_model(
 /// A Weierstrass–Mandelbrot surface. Its heights sum many cosines of random phase, so their law is nearly normal, whatever
 /// that of the scan.
 fn fractal_model(section: &SurfaceSection, measured: Option<&Measured>) -> Result<SurfaceModel, StudyError> {
-    let own = measured.and_then(|m| m.statistics.fractal_dimension);
+    let own = measured.and_then(Measured::fractal_dimension);
     let dimension = section.fractal_dimension.or(own).ok_or(StudyError::FractalDimension)?;
     let std_m = rms_height_m(section, measured)?;
     Ok(SurfaceModel { marginal: Marginal::normal(0.0, std_m)?, texture: Texture::WeierstrassMandelbrot { dimension } })
 }
 
-fn model_sentence(section: &SurfaceSection, model: &SurfaceModel) -> String {
+fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -> String {
     match model.texture {
         Texture::WeierstrassMandelbrot { dimension } => format!(
             "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
              {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
              are taken as normal; covariance and marginal law of the study play no part.",
             sentence::digits(dimension),
-            if section.fractal_dimension.is_some() { "stated" } else { "measured on the scan" },
+            if section.fractal_dimension.is_some() { "stated".into() } else { format!("measured on {scans}") },
             sentence::si(model.marginal.std(), "m"),
         ),
         Texture::Translated { covariance, translation, .. } => format!(
             "Random surfaces have a {} covariance ({}) of rms height {} and lengths {} along x and {} along y. {} imposed by \
              {} translation.",
             covariance.model().name(),
-            if section.covariance == CovarianceChoice::Measured { "fitted to the scan" } else { "stated" },
+            if section.covariance == CovarianceChoice::Measured {
+                format!("fitted to {scans}")
+            } else {
+                "stated".into()
+            },
             sentence::si(covariance.std_m(), "m"),
             sentence::si(covariance.length_x_m(), "m"),
             sentence::si(covariance.length_y_m(), "m"),
@@ -189,7 +240,7 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel) -> String {
 
 /// The stated rms height, or the scan's Sq.
 fn rms_height_m(section: &SurfaceSection, measured: Option<&Measured>) -> Result<f64, StudyError> {
-    let sq_m = measured.map(|m| m.statistics.Sq_m);
+    let sq_m = measured.map(Measured::sq_m);
     section.rms_height.map(|rms| rms.0).or(sq_m).ok_or(StudyError::NoStage("surface"))
 }
 
@@ -224,7 +275,7 @@ fn covariance_of(
 /// The marginal law of mean zero and of the covariance's standard deviation.
 fn marginal_of(section: &SurfaceSection, measured: Option<&Measured>, std_m: f64) -> Result<Marginal, StudyError> {
     let law = match (section.marginal.as_str(), measured) {
-        ("measured", Some(measured)) => Marginal::empirical(measured.map.present_m().collect())?,
+        ("measured", Some(measured)) => Marginal::empirical(measured.heights_of_all_m())?,
         (text, _) => text.parse()?,
     };
     Ok(law.standardised(0.0, std_m)?)

@@ -89,6 +89,10 @@ impl Values {
             correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
         }
     }
+
+    fn lengths_m(&self) -> [Option<f64>; 2] {
+        [self.correlation_length_x_m, self.correlation_length_y_m]
+    }
 }
 
 /// Estimates of the statistics of a map; `None` where the map holds too few correlation lengths.
@@ -189,34 +193,20 @@ impl Uncertainty {
     /// # Errors
     /// A confidence level outside (0, 1), or fewer than two resamples.
     pub fn of(&self, map: &HeightMap, values: &Values) -> Result<Estimates, UncertaintyError> {
-        if !(self.level > 0.0 && self.level < 1.0) {
-            let wanted = "between 0 and 1";
-            return Err(UncertaintyError::Parameter { parameter: "confidence level", value: self.level, wanted });
-        }
-        if self.resamples < 2 {
-            let value = self.resamples as f64;
-            return Err(UncertaintyError::Parameter { parameter: "number of resamples", value, wanted: "at least 2" });
-        }
-        let tail = 0.5 * (1.0 - self.level);
-        let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
-        let lengths_m = [values.correlation_length_x_m, values.correlation_length_y_m];
-        let Some(cells) = Cells::cut(map, mean_m, values.sq_m, lengths_m) else { return Ok(Estimates::default()) };
-        let sums = HeightSums::of(&cells);
-        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
-        let terms = self.removed_terms as f64;
-        let removed = terms * window.mean_share(&sums.power[0], terms);
-        if removed > LARGEST_REMOVED {
-            return Ok(Estimates::default());
-        }
-        let lengths = Lengths::new(&cells, &window, &sums, removed, tail);
+        self.check()?;
+        let Some(basis) = self.basis(map, values) else { return Ok(Estimates::default()) };
+        let Basis { cells, sums, window, removed, tail } = &basis;
+        let (removed, tail) = (*removed, *tail);
+        let lengths = Lengths::new(cells, window, sums, removed, tail);
         let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
-        let [sk_m, spk_m, svk_m] = material::core(&cells, &window, &sums, values, removed, &draws);
+        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removed, &draws);
+        let lengths_m = values.lengths_m();
         Ok(Estimates {
-            sa_m: sums.sa(&window, values.sa_m, removed, tail),
-            sq_m: sums.sq(&window, values.sq_m, removed, tail),
-            ssk: sums.ssk(&window, values.ssk, tail),
-            sku: sums.sku(&window, values.ssk, values.sku, tail),
-            sdq: sdq(&cells, &window, values.sdq, tail),
+            sa_m: sums.sa(window, values.sa_m, removed, tail),
+            sq_m: sums.sq(window, values.sq_m, removed, tail),
+            ssk: sums.ssk(window, values.ssk, tail),
+            sku: sums.sku(window, values.ssk, values.sku, tail),
+            sdq: sdq(cells, window, values.sdq, tail),
             sal_m: lengths.sal(values.sal_m, lengths_m),
             sk_m,
             spk_m,
@@ -225,4 +215,63 @@ impl Uncertainty {
             correlation_length_y_m: lengths.along(Axis::Y, values.correlation_length_y_m),
         })
     }
+
+    /// Confidence intervals of the surface's correlation at chosen lags along x and along y, in points; `None` where the map
+    /// holds too few correlation lengths. Each holds for its own lag, not all of them at once.
+    ///
+    /// # Errors
+    /// As [`Uncertainty::of`].
+    ///
+    /// # Panics
+    /// If a lag is not less than the points of the map along its axis.
+    pub fn correlation(
+        &self,
+        map: &HeightMap,
+        values: &Values,
+        lags: [&[usize]; 2],
+    ) -> Result<[Vec<Option<Interval>>; 2], UncertaintyError> {
+        self.check()?;
+        let Some(basis) = self.basis(map, values) else { return Ok(lags.map(|lags| vec![None; lags.len()])) };
+        let lengths = Lengths::new(&basis.cells, &basis.window, &basis.sums, basis.removed, basis.tail);
+        let [x, y] = lags;
+        Ok([
+            x.iter().map(|lag| lengths.correlation((*lag as isize, 0))).collect(),
+            y.iter().map(|lag| lengths.correlation((0, *lag))).collect(),
+        ])
+    }
+
+    fn check(&self) -> Result<(), UncertaintyError> {
+        if !(self.level > 0.0 && self.level < 1.0) {
+            let wanted = "between 0 and 1";
+            return Err(UncertaintyError::Parameter { parameter: "confidence level", value: self.level, wanted });
+        }
+        if self.resamples < 2 {
+            let value = self.resamples as f64;
+            return Err(UncertaintyError::Parameter { parameter: "number of resamples", value, wanted: "at least 2" });
+        }
+        Ok(())
+    }
+
+    /// What all estimates rest on; `None` when the map holds too few correlation lengths for any.
+    fn basis(&self, map: &HeightMap, values: &Values) -> Option<Basis> {
+        let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
+        let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
+        let sums = HeightSums::of(&cells);
+        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
+        let terms = self.removed_terms as f64;
+        let removed = terms * window.mean_share(&sums.power[0], terms);
+        let tail = 0.5 * (1.0 - self.level);
+        (removed <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removed, tail })
+    }
+}
+
+/// A map cut into cells, and the sums over them.
+struct Basis {
+    cells: Cells,
+    sums: HeightSums,
+    window: Window,
+    /// Share of the variance that went with the form.
+    removed: f64,
+    /// Probability beyond either end of an interval.
+    tail: f64,
 }

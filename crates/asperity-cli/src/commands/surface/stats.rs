@@ -3,14 +3,12 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use asperity::quantity::Length;
 use asperity::study::result::SurfaceStatistics;
 use asperity::study::{PooledStatistics, statistics};
-use asperity::surface::level::Level;
-use asperity::surface::preparation::{Preparation, PreparationError};
+use asperity::surface::preparation::PreparationError;
 use clap::Args;
 
-use crate::args;
+use super::preparation::PreparationOptions;
 use crate::failure::Failure;
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
@@ -24,21 +22,8 @@ pub(crate) struct Stats {
     /// scans of one part, whose statistics are pooled.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Form that is removed by least squares: none, mean, plane, quadratic, polynomial:N, cylinder or sphere.
-    #[arg(long, value_name = "FORM", default_value = "plane")]
-    level: Level,
-    /// Heights farther from the median than this many robust standard deviations count as missing.
-    #[arg(long, value_name = "X", value_parser = args::outliers, allow_hyphen_values = true)]
-    outliers: Option<f64>,
-    /// Cutoff of the S-filter (ISO 16610-61): shorter waves are taken out.
-    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
-    s_filter: Option<Length>,
-    /// Cutoff of the L-filter: longer waves are taken out.
-    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
-    l_filter: Option<Length>,
-    /// Make the L-filter robust against grooves and spikes (ISO 16610-71).
-    #[arg(long, requires = "l_filter")]
-    robust: bool,
+    #[command(flatten)]
+    preparation: PreparationOptions,
     #[command(flatten)]
     options: ScanOptions,
     /// Print one JSON object instead of a table.
@@ -62,13 +47,7 @@ impl Stats {
 
     fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<SurfaceStatistics, Failure> {
         let map = input::map(file, &self.options, monitor)?;
-        let preparation = Preparation {
-            level: self.level,
-            outliers: self.outliers,
-            s_filter_m: self.s_filter.map(|cutoff| cutoff.0),
-            l_filter_m: self.l_filter.map(|cutoff| cutoff.0),
-            robust: self.robust,
-        };
+        let preparation = self.preparation.preparation();
         let unusable = |e: &dyn Error| Failure::data(file.display(), e);
         let prepared = monitor.at_once(|| preparation.apply(&map))?.map_err(|e| match e {
             // A band or a cutoff that does not fit is the caller's.

@@ -99,6 +99,20 @@ impl<'a> Lengths<'a> {
         estimate(sal_m, centre, se, Interval { low, high }, blocks)
     }
 
+    /// Interval of the correlation at a lag, on the scale artanh ρ, on which the spread hardly depends on ρ and no end
+    /// reaches ±1.
+    pub(super) fn correlation(&self, lag: Lag) -> Option<Interval> {
+        if lag == (0, 0) {
+            return Some(Interval { low: 1.0, high: 1.0 });
+        }
+        let correlation = self.difference(lag, 0.0)?;
+        let (_, spread) = self.tested(lag, correlation)?;
+        let half = spread.student(self.tail) * spread.variance.sqrt() / (1.0 - correlation * correlation);
+        let end = |sign: f64| (correlation.atanh() + sign * half).tanh();
+        let interval = Interval { low: end(-1.0), high: end(1.0) };
+        (interval.low <= interval.high).then_some(interval)
+    }
+
     /// Correlation of the surface at a lag, less a level; `None` without pairs.
     fn difference(&self, lag: Lag, level: f64) -> Option<f64> {
         if let Some((correlation, _)) = self.known.borrow().get(&lag) {

@@ -1,0 +1,388 @@
+//! Twins of a measured surface, and how alike they are.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use asperity::correlation::CorrelationFamily;
+use asperity::law::Marginal;
+use asperity::map::{HeightMap, MapError};
+use asperity::monitor::Cancelled;
+use asperity::quantity::Length;
+use asperity::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use asperity::study::{
+    Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, Twins, json_bytes,
+};
+use asperity_formats::{Format, Scan};
+use asperity_report::{Field, Report, Table, TwinRun, render_twins};
+use clap::{Args, ValueEnum};
+
+use super::convert::refused;
+use super::preparation::PreparationOptions;
+use crate::args::{self, OneOrTwo};
+use crate::commands::run::NewParents;
+use crate::commands::study_file;
+use crate::failure::{Failure, Kind, chain};
+use crate::input::{self, ScanOptions};
+use crate::monitor::Terminal;
+use crate::output::{self, columns};
+use crate::page::store_failure;
+use crate::provenance::Provenance;
+use crate::resources::require_memory;
+
+/// Draws random maps that are statistically like a measured one, and compares them with it on one page.
+///
+/// The folder holds the twins, comparison.json, tables, figures and twins.html.
+#[derive(Debug, Args)]
+pub(crate) struct Twin {
+    /// Measured heights, in any format that `asperity formats` lists; known by its content.
+    file: PathBuf,
+    /// Number of twins. Bands of fewer than 39 take statistics for normal.
+    #[arg(long, value_name = "K", default_value = "10", value_parser = args::count, allow_hyphen_values = true)]
+    count: usize,
+    /// Folder to write, which appears complete or not at all.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Replace a folder that is not empty.
+    #[arg(long)]
+    force: bool,
+    /// Seed of every draw.
+    #[arg(long, value_name = "N", default_value = "1")]
+    seed: u64,
+    /// Format of the twins, by its extension: x3p, sur, npy, txt, …
+    #[arg(long, value_name = "EXT", default_value = "x3p", value_parser = written_extension)]
+    format: String,
+    #[command(flatten)]
+    options: ScanOptions,
+    #[command(flatten)]
+    preparation: PreparationOptions,
+    #[command(flatten)]
+    model: ModelOptions,
+    /// Print comparison.json instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What the twins are made from.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Model of the twins")]
+struct ModelOptions {
+    /// How twins are made.
+    #[arg(long, value_enum, default_value = "spectral")]
+    generator: Generator,
+    /// Covariance: the model that fits the scan best, or one that is fitted or, with --correlation-length, stated.
+    #[arg(long, value_enum, default_value = "measured")]
+    covariance: CovarianceOption,
+    /// Correlation lengths along x and y of a stated covariance.
+    #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
+    correlation_length: Option<OneOrTwo<Length>>,
+    /// Hurst exponent of a stated self-affine covariance.
+    #[arg(long, value_name = "X", value_parser = args::positive, requires = "correlation_length", allow_hyphen_values = true)]
+    hurst: Option<f64>,
+    /// Smoothness ν of a stated Matérn covariance.
+    #[arg(long, value_name = "X", value_parser = args::positive, requires = "correlation_length", allow_hyphen_values = true)]
+    smoothness: Option<f64>,
+    /// Rms height before a form is removed; that which leaves the scan's Sq when left out.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    rms_height: Option<Length>,
+    /// Marginal law of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE.
+    #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
+    marginal: String,
+    /// How the marginal law is imposed: corrected keeps the correlation, plain distorts it a little.
+    #[arg(long, value_enum, default_value = "corrected")]
+    translation: Translation,
+    /// Terms of the Karhunen–Loève generator.
+    #[arg(long, value_name = "M", default_value = "101", value_parser = args::count, allow_hyphen_values = true)]
+    modes: usize,
+    /// Whether a twin continues periodically beyond its edge.
+    #[arg(long, value_enum, default_value = "free")]
+    boundary: Boundary,
+    /// Size of a twin along x and y; the scan's when left out.
+    #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
+    size: Option<OneOrTwo<Length>>,
+    /// Points of a twin along x and y; the scan's, or what fills --size at the scan's pixel size, when left out.
+    #[arg(long, value_name = "N[,N]", value_parser = args::count_pair, allow_hyphen_values = true)]
+    points: Option<OneOrTwo<usize>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Generator {
+    /// All Fourier modes.
+    Spectral,
+    /// Truncated Karhunen–Loève expansion.
+    KarhunenLoeve,
+    /// Weierstrass–Mandelbrot function of the scan's fractal dimension.
+    WeierstrassMandelbrot,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum CovarianceOption {
+    /// The best of the others, fitted to the scan.
+    Measured,
+    /// e^{−r²}.
+    SquaredExponential,
+    /// e^{−r}.
+    Exponential,
+    /// Matérn.
+    Matern,
+    /// Self-affine with roll-off.
+    SelfAffine,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Translation {
+    /// The Gaussian correlation is distorted beforehand.
+    Corrected,
+    /// Pointwise, as it comes.
+    Plain,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Boundary {
+    /// Opposite edges have nothing to do with each other.
+    Free,
+    /// Opposite edges meet.
+    Periodic,
+}
+
+fn written_extension(text: &str) -> Result<String, args::Refusal> {
+    let extension = text.trim_start_matches('.').to_ascii_lowercase();
+    match Format::from_extension(&extension) {
+        Some(_) => Ok(extension),
+        None => Err("no format with this extension is written; `asperity formats` lists them".into()),
+    }
+}
+
+fn marginal(text: &str) -> Result<String, args::Refusal> {
+    if text != "measured" {
+        text.parse::<Marginal>()?;
+    }
+    Ok(text.to_owned())
+}
+
+impl ModelOptions {
+    /// Which covariance a study would name, and the families that one to be fitted is chosen from.
+    fn covariance(&self) -> Result<(CovarianceChoice, Vec<CorrelationFamily>), Failure> {
+        let (choice, family) = match self.covariance {
+            CovarianceOption::Measured => (CovarianceChoice::Measured, None),
+            CovarianceOption::SquaredExponential => {
+                (CovarianceChoice::SquaredExponential, Some(CorrelationFamily::SquaredExponential))
+            }
+            CovarianceOption::Exponential => (CovarianceChoice::Exponential, Some(CorrelationFamily::Exponential)),
+            CovarianceOption::Matern => (CovarianceChoice::Matern, Some(CorrelationFamily::Matern)),
+            CovarianceOption::SelfAffine => (CovarianceChoice::SelfAffine, Some(CorrelationFamily::SelfAffine)),
+        };
+        let families = family.map_or(CorrelationFamily::ALL.to_vec(), |family| vec![family]);
+        if self.correlation_length.is_none() {
+            return Ok((CovarianceChoice::Measured, families));
+        }
+        match choice {
+            CovarianceChoice::Measured => Err(Failure::usage(
+                "--correlation-length: a measured covariance has its own; name one with --covariance",
+            )),
+            CovarianceChoice::Matern if self.smoothness.is_none() => {
+                Err(Failure::usage("--smoothness: a stated Matérn covariance needs it"))
+            }
+            CovarianceChoice::SelfAffine if self.hurst.is_none() => {
+                Err(Failure::usage("--hurst: a stated self-affine covariance needs it"))
+            }
+            choice => Ok((choice, families)),
+        }
+    }
+}
+
+impl Twin {
+    fn options(&self) -> Result<TwinOptions, Failure> {
+        let model = &self.model;
+        let (covariance, families) = model.covariance()?;
+        let preparation = &self.preparation;
+        let surface = SurfaceSection {
+            level: preparation.level,
+            outliers: preparation.outliers,
+            s_filter: preparation.s_filter,
+            l_filter: preparation.l_filter,
+            robust_filter: preparation.robust,
+            generator: match model.generator {
+                Generator::Spectral => GeneratorChoice::Spectral,
+                Generator::KarhunenLoeve => GeneratorChoice::KarhunenLoeve,
+                Generator::WeierstrassMandelbrot => GeneratorChoice::WeierstrassMandelbrot,
+            },
+            covariance,
+            rms_height: model.rms_height,
+            correlation_length: model.correlation_length.map(|lengths| <[Length; 2]>::from(lengths.both())),
+            hurst: model.hurst,
+            smoothness: model.smoothness,
+            marginal: model.marginal.clone(),
+            translation: match model.translation {
+                Translation::Corrected => TranslationChoice::Corrected,
+                Translation::Plain => TranslationChoice::Plain,
+            },
+            modes: model.modes,
+            ..SurfaceSection::default()
+        };
+        Ok(TwinOptions {
+            surface,
+            families,
+            size_m: model.size.map(OneOrTwo::both).map(|(x, y)| [x.0, y.0]),
+            points: model.points.map(|points| <[usize; 2]>::from(points.both())),
+            boundary: match model.boundary {
+                Boundary::Free => BoundaryChoice::Free,
+                Boundary::Periodic => BoundaryChoice::Periodic,
+            },
+            seed: self.seed,
+        })
+    }
+
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let options = self.options()?;
+        if self.out.exists() && !self.out.is_dir() {
+            return Err(Failure::usage(format!("--out {}: this is no folder", self.out.display())));
+        }
+        {
+            // Before anything is computed: may the folder be written? Nothing of this attempt stays.
+            let _parents = NewParents::of(&self.out);
+            Staging::open(&self.out, self.force).map_err(|e| store_failure(&e))?;
+        }
+        let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut provenance = Provenance::begin(name.clone(), self.seed, None);
+        let scan = input::scan(&self.file, &self.options, monitor)?;
+        provenance.input(&self.file)?;
+        let at_once = rayon::current_num_threads().min(self.count);
+        require_memory(options.memory_bytes(scan.heights_m.len(), at_once), "making and comparing twins")?;
+        let told = scan.warnings.len();
+        let file = self.file.display().to_string();
+        let twins = monitor.at_once(|| Twins::like(scan, &file, &options))?.map_err(|e| self.ended(&e))?;
+        // Those of the file were told when it was read.
+        twins.warnings().iter().skip(told).for_each(|warning| monitor.warn(warning));
+
+        let _parents = NewParents::of(&self.out);
+        let staging = Staging::open(&self.out, self.force).map_err(|e| store_failure(&e))?;
+        let comparison = twins.compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin)).map_err(
+            |e| match e {
+                TwinError::Study(e) => self.ended(&e),
+                TwinError::Keep(failure) => failure,
+            },
+        )?;
+        comparison.warnings.iter().skip(twins.warnings().len()).for_each(|warning| monitor.warn(warning));
+        provenance.end(monitor.seconds());
+        let report = page(&name, &twins, &comparison, &provenance)?;
+        self.write(&staging, &comparison, &report, &provenance)?;
+        monitor.check()?;
+        let written = staging.commit().map_err(|e| store_failure(&e))?;
+        self.note_lost_pitch(&twins, monitor);
+        monitor.note(&format!("wrote {}", written.join("twins.html").display()));
+        if self.json { print_json(&comparison) } else { output::print(&table(&comparison)) }
+    }
+
+    /// Writes one twin; they are numbered from 1.
+    fn keep(&self, staging: &Staging, index: usize, twin: &HeightMap) -> Result<(), Failure> {
+        let path = staging.path(&format!("twin_{:04}.{}", index + 1, self.format)).map_err(|e| store_failure(&e))?;
+        let grid = twin.grid();
+        let scan = Scan::new(twin.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
+        asperity_formats::write(&scan, &path).map_err(|e| refused(&e))
+    }
+
+    fn write(
+        &self,
+        staging: &Staging,
+        comparison: &Comparison,
+        report: &Report,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
+        write("comparison.json", &json_bytes(comparison).map_err(|e| store_failure(&e))?)?;
+        write("provenance.json", &json_bytes(provenance).map_err(|e| store_failure(&e))?)?;
+        for (name, table) in &comparison.tables {
+            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
+        }
+        for figure in &report.figures {
+            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        }
+        write("twins.html", report.html.as_bytes())
+    }
+
+    fn note_lost_pitch(&self, twins: &Twins, monitor: &Terminal) {
+        if let Some(format) = Format::from_extension(&self.format).filter(|format| !format.stores_pitch()) {
+            let grid = twins.grid();
+            monitor.warn(&format!(
+                "{} has no place for the pixel size, {:?} × {:?} m; note it",
+                format.name(),
+                grid.dx_m(),
+                grid.dy_m()
+            ));
+        }
+    }
+
+    /// A message in terms of the flags, where the library's speaks of a study file.
+    fn ended(&self, error: &StudyError) -> Failure {
+        let file = self.file.display();
+        match error {
+            StudyError::Map { error: MapError::NoPitch, .. } => {
+                Failure::usage(format_args!("{file}: {}", MapError::NoPitch))
+            }
+            StudyError::Fit(error) => Failure::new(
+                Kind::Data,
+                format!("{file}: covariance: {error}; state one with --covariance and --correlation-length"),
+            ),
+            StudyError::FractalDimension => Failure::new(
+                Kind::Data,
+                format!("{file}: the scan shows no scaling range, and the Weierstrass–Mandelbrot generator needs one"),
+            ),
+            StudyError::Covariance(error) => Failure::usage(format_args!("covariance: {error}")),
+            StudyError::Grid { error, .. } => Failure::usage(format_args!("--size, --points: {error}")),
+            StudyError::Cancelled(Cancelled) => Cancelled.into(),
+            error => study_file::ended(&self.file, error),
+        }
+    }
+}
+
+/// The page of the comparison.
+fn page(name: &str, twins: &Twins, comparison: &Comparison, provenance: &Provenance) -> Result<Report, Failure> {
+    let failed = |e: serde_json::Error| Failure::new(Kind::Runtime, e.to_string());
+    let tables = comparison.tables.iter().map(|(name, table)| {
+        let columns = table.columns().to_vec();
+        ((*name).to_owned(), Table { columns })
+    });
+    let shown = (0..comparison.count.min(2)).map(|index| field(&twins.draw(index as u64)));
+    render_twins(&TwinRun {
+        name: name.to_owned(),
+        comparison: serde_json::to_value(comparison).map_err(failed)?,
+        tables: tables.collect::<BTreeMap<_, _>>(),
+        scan: Some(field(twins.scan())),
+        twins: shown.collect(),
+        provenance: serde_json::to_value(provenance).map_err(failed)?,
+    })
+    .map_err(|e| Failure::new(Kind::Runtime, format!("the page could not be rendered: {}", chain(&e))))
+}
+
+fn field(map: &HeightMap) -> Field {
+    let grid = map.grid();
+    let values = map.heights_m().iter().copied().collect();
+    Field { nx: grid.nx(), ny: grid.ny(), dx_m: grid.dx_m(), dy_m: grid.dy_m(), values }
+}
+
+fn print_json(comparison: &Comparison) -> Result<(), Failure> {
+    let text = serde_json::to_string(comparison).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+    output::print(&format!("{text}\n"))
+}
+
+/// The statistics as lines: name, scan, mean of the twins, band, and a word where the scan lies outside.
+fn table(comparison: &Comparison) -> String {
+    let value = |key: &str, value: Option<f64>| output::row(key, &value.into());
+    let line = |(key, found): &(&'static str, StatisticComparison)| {
+        let (name, scan) = value(key, found.target);
+        let band = found.band.map(|[low, high]| {
+            let (low, high) = (value(key, Some(low)).1, value(key, Some(high)).1);
+            format!("{low} to {high}")
+        });
+        let verdict = if found.inside == Some(false) { "outside" } else { "" };
+        [name, scan, value(key, found.mean).1, band.unwrap_or_else(|| "undefined".into()), verdict.into()]
+    };
+    let header = ["", "scan", "mean of twins", "95 % band of twins", ""].map(str::to_owned);
+    let rows: Vec<[String; 5]> = std::iter::once(header).chain(comparison.twins.iter().map(line)).collect();
+    let Comparison { inside, compared, .. } = comparison;
+    format!("{}{inside} of {compared} statistics of the scan lie within the band of its twins\n", columns(&rows))
+}

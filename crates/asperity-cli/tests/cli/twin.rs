@@ -1,0 +1,163 @@
+//! `asperity surface twin`.
+
+use std::fs;
+use std::path::Path;
+
+use asperity_formats::{Scan, X3pData, read, write_x3p};
+use ndarray::Array2;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::{Ended, asperity_in, keys, listing, npy, number};
+
+fn twin(folder: &Path, line: &str) -> Ended {
+    let line = format!("surface twin {line}");
+    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
+}
+
+/// A folder with a rough map drawn by the program, holes cut into it.
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let spec = "seed = 3\nsize = [\"60 um\", \"40 um\"]\npoints = [60, 40]\n[surface]\ncovariance = \"exponential\"\n\
+                marginal = \"normal\"\nrms_height = \"1 um\"\ncorrelation_length = [\"5 um\", \"4 um\"]\n\
+                generator = \"spectral\"\n";
+    fs::write(folder.path().join("spec.toml"), spec).unwrap();
+    let made = asperity_in(folder.path(), &["surface", "generate", "spec.toml", "--out", "whole.x3p"]);
+    assert_eq!(made.code, 0, "{made:?}");
+    let mut heights = read(&folder.path().join("whole.x3p")).unwrap().heights_m;
+    heights.indexed_iter_mut().filter(|((r, c), _)| r + c < 12).for_each(|(_, z)| *z = f64::NAN);
+    let scan = Scan::new(heights, Some((1e-6, 1e-6)));
+    fs::write(folder.path().join("scan.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
+    folder
+}
+
+/// Fast options: what they choose is not the point.
+const FAST: &str = "--translation plain --covariance exponential";
+
+#[test]
+fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
+    let folder = folder();
+    let at = folder.path();
+    let json = twin(at, &format!("scan.x3p --count 4 --out twins --seed 7 --json {FAST}")).json(0);
+    let out = at.join("twins");
+    assert_eq!(
+        listing(&out),
+        [
+            "COMPLETE",
+            "comparison.json",
+            "figures",
+            "provenance.json",
+            "tables",
+            "twin_0001.x3p",
+            "twin_0002.x3p",
+            "twin_0003.x3p",
+            "twin_0004.x3p",
+            "twins.html"
+        ]
+    );
+    assert_eq!(listing(&out.join("figures")), ["acf.svg", "height_pdf.svg", "maps.svg", "parameters.svg", "psd.svg"]);
+    let tables = listing(&out.join("tables"));
+    let wanted = ["acf_x.csv", "acf_y.csv", "height_pdf.csv", "psd_x.csv", "psd_y.csv", "statistics.csv"];
+    assert_eq!(tables, wanted);
+    let stored: Value = serde_json::from_str(&fs::read_to_string(out.join("comparison.json")).unwrap()).unwrap();
+    assert_eq!(stored, json, "the file is what --json prints");
+
+    assert_eq!((json["file"].as_str(), number(&json, "count"), number(&json, "seed")), (Some("scan.x3p"), 4.0, 7.0));
+    assert_eq!(json["band_method"], "student_t");
+    assert!(number(&json["target"], "missing_points") > 50.0);
+    assert_eq!(json["twins"]["Sq_m"]["target"], json["target"]["Sq_m"]);
+    for name in "Sq_m Ssk Sku Sdq Sal_m Str correlation_length_x_m Sk_m Spk_m Svk_m Smrk1 Smrk2".split_whitespace() {
+        let entry = &json["twins"][name];
+        assert_eq!(keys(entry), ["band", "defined", "inside", "mean", "std", "target"], "{name}");
+    }
+    let sq = &json["twins"]["Sq_m"];
+    assert!(sq["inside"] == Value::Bool(true) && sq["band"][0].as_f64() < sq["mean"].as_f64(), "{sq}");
+    assert_eq!(json["model"]["covariance"]["model"], "exponential");
+    assert!(json["limits"][0].as_str().unwrap().contains("stationary"));
+
+    let map = read(&out.join("twin_0002.x3p")).unwrap();
+    assert_eq!((map.heights_m.dim(), map.pitch_m, map.missing_points()), ((40, 60), Some((1e-6, 1e-6)), 0));
+    let page = fs::read_to_string(out.join("twins.html")).unwrap();
+    assert!(page.contains("Twins of scan.x3p") && page.contains("4 maps of 60 × 40 points"));
+    let table = fs::read_to_string(out.join("tables/statistics.csv")).unwrap();
+    assert!(table.starts_with("twin,Sa_m,Sq_m,") && table.lines().count() == 5);
+}
+
+#[test]
+fn a_twin_does_not_depend_on_how_many_are_drawn_and_formats_are_chosen() {
+    let folder = folder();
+    let at = folder.path();
+    assert_eq!(twin(at, &format!("scan.x3p --count 2 --out few {FAST}")).code, 0);
+    let many = twin(at, &format!("scan.x3p --count 3 --out many --threads 1 --format npy {FAST}"));
+    assert_eq!(many.code, 0);
+    assert!(many.stderr.contains("NPY has no place for the pixel size"), "{many:?}");
+    let of = |path: &str| read(&at.join(path)).unwrap().heights_m;
+    assert_eq!(of("few/twin_0002.x3p"), of("many/twin_0002.npy"));
+    assert_ne!(of("few/twin_0001.x3p"), of("few/twin_0002.x3p"));
+    // The table names what was compared.
+    assert!(many.stdout.contains("95 % band of twins") && many.stdout.contains("µm"), "{many:?}");
+    assert!(many.stdout.lines().last().unwrap().ends_with("lie within the band of its twins"), "{many:?}");
+
+    // Another size has no place for the scan's missing points.
+    let wide = twin(at, &format!("scan.x3p --count 2 --out wide --points 90,50 --json {FAST}"));
+    assert_eq!(wide.json(0)["points"], serde_json::json!([90, 50]));
+    assert!(wide.stderr.contains("different bandwidths"), "{wide:?}");
+    assert_eq!(of("wide/twin_0001.x3p").dim(), (50, 90));
+}
+
+#[test]
+fn a_folder_that_holds_something_is_replaced_by_force_alone() {
+    let folder = folder();
+    let at = folder.path();
+    fs::create_dir(at.join("twins")).unwrap();
+    fs::write(at.join("twins/mine.txt"), "mine").unwrap();
+    let line = format!("scan.x3p --count 2 --out twins {FAST}");
+    twin(at, &line).refuses(2, &["twins", "--force"]);
+    assert_eq!(listing(&at.join("twins")), ["mine.txt"]);
+    assert_eq!(twin(at, &format!("{line} --force")).code, 0);
+    assert!(!listing(&at.join("twins")).contains(&"mine.txt".to_owned()));
+    twin(at, &format!("scan.x3p --count 2 --out scan.x3p {FAST}")).refuses(2, &["--out", "folder"]);
+    let hidden: Vec<String> = listing(at).into_iter().filter(|name| name.starts_with('.')).collect();
+    assert!(hidden.is_empty(), "{hidden:?}");
+}
+
+#[test]
+fn scans_without_texture_and_wrong_flags_leave_nothing_behind() {
+    let folder = folder();
+    let at = folder.path();
+    npy(at, "flat.npy", Array2::from_elem((16, 16), 1e-6));
+    npy(at, "noise.npy", Array2::from_shape_fn((16, 16), |(r, c)| ((r * 7919 + c * 104_729) % 101) as f64 * 1e-9));
+    fs::write(at.join("words.txt"), "one two\n").unwrap();
+    let before = listing(at);
+    for (line, code, words) in [
+        ("gone.x3p", 3, vec!["gone.x3p", "no such file"]),
+        ("words.txt --pixel-size 1um", 3, vec!["words.txt"]),
+        ("flat.npy", 2, vec!["flat.npy", "--pixel-size"]),
+        ("flat.npy --pixel-size 1um", 3, vec!["flat.npy"]),
+        ("noise.npy --pixel-size 1um", 3, vec!["noise.npy", "--covariance"]),
+        ("scan.x3p --count 0", 2, vec!["--count", "at least 1"]),
+        ("scan.x3p --format bmp", 2, vec!["--format", "asperity formats"]),
+        ("scan.x3p --marginal gamma:2", 2, vec!["--marginal", "gamma"]),
+        ("scan.x3p --correlation-length 5um", 2, vec!["--correlation-length", "--covariance"]),
+        ("scan.x3p --covariance matern --correlation-length 5um", 2, vec!["--smoothness"]),
+        ("scan.x3p --covariance self_affine --correlation-length 5um", 2, vec!["--hurst"]),
+        ("scan.x3p --hurst 0.7", 2, vec!["--correlation-length"]),
+        ("scan.x3p --points 1,40", 2, vec!["--points", "2 × 2"]),
+        ("scan.x3p --s-filter 9um --l-filter 5um", 2, vec!["scan.x3p", "no scale is left"]),
+        ("scan.x3p --channel 3", 2, vec!["scan.x3p"]),
+    ] {
+        twin(at, &format!("{line} --out deep/twins")).refuses(code, &words);
+    }
+    assert_eq!(listing(at), before);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_leaves_no_half_folder() {
+    let folder = folder();
+    let at = folder.path();
+    let line = format!("surface twin scan.x3p --count 100000 --out deep/twins {FAST}");
+    let (ended, _) = crate::support::interrupted_in(at, &line);
+    assert_eq!((ended.code, ended.stdout.as_str()), (130, ""), "{ended:?}");
+    assert_eq!(listing(at), ["scan.x3p", "spec.toml", "whole.x3p"]);
+}

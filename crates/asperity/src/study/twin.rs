@@ -1,0 +1,351 @@
+//! Twins: random maps that are statistically like a measured one, and how alike they are.
+//!
+//! [`Twins::like`] measures a scan and fits the model, [`Twins::draw`] draws a twin, [`Twins::compare`] draws many and sets
+//! every statistic of the scan beside those of its twins. A twin is read off as the scan was: the scan's missing points are
+//! masked out and the form is removed, so that the biases of estimators on a finite map cancel.
+
+mod band;
+mod comparison;
+mod curve;
+mod options;
+#[cfg(test)]
+mod tests;
+
+use asperity_formats::Scan;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::law::Marginal;
+use crate::map::{Grid, HeightMap};
+use crate::monitor::{Cancelled, Monitor};
+use crate::random;
+use crate::study::config::{BoundaryChoice, GeneratorChoice, SurfaceSection};
+use crate::study::output::StageOutput;
+use crate::study::surface_stage::{law_result, measure, model_of};
+use crate::study::{StudyError, sentence};
+use crate::surface::RandomSurface;
+use crate::surface::level::Level;
+use crate::surface::preparation::{Preparation, Prepared};
+
+use band::{LEVEL, band_method};
+use comparison::{Target, TwinTraits, masked, outside_sentence, statistics_table};
+
+pub use band::BandMethod;
+pub use comparison::{Comparison, CurveComparison, StatisticComparison, TwinModel};
+pub use options::TwinOptions;
+
+/// Names of the random stages of the twins, and of the maps on which the share of the form is found.
+const STAGE: &str = "twin";
+const TRIAL_STAGE: &str = "twin trial";
+/// Maps on which the share of the form is found.
+const TRIALS: u64 = 8;
+/// Share of the form from which the height of the long waves is called a guess.
+const LARGE_FORM_SHARE: f64 = 0.25;
+/// Kurtosis from which a scan is suspected of spikes. That of heights whose logarithm is normal with σ = 0.9 is 20.
+const SPIKY: f64 = 20.0;
+
+/// Why twins could not be compared; `E` is the caller's, who kept them.
+#[derive(Debug, Error)]
+pub enum TwinError<E> {
+    /// A twin has no statistics, or the comparison was stopped.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A twin could not be kept.
+    #[error("{0}")]
+    Keep(E),
+}
+
+/// Draws the twins of a scan.
+///
+/// Twins are complete maps about the height zero: a form may be added to them, and none was removed. Their rms height is
+/// such that it is the scan's Sq *after* the form is removed, unless the options state it.
+pub struct Twins {
+    file: String,
+    seed: u64,
+    level: Level,
+    scan: HeightMap,
+    target: Target,
+    surface: Box<dyn RandomSurface>,
+    /// Factor on the heights of `surface`.
+    gain: f64,
+    model: TwinModel,
+    limits: Vec<String>,
+    assumptions: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl Twins {
+    /// Measures a scan and makes the generator of its twins; `file` names the scan.
+    ///
+    /// # Errors
+    /// The scan has no texture or no covariance that could be fitted, the model is not valid, or the grid is not one.
+    pub fn like(scan: Scan, file: &str, options: &TwinOptions) -> Result<Self, StudyError> {
+        let section = &SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
+        let mut output = StageOutput::default();
+        // The file's own warnings come first.
+        let measured = measure(section, file, scan, &mut output)?;
+        output.warnings.extend(section.idle_keys());
+        let (model, result) = model_of(section, Some(&measured), &options.families, &mut output)?;
+        let (own, grid) = (measured.map.grid(), options.grid(measured.map.grid())?);
+        let periodic = options.boundary == BoundaryChoice::Periodic;
+        let mut generated = model.patch(grid, periodic)?;
+        output.warnings.append(&mut generated.warnings);
+
+        let mut twins = Self {
+            file: file.to_owned(),
+            seed: options.seed,
+            level: treatment(section.level),
+            target: Target::of(&measured),
+            scan: measured.map,
+            surface: generated.surface,
+            gain: 1.0,
+            model: TwinModel {
+                generator: section.generator,
+                boundary: options.boundary,
+                translation: result.covariance.is_some().then_some(section.translation),
+                rms_height_m: model.marginal.std(),
+                form_share: None,
+                covariance: result.covariance,
+                marginal: result.marginal,
+            },
+            limits: limits(section.generator),
+            assumptions: output.assumptions,
+            warnings: output.warnings,
+        };
+        if section.rms_height.is_none() {
+            let share = if grid == own {
+                twins.form_share(&*twins.surface)?
+            } else {
+                twins.form_share(&*model.patch(own, periodic)?.surface)?
+            };
+            twins.make_up_for(share, &model.marginal)?;
+        }
+        twins.say(section, grid);
+        Ok(twins)
+    }
+
+    /// Share of the variance that goes with the form removed from maps on the scan's grid.
+    fn form_share(&self, surface: &dyn RandomSurface) -> Result<f64, StudyError> {
+        let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
+        let squares: Vec<(f64, f64)> = (0..TRIALS)
+            .into_par_iter()
+            .map(|index| {
+                let mut stream = random::stream(self.seed, TRIAL_STAGE, index);
+                let trial =
+                    masked(&surface.generate(&random::standard_normal(&mut stream, surface.germ_len())), &self.scan)?;
+                let left = Preparation { level: self.level, ..Preparation::default() }.apply(&trial)?.map;
+                // Statistics are about the mean, whether or not it counts as form.
+                let points = left.present_m().count() as f64;
+                let mean = left.present_m().sum::<f64>() / points;
+                Ok((square(&trial), square(&left) - points * mean * mean))
+            })
+            .collect::<Result<_, StudyError>>()?;
+        let (before, after) = squares.into_iter().fold((0.0, 0.0), |sum, (b, a)| (sum.0 + b, sum.1 + a));
+        Ok((1.0 - after / before).clamp(0.0, 1.0 - f64::EPSILON))
+    }
+
+    /// Raises the twins so that their variance without the form is the scan's.
+    fn make_up_for(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
+        self.gain = 1.0 / (1.0 - share).sqrt();
+        let model = &mut self.model;
+        model.rms_height_m *= self.gain;
+        model.form_share = Some(share);
+        model.marginal = law_result(&law.standardised(0.0, model.rms_height_m)?);
+        if let Some(covariance) = &mut model.covariance {
+            covariance.std_m = model.rms_height_m;
+        }
+        self.assumptions.push(format!(
+            "The form that is removed from a map takes along {} % of the variance of such a surface ({TRIALS} trial maps), so \
+             twins were drawn with the rms height {}: without their form they have that of the scan.",
+            sentence::digits(100.0 * share),
+            sentence::si(self.model.rms_height_m, "m")
+        ));
+        if share > LARGE_FORM_SHARE {
+            self.warnings.push(format!(
+                "{} % of the variance of such a surface goes with the form of a map of this size: how high its long waves \
+                 are is a guess, which the scan cannot confirm; a form of higher degree or an L-filter leaves what it shows",
+                sentence::digits(100.0 * share)
+            ));
+        }
+        Ok(())
+    }
+
+    /// Tells how twins are read off, and what they cannot be.
+    fn say(&mut self, section: &SurfaceSection, grid: Grid) {
+        if section.s_filter.is_some() || section.l_filter.is_some() {
+            self.assumptions.push(
+                "Twins are like the filtered scan. They were not filtered again: a wave that the filter halves would be \
+                 quartered."
+                    .into(),
+            );
+        }
+        let kurtosis = self.target.statistics.Sku;
+        if kurtosis > SPIKY && section.outliers.is_none() {
+            self.warnings.push(format!(
+                "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
+                sentence::digits(kurtosis)
+            ));
+        }
+        if self.level != section.level {
+            self.assumptions.push(format!(
+                "Twins have no {}; a quadratic polynomial, which follows one, was removed from them.",
+                section.level
+            ));
+        }
+        if grid == self.scan.grid() {
+            let missing = self.scan.missing_points();
+            if missing > 0 {
+                let points = sentence::count(missing, "missing point", "missing points");
+                self.assumptions.push(format!(
+                    "Twins are complete; the {points} of the scan {} masked out of them before they were compared.",
+                    if missing == 1 { "was" } else { "were" }
+                ));
+            }
+        } else {
+            self.warnings.push(format!(
+                "twins have {} × {} points on {}, the scan {} × {} on {}: parameters that depend on the pixel or the field, \
+                 such as Sdq and Sz, belong to different bandwidths",
+                grid.nx(),
+                grid.ny(),
+                sentence::size(grid.width_m(), grid.height_m()),
+                self.scan.grid().nx(),
+                self.scan.grid().ny(),
+                sentence::size(self.scan.grid().width_m(), self.scan.grid().height_m()),
+            ));
+        }
+        if section.marginal == "measured" && section.generator != GeneratorChoice::WeierstrassMandelbrot {
+            self.assumptions.push(
+                "The measured marginal law ends at the scan's own extremes and knows of a sharp peak or pit as a few heights \
+                 alone: Sp, Sv and Sz of the twins tend to be smaller."
+                    .into(),
+            );
+        }
+    }
+
+    /// The scan as it was prepared.
+    pub fn scan(&self) -> &HeightMap {
+        &self.scan
+    }
+
+    /// Grid of the twins.
+    pub fn grid(&self) -> Grid {
+        self.surface.grid()
+    }
+
+    /// What to be wary of before any twin is drawn, in sentences.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Twin number `index`, counted from 0: a function of the seed and the number alone.
+    pub fn draw(&self, index: u64) -> HeightMap {
+        let mut stream = random::stream(self.seed, STAGE, index);
+        let twin = self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()));
+        twin.scaled(self.gain)
+    }
+
+    /// A twin as the scan is read off: with its missing points, without its form.
+    fn treated(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
+        let twin = if self.grid() == self.scan.grid() { masked(twin, &self.scan)? } else { twin.clone() };
+        Ok(Preparation { level: self.level, ..Preparation::default() }.apply(&twin)?)
+    }
+
+    /// Draws twins 0 … `count` − 1, hands each to `keep`, and compares the scan with them.
+    ///
+    /// As many are in memory at once as there are threads; `keep` is called from any of these, in any order.
+    ///
+    /// # Errors
+    /// Cancelled, or `keep` failed.
+    pub fn compare<E: Send>(
+        &self,
+        count: usize,
+        monitor: &dyn Monitor,
+        keep: impl Fn(usize, &HeightMap) -> Result<(), E> + Sync,
+    ) -> Result<Comparison, TwinError<E>> {
+        let at_once = rayon::current_num_threads().max(1);
+        let mut traits = Vec::with_capacity(count);
+        let indices: Vec<usize> = (0..count).collect();
+        for block in indices.chunks(at_once) {
+            let read: Result<Vec<TwinTraits>, TwinError<E>> = block
+                .par_iter()
+                .map(|&index| {
+                    if monitor.cancelled() {
+                        return Err(StudyError::from(Cancelled).into());
+                    }
+                    let twin = self.draw(index as u64);
+                    keep(index, &twin).map_err(TwinError::Keep)?;
+                    Ok(self.target.read_off(self.treated(&twin)?)?)
+                })
+                .collect();
+            traits.extend(read?);
+            monitor.progress("twins", traits.len(), count);
+        }
+        Ok(self.compared(&traits))
+    }
+
+    fn compared(&self, traits: &[TwinTraits]) -> Comparison {
+        let twins = self.target.compare_statistics(traits);
+        let mut tables = vec![("statistics", statistics_table(traits))];
+        let mut curves = Vec::new();
+        for (name, comparison, table) in self.target.compare_curves(traits) {
+            curves.push((name, comparison));
+            tables.push((name, table));
+        }
+        let mut warnings = self.warnings.clone();
+        if band_method(traits.len()) == BandMethod::None {
+            warnings.push("one twin does not spread: draw at least two for bands, 39 for bands of any law".into());
+        }
+        warnings.extend(outside_sentence(&twins));
+        let grid = self.grid();
+        Comparison {
+            file: self.file.clone(),
+            count: traits.len(),
+            seed: self.seed,
+            points: [grid.nx(), grid.ny()],
+            pitch_m: [grid.dx_m(), grid.dy_m()],
+            band_method: band_method(traits.len()),
+            band_level: LEVEL,
+            inside: twins.iter().filter(|(_, statistic)| statistic.inside == Some(true)).count(),
+            compared: twins.iter().filter(|(_, statistic)| statistic.inside.is_some()).count(),
+            model: self.model.clone(),
+            target: self.target.statistics.clone(),
+            twins,
+            curves,
+            limits: self.limits.clone(),
+            assumptions: self.assumptions.clone(),
+            warnings,
+            tables,
+        }
+    }
+}
+
+/// What the twins of a generator cannot be, whatever was fitted.
+fn limits(generator: GeneratorChoice) -> Vec<String> {
+    let mut limits = vec![
+        "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."
+            .into(),
+    ];
+    if generator == GeneratorChoice::WeierstrassMandelbrot {
+        limits.push(
+            "Twins sum cosines of random phase: their heights are nearly normal, whatever those of the scan.".into(),
+        );
+    } else {
+        limits.push(
+            "Twins are Gaussian fields whose heights were bent to a marginal law: scratches, pores and spikes of the scan \
+             come back as heights that are as frequent, not as connected features."
+                .into(),
+        );
+        limits.push(
+            "The covariance models are symmetric about x and y: a lay at an angle to the axes is averaged away.".into(),
+        );
+    }
+    limits
+}
+
+/// The form that is removed from twins, which have no cylinder or sphere of their own: the polynomial that follows one.
+fn treatment(level: Level) -> Level {
+    match level {
+        Level::Cylinder | Level::Sphere => Level::Quadratic,
+        level => level,
+    }
+}

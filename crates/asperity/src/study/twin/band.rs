@@ -1,0 +1,162 @@
+//! In which the statistic of a further twin lies.
+
+use serde::Serialize;
+
+use crate::law::Marginal;
+use crate::stats::{Interval, Moments, sorted_present};
+
+/// Probability of a band.
+pub(super) const LEVEL: f64 = 0.95;
+/// Probability below it, and above.
+const TAIL: f64 = 0.025;
+/// Share of the statistics that chance puts outside.
+pub(super) const CHANCE_OUTSIDE: f64 = 2.0 * TAIL;
+/// From so many twins on bands end at order statistics: the lowest and the highest of 39 hold another one with
+/// probability 38/40.
+const ENOUGH_FOR_QUANTILES: usize = 39;
+
+/// How the ends of a band were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BandMethod {
+    /// A single twin does not spread.
+    None,
+    /// Student's prediction interval, m ± t₀.₉₇₅ s √(1 + 1/n), exact for normal values; of the logarithm of what is positive
+    /// and of the log-odds of shares.
+    StudentT,
+    /// The order statistics at (n + 1)·2.5 % and (n + 1)·97.5 %: whatever the law of the statistic.
+    Quantiles,
+}
+
+/// How bands of so many twins are found.
+pub(super) fn band_method(count: usize) -> BandMethod {
+    match count {
+        0 | 1 => BandMethod::None,
+        n if n < ENOUGH_FOR_QUANTILES => BandMethod::StudentT,
+        _ => BandMethod::Quantiles,
+    }
+}
+
+/// On which scale values are taken for normal where they must be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Scale {
+    /// They spread by differences.
+    Linear,
+    /// They are positive and spread by factors.
+    Logarithmic,
+    /// They lie between 0 and 1: the logarithm of x/(1 − x).
+    Share,
+}
+use Scale::{Linear, Logarithmic, Share};
+
+impl Scale {
+    /// Onto the real line.
+    fn unfold(self, value: f64) -> f64 {
+        match self {
+            Linear => value,
+            Logarithmic => value.ln(),
+            Share => (value / (1.0 - value)).ln(),
+        }
+    }
+
+    /// And back.
+    fn fold(self, value: f64) -> f64 {
+        match self {
+            Linear => value,
+            Logarithmic => value.exp(),
+            Share => 1.0 / (1.0 + (-value).exp()),
+        }
+    }
+}
+
+/// Mean, standard deviation and band of the values that are defined.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spread {
+    pub(super) mean: f64,
+    pub(super) std: f64,
+    pub(super) band: Option<Interval>,
+    pub(super) defined: usize,
+}
+
+impl Spread {
+    pub(super) fn of(values: impl Iterator<Item = f64>, scale: Scale) -> Self {
+        let sorted = sorted_present(values);
+        let moments = Moments::of(&sorted);
+        let band = match band_method(sorted.len()) {
+            BandMethod::None => None,
+            BandMethod::Quantiles => {
+                Some(Interval { low: order_statistic(&sorted, TAIL), high: order_statistic(&sorted, 1.0 - TAIL) })
+            }
+            BandMethod::StudentT => {
+                let unfolded: Vec<f64> = sorted.iter().map(|value| scale.unfold(*value)).collect();
+                // An estimate of a spectrum may be negative, and a share just one.
+                let fits = unfolded.iter().all(|value| value.is_finite());
+                let (scale, moments) = if fits { (scale, Moments::of(&unfolded)) } else { (Linear, moments) };
+                let band = prediction_interval(&moments);
+                Some(Interval { low: scale.fold(band.low), high: scale.fold(band.high) })
+            }
+        };
+        Self { mean: moments.mean, std: moments.sample_std(), band, defined: sorted.len() }
+    }
+}
+
+/// The value at the rank p(n + 1) of sorted values, linear between ranks: another value of the same law lies below it with
+/// probability p, on average over samples (type 6 of Hyndman & Fan 1996, <https://doi.org/10.1080/00031305.1996.10473566>).
+fn order_statistic(sorted: &[f64], probability: f64) -> f64 {
+    let n = sorted.len();
+    let rank = (probability * (n as f64 + 1.0)).clamp(1.0, n as f64);
+    let left = rank.floor() as usize;
+    let right = (left + 1).min(n);
+    sorted[left - 1] + (rank - left as f64) * (sorted[right - 1] - sorted[left - 1])
+}
+
+/// In which another value lies with probability 95 % if all are normal: m ± t s √(1 + 1/n).
+fn prediction_interval(moments: &Moments) -> Interval {
+    let n = moments.n as f64;
+    let half = student_t(n - 1.0) * moments.sample_std() * (1.0 + 1.0 / n).sqrt();
+    Interval { low: moments.mean - half, high: moments.mean + half }
+}
+
+/// Student's t₀.₉₇₅: of ν degrees of freedom, ν/(ν + t²) has the Beta law of ν/2 and ½.
+fn student_t(freedom: f64) -> f64 {
+    let law = Marginal::Beta { a: 0.5 * freedom, b: 0.5, low: 0.0, high: 1.0 };
+    let x = law.quantile(CHANCE_OUTSIDE);
+    (freedom * (1.0 - x) / x).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn students_quantiles_are_the_tabulated_ones() {
+        // Abramowitz & Stegun, table 26.10, P = 0.975.
+        for (freedom, wanted) in [(1.0, 12.706), (2.0, 4.303), (9.0, 2.262), (30.0, 2.042)] {
+            assert!((student_t(freedom) - wanted).abs() < 6e-4, "{freedom}: {}", student_t(freedom));
+        }
+        // Closed forms: tan(0.475 π), and 2α/√(1 − α²)·… at ν = 2: t = (2p − 1) √2/√(1 − (2p − 1)²).
+        assert!((student_t(1.0) / (0.475 * std::f64::consts::PI).tan() - 1.0).abs() < 1e-10);
+        assert!((student_t(2.0) / (0.95 * (2.0_f64 / (1.0 - 0.95 * 0.95)).sqrt()) - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn bands_are_order_statistics_of_many_and_students_of_few() {
+        let spread = |n: usize| Spread::of((0..n).map(|i| ((7 * i) % n) as f64), Linear);
+        // 2.5 % of 40 is the first of 39, of 80 the second of 79.
+        assert_eq!(spread(39).band, Some(Interval { low: 0.0, high: 38.0 }));
+        assert_eq!(spread(79).band, Some(Interval { low: 1.0, high: 77.0 }));
+        let few = Spread::of([1.0, 2.0, f64::NAN, 3.0].into_iter(), Linear);
+        // t(2) · 1 · √(4/3) about 2.
+        let half = 4.302_652_73 * (4.0_f64 / 3.0).sqrt();
+        let band = few.band.unwrap();
+        assert!((band.low - 2.0 + half).abs() < 1e-6 && (band.high - 2.0 - half).abs() < 1e-6 && few.defined == 3);
+        let factors = Spread::of([1.0, std::f64::consts::E].into_iter(), Logarithmic).band.unwrap();
+        assert!((factors.low * factors.high / std::f64::consts::E - 1.0).abs() < 1e-12, "symmetric about √e");
+        let shares = Spread::of([0.2, 0.3, 0.8].into_iter(), Share).band.unwrap();
+        assert!(shares.low > 0.0 && shares.high < 1.0, "{shares:?}");
+        let one = Spread::of([0.2, 0.3, 1.0].into_iter(), Share).band.unwrap();
+        assert!(one.low < 0.0 && one.high > 1.0, "log-odds of one are infinite: {one:?}");
+        assert_eq!(Spread::of([1.0].into_iter(), Linear).band, None);
+        assert!(Spread::of(std::iter::empty(), Linear).mean.is_nan());
+    }
+}

@@ -1,0 +1,291 @@
+//! A scan against its twins, statistic by statistic.
+
+use serde::{Serialize, Serializer};
+
+use crate::map::HeightMap;
+use crate::study::config::{BoundaryChoice, GeneratorChoice, TranslationChoice};
+use crate::study::measured::Measured;
+use crate::study::result::{CovarianceResult, LawResult, Pair, SurfaceStatistics, finite, pair};
+use crate::study::{StudyError, Table, sentence};
+use crate::surface::preparation::Prepared;
+
+use super::band::Scale::{Linear, Logarithmic, Share};
+use super::band::{BandMethod, CHANCE_OUTSIDE, Scale, Spread};
+use super::curve::Curve;
+
+type Reading = fn(&SurfaceStatistics) -> Option<f64>;
+
+/// The statistics that are compared.
+const STATISTICS: [(&str, Scale, Reading); 24] = [
+    ("Sa_m", Logarithmic, |s| Some(s.Sa_m)),
+    ("Sq_m", Logarithmic, |s| Some(s.Sq_m)),
+    ("Ssk", Linear, |s| Some(s.Ssk)),
+    ("Sku", Logarithmic, |s| Some(s.Sku)),
+    ("Sp_m", Logarithmic, |s| Some(s.Sp_m)),
+    ("Sv_m", Logarithmic, |s| Some(s.Sv_m)),
+    ("Sz_m", Logarithmic, |s| Some(s.Sz_m)),
+    ("Sdq", Logarithmic, |s| s.Sdq),
+    ("Sdq_7point", Logarithmic, |s| s.Sdq_7point),
+    ("Sdr", Logarithmic, |s| s.Sdr),
+    ("Sal_m", Logarithmic, |s| s.Sal_m),
+    ("Str", Share, |s| s.Str),
+    ("correlation_length_x_m", Logarithmic, |s| s.correlation_length_x_m),
+    ("correlation_length_y_m", Logarithmic, |s| s.correlation_length_y_m),
+    ("hurst", Linear, |s| s.hurst),
+    ("Sk_m", Logarithmic, |s| Some(s.Sk_m)),
+    ("Spk_m", Logarithmic, |s| Some(s.Spk_m)),
+    ("Svk_m", Logarithmic, |s| Some(s.Svk_m)),
+    ("Smrk1", Share, |s| Some(s.Smrk1)),
+    ("Smrk2", Share, |s| Some(s.Smrk2)),
+    ("Vmp_m", Logarithmic, |s| Some(s.Vmp_m)),
+    ("Vmc_m", Logarithmic, |s| Some(s.Vmc_m)),
+    ("Vvc_m", Logarithmic, |s| Some(s.Vvc_m)),
+    ("Vvv_m", Logarithmic, |s| Some(s.Vvv_m)),
+];
+
+/// What the twins are made from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwinModel {
+    /// The generator.
+    pub generator: GeneratorChoice,
+    /// What lies beyond the edge of a twin.
+    pub boundary: BoundaryChoice,
+    /// How the marginal law is imposed; a Weierstrass–Mandelbrot surface has its own.
+    pub translation: Option<TranslationChoice>,
+    /// Standard deviation of the heights before a form is removed.
+    pub rms_height_m: f64,
+    /// Share of the twins' variance that goes with the form removed, where it was made up for.
+    pub form_share: Option<f64>,
+    /// Covariance, if the twins are made from one.
+    pub covariance: Option<CovarianceResult>,
+    /// Marginal law, before a form is removed.
+    pub marginal: LawResult,
+}
+
+/// One statistic of the scan beside that of its twins. `None` is undefined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StatisticComparison {
+    /// The scan's.
+    pub target: Option<f64>,
+    /// Mean over the twins.
+    pub mean: Option<f64>,
+    /// Standard deviation over the twins, divisor n − 1.
+    pub std: Option<f64>,
+    /// In which the statistic of a further twin lies with probability 95 %.
+    pub band: Option<Pair>,
+    /// Whether the scan's lies there.
+    pub inside: Option<bool>,
+    /// Twins in which the statistic is defined.
+    pub defined: usize,
+}
+
+/// A function of the scan beside that of its twins.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurveComparison {
+    /// Share of the abscissas at which the scan lies in the pointwise band.
+    pub inside_share: Option<f64>,
+    /// Abscissas compared.
+    pub points: usize,
+}
+
+/// A scan beside its twins: the content of `comparison.json`, and the tables behind the figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The scan's file.
+    pub file: String,
+    /// Number of twins.
+    pub count: usize,
+    /// Seed of every draw.
+    pub seed: u64,
+    /// Points of a twin along x and y.
+    pub points: [usize; 2],
+    /// Pitch of a twin along x and y in metre.
+    pub pitch_m: Pair,
+    /// How the bands were found.
+    pub band_method: BandMethod,
+    /// Probability of a band.
+    pub band_level: f64,
+    /// Statistics of the scan that lie in their band.
+    pub inside: usize,
+    /// Statistics that are defined on the scan and have a band.
+    pub compared: usize,
+    /// What the twins are made from.
+    pub model: TwinModel,
+    /// Statistics of the scan.
+    pub target: SurfaceStatistics,
+    /// Every statistic by name, in the order of the table.
+    #[serde(serialize_with = "by_name")]
+    pub twins: Vec<(&'static str, StatisticComparison)>,
+    /// Every function by the name of its table.
+    #[serde(serialize_with = "by_name")]
+    pub curves: Vec<(&'static str, CurveComparison)>,
+    /// What such twins cannot be, in sentences.
+    pub limits: Vec<String>,
+    /// What was assumed, in sentences.
+    pub assumptions: Vec<String>,
+    /// What to be wary of, in sentences.
+    pub warnings: Vec<String>,
+    /// Functions with their bands, and the statistics of every twin.
+    #[serde(skip)]
+    pub tables: Vec<(&'static str, Table)>,
+}
+
+fn by_name<S: Serializer, T: Serialize>(entries: &[(&'static str, T)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(entries.iter().map(|(name, value)| (name, value)))
+}
+
+impl Comparison {
+    /// Names of the statistics of the scan that lie outside of their band.
+    pub fn outside(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.twins.iter().filter(|(_, statistic)| statistic.inside == Some(false)).map(|(name, _)| *name)
+    }
+}
+
+/// What is known of the scan before its twins are drawn.
+pub(super) struct Target {
+    pub(super) statistics: SurfaceStatistics,
+    pub(super) curves: Vec<Curve>,
+}
+
+/// The same of one twin: values in the order of [`STATISTICS`], and of the target's curves.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TwinTraits {
+    statistics: Vec<f64>,
+    curves: Vec<Vec<f64>>,
+}
+
+impl Target {
+    pub(super) fn of(measured: &Measured) -> Self {
+        let curves = Curve::all(&measured.map, &measured.correlation);
+        Self { statistics: measured.statistics.clone(), curves }
+    }
+
+    /// Reads off a twin what was read off the scan.
+    pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
+        let Measured { map, statistics, correlation, .. } = Measured::point_values_of(twin)?;
+        let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics).unwrap_or(f64::NAN)).collect();
+        let curves = self.curves.iter().map(|curve| curve.of_another(&map, &correlation)).collect();
+        Ok(TwinTraits { statistics, curves })
+    }
+
+    /// Every statistic of the scan beside those of its twins.
+    pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(&'static str, StatisticComparison)> {
+        let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
+            let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
+            let target = read(&self.statistics).and_then(finite);
+            let inside = target.zip(spread.band).map(|(value, band)| band.contains(value));
+            let comparison = StatisticComparison {
+                target,
+                mean: finite(spread.mean),
+                std: finite(spread.std),
+                band: spread.band.map(pair),
+                inside,
+                defined: spread.defined,
+            };
+            (*name, comparison)
+        });
+        entries.collect()
+    }
+
+    /// Every function of the scan beside those of its twins, with its table.
+    pub(super) fn compare_curves(&self, twins: &[TwinTraits]) -> Vec<(&'static str, CurveComparison, Table)> {
+        let compare = |(i, curve): (usize, &Curve)| {
+            let scale = if curve.kind.is_spectrum() { Logarithmic } else { Linear };
+            let spreads: Vec<Spread> = (0..curve.x.len())
+                .map(|place| Spread::of(twins.iter().map(|twin| twin.curves[i][place]), scale))
+                .collect();
+            // A density below zero is an artefact of a symmetric band.
+            let least = if curve.kind.is_density() { 0.0 } else { f64::NEG_INFINITY };
+            let low = spreads.iter().map(|s| s.band.map_or(f64::NAN, |band| band.low.max(least))).collect();
+            let high = spreads.iter().map(|s| s.band.map_or(f64::NAN, |band| band.high)).collect();
+            let compared: Vec<bool> = spreads
+                .iter()
+                .zip(&curve.y)
+                // Where all twins are equal, as at zero lag, there is nothing to compare.
+                .filter(|(spread, value)| value.is_finite() && spread.std > 0.0)
+                .filter_map(|(spread, value)| Some(spread.band?.contains(*value)))
+                .collect();
+            let inside = compared.iter().filter(|inside| **inside).count() as f64;
+            let comparison =
+                CurveComparison { inside_share: finite(inside / compared.len() as f64), points: compared.len() };
+            let unit = curve.kind.unit();
+            let table = Table::new([
+                (curve.kind.abscissa().to_owned(), curve.x.clone()),
+                (format!("scan{unit}"), curve.y.clone()),
+                (format!("twins_mean{unit}"), spreads.iter().map(|spread| spread.mean).collect()),
+                (format!("twins_low{unit}"), low),
+                (format!("twins_high{unit}"), high),
+            ]);
+            (curve.kind.name(), comparison, table)
+        };
+        self.curves.iter().enumerate().map(compare).collect()
+    }
+}
+
+/// The statistics of every twin, one row each.
+pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
+    let number = ("twin", (1..=twins.len()).map(|number| number as f64).collect());
+    let columns = STATISTICS.iter().enumerate().map(|(i, (name, _, _))| {
+        let values = twins.iter().map(|twin| twin.statistics[i]).collect();
+        (*name, values)
+    });
+    Table::new(std::iter::once(number).chain(columns))
+}
+
+/// A sentence on what lies outside; none where nothing does.
+pub(super) fn outside_sentence(twins: &[(&'static str, StatisticComparison)]) -> Option<String> {
+    let compared = twins.iter().filter(|(_, statistic)| statistic.inside.is_some()).count();
+    let outside: Vec<String> = twins
+        .iter()
+        .filter(|(_, statistic)| statistic.inside == Some(false))
+        .map(|(name, statistic)| {
+            let (label, is_length) = name.strip_suffix("_m").map_or((*name, false), |label| (label, true));
+            let shown = |value: f64| if is_length { sentence::si(value, "m") } else { sentence::digits(value) };
+            let [low, high] = statistic.band.unwrap_or([f64::NAN; 2]).map(shown);
+            let target = shown(statistic.target.unwrap_or(f64::NAN));
+            format!("{} ({target}, twins {low} to {high})", label.replace('_', " "))
+        })
+        .collect();
+    (!outside.is_empty()).then(|| {
+        format!(
+            "{} of {} of the scan {} outside of the 95 % band of its twins, where chance alone puts about {}: {}",
+            outside.len(),
+            sentence::count(compared, "statistic", "statistics"),
+            if outside.len() == 1 { "lies" } else { "lie" },
+            sentence::digits((CHANCE_OUTSIDE * compared as f64 * 10.0).round() / 10.0),
+            outside.join(", ")
+        )
+    })
+}
+
+/// A twin with the scan's missing points.
+pub(super) fn masked(twin: &HeightMap, scan: &HeightMap) -> Result<HeightMap, StudyError> {
+    let mut heights = twin.heights_m().clone();
+    heights.zip_mut_with(scan.heights_m(), |z, measured| *z = if measured.is_nan() { f64::NAN } else { *z });
+    HeightMap::new(twin.grid(), heights).map_err(|error| StudyError::Map { file: "a twin".into(), error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_names_what_lies_outside_and_what_chance_would_put_there() {
+        let statistic = |inside| StatisticComparison {
+            target: Some(0.3),
+            mean: Some(0.1),
+            std: Some(0.05),
+            band: Some([0.0, 0.2]),
+            inside,
+            defined: 8,
+        };
+        let mut all: Vec<_> = ["Sq_m", "Sdq", "Str"].map(|name| (name, statistic(Some(true)))).into();
+        assert_eq!(outside_sentence(&all), None);
+        (all[0].1, all[1].1) = (statistic(Some(false)), statistic(Some(false)));
+        assert_eq!(
+            outside_sentence(&all).unwrap(),
+            "2 of 3 statistics of the scan lie outside of the 95 % band of its twins, where chance alone puts about 0.2: \
+             Sq (300 mm, twins 0 m to 200 mm), Sdq (0.3, twins 0 to 0.2)"
+        );
+    }
+}

@@ -1,0 +1,63 @@
+//! How twins are made.
+
+use crate::correlation::CorrelationFamily;
+use crate::map::Grid;
+use crate::study::StudyError;
+use crate::study::config::{BoundaryChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+
+/// How twins are made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinOptions {
+    /// Preparation of the scan and model of the twins, as in a study; its `file` and `channel` are not read.
+    pub surface: SurfaceSection,
+    /// Models among which a measured covariance is chosen.
+    pub families: Vec<CorrelationFamily>,
+    /// Size (x, y) of a twin in metre; the scan's, or what the points take at the scan's pitch.
+    pub size_m: Option<[f64; 2]>,
+    /// Points (x, y) of a twin; the scan's, or what fills the size at the scan's pitch.
+    pub points: Option<[usize; 2]>,
+    /// Whether a twin continues periodically beyond its edge.
+    pub boundary: BoundaryChoice,
+    /// Seed of every draw.
+    pub seed: u64,
+}
+
+impl TwinOptions {
+    /// Everything measured on the scan and met as well as the house can: all Fourier modes, corrected translation, free
+    /// boundary, the scan's own grid.
+    pub fn new(seed: u64) -> Self {
+        let surface = SurfaceSection {
+            generator: GeneratorChoice::Spectral,
+            translation: TranslationChoice::Corrected,
+            ..SurfaceSection::default()
+        };
+        let families = CorrelationFamily::ALL.to_vec();
+        Self { surface, families, size_m: None, points: None, boundary: BoundaryChoice::Free, seed }
+    }
+
+    /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.
+    pub fn memory_bytes(&self, scan_points: usize, at_once: usize) -> f64 {
+        // The covariance embedded in twice the width and height with its sorted modes; of each twin the germ, the
+        // transform, and the padded correlations; the scan, raw and prepared.
+        const GENERATOR: f64 = 4.0 * 64.0;
+        const TWIN: f64 = 4.0 * 48.0;
+        const SCAN: f64 = 64.0;
+        let points = self.points.map_or(scan_points as f64, |[nx, ny]| nx as f64 * ny as f64);
+        scan_points as f64 * SCAN + points * (GENERATOR + at_once as f64 * TWIN)
+    }
+
+    pub(super) fn grid(&self, scan: Grid) -> Result<Grid, StudyError> {
+        let pitch_m = [scan.dx_m(), scan.dy_m()];
+        let filling = |size_m: [f64; 2]| [0, 1].map(|axis| (size_m[axis] / pitch_m[axis]).round() as usize);
+        let grid = match (self.points, self.size_m) {
+            (None, None) => Ok(scan),
+            (Some([nx, ny]), Some([width_m, height_m])) => Grid::covering(nx, ny, width_m, height_m),
+            (Some([nx, ny]), None) => Grid::new(nx, ny, pitch_m[0], pitch_m[1]),
+            (None, Some(size_m)) => {
+                let [nx, ny] = filling(size_m);
+                Grid::new(nx, ny, pitch_m[0], pitch_m[1])
+            }
+        };
+        grid.map_err(|error| StudyError::Grid { section: "size and points", error })
+    }
+}

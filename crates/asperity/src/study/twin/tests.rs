@@ -1,0 +1,280 @@
+//! Twins of maps whose law is known.
+
+use asperity_formats::Scan;
+use ndarray::Array2;
+
+use super::*;
+use crate::correlation::CorrelationFamily;
+use crate::correlation::{CorrelationModel, Covariance};
+use crate::law::Marginal;
+use crate::monitor::Silent;
+use crate::quantity::Length;
+use crate::study::config::CovarianceChoice;
+use crate::study::config::TranslationChoice;
+use crate::surface::{Predistorted, SpectralField, Translated};
+
+const PITCH_M: f64 = 1e-6;
+
+/// One map of a covariance and a law, in metre; the streams are not those of twins.
+fn map_of(covariance: &Covariance, law: &Marginal, shape: (usize, usize), index: u64) -> Array2<f64> {
+    let grid = Grid::new(shape.1, shape.0, PITCH_M, PITCH_M).unwrap();
+    let field = SpectralField::free(&Predistorted::new(*covariance, law).unwrap(), grid).unwrap();
+    let surface = Translated::with_rms_height(field, law.clone(), covariance.std_m()).unwrap();
+    let mut stream = random::stream(77, "known map", index);
+    surface.generate(&random::standard_normal(&mut stream, surface.germ_len())).heights_m().clone()
+}
+
+fn scan_of(heights_m: Array2<f64>) -> Scan {
+    Scan::new(heights_m, Some((PITCH_M, PITCH_M)))
+}
+
+fn smooth(length_x_m: f64, length_y_m: f64) -> Covariance {
+    Covariance::new(CorrelationModel::SquaredExponential, 1e-6, length_x_m, length_y_m).unwrap()
+}
+
+/// Options under which twins have the law of `map_of` and nothing is measured.
+fn stated(covariance: &Covariance, seed: u64) -> TwinOptions {
+    let mut options = TwinOptions::new(seed);
+    options.surface.covariance = CovarianceChoice::SquaredExponential;
+    options.surface.rms_height = Some(Length(covariance.std_m()));
+    options.surface.correlation_length = Some([Length(covariance.length_x_m()), Length(covariance.length_y_m())]);
+    options.surface.marginal = "normal".into();
+    options
+}
+
+/// Options under which everything is measured and the correlation a little distorted, where that is not the point.
+fn plain(seed: u64) -> TwinOptions {
+    let mut options = TwinOptions::new(seed);
+    options.surface.translation = TranslationChoice::Plain;
+    options
+}
+
+fn compare(twins: &Twins, count: usize) -> Comparison {
+    twins.compare(count, &Silent, |_, _| Ok::<(), StudyError>(())).unwrap()
+}
+
+fn statistic(comparison: &Comparison, name: &str) -> StatisticComparison {
+    comparison.twins.iter().find(|(own, _)| *own == name).unwrap().1
+}
+
+/// Mean and standard error.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
+}
+
+/// Share of the statistics, and of the abscissas of the curves, of maps of a known law that lie in the bands of twins of
+/// that law; one value per map, whose statistics depend on each other.
+fn coverage(count: usize, maps: u64) -> (Vec<f64>, Vec<f64>) {
+    let covariance = smooth(4e-6, 3e-6);
+    let of_map = |index: u64| {
+        let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (36, 40), index);
+        // Holes, which twins share.
+        heights.indexed_iter_mut().filter(|((r, c), _)| r.pow(2) + c.pow(2) < 90).for_each(|(_, z)| *z = f64::NAN);
+        let comparison = compare(&Twins::like(scan_of(heights), "map", &stated(&covariance, index)).unwrap(), count);
+        assert!(comparison.compared > 18, "{}", comparison.compared);
+        let shares = comparison.curves.iter().map(|(_, curve)| curve.inside_share.unwrap());
+        let curves = shares.sum::<f64>() / comparison.curves.len() as f64;
+        (comparison.inside as f64 / comparison.compared as f64, curves)
+    };
+    (0..maps).map(of_map).unzip()
+}
+
+#[test]
+fn maps_of_the_twins_own_law_lie_in_the_bands_with_the_stated_probability() {
+    // Scan and twins are exchangeable, so that order statistics of 39 twins hold the scan's with probability 38/40 exactly,
+    // whatever the law of a statistic.
+    let (statistics, curves) = coverage(39, 16);
+    for (what, shares) in [("statistics", statistics), ("curves", curves)] {
+        let (mean, error) = mean_and_error(&shares);
+        assert!(error < 0.03 && (mean - 0.95).abs() < 4.0 * error, "{what}: {mean:.3} ± {error:.3}");
+    }
+    // Student's interval of few twins is exact for normal statistics only; most of these are nearly so.
+    let (statistics, curves) = coverage(6, 48);
+    for (what, shares) in [("statistics", statistics), ("curves", curves)] {
+        let (mean, error) = mean_and_error(&shares);
+        assert!(error < 0.02 && (mean - 0.95).abs() < 4.0 * error + 0.01, "{what}: {mean:.3} ± {error:.3}");
+    }
+}
+
+#[test]
+fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlation() {
+    // A map of few lengths: the plane takes along about a tenth of the variance.
+    let covariance = smooth(9e-6, 9e-6);
+    let (mut squares, mut lengths, mut shares) = (Vec::new(), Vec::new(), Vec::new());
+    for index in 0..24 {
+        let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (64, 64), 100 + index);
+        let options = TwinOptions { families: vec![CorrelationFamily::SquaredExponential], ..plain(index) };
+        let comparison = compare(&Twins::like(scan_of(heights), "map", &options).unwrap(), 8);
+        let table = &comparison.tables[0].1;
+        let target = statistic(&comparison, "Sq_m").target.unwrap();
+        let mean_square = table.column("Sq_m").unwrap().iter().map(|sq| sq * sq).sum::<f64>() / 8.0;
+        squares.push(mean_square / (target * target));
+        let length = statistic(&comparison, "correlation_length_x_m");
+        lengths.push(length.mean.unwrap() / length.target.unwrap());
+        shares.push(comparison.model.form_share.unwrap());
+    }
+    let (share, _) = mean_and_error(&shares);
+    let (square, error) = mean_and_error(&squares);
+    // The test is sharp: without making up for the form the squares would be short by its share.
+    assert!(share > 5.0 * error, "share {share}, standard error {error}");
+    assert!((square - 1.0).abs() < 4.0 * error, "{square} ± {error}");
+    // The fit knows that the mean was removed, not the plane, which shortens correlations a little further.
+    let (length, error) = mean_and_error(&lengths);
+    assert!((length - 1.0).abs() < 4.0 * error + 0.05, "{length} ± {error}");
+}
+
+#[test]
+fn a_twin_is_a_function_of_seed_and_number() {
+    let covariance = smooth(4e-6, 3e-6);
+    let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 40), 0);
+    let twins = |seed| Twins::like(scan_of(heights.clone()), "map", &plain(seed)).unwrap();
+    let (one, same, other) = (twins(1), twins(1), twins(2));
+    assert_eq!(one.draw(5), same.draw(5));
+    assert_ne!(one.draw(5), one.draw(6));
+    assert_ne!(one.draw(5), other.draw(5));
+    // Neither the number of twins nor that of threads changes one.
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let crowd = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let (few, many) = (alone.install(|| compare(&one, 4)), crowd.install(|| compare(&same, 7)));
+    let bytes = |comparison: &Comparison| {
+        let tables = comparison.tables.iter().map(|(_, table)| table.to_csv().unwrap()).collect::<Vec<_>>();
+        (serde_json::to_string(comparison).unwrap(), tables)
+    };
+    assert_eq!(bytes(&many), bytes(&alone.install(|| compare(&one, 7))));
+    for ((name, few), (_, many)) in few.tables[0].1.columns().iter().zip(many.tables[0].1.columns()) {
+        assert!(few.iter().zip(many).all(|(a, b)| a.to_bits() == b.to_bits()), "{name}");
+    }
+    let kept = std::sync::Mutex::new(Vec::new());
+    let keep = |index: usize, twin: &HeightMap| {
+        assert_eq!(twin, &one.draw(index as u64));
+        kept.lock().unwrap().push(index);
+        Ok::<(), StudyError>(())
+    };
+    one.compare(4, &Silent, keep).unwrap();
+    let mut kept = kept.into_inner().unwrap();
+    kept.sort_unstable();
+    assert_eq!(kept, [0, 1, 2, 3]);
+}
+
+#[test]
+fn a_skewed_marginal_is_met_and_a_normal_one_is_told_to_miss() {
+    let covariance = smooth(3e-6, 3e-6);
+    let law = Marginal::lognormal(0.0, 0.5, 0.0).unwrap();
+    let heights = map_of(&covariance, &law, (96, 96), 3);
+    let with = |marginal: &str| {
+        let mut options = TwinOptions::new(4);
+        options.surface.marginal = marginal.into();
+        compare(&Twins::like(scan_of(heights.clone()), "map", &options).unwrap(), 39)
+    };
+    let measured = with("measured");
+    // e^{σ²}: skewness (e^{σ²} + 2) √(e^{σ²} − 1) = 1.75 in the limit of a large map.
+    assert!(statistic(&measured, "Ssk").target.unwrap() > 1.0);
+    for name in ["Sq_m", "Ssk", "Sku", "Sk_m", "Spk_m", "Svk_m", "Sdq", "Sal_m", "correlation_length_x_m"] {
+        let found = statistic(&measured, name);
+        assert_eq!(found.inside, Some(true), "{name}: {found:?}");
+    }
+    let normal = with("normal");
+    let skewness = statistic(&normal, "Ssk");
+    assert!(skewness.inside == Some(false) && skewness.mean.unwrap().abs() < 0.2, "{skewness:?}");
+    let outside: Vec<&str> = normal.outside().collect();
+    assert!(outside.contains(&"Ssk") && outside.contains(&"Sku"), "{outside:?}");
+    assert!(normal.warnings.iter().any(|w| w.contains("Ssk (")), "{:?}", normal.warnings);
+}
+
+#[test]
+fn missing_points_are_masked_out_of_twins_for_the_comparison_alone() {
+    let covariance = smooth(4e-6, 3e-6);
+    let mut heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (48, 56), 5);
+    heights.indexed_iter_mut().filter(|((r, c), _)| (r * 7 + c * 3) % 11 == 0).for_each(|(_, z)| *z = f64::NAN);
+    let missing = heights.iter().filter(|z| z.is_nan()).count();
+    let twins = Twins::like(scan_of(heights), "map", &plain(6)).unwrap();
+    assert_eq!(twins.draw(0).missing_points(), 0);
+    let treated = twins.treated(&twins.draw(0)).unwrap();
+    assert_eq!((treated.map.missing_points(), treated.outliers), (missing, 0));
+    let plane = Preparation::default().apply(&treated.map).unwrap().map;
+    let largest = plane.present_m().zip(treated.map.present_m()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    assert!(largest < 1e-18, "the form is gone: {largest:e}");
+    let comparison = compare(&twins, 8);
+    assert_eq!(comparison.target.missing_points, missing);
+    assert!(comparison.assumptions.iter().any(|sentence| sentence.contains(&missing.to_string())));
+    assert!(comparison.twins.iter().all(|(_, statistic)| statistic.defined <= 8));
+}
+
+#[test]
+fn twins_are_not_filtered_a_second_time() {
+    // A Gaussian filter turns a squared exponential covariance into another one: ℓ² grows by 2 ln 2 (λc/π)², and σ² falls
+    // as ℓ⁻², so that slopes σ/ℓ fall as ℓ⁻². Here 9 µm² become 23 µm², and by a second pass 37 µm².
+    let heights = map_of(&smooth(3e-6, 3e-6), &Marginal::STANDARD_NORMAL, (160, 160), 8);
+    let mut options = TwinOptions { families: vec![CorrelationFamily::SquaredExponential], ..plain(9) };
+    options.surface.s_filter = Some(Length(10e-6));
+    let twins = Twins::like(scan_of(heights), "map", &options).unwrap();
+    let comparison = compare(&twins, 10);
+    let again = Preparation { s_filter_m: Some(10e-6), ..Preparation::default() };
+    let twice: Vec<f64> = (0..10)
+        .map(|index| {
+            let prepared = again.apply(&twins.draw(index)).unwrap();
+            crate::study::statistics(&prepared).unwrap().Sdq.unwrap()
+        })
+        .collect();
+    let slope = statistic(&comparison, "Sdq");
+    let (target, once, twice) = (slope.target.unwrap(), slope.mean.unwrap(), mean_and_error(&twice).0);
+    assert!((once / target - 1.0).abs() < 0.05 && slope.inside == Some(true), "{once} of {target}");
+    let wanted = (9.0 + 14.05) / (9.0 + 2.0 * 14.05);
+    assert!((twice / target - wanted).abs() < 0.06, "{twice} of {target}, not {wanted}");
+    assert!(comparison.assumptions.iter().any(|sentence| sentence.contains("not filtered again")));
+}
+
+#[test]
+fn twins_of_another_size_are_drawn_and_told_apart() {
+    let covariance = smooth(4e-6, 3e-6);
+    let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (40, 40), 10);
+    let with = |points, size_m| {
+        let options = TwinOptions { points, size_m, ..plain(11) };
+        Twins::like(scan_of(heights.clone()), "map", &options)
+    };
+    let wide = with(Some([80, 50]), None).unwrap();
+    assert_eq!((wide.grid().nx(), wide.grid().ny(), wide.grid().dx_m()), (80, 50, PITCH_M));
+    let comparison = compare(&wide, 3);
+    assert!(comparison.warnings.iter().any(|w| w.contains("80 × 50 points")), "{:?}", comparison.warnings);
+    assert_eq!(comparison.points, [80, 50]);
+    let fine = with(Some([80, 80]), Some([40e-6, 40e-6])).unwrap();
+    assert!((fine.grid().dx_m() / 0.5e-6 - 1.0).abs() < 1e-12);
+    let small = with(None, Some([20.4e-6, 10e-6])).unwrap();
+    assert_eq!((small.grid().nx(), small.grid().ny()), (20, 10));
+    // The field beneath has the same height on every grid: what the form takes depends on the scan's.
+    let same = with(None, None).unwrap();
+    for other in [&wide, &fine, &small] {
+        assert!((other.model.rms_height_m / same.model.rms_height_m - 1.0).abs() < 0.02);
+    }
+    assert!(matches!(with(Some([1, 40]), None), Err(StudyError::Grid { .. })));
+}
+
+#[test]
+fn a_flat_scan_a_wrong_law_and_a_stop_are_errors() {
+    let flat = Twins::like(scan_of(Array2::from_elem((16, 16), 2e-6)), "flat", &TwinOptions::new(1));
+    assert_eq!(flat.err().unwrap().kind(), crate::study::FailureKind::Input);
+    let covariance = smooth(4e-6, 3e-6);
+    let heights = map_of(&covariance, &Marginal::STANDARD_NORMAL, (32, 32), 12);
+    let mut options = TwinOptions::new(1);
+    options.surface.marginal = "gamma:2".into();
+    let error = Twins::like(scan_of(heights.clone()), "map", &options).err().unwrap();
+    assert_eq!(error.kind(), crate::study::FailureKind::Configuration);
+
+    struct Stopped;
+    impl Monitor for Stopped {
+        fn progress(&self, _: &str, _: usize, _: usize) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let twins = Twins::like(scan_of(heights), "map", &plain(1)).unwrap();
+    let stopped = twins.compare(3, &Stopped, |_, _| Ok::<(), StudyError>(()));
+    assert!(matches!(stopped, Err(TwinError::Study(StudyError::Cancelled(_)))));
+    let full = twins.compare(3, &Silent, |_, _| Err("the disk is full"));
+    assert!(matches!(full, Err(TwinError::Keep("the disk is full"))));
+    let single = compare(&twins, 1);
+    assert_eq!((single.band_method, single.compared), (BandMethod::None, 0));
+    assert!(single.twins.iter().all(|(_, statistic)| statistic.band.is_none() && statistic.std.is_none()));
+}
