@@ -5,7 +5,8 @@
 //! draws MAPS maps (1000) of each case, 30 correlation lengths a side and four points to a length, and counts. ONLY names
 //! the cases to run, by a part of their names. For each statistic: the truth, the mean of the estimates, their spread, the mean
 //! standard error over it, the mean number of blocks, the share of maps with an interval, the share of these intervals that
-//! hold the truth, and the shares that lie above and below it. The last table is that of `docs/validation/intervals.md`.
+//! hold the truth, and the shares that lie above and below it; then the same share for the correlation at some lags along x.
+//! The last table is that of `docs/validation/intervals.md`.
 
 #![expect(clippy::print_stdout, reason = "tables for people")]
 
@@ -14,7 +15,7 @@ use asperity::law::Marginal;
 use asperity::law::translation::Translation;
 use asperity::map::{Grid, HeightMap};
 use asperity::random;
-use asperity::stats::Moments;
+use asperity::stats::{Interval, Moments};
 use asperity::surface::areal::{EquivalentLine, MaterialRatio, parameters};
 use asperity::surface::level::{Level, remove_form};
 use asperity::surface::uncertainty::{Estimate, Estimates, Uncertainty, Values, removed_terms};
@@ -32,6 +33,8 @@ const SEED: u64 = 1;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
+type Found = (Estimates, Vec<Option<Interval>>);
+
 struct Case {
     law: &'static str,
     model: CorrelationModel,
@@ -46,10 +49,13 @@ const fn case(law: &'static str, model: CorrelationModel, level: Level) -> Case 
     Case { law, model, stretch: 1.0, missing: 0.0, level }
 }
 
+/// Lags along x whose correlation is looked at, in points.
+const LAGS: [usize; 5] = [1, 4, 8, 16, 40];
+
 const LOGNORMAL: &str = "lognormal:0,0.5";
 const BETA: &str = "beta:2.1,5";
 
-const CASES: [Case; 12] = {
+const CASES: [Case; 14] = {
     use CorrelationModel::{Exponential, SquaredExponential};
     use Level::{Mean, Plane};
     [
@@ -60,6 +66,8 @@ const CASES: [Case; 12] = {
         case(LOGNORMAL, SquaredExponential, Mean),
         case(LOGNORMAL, SquaredExponential, Plane),
         case(LOGNORMAL, Exponential, Mean),
+        case("lognormal:0,0.2", SquaredExponential, Mean),
+        case("lognormal:0,0.3", SquaredExponential, Mean),
         case(BETA, SquaredExponential, Mean),
         case(BETA, Exponential, Mean),
         case(BETA, Exponential, Plane),
@@ -103,7 +111,8 @@ impl Case {
         (LENGTHS * POINTS * self.stretch.sqrt()).round() as usize
     }
 
-    fn estimates(&self, count: u64) -> Result<Vec<Estimates>, Failure> {
+    /// Estimates and intervals of the correlation at [`LAGS`].
+    fn estimates(&self, count: u64) -> Result<Vec<Found>, Failure> {
         // Fifteen lengths beyond the map, opposite edges of the periodic field no longer know of each other.
         let side = self.side();
         let domain = side + (15.0 * POINTS * self.stretch) as usize;
@@ -111,16 +120,23 @@ impl Case {
         let field = Translated::new(field, self.law()?)?;
         let grid = Grid::new(side, side, 1.0, 1.0)?;
         let uncertainty = Uncertainty { removed_terms: removed_terms(self.level), ..Uncertainty::default() };
-        let of_map = |index: u64| -> Result<Estimates, Failure> {
+        let of_map = |index: u64| -> Result<Found, Failure> {
             let germ = random::standard_normal(&mut random::stream(SEED, "coverage", index), field.germ_len());
             let mut heights: Array2<f64> = field.generate(&germ).heights_m().slice(s![..side, ..side]).to_owned();
             let mut holes = random::stream(SEED, "holes", index);
             heights.iter_mut().filter(|_| holes.random::<f64>() < self.missing).for_each(|z| *z = f64::NAN);
             let map = remove_form(&HeightMap::new(grid, heights)?, self.level)?.map;
             let values = Values::new(&parameters(&map)?, &Autocorrelation::estimate(&map)?);
-            Ok(uncertainty.of(&map, &values)?)
+            let [correlation, _] = uncertainty.correlation(&map, &values, [&LAGS, &[]])?;
+            Ok((uncertainty.of(&map, &values)?, correlation))
         };
         (0..count).into_par_iter().map(of_map).collect()
+    }
+
+    /// The surface's own correlation at [`LAGS`].
+    fn correlations(&self) -> Result<[f64; 5], Failure> {
+        let (translation, covariance) = (Translation::new(&self.law()?)?, self.covariance()?);
+        Ok(LAGS.map(|lag| translation.correlation(covariance.correlation(lag as f64, 0.0))))
     }
 
     /// The surface's own statistics, in the order of [`Estimates::named`].
@@ -161,8 +177,8 @@ fn main() -> Result<(), Failure> {
         let (truths, maps) = (case.truths()?, case.estimates(count)?);
         table += &format!("| {} |", case.name());
         for (k, truth) in truths.into_iter().enumerate() {
-            let name = maps[0].named()[k].0;
-            let found: Vec<Estimate> = maps.iter().filter_map(|m| m.named()[k].1).collect();
+            let name = maps[0].0.named()[k].0;
+            let found: Vec<Estimate> = maps.iter().filter_map(|(m, _)| m.named()[k].1).collect();
             let share =
                 |of: &dyn Fn(&Estimate) -> bool| found.iter().filter(|e| of(e)).count() as f64 / found.len() as f64;
             let spread = Moments::of(&found.iter().map(|e| e.surface).collect::<Vec<f64>>());
@@ -179,11 +195,21 @@ fn main() -> Result<(), Failure> {
                 share(&|e| e.interval.low > truth),
                 share(&|e| e.interval.high < truth),
             );
-            table += &format!(" {:.1} |", 100.0 * covered);
+            // Fewer than half say nothing of the rest.
+            table += &if 2 * found.len() < maps.len() { " – |".into() } else { format!(" {:.1} |", 100.0 * covered) };
+        }
+        for (k, truth) in case.correlations()?.into_iter().enumerate() {
+            let found: Vec<Interval> = maps.iter().filter_map(|(_, correlation)| correlation[k]).collect();
+            let held = found.iter().filter(|interval| interval.contains(truth)).count() as f64 / found.len() as f64;
+            let half = found.iter().map(|i| 0.5 * (i.high - i.low)).sum::<f64>() / found.len() as f64;
+            println!("  correlation at lag {:2}: truth {truth:7.4}, ± {half:.4}, covered {held:.3}", LAGS[k]);
+            table += &format!(" {:.1} |", 100.0 * held);
         }
         table += "\n";
     }
-    println!("\n| case | Sa | Sq | Ssk | Sku | Sdq | Sal | Sk | Spk | Svk | l_x | l_y |");
-    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n{table}");
+    println!(
+        "\n| case | Sa | Sq | Ssk | Sku | Sdq | Sal | Sk | Spk | Svk | l_x | l_y | ρ(l/4) | ρ(l) | ρ(2l) | ρ(4l) | ρ(10l) |"
+    );
+    println!("|---|{}\n{table}", "---:|".repeat(16));
     Ok(())
 }

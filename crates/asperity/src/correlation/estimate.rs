@@ -384,6 +384,45 @@ mod tests {
     }
 
     #[test]
+    fn pooled_maps_have_the_pairs_of_all() {
+        let maps = [masked(12, 9, 0.2, 1), masked(9, 14, 0.0, 2), masked(10, 10, 0.4, 3)];
+        let single = maps.each_ref().map(|map| Autocorrelation::estimate(map).unwrap());
+        let pooled = Autocorrelation::pooled(&single.each_ref()).unwrap();
+        assert_eq!((pooled.grid().shape(), pooled.reach()), ((9, 9), (5, 5)));
+        let means = maps.each_ref().map(|map| map.present_m().sum::<f64>() / map.present_m().count() as f64);
+        for (lag_x, lag_y) in [(0, 0), (1, 0), (-3, 2), (5, 5), (-5, 1), (0, 4)] {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (map, mean) in maps.iter().zip(means) {
+                for ((row, column), z) in map.heights_m().indexed_iter() {
+                    let (r, c) = (row + lag_y, column.wrapping_add_signed(lag_x));
+                    let other = map.heights_m().get([r, c]).copied().unwrap_or(f64::NAN);
+                    let product = (z - mean) * (other - mean);
+                    if !product.is_nan() {
+                        sum += product;
+                        count += 1.0;
+                    }
+                }
+            }
+            assert_eq!(pooled.pairs(lag_x, lag_y as isize), count);
+            assert!((pooled.covariance_m2(lag_x, lag_y as isize) - sum / count).abs() < 1e-12, "({lag_x}, {lag_y})");
+        }
+        assert_eq!(pooled.present(), maps.iter().map(|map| map.present_m().count()).sum::<usize>());
+        // The same map twice says what it says once.
+        let twice = Autocorrelation::pooled(&[&single[0], &single[0]]).unwrap();
+        assert!((twice.correlation(2, -1) - single[0].correlation(2, -1)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn maps_of_different_pitch_are_not_pooled() {
+        let map = masked(9, 9, 0.0, 1);
+        let other = HeightMap::new(Grid::new(9, 9, 0.5, 2.001).unwrap(), map.heights_m().clone()).unwrap();
+        let [map, other] = [map, other].map(|map| Autocorrelation::estimate(&map).unwrap());
+        let error = Autocorrelation::pooled(&[&map, &map, &other]).unwrap_err();
+        assert!(matches!(error, EstimateError::Pitch { map: 2, pitch_m: (0.5, 2.001), .. }), "{error}");
+        assert_eq!(Autocorrelation::pooled(&[]), Err(EstimateError::Nothing));
+    }
+
+    #[test]
     fn the_correlation_along_an_axis_is_that_of_all_lags_on_it() {
         for missing in [0.0, 0.3] {
             let map = masked(13, 9, missing, 3);

@@ -4,6 +4,7 @@ mod cells;
 mod heights;
 mod lengths;
 mod material;
+mod removal;
 #[cfg(test)]
 mod tests;
 mod window;
@@ -14,6 +15,7 @@ use self::cells::Cells;
 use self::heights::{HeightSums, sdq};
 use self::lengths::Lengths;
 use self::material::Draws;
+use self::removal::Removal;
 use self::window::Window;
 use super::areal::Parameters;
 use super::level::Level;
@@ -195,16 +197,16 @@ impl Uncertainty {
     pub fn of(&self, map: &HeightMap, values: &Values) -> Result<Estimates, UncertaintyError> {
         self.check()?;
         let Some(basis) = self.basis(map, values) else { return Ok(Estimates::default()) };
-        let Basis { cells, sums, window, removed, tail } = &basis;
-        let (removed, tail) = (*removed, *tail);
-        let lengths = Lengths::new(cells, window, sums, removed, tail);
+        let Basis { cells, sums, window, removal, tail } = &basis;
+        let tail = *tail;
+        let lengths = Lengths::new(cells, window, sums, removal, tail);
         let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
-        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removed, &draws);
+        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.share, &draws);
         let lengths_m = values.lengths_m();
         Ok(Estimates {
-            sa_m: sums.sa(window, values.sa_m, removed, tail),
-            sq_m: sums.sq(window, values.sq_m, removed, tail),
-            ssk: sums.ssk(window, values.ssk, tail),
+            sa_m: sums.sa(window, values.sa_m, removal, tail),
+            sq_m: sums.sq(window, values.sq_m, removal, tail),
+            ssk: sums.ssk(window, values.ssk, values.sku, tail),
             sku: sums.sku(window, values.ssk, values.sku, tail),
             sdq: sdq(cells, window, values.sdq, tail),
             sal_m: lengths.sal(values.sal_m, lengths_m),
@@ -232,7 +234,7 @@ impl Uncertainty {
     ) -> Result<[Vec<Option<Interval>>; 2], UncertaintyError> {
         self.check()?;
         let Some(basis) = self.basis(map, values) else { return Ok(lags.map(|lags| vec![None; lags.len()])) };
-        let lengths = Lengths::new(&basis.cells, &basis.window, &basis.sums, basis.removed, basis.tail);
+        let lengths = Lengths::new(&basis.cells, &basis.window, &basis.sums, &basis.removal, basis.tail);
         let [x, y] = lags;
         Ok([
             x.iter().map(|lag| lengths.correlation((*lag as isize, 0))).collect(),
@@ -258,10 +260,9 @@ impl Uncertainty {
         let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
         let sums = HeightSums::of(&cells);
         let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
-        let terms = self.removed_terms as f64;
-        let removed = terms * window.mean_share(&sums.power[0], terms);
+        let removal = Removal::of(&window, &sums, self.removed_terms as f64);
         let tail = 0.5 * (1.0 - self.level);
-        (removed <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removed, tail })
+        (removal.share <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removal, tail })
     }
 }
 
@@ -270,8 +271,7 @@ struct Basis {
     cells: Cells,
     sums: HeightSums,
     window: Window,
-    /// Share of the variance that went with the form.
-    removed: f64,
+    removal: Removal,
     /// Probability beyond either end of an interval.
     tail: f64,
 }

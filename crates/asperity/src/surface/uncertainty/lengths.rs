@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::cells::Cells;
 use super::heights::HeightSums;
+use super::removal::Removal;
 use super::window::{Spread, Window};
 use super::{Estimate, estimate};
 use crate::correlation::Axis;
@@ -25,8 +26,7 @@ pub(super) struct Lengths<'a> {
     cells: &'a Cells,
     window: &'a Window,
     sums: &'a HeightSums,
-    /// Share of the variance that went with the form.
-    removed: f64,
+    removal: &'a Removal,
     /// Probability beyond either end of an interval.
     tail: f64,
     /// Correlation of the surface at a lag less a level, and its influences on the cells.
@@ -34,8 +34,14 @@ pub(super) struct Lengths<'a> {
 }
 
 impl<'a> Lengths<'a> {
-    pub(super) fn new(cells: &'a Cells, window: &'a Window, sums: &'a HeightSums, removed: f64, tail: f64) -> Self {
-        Self { cells, window, sums, removed, tail, known: RefCell::default() }
+    pub(super) fn new(
+        cells: &'a Cells,
+        window: &'a Window,
+        sums: &'a HeightSums,
+        removal: &'a Removal,
+        tail: f64,
+    ) -> Self {
+        Self { cells, window, sums, removal, tail, known: RefCell::default() }
     }
 
     /// The length over which the correlation along an axis falls to 1/e, found to be `value_m`.
@@ -123,9 +129,10 @@ impl<'a> Lengths<'a> {
         if count == 0.0 {
             return None;
         }
-        let (mean, kept) = (sum / count, 1.0 - self.removed);
-        let influence = pairs.iter().map(|p| kept * (p[0] - mean * p[1]) / count).collect();
-        let correlation = kept * mean + self.removed;
+        let (mean, kept) = (sum / count, 1.0 - self.removal.share);
+        let of_pairs = pairs.iter().map(|p| kept * (p[0] - mean * p[1]) / count);
+        let influence = of_pairs.zip(&self.removal.influence).map(|(own, put)| own + (1.0 - mean) * put).collect();
+        let correlation = kept * mean + self.removal.share;
         self.known.borrow_mut().insert(lag, (correlation, influence));
         Some(correlation - level)
     }
@@ -135,7 +142,7 @@ impl<'a> Lengths<'a> {
         let difference = self.difference(lag, level)?;
         let known = self.known.borrow();
         let (_, product) = known.get(&lag)?;
-        let weight = level * (1.0 - self.removed);
+        let weight = level * (1.0 - self.removal.share);
         let squares = self.sums.power[1].iter().zip(&self.sums.share).map(|(square, share)| weight * (square - share));
         let influence: Vec<f64> = product.iter().zip(squares).map(|(product, square)| product - square).collect();
         Some((difference, self.window.spread(&influence, FITTED)?))

@@ -119,20 +119,32 @@ impl Window {
         })
     }
 
-    /// Variance of the mean of the heights over that of the heights, from the sums of the scaled heights on the cells over
-    /// the number of points, when `terms` orthogonal means were removed from them.
-    pub(super) fn mean_share(&self, heights: &[f64], terms: f64) -> f64 {
+    /// Variance of the mean of the heights over that of the heights left, from the sums of the scaled heights on the cells
+    /// over the number of points, when `terms` orthogonal means were removed from them; and what each cell adds to it, which
+    /// is its height times those of its neighbours under the window.
+    pub(super) fn mean_variance(&self, heights: &[f64], terms: f64) -> (f64, Vec<f64>) {
         let reach = self.reach(heights);
         let end = self.narrowed((REACHES * reach).max(2.0).min(LONGEST), terms, LARGEST_REMOVED);
-        let (mut sum, mut taken) = (0.0, 0.0);
+        let mut taken = 0.0;
+        let mut parts = vec![0.0; heights.len()];
         for lag in self.lags.iter().take_while(|lag| lag.distance < end) {
             let weight = flat_top(lag.distance, end);
-            sum += weight * lag.times * products(heights, self.columns, lag.right, lag.down);
             taken += weight * lag.times * lag.share;
+            // Half of a pair belongs to either cell.
+            let shift = lag.down * self.columns;
+            for here in 0..heights.len() - shift {
+                let column = (here % self.columns).wrapping_add_signed(lag.right);
+                if column < self.columns {
+                    let there = (here + shift).wrapping_add_signed(lag.right);
+                    let half = 0.5 * weight * lag.times * heights[here] * heights[there];
+                    parts[here] += half;
+                    parts[there] += half;
+                }
+            }
         }
-        let raw = sum / (1.0 - terms * taken) / self.tail(end, reach / (1.0 / FADED).ln());
-        // In units of the variance before the means were removed.
-        raw.max(0.0) / (1.0 + terms * raw.max(0.0))
+        let scale = 1.0 / (1.0 - terms * taken) / self.tail(end, reach / (1.0 / FADED).ln());
+        parts.iter_mut().for_each(|part| *part *= scale);
+        (parts.iter().sum(), parts)
     }
 
     /// Number of equally filled cells.
