@@ -165,7 +165,9 @@ fn a_list_of_one_scan_is_that_scan_to_the_byte() {
     let one = run(&STUDY.replace("scan.x3p", "a.x3p"), folder.path(), 2);
     let list = run(&STUDY.replace("\"scan.x3p\"", "[\"a.x3p\"]"), folder.path(), 2);
     assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&list.results).unwrap());
-    assert_eq!(one.tables, list.tables);
+    for (name, table) in &one.tables {
+        assert_eq!(table.to_csv().unwrap(), list.tables[name].to_csv().unwrap(), "{name}");
+    }
 }
 
 #[test]
@@ -193,7 +195,8 @@ fn two_scans_are_pooled_into_one_surface() {
     assert!(length(&of_a) < length(&of_both) && length(&of_both) < length(&of_b));
     assert_eq!(of_both["covariance"]["std_m"], of_both["Sq_m"]);
     // Maps and series show the first scan.
-    assert_eq!(both.fields["height_levelled"], a.fields["height_levelled"]);
+    let bits = |o: &Outcome| o.fields["height_levelled"].values.iter().map(|z| z.to_bits()).collect::<Vec<u64>>();
+    assert!(bits(&both) == bits(&a) && bits(&both) != bits(&b));
     assert_eq!(both.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
     assert_ne!(b.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
 }

@@ -118,7 +118,10 @@ impl Measured {
     }
 
     fn analysed(prepared: Prepared, intervals: bool) -> Result<Self, StudyError> {
-        let (statistics, values, correlation) = analysed(&prepared, intervals)?;
+        let (statistics, values, mut correlation) = analysed(&prepared, intervals)?;
+        if correlation.reach() != Autocorrelation::half_field(prepared.map.grid()) {
+            correlation = Autocorrelation::estimate(&prepared.map)?;
+        }
         Ok(Self { map: prepared.map, statistics, correlation, values, level: prepared.level, part: None })
     }
 
