@@ -95,7 +95,7 @@ pub fn pool(readings: &[Reading], mean: Mean, level: f64) -> Result<Pooled, Pool
     if scans < 2 {
         return Err(PoolingError::TooFew { scans });
     }
-    if let Some((scan, reading)) = readings.iter().enumerate().find(|(_, r)| !(r.area_m2 > 0.0)) {
+    if let Some((scan, reading)) = readings.iter().enumerate().find(|(_, r)| r.area_m2.is_nan() || r.area_m2 <= 0.0) {
         return Err(PoolingError::Area { scan, area_m2: reading.area_m2 });
     }
     if !(level > 0.0 && level < 1.0) {

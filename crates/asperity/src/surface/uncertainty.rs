@@ -1,4 +1,13 @@
 //! How well one map knows the statistics of its surface.
+//!
+//! A map is one sample of a stationary random surface, of which it holds so many correlation lengths. To first order the error
+//! of a statistic is the sum of what each place of the map adds to it, its influence. Influences are summed on cells of half
+//! a correlation length; the variance of their total is estimated from the products over pairs of cells under a flat-top
+//! window. What the removed form took along is put back, with its own influence. Intervals are Student's on as many degrees
+//! of freedom as the map holds blocks, on a scale on which the spread hardly depends on the statistic, or bent for the skewness
+//! of the pivot. Correlation lengths are those that a test does not refuse; Sk, Spk and Svk are bootstrapped.
+//!
+//! How often intervals hold the truth was counted: `docs/validation/intervals.md`.
 
 mod cells;
 mod heights;

@@ -124,7 +124,7 @@ impl Window {
     /// is its height times those of its neighbours under the window.
     pub(super) fn mean_variance(&self, heights: &[f64], terms: f64) -> (f64, Vec<f64>) {
         let reach = self.reach(heights);
-        let end = self.narrowed((REACHES * reach).max(2.0).min(LONGEST), terms, LARGEST_REMOVED);
+        let end = self.narrowed((REACHES * reach).clamp(2.0, LONGEST), terms, LARGEST_REMOVED);
         let mut taken = 0.0;
         let mut parts = vec![0.0; heights.len()];
         for lag in self.lags.iter().take_while(|lag| lag.distance < end) {
