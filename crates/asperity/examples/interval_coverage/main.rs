@@ -1,8 +1,8 @@
 //! How often the 95 % intervals of a map's statistics hold those of its surface.
 //!
-//! `cargo run --release -p asperity --example interval_coverage -- [MAPS [ONLY]]`
+//! `cargo run --release -p asperity --example interval_coverage -- [MAPS [ONLY [POINTS]]]`
 //!
-//! draws MAPS maps (1000) of each case, 30 correlation lengths a side and four points to a length, and counts. ONLY names
+//! draws MAPS maps (1000) of each case, 30 correlation lengths a side and POINTS points (4) to a length, and counts. ONLY names
 //! the cases to run, by a part of their names. For each statistic: the truth, the mean of the estimates, their spread, the mean
 //! standard error over it, the mean number of blocks, the share of maps with an interval, the share of these intervals that
 //! hold the truth, and the shares that lie above and below it; then the same share for the correlation at some lags along x.
@@ -26,8 +26,6 @@ use rayon::prelude::*;
 
 /// Correlation lengths a side, the geometric mean of those along x and y.
 const LENGTHS: f64 = 30.0;
-/// Points to the correlation length along y.
-const POINTS: f64 = 4.0;
 /// Seed of heights and of holes.
 const SEED: u64 = 1;
 
@@ -36,6 +34,8 @@ type Failure = Box<dyn std::error::Error + Send + Sync>;
 type Found = (Estimates, Vec<Option<Interval>>);
 
 struct Case {
+    /// Points to the correlation length along y.
+    points: f64,
     law: &'static str,
     model: CorrelationModel,
     /// Correlation length along x over that along y.
@@ -46,11 +46,11 @@ struct Case {
 }
 
 const fn case(law: &'static str, model: CorrelationModel, level: Level) -> Case {
-    Case { law, model, stretch: 1.0, missing: 0.0, level }
+    Case { points: 4.0, law, model, stretch: 1.0, missing: 0.0, level }
 }
 
-/// Lags along x whose correlation is looked at, in points.
-const LAGS: [usize; 5] = [1, 4, 8, 16, 40];
+/// Lags along x whose correlation is looked at, in quarters of the correlation length along y.
+const QUARTERS: [usize; 5] = [1, 4, 8, 16, 40];
 
 const LOGNORMAL: &str = "lognormal:0,0.5";
 const BETA: &str = "beta:2.1,5";
@@ -104,18 +104,18 @@ impl Case {
     }
 
     fn covariance(&self) -> Result<Lay, Failure> {
-        Ok(Lay { covariance: Covariance::new(self.model, 1.0, POINTS, POINTS)?, stretch: self.stretch })
+        Ok(Lay { covariance: Covariance::new(self.model, 1.0, self.points, self.points)?, stretch: self.stretch })
     }
 
     fn side(&self) -> usize {
-        (LENGTHS * POINTS * self.stretch.sqrt()).round() as usize
+        (LENGTHS * self.points * self.stretch.sqrt()).round() as usize
     }
 
-    /// Estimates and intervals of the correlation at [`LAGS`].
+    /// Estimates and intervals of the correlation at the lags.
     fn estimates(&self, count: u64) -> Result<Vec<Found>, Failure> {
         // Fifteen lengths beyond the map, opposite edges of the periodic field no longer know of each other.
         let side = self.side();
-        let domain = side + (15.0 * POINTS * self.stretch) as usize;
+        let domain = side + (15.0 * self.points * self.stretch) as usize;
         let field = SpectralField::periodic(&self.covariance()?, Grid::new(domain, domain, 1.0, 1.0)?);
         let field = Translated::new(field, self.law()?)?;
         let grid = Grid::new(side, side, 1.0, 1.0)?;
@@ -127,16 +127,20 @@ impl Case {
             heights.iter_mut().filter(|_| holes.random::<f64>() < self.missing).for_each(|z| *z = f64::NAN);
             let map = remove_form(&HeightMap::new(grid, heights)?, self.level)?.map;
             let values = Values::new(&parameters(&map)?, &Autocorrelation::estimate(&map)?);
-            let [correlation, _] = uncertainty.correlation(&map, &values, [&LAGS, &[]])?;
+            let [correlation, _] = uncertainty.correlation(&map, &values, [&self.lags(), &[]])?;
             Ok((uncertainty.of(&map, &values)?, correlation))
         };
         (0..count).into_par_iter().map(of_map).collect()
     }
 
-    /// The surface's own correlation at [`LAGS`].
+    fn lags(&self) -> [usize; 5] {
+        QUARTERS.map(|quarters| (0.25 * self.points * quarters as f64).round() as usize)
+    }
+
+    /// The surface's own correlation at the lags.
     fn correlations(&self) -> Result<[f64; 5], Failure> {
         let (translation, covariance) = (Translation::new(&self.law()?)?, self.covariance()?);
-        Ok(LAGS.map(|lag| translation.correlation(covariance.correlation(lag as f64, 0.0))))
+        Ok(self.lags().map(|lag| translation.correlation(covariance.correlation(lag as f64, 0.0))))
     }
 
     /// The surface's own statistics, in the order of [`Estimates::named`].
@@ -151,7 +155,7 @@ impl Case {
         let translation = Translation::new(&law)?;
         let rho = |x: f64, y: f64| translation.correlation(covariance.correlation(x, y));
         let falls_to = |level: f64, turn: f64| {
-            let (mut near, mut far) = (0.0, 1e3 * POINTS);
+            let (mut near, mut far) = (0.0, 1e3 * self.points);
             for _ in 0..60 {
                 let middle = 0.5 * (near + far);
                 if rho(middle * turn.cos(), middle * turn.sin()) > level { near = middle } else { far = middle }
@@ -172,7 +176,9 @@ fn main() -> Result<(), Failure> {
     let count: u64 = arguments.first().map_or(Ok(1000), |count| count.parse())?;
     let only = arguments.get(1).map_or("", String::as_str);
     let mut table = String::new();
-    for case in CASES.iter().filter(|case| case.name().contains(only)) {
+    let points: f64 = arguments.get(2).map_or(Ok(4.0), |points| points.parse())?;
+    for case in CASES.into_iter().filter(|case| case.name().contains(only)) {
+        let case = Case { points, ..case };
         println!("{}: {count} maps of {} points a side", case.name(), case.side());
         let (truths, maps) = (case.truths()?, case.estimates(count)?);
         table += &format!("| {} |", case.name());
@@ -202,7 +208,7 @@ fn main() -> Result<(), Failure> {
             let found: Vec<Interval> = maps.iter().filter_map(|(_, correlation)| correlation[k]).collect();
             let held = found.iter().filter(|interval| interval.contains(truth)).count() as f64 / found.len() as f64;
             let half = found.iter().map(|i| 0.5 * (i.high - i.low)).sum::<f64>() / found.len() as f64;
-            println!("  correlation at lag {:2}: truth {truth:7.4}, ± {half:.4}, covered {held:.3}", LAGS[k]);
+            println!("  correlation at lag {:2}: truth {truth:7.4}, ± {half:.4}, covered {held:.3}", case.lags()[k]);
             table += &format!(" {:.1} |", 100.0 * held);
         }
         table += "\n";

@@ -15,6 +15,8 @@ use crate::surface::areal::{EquivalentLine, MaterialRatio};
 const CLASSES: usize = 256;
 /// Heights that settle the bounds of the classes.
 const SAMPLE: usize = 1 << 16;
+/// Blocks to a draw, at most.
+const MOST_BLOCKS: usize = 256;
 /// Side of a block in correlation lengths.
 const BLOCK_LENGTHS: f64 = 3.5;
 
@@ -92,7 +94,8 @@ impl Classes {
         let side = |step: f64, count: usize| ((BLOCK_LENGTHS * cells.length / step).round() as usize).clamp(1, count);
         let (right, down) = (side(cells.step.0, cells.columns), side(cells.step.1, cells.rows));
         let table = self.summed(cells);
-        let drawn = (cells.rows * cells.columns).div_ceil(right * down);
+        // With fewer blocks than the map holds draws spread more, as Sa's do, by which they are scaled.
+        let drawn = (cells.rows * cells.columns).div_ceil(right * down).min(MOST_BLOCKS);
         let at = |row: usize, column: usize| &table[(row * (cells.columns + 1) + column) * CLASSES..][..CLASSES];
         let replicate = |index: usize| {
             let mut stream = random::stream(draws.seed, "surface uncertainty", index as u64);

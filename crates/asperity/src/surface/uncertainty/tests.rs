@@ -237,6 +237,27 @@ fn influences_are_derivatives_of_the_statistics() {
 }
 
 #[test]
+fn pairs_are_those_of_every_row_or_of_every_so_many() {
+    let map = maps(CorrelationModel::Exponential, &normal(), 30, 1).next().unwrap();
+    let heights = |map: &HeightMap, row: usize, column: usize| map.heights_m().get([row, column]).copied();
+    for (map, length_m, stride) in [(map.clone(), 4.0, 1), (with_holes(&map, 0.2, 7), 4.0, 1), (map, 13.0, 3)] {
+        let cells = Cells::cut(&map, 0.0, 1.0, [Some(length_m), Some(length_m)]).unwrap();
+        for (lag_x, lag_y) in [(0, 0), (5, 0), (-7, 3), (0, 11), (2, 40)] {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for ((row, column), z) in map.heights_m().indexed_iter().filter(|((row, _), _)| row % stride == 0) {
+                let other = heights(&map, row + lag_y, column.wrapping_add_signed(lag_x));
+                if let Some(other) = other.filter(|other| !other.is_nan() && !z.is_nan()) {
+                    sum += z * other;
+                    count += 1.0;
+                }
+            }
+            let found = cells.pairs(lag_x, lag_y).into_iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+            assert!((found[0] - sum).abs() < 1e-9 * count && found[1] == count, "{found:?} {sum} {count}");
+        }
+    }
+}
+
+#[test]
 fn missing_rows_change_nothing_but_the_count() {
     // Twice as many rows still make cells of half a correlation length.
     let full = maps(CorrelationModel::SquaredExponential, &normal(), 15, 1).next().unwrap();

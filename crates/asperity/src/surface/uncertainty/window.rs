@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::cells::dot;
+
 /// The reach of a correlogram is where it falls to this.
 const FADED: f64 = 0.2;
 /// The window ends at so many reaches, and is flat up to half of that: an exponential correlogram then lies within to 95 %.
@@ -268,7 +270,7 @@ fn products(values: &[f64], columns: usize, right: isize, down: usize) -> f64 {
     for row in 0..rows.saturating_sub(down) {
         let here = &values[row * columns + from..][..width];
         let there = &values[((row + down) * columns + from).wrapping_add_signed(right)..][..width];
-        sum += here.iter().zip(there).map(|(a, b)| a * b).sum::<f64>();
+        sum += dot(here, there);
     }
     sum
 }
