@@ -120,7 +120,15 @@ fn assert_numbers(outcome: &Outcome, undefined: &[&str]) {
     let json: Value = serde_json::from_slice(&json_bytes(&outcome.results).unwrap()).unwrap();
     let mut found = Vec::new();
     nulls(&json, "", &mut found);
-    found.retain(|path| !undefined.iter().any(|allowed| path.ends_with(allowed)));
+    // A small map holds too few correlation lengths for intervals, and a statistic with one null has two.
+    let statistic = |path: &str| path.strip_suffix("_interval").or_else(|| path.strip_suffix("_se")).map(str::to_owned);
+    let surface = &json["surface"];
+    found.retain(|path| {
+        let own = statistic(path).and_then(|own| own.strip_prefix("/surface/").map(str::to_owned));
+        let absent =
+            |own: String| surface[format!("{own}_interval")].is_null() && surface[format!("{own}_se")].is_null();
+        !own.is_some_and(absent) && !undefined.iter().any(|allowed| path.ends_with(allowed))
+    });
     assert!(found.is_empty(), "null: {found:?}");
     for sentence in outcome.results.assumptions.iter().chain(&outcome.results.warnings) {
         assert!(!sentence.contains("NaN") && !sentence.contains("inf "), "{sentence}");

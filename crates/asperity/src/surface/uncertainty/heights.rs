@@ -10,8 +10,8 @@ use crate::stats::Interval;
 pub(super) const FITTED: f64 = 2.0;
 
 /// Kurtosis beyond which a map does not tell how Ssk and Sku spread: their intervals would hold the truth in fewer than nine
-/// cases of ten, as those of lognormal heights of Sku 4.6 and thirty correlation lengths a side.
-const LARGEST_SKU: f64 = 4.5;
+/// cases of ten, as those of lognormal heights of Sku 4.6 on thirty correlation lengths a side.
+const LARGEST_SKU: f64 = 4.0;
 
 /// Sums over each cell, over the number of present heights.
 pub(super) struct HeightSums {
