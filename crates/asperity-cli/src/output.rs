@@ -33,6 +33,12 @@ impl Answer {
         text.and_then(|text| serde_json::from_str(&text)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))
     }
 
+    /// The answer without one of its results.
+    pub(crate) fn without(mut self, key: &str) -> Self {
+        self.0.retain(|(own, _)| own != key);
+        self
+    }
+
     /// Prints the answer to stdout: one JSON object, or an aligned table with units.
     pub(crate) fn print(&self, json: bool) -> Result<(), Failure> {
         let text = if json {
@@ -44,8 +50,32 @@ impl Answer {
         print(&text)
     }
 
+    /// A result stands on a line with its interval.
     fn table(&self) -> String {
-        let rows: Vec<(String, String)> = self.0.iter().map(|(key, value)| row(key, value)).collect();
+        let of = |key: &str| self.0.iter().find(|(own, _)| own == key).map(|(_, value)| value);
+        let companion = |key: &str| {
+            let endings = ["_interval", "_se", "_within_std", "_between_std"];
+            let owner = endings.iter().find_map(|ending| key.strip_suffix(ending));
+            owner.is_some_and(|owner| of(owner).is_some() && of(&format!("{owner}_interval")).is_some())
+        };
+        let rows: Vec<(String, String)> = self
+            .0
+            .iter()
+            .filter(|(key, _)| !companion(key))
+            .map(|(key, value)| {
+                let (label, text) = row(key, value);
+                let Some(Value::Array(ends)) = of(&format!("{key}_interval")) else { return (label, text) };
+                let ends: Vec<String> = ends.iter().map(|end| row(key, end).1).collect();
+                let spread = |ending: &str| of(&format!("{key}_{ending}_std")).filter(|value| !value.is_null());
+                let spread = match (spread("within"), spread("between")) {
+                    (Some(within), Some(between)) => {
+                        format!("; ± {} within a scan, ± {} between scans", row(key, within).1, row(key, between).1)
+                    }
+                    _ => String::new(),
+                };
+                (label, format!("{text}  (95 %: {}{spread})", ends.join(" to ")))
+            })
+            .collect();
         let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
         rows.iter().fold(String::new(), |mut text, (label, value)| {
             let _ = writeln!(text, "{label:width$}  {value}");

@@ -60,7 +60,11 @@ impl Provenance {
     /// Notes the hash of an input file.
     pub(crate) fn input(&mut self, path: &Path) -> Result<(), Failure> {
         let bytes = fs::read(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if self.inputs.contains_key(&name) {
+            // A file of the same name in another folder.
+            name = path.display().to_string();
+        }
         self.inputs.insert(name, hex(&Sha256::digest(&bytes)));
         Ok(())
     }

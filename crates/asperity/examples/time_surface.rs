@@ -15,6 +15,7 @@ use asperity::map::HeightMap;
 use asperity::study::Table;
 use asperity::surface::level::Level;
 use asperity::surface::preparation::Preparation;
+use asperity::surface::uncertainty::{Uncertainty, Values};
 use asperity::surface::{areal, fractal};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -56,5 +57,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     })?;
     time("structure functions and Hurst exponent", &|| Ok(fractal::scaling(&map, None).map(drop)?))?;
     let prepared = Preparation { level: Level::None, ..Preparation::default() }.apply(&map)?;
+    let (values, uncertainty) =
+        (Values::new(&areal::parameters(&map)?, &Autocorrelation::estimate(&map)?), Uncertainty::default());
+    time("intervals of the statistics", &|| Ok(uncertainty.of(&map, &values).map(drop)?))?;
     time("all of `surface stats`", &|| Ok(asperity::study::statistics(&prepared).map(drop)?))
 }

@@ -8,9 +8,11 @@ pub mod fractal;
 mod gaussian;
 mod karhunen_loeve;
 pub mod level;
+pub mod pooling;
 pub mod preparation;
 mod spectral;
 mod translation;
+pub mod uncertainty;
 mod weierstrass_mandelbrot;
 
 pub use conditional::{ConditionalError, ConditionalSurface, Conditioning, surrounded};

@@ -146,6 +146,118 @@ fn one_stage_runs_with_what_it_needs_alone() {
     assert!(vibration.pressure.is_none() && vibration.friction.is_some() && vibration.vibration.is_some());
 }
 
+/// The first stage alone, of the scans that are named.
+fn surface_of(folder: &Path, file: &str) -> Result<Outcome, StudyError> {
+    let study = Study::parse(&STUDY.replace("\"scan.x3p\"", file), "study.toml").unwrap();
+    study.run(folder, Some(Stage::Surface), &Silent)
+}
+
+/// Two scans, `a.x3p` and the rougher and longer-waved `b.x3p`.
+fn two_scans() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, rms_m, length_m) in [("a.x3p", 0.5e-6, 10e-6), ("b.x3p", 1e-6, 14e-6)] {
+        write_scan(folder.path(), rms_m, length_m);
+        fs::rename(folder.path().join("scan.x3p"), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_list_of_one_scan_is_that_scan_to_the_byte() {
+    let folder = two_scans();
+    let one = run(&STUDY.replace("scan.x3p", "a.x3p"), folder.path(), 2);
+    let list = run(&STUDY.replace("\"scan.x3p\"", "[\"a.x3p\"]"), folder.path(), 2);
+    assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&list.results).unwrap());
+    for (name, table) in &one.tables {
+        assert_eq!(table.to_csv().unwrap(), list.tables[name].to_csv().unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn two_scans_are_pooled_into_one_surface() {
+    let folder = two_scans();
+    let [a, b, both] =
+        ["\"a.x3p\"", "\"b.x3p\"", "[\"a.x3p\", \"b.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
+    let surface = |outcome: &Outcome| serde_json::to_value(outcome.results.surface.as_ref().unwrap()).unwrap();
+    let ([of_a, of_b, of_both], [a, b, both]) = ([&a, &b, &both].map(surface), [a, b, both]);
+    for key in ["Sq_m", "Sa_m", "correlation_length_x_m", "correlation_length_y_m", "Sk_m"] {
+        let [low, value, high] = [&of_a, &of_both, &of_b].map(|s| s[key].as_f64().unwrap());
+        assert!(low < value && value < high, "{key}: {low} {value} {high}");
+        let interval = &of_both[format!("{key}_interval")];
+        assert!(interval[0].as_f64().unwrap() <= value && value <= interval[1].as_f64().unwrap(), "{key}: {interval}");
+        assert!(of_both[format!("{key}_between_std")].as_f64().unwrap() > 0.0, "{key}");
+    }
+    // Every key of one scan is there, and the scans themselves are.
+    for key in of_a.as_object().unwrap().keys().filter(|key| *key != "Std_rad") {
+        assert!(of_both.get(key).is_some(), "{key}");
+    }
+    assert_eq!((of_both["scan_count"].as_u64(), of_both["missing_points"].as_u64()), (Some(2), Some(2)));
+    assert_eq!((of_both["scans"][1]["file"].as_str(), &of_both["scans"][1]["Sq_m"]), (Some("b.x3p"), &of_b["Sq_m"]));
+    // Random surfaces follow: variance between those of the scans, as the covariance's length.
+    let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
+    assert!(length(&of_a) < length(&of_both) && length(&of_both) < length(&of_b));
+    assert_eq!(of_both["covariance"]["std_m"], of_both["Sq_m"]);
+    // Maps and series show the first scan.
+    let bits = |o: &Outcome| o.fields["height_levelled"].values.iter().map(|z| z.to_bits()).collect::<Vec<u64>>();
+    assert!(bits(&both) == bits(&a) && bits(&both) != bits(&b));
+    assert_eq!(both.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
+    assert_ne!(b.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
+}
+
+#[test]
+fn the_same_scan_twice_has_the_same_point_statistics() {
+    let folder = two_scans();
+    let [once, twice] = ["\"a.x3p\"", "[\"a.x3p\", \"a.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
+    let [once, twice] = [once, twice].map(|o| serde_json::to_value(o.results.surface.unwrap()).unwrap());
+    let [once_map, twice_map] = [&once, &twice].map(|s| s.as_object().unwrap());
+    for (key, value) in once_map.iter().filter(|(key, _)| !key.ends_with("_se") && !key.contains("_points")) {
+        if let (Some(value), Some(other)) = (value.as_f64(), twice_map.get(key).and_then(serde_json::Value::as_f64)) {
+            assert!((other - value).abs() <= 1e-12 * value.abs(), "{key}: {value} {other}");
+        }
+    }
+    let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
+    assert!((length(&twice) / length(&once) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_wrong_scan_of_several_is_named() {
+    let folder = two_scans();
+    let write = |name: &str, side: usize, pitch_m: f64| {
+        let heights = ndarray::Array2::from_shape_fn((side, side), |(row, column)| {
+            1e-6 * ((row * row + 3 * column) as f64).sin() * if name == "flat.x3p" { 0.0 } else { 1.0 }
+        });
+        asperity_formats::write(&Scan::new(heights, Some((pitch_m, pitch_m))), &folder.path().join(name)).unwrap();
+    };
+    write("flat.x3p", 64, 2e-6);
+    write("point.x3p", 1, 2e-6);
+    write("fine.x3p", 64, 1e-6);
+    fs::write(folder.path().join("torn.x3p"), b"PK\x03\x04 truncated").unwrap();
+    for wrong in ["flat.x3p", "point.x3p", "fine.x3p", "torn.x3p", "gone.x3p"] {
+        let error = surface_of(folder.path(), &format!("[\"a.x3p\", \"{wrong}\"]")).unwrap_err();
+        assert!(error.to_string().contains(wrong), "{wrong}: {error}");
+        assert_eq!(error.kind(), FailureKind::Input, "{wrong}: {error}");
+    }
+    let empty = Study::parse(&STUDY.replace("\"scan.x3p\"", "[]"), "study.toml").unwrap_err();
+    assert!(empty.line == 4 && empty.message.contains("empty"), "{empty}");
+    let number = Study::parse(&STUDY.replace("\"scan.x3p\"", "3"), "study.toml").unwrap_err();
+    assert!(number.line == 4 && number.message.contains("list of names"), "{number}");
+}
+
+#[test]
+fn limits_of_the_correlation_are_drawn_around_it() {
+    let folder = two_scans();
+    let outcome = surface_of(folder.path(), "\"a.x3p\"").unwrap();
+    let column = |name: &str| outcome.tables["height_acf"].column(name).unwrap().to_vec();
+    for axis in ["x", "y"] {
+        let [acf, low, high] = ["", "_low", "_high"].map(|end| column(&format!("acf_{axis}{end}")));
+        assert_eq!((low[0], high[0]), (1.0, 1.0));
+        for lag in 1..acf.len() {
+            // What the removed plane took is put back, so that the limits lie a little higher.
+            assert!(low[lag] < acf[lag] + 0.02 && acf[lag] < high[lag] && high[lag] - low[lag] < 0.6, "{axis} {lag}");
+        }
+    }
+}
+
 #[test]
 fn friction_may_be_stated() {
     let text = r#"

@@ -70,7 +70,7 @@ fn the_quickstart_takes_everything_from_its_scan_and_leads_with_the_area() {
     let study = study("quickstart.toml");
     assert!(study.idle_keys().is_empty(), "{:?}", study.idle_keys());
     let surface = study.surface.as_ref().unwrap();
-    assert!(study.scan_path(&studies()).unwrap().is_file());
+    assert!(study.scan_paths(&studies())[0].is_file());
     assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceChoice::Measured, "measured"));
     assert_eq!((surface.rms_height, surface.correlation_length), (None, None));
     let vibration = study.vibration.unwrap();

@@ -58,17 +58,21 @@ impl Check {
     /// What is doubtful about the scan. A scan that cannot be used at all is an error.
     fn problems(&self, study: &Study) -> Result<Vec<String>, Failure> {
         let Some(section) = &study.surface else { return Ok(Vec::new()) };
-        let scan = section.read_scan(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
-        let Some(mut scan) = scan else { return Ok(Vec::new()) };
-        let mut problems = std::mem::take(&mut scan.warnings);
-        if let Some([x, y]) = section.pixel_size {
-            scan.pitch_m = Some((x.0, y.0));
-        }
-        let name = section.file.as_deref().unwrap_or(&self.study);
-        let map = HeightMap::try_from(scan).map_err(|e| Failure::data(name.display(), &e))?;
-        let (missing, points) = (map.missing_points(), map.grid().points());
-        if missing > 0 {
-            problems.push(format!("{missing} of {points} heights are missing"));
+        let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
+        let mut problems = Vec::new();
+        let several = scans.len() > 1;
+        for (file, mut scan) in section.files().iter().zip(scans) {
+            let mut own = std::mem::take(&mut scan.warnings);
+            if let Some([x, y]) = section.pixel_size {
+                scan.pitch_m = Some((x.0, y.0));
+            }
+            let map = HeightMap::try_from(scan).map_err(|e| Failure::data(file.display(), &e))?;
+            let (missing, points) = (map.missing_points(), map.grid().points());
+            if missing > 0 {
+                own.push(format!("{missing} of {points} heights are missing"));
+            }
+            let of_file = |problem| if several { format!("{}: {problem}", file.display()) } else { problem };
+            problems.extend(own.into_iter().map(of_file));
         }
         Ok(problems)
     }

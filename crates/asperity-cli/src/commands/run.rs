@@ -74,7 +74,7 @@ impl Run {
             only.map(|stage| stage.name().to_owned()),
         );
         provenance.input(&self.study)?;
-        if let Some(scan) = study.scan_path(folder) {
+        for scan in study.scan_paths(folder) {
             provenance.input(&scan)?;
         }
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
@@ -113,13 +113,13 @@ impl Run {
     }
 }
 
-/// The study with its scan named so that it is found from every folder, that of the run included.
+/// The study with its scans named so that they are found from every folder, that of the run included.
 fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
     let mut study = study.clone();
-    let scan = study.scan_path(folder).and_then(|path| path::absolute(path).ok());
     // TOML holds no path that is not Unicode; such a one stays as it was given.
-    if let (Some(surface), Some(scan)) = (&mut study.surface, scan.filter(|path| path.to_str().is_some())) {
-        surface.file = Some(scan);
+    let absolute = |scan: &Path| path::absolute(folder.join(scan)).ok().filter(|path| path.to_str().is_some());
+    if let Some(files) = study.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
+        *files = files.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
     }
     study
 }

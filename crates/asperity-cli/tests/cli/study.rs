@@ -301,6 +301,41 @@ fn the_study_of_a_run_runs_from_where_it_lies_and_its_results_name_no_path() {
 }
 
 #[test]
+fn several_scans_run_from_anywhere_are_inputs_and_each_is_named_when_wrong() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();
+    // Two scans of the same name in two folders.
+    for (at, seed) in [("one", 1), ("two", 2)] {
+        fs::create_dir(folder.path().join(at)).unwrap();
+        let line = format!("surface generate spec.toml --seed {seed} --out {at}/scan.x3p --quiet");
+        assert_eq!(run_in(folder.path(), &line).code, 0);
+    }
+    let study = |files: &str| {
+        let text = STUDY[..STUDY.find("[material]").unwrap()]
+            .replace("covariance =", &format!("file = {files}\ncovariance ="));
+        fs::write(folder.path().join("study.toml"), text).unwrap();
+    };
+    study("[\"one/scan.x3p\", \"two/scan.x3p\"]");
+    assert_eq!(run_in(folder.path(), "check study.toml --json").code, 0);
+    let first = run_in(folder.path(), "run study.toml --out first --json").json(0);
+    assert_eq!(
+        (&first["surface"]["scan_count"], &first["surface"]["scans"][1]["file"]),
+        (&2.into(), &"scan.x3p".into())
+    );
+    let again = run_in(&folder.path().join("first"), "run study.toml --out ../again --json").json(0);
+    assert_eq!(first, again);
+    let provenance = fs::read_to_string(folder.path().join("first/provenance.json")).unwrap();
+    let provenance: Value = serde_json::from_str(&provenance).unwrap();
+    assert_eq!(provenance["inputs"].as_object().unwrap().len(), 3, "{provenance}");
+    study("[\"one/scan.x3p\", \"two/skan.x3p\"]");
+    for command in ["check", "run"] {
+        run_in(folder.path(), &format!("{command} study.toml")).refuses(3, &["skan.x3p", "o such file"]);
+    }
+    study("[]");
+    run_in(folder.path(), "run study.toml").refuses(2, &["study.toml:3", "empty"]);
+}
+
+#[test]
 fn a_run_that_fails_leaves_no_folder_behind_and_keeps_those_that_were_there() {
     // A tolerance below the precision of numbers leaves no valid sample.
     let folder = folder_with(&STUDY.replace("percentile = 50.0", "percentile = 50.0\ntolerance = 1e-30"));

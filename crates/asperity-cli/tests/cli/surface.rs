@@ -178,6 +178,66 @@ fn levelling_takes_the_form_out_and_missing_points_are_counted() {
     assert!(table.stdout.contains("µm") && table.stdout.contains("missing points"), "{table:?}");
 }
 
+/// A map of white noise, smoothed over 5 × 5 points.
+fn noise(seed: u64, side: usize) -> Array2<f64> {
+    // A linear congruential generator will do.
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+    };
+    let white = Array2::from_shape_simple_fn((side + 4, side + 4), &mut next);
+    Array2::from_shape_fn((side, side), |(row, column)| {
+        1e-6 * white.slice(ndarray::s![row..row + 5, column..column + 5]).sum()
+    })
+}
+
+#[test]
+fn statistics_of_a_map_come_with_their_intervals() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "a.npy", noise(1, 128));
+    let json = surface(folder.path(), "stats a.npy --pixel-size 1um --json").json(0);
+    for key in "Sa_m Sq_m Ssk Sku Sdq Sal_m Sk_m Spk_m Svk_m correlation_length_x_m correlation_length_y_m".split(' ') {
+        let (value, se) = (number(&json, key), number(&json, &format!("{key}_se")));
+        let ends = &json[format!("{key}_interval")];
+        let (low, high) = (ends[0].as_f64().unwrap(), ends[1].as_f64().unwrap());
+        assert!(low < value && value < high && se > 0.0 && high - low < 8.0 * se, "{key}: {value} {ends} {se}");
+    }
+    let table = surface(folder.path(), "stats a.npy --pixel-size 1um").stdout;
+    let line = table.lines().find(|line| line.starts_with("Sq ")).unwrap();
+    assert!(line.contains("(95 %: ") && line.contains(" to ") && !table.contains("interval"), "{table}");
+    // A sine is no sample of a random surface: no intervals, and no talk of them.
+    npy(folder.path(), "sine.npy", sine());
+    let json = surface(folder.path(), "stats sine.npy --pixel-size 1um --json").json(0);
+    assert!(json["Sku_interval"].is_null() || json["Sku_interval"].is_array(), "{json}");
+}
+
+#[test]
+fn several_scans_are_pooled() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "a.npy", noise(1, 128));
+    npy(folder.path(), "b.npy", noise(2, 96) * 1.2);
+    let single = |file: &str| surface(folder.path(), &format!("stats {file} --pixel-size 1um --json")).json(0);
+    let (a, b) = (single("a.npy"), single("b.npy"));
+    let both = surface(folder.path(), "stats a.npy b.npy --pixel-size 1um --json").json(0);
+    let (value, ends) = (number(&both, "Sq_m"), &both["Sq_m_interval"]);
+    assert!(number(&a, "Sq_m") < value && value < number(&b, "Sq_m"));
+    assert!(ends[0].as_f64().unwrap() < value && value < ends[1].as_f64().unwrap());
+    for key in ["Sq_m_se", "Sq_m_within_std", "Sq_m_between_std", "Sdr_interval"] {
+        assert!(both.get(key).is_some_and(|value| !value.is_null()), "{key}: {both}");
+    }
+    assert_eq!(both["scan_count"], 2);
+    assert_eq!(both["scans"][0]["file"], "a.npy");
+    assert_eq!(both["scans"][1]["Sq_m"], b["Sq_m"]);
+    let table = surface(folder.path(), "stats a.npy b.npy --pixel-size 1um").stdout;
+    let line = table.lines().find(|line| line.starts_with("Sq ")).unwrap();
+    assert!(line.contains("(95 %: ") && line.contains("between scans"), "{table}");
+    for (second, words) in [("gone.npy", ["gone.npy", "no such file"]), ("flat.npy", ["flat.npy", ""])] {
+        npy(folder.path(), "flat.npy", Array2::from_elem((8, 8), 1e-6));
+        surface(folder.path(), &format!("stats a.npy {second} --pixel-size 1um --json")).refuses(3, &words);
+    }
+}
+
 #[test]
 fn maps_without_statistics_are_unusable_data_and_a_missing_scale_is_a_missing_flag() {
     let folder = TempDir::new().unwrap();

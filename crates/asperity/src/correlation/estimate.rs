@@ -25,6 +25,22 @@ pub enum EstimateError {
         /// Values needed.
         wanted: usize,
     },
+    /// Maps whose lags differ have no common correlation.
+    #[error(
+        "map {map} has a pitch of {:e} × {:e} m, the first of {:e} × {:e} m: lags must be the same",
+        .pitch_m.0, .pitch_m.1, .first_pitch_m.0, .first_pitch_m.1
+    )]
+    Pitch {
+        /// Number of the map, from 0.
+        map: usize,
+        /// Its pitch along x and y in metre.
+        pitch_m: (f64, f64),
+        /// That of the first map.
+        first_pitch_m: (f64, f64),
+    },
+    /// There is nothing to pool.
+    #[error("no correlation to pool")]
+    Nothing,
     /// The distance between values is not a positive finite number.
     #[error("the step is {step_m} m, but must be positive")]
     BadStep {
@@ -32,6 +48,9 @@ pub enum EstimateError {
         step_m: f64,
     },
 }
+
+/// Pitches that differ by less are the same: over ten thousand lags the last is off by a hundredth of a pixel.
+const SAME_PITCH: f64 = 1e-6;
 
 /// A direction of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +82,8 @@ pub struct Autocorrelation {
     grid: Grid,
     mean_m: f64,
     present: usize,
+    /// Ordered pairs of heights, each with itself as well, that share a mean.
+    all_pairs: f64,
     reach_x: usize,
     reach_y: usize,
     /// Rows of the lags −reach_x … reach_x along x, for the lags 0 … reach_y along y.
@@ -133,10 +154,54 @@ impl Autocorrelation {
                 }
             }
         });
-        Ok(Self { grid, mean_m, present, reach_x, reach_y, covariance_m2: covariance, pairs })
+        let all_pairs = (present as f64).powi(2);
+        Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2: covariance, pairs })
     }
 
-    /// Grid of the map.
+    /// The autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of all maps,
+    /// over the number of pairs. Each map is about its own mean.
+    ///
+    /// Its grid and reach are the smallest along x and y, so that every map has a say at every lag; the share of the
+    /// variance that went with the means is that of the smallest map.
+    ///
+    /// # Errors
+    /// Pitches that differ by more than a millionth, or no map.
+    pub fn pooled(estimates: &[&Self]) -> Result<Self, EstimateError> {
+        let [first, rest @ ..] = estimates else { return Err(EstimateError::Nothing) };
+        let mut grid = first.grid;
+        let pitch_m = |grid: Grid| (grid.dx_m(), grid.dy_m());
+        for (map, other) in (1..).zip(rest) {
+            let (pitch_m, first_pitch_m) = (pitch_m(other.grid), pitch_m(first.grid));
+            let same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_PITCH;
+            if !(same(pitch_m.0, first_pitch_m.0) && same(pitch_m.1, first_pitch_m.1)) {
+                return Err(EstimateError::Pitch { map, pitch_m, first_pitch_m });
+            }
+            let (nx, ny) = (grid.nx().min(other.grid.nx()), grid.ny().min(other.grid.ny()));
+            grid = Grid::new(nx, ny, grid.dx_m(), grid.dy_m()).unwrap_or(grid);
+        }
+        let least = |reach: &dyn Fn(&Self) -> usize| estimates.iter().map(|e| reach(e)).min().unwrap_or(0);
+        let (reach_x, reach_y) = (least(&|e| e.reach_x), least(&|e| e.reach_y));
+        let width = 2 * reach_x + 1;
+        let mut pairs = vec![0.0; width * (reach_y + 1)];
+        let mut covariance_m2 = pairs.clone();
+        for estimate in estimates {
+            for (place, (count, sum)) in pairs.iter_mut().zip(&mut covariance_m2).enumerate() {
+                let (lag_x, lag_y) = ((place % width) as isize - reach_x as isize, (place / width) as isize);
+                let own = estimate.pairs(lag_x, lag_y);
+                if own > 0.0 {
+                    *count += own;
+                    *sum += own * estimate.covariance_m2(lag_x, lag_y);
+                }
+            }
+        }
+        covariance_m2.iter_mut().zip(&pairs).for_each(|(sum, count)| *sum /= *count);
+        let present: usize = estimates.iter().map(|e| e.present).sum();
+        let mean_m = estimates.iter().map(|e| e.present as f64 * e.mean_m).sum::<f64>() / present as f64;
+        let all_pairs = estimates.iter().map(|e| e.all_pairs).sum();
+        Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs: Some(pairs) })
+    }
+
+    /// Grid of the map; of pooled maps the smallest.
     pub fn grid(&self) -> Grid {
         self.grid
     }
@@ -149,6 +214,11 @@ impl Autocorrelation {
     /// Number of heights present.
     pub fn present(&self) -> usize {
         self.present
+    }
+
+    /// Ordered pairs of heights of the same map, each height with itself as well.
+    pub fn all_pairs(&self) -> f64 {
+        self.all_pairs
     }
 
     /// Largest lags along x and y in points.
@@ -320,6 +390,45 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn pooled_maps_have_the_pairs_of_all() {
+        let maps = [masked(12, 9, 0.2, 1), masked(9, 14, 0.0, 2), masked(10, 10, 0.4, 3)];
+        let single = maps.each_ref().map(|map| Autocorrelation::estimate(map).unwrap());
+        let pooled = Autocorrelation::pooled(&single.each_ref()).unwrap();
+        assert_eq!((pooled.grid().shape(), pooled.reach()), ((9, 9), (5, 5)));
+        let means = maps.each_ref().map(|map| map.present_m().sum::<f64>() / map.present_m().count() as f64);
+        for (lag_x, lag_y) in [(0, 0), (1, 0), (-3, 2), (5, 5), (-5, 1), (0, 4)] {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (map, mean) in maps.iter().zip(means) {
+                for ((row, column), z) in map.heights_m().indexed_iter() {
+                    let (r, c) = (row + lag_y, column.wrapping_add_signed(lag_x));
+                    let other = map.heights_m().get([r, c]).copied().unwrap_or(f64::NAN);
+                    let product = (z - mean) * (other - mean);
+                    if !product.is_nan() {
+                        sum += product;
+                        count += 1.0;
+                    }
+                }
+            }
+            assert_eq!(pooled.pairs(lag_x, lag_y as isize), count);
+            assert!((pooled.covariance_m2(lag_x, lag_y as isize) - sum / count).abs() < 1e-12, "({lag_x}, {lag_y})");
+        }
+        assert_eq!(pooled.present(), maps.iter().map(|map| map.present_m().count()).sum::<usize>());
+        // The same map twice says what it says once.
+        let twice = Autocorrelation::pooled(&[&single[0], &single[0]]).unwrap();
+        assert!((twice.correlation(2, -1) - single[0].correlation(2, -1)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn maps_of_different_pitch_are_not_pooled() {
+        let map = masked(9, 9, 0.0, 1);
+        let other = HeightMap::new(Grid::new(9, 9, 0.5, 2.001).unwrap(), map.heights_m().clone()).unwrap();
+        let [map, other] = [map, other].map(|map| Autocorrelation::estimate(&map).unwrap());
+        let error = Autocorrelation::pooled(&[&map, &map, &other]).unwrap_err();
+        assert!(matches!(error, EstimateError::Pitch { map: 2, pitch_m: (0.5, 2.001), .. }), "{error}");
+        assert_eq!(Autocorrelation::pooled(&[]), Err(EstimateError::Nothing));
     }
 
     #[test]

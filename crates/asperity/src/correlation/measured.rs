@@ -267,7 +267,7 @@ fn mean_share(estimate: &Autocorrelation, taper: &Taper) -> f64 {
     let (reach_x, reach_y) = estimate.reach();
     let (reach_x, reach_y) = (reach_x as isize, reach_y as isize);
     // Every point makes a pair with every other and with itself.
-    let all = (estimate.present() as f64).powi(2);
+    let all = estimate.all_pairs();
     let (mut weights, mut products) = (0.0, 0.0);
     for lag_y in 0..=reach_y {
         // A lag and its opposite.

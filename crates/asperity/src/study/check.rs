@@ -110,6 +110,9 @@ impl Study {
             Marginal::from_str(&s.marginal).map_err(|error| problem(SECTION, "marginal", error.to_string()))?;
         }
         let gaussian = s.generator != GeneratorChoice::WeierstrassMandelbrot;
+        if s.file.is_some() && s.files().is_empty() {
+            return Err(problem(SECTION, "file", "the list of scans is empty; name at least one, or leave `file` out"));
+        }
         if s.file.is_none() {
             let missing =
                 |key, what: &str| problem(SECTION, key, format!("{what} cannot be measured without `file`; state it"));

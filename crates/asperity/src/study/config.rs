@@ -77,13 +77,51 @@ pub enum TranslationChoice {
     Corrected,
 }
 
+/// One scan, or several of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected the name of a scan, or a list of names")]
+pub enum ScanFiles {
+    /// One scan.
+    One(PathBuf),
+    /// Scans of one part.
+    Several(Vec<PathBuf>),
+}
+
+impl ScanFiles {
+    /// Their names.
+    pub fn paths(&self) -> &[PathBuf] {
+        match self {
+            Self::One(path) => std::slice::from_ref(path),
+            Self::Several(paths) => paths,
+        }
+    }
+
+    /// The same under other names.
+    #[must_use]
+    pub fn map(&self, name: impl Fn(&Path) -> PathBuf) -> Self {
+        match self {
+            Self::One(path) => Self::One(name(path)),
+            Self::Several(paths) => Self::Several(paths.iter().map(|path| name(path)).collect()),
+        }
+    }
+}
+
+impl From<&str> for ScanFiles {
+    fn from(path: &str) -> Self {
+        Self::One(path.into())
+    }
+}
+
 /// `[surface]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSection {
-    /// Scan file, relative to the study file.
+    /// Scan file, relative to the study file, or a list of scans of one part. Of several scans the statistics are pooled
+    /// ([`crate::study::PooledStatistics`]), and random surfaces have the correlation of all pairs of heights and the law of
+    /// all heights, each scan counted from its own form; their pixels must have the same size. Maps and figures show the
+    /// first.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<PathBuf>,
+    pub file: Option<ScanFiles>,
     /// The height map to read of a file that holds several: its name, or its number counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
@@ -171,14 +209,19 @@ impl CovarianceChoice {
 }
 
 impl SurfaceSection {
-    /// The scan, `None` for a surface without one. `folder` is that of the study file.
+    /// Names of the scans; none for a surface without.
+    pub fn files(&self) -> &[PathBuf] {
+        self.file.as_ref().map_or(&[], ScanFiles::paths)
+    }
+
+    /// The scans, none for a surface without. `folder` is that of the study file.
     ///
     /// # Errors
-    /// The file cannot be read, or holds no such channel.
-    pub fn read_scan(&self, folder: &Path) -> Result<Option<Scan>, FormatError> {
+    /// A file cannot be read, or holds no such channel.
+    pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
         let channel = self.channel.as_deref().map(Channel::from);
         let options = ReadOptions { channel };
-        self.file.as_ref().map(|file| asperity_formats::read_with(&folder.join(file), &options)).transpose()
+        self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
     }
 
     /// What is done to the scan before anything is read off it.

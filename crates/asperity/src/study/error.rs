@@ -13,10 +13,13 @@ use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
+use crate::study::sentence;
 use crate::surface::areal::ArealError;
 use crate::surface::filter::FilterError;
 use crate::surface::fractal::FractalError;
+use crate::surface::pooling::PoolingError;
 use crate::surface::preparation::PreparationError;
+use crate::surface::uncertainty::UncertaintyError;
 use crate::surface::{GeneratorError, TranslationError};
 use crate::vibration::VibrationError;
 
@@ -34,6 +37,34 @@ pub enum StudyError {
         /// What is wrong.
         error: MapError,
     },
+    /// One of several scans cannot be used.
+    #[error("{file}: {error}")]
+    OneOf {
+        /// The scan file.
+        file: String,
+        /// What is wrong.
+        error: Box<StudyError>,
+    },
+    /// Scans of one part have different pixels.
+    #[error(
+        "{file} has pixels of {} and {first} of {}: scans of one part must have the same, or their correlations cannot be \
+         pooled",
+        sentence::size(.pitch_m.0, .pitch_m.1),
+        sentence::size(.first_pitch_m.0, .first_pitch_m.1)
+    )]
+    Pitch {
+        /// The scan file.
+        file: String,
+        /// Its pitch along x and y in metre.
+        pitch_m: (f64, f64),
+        /// The first scan file.
+        first: String,
+        /// Its pitch along x and y in metre.
+        first_pitch_m: (f64, f64),
+    },
+    /// The scans cannot be pooled.
+    #[error("the scans of [surface] file: {0}")]
+    Pooling(#[from] PoolingError),
     /// The scan cannot be levelled or filtered.
     #[error(transparent)]
     Preparation(#[from] PreparationError),
@@ -46,6 +77,9 @@ pub enum StudyError {
     /// The correlation cannot be estimated.
     #[error("surface: {0}")]
     Estimate(#[from] EstimateError),
+    /// Intervals of its statistics cannot be had.
+    #[error("surface: {0}")]
+    Uncertainty(#[from] UncertaintyError),
     /// The covariance cannot be fitted.
     #[error("covariance of the scan: {0}; state a covariance in [surface]")]
     Fit(#[from] FitError),
@@ -139,8 +173,11 @@ impl StudyError {
             Self::Scan(error) if matches!(error.cause(), FormatError::NoSuchChannel { .. }) => {
                 FailureKind::Configuration
             }
+            Self::OneOf { error, .. } => error.kind(),
             Self::Scan(_)
             | Self::Map { .. }
+            | Self::Pitch { .. }
+            | Self::Pooling(_)
             | Self::Preparation(PreparationError::Level(_) | PreparationError::Outliers(FilterError::Map(_)))
             | Self::Areal(_)
             | Self::Fractal(_)
@@ -157,6 +194,7 @@ impl StudyError {
             | Self::Vibration(VibrationError::TooFewValid { .. })
             | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
             Self::Preparation(_)
+            | Self::Uncertainty(_)
             | Self::Covariance(_)
             | Self::Law(_)
             | Self::Generator(_)

@@ -5,20 +5,32 @@ use crate::correlation::{
 };
 use crate::law::Marginal;
 use crate::map::HeightMap;
+use crate::stats::Interval;
 use crate::study::height_fits::{HeightFits, effective_heights};
-use crate::study::result::SurfaceStatistics;
+use crate::study::pooled::Part;
+use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
 use crate::study::spectra::binned_tables;
 use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
 use crate::surface::areal::Analysis;
+use crate::surface::level::Level;
 use crate::surface::preparation::Prepared;
+use crate::surface::uncertainty::{Estimates, Uncertainty, Values, removed_terms};
 use crate::surface::{areal, fractal};
+
+/// Steps between lags at which limits of the correlation are computed.
+const BAND_LAGS: usize = 40;
 
 /// Statistics of a map that was levelled and filtered.
 ///
 /// # Errors
 /// The map is flat.
 pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> {
+    Ok(analysed(prepared, true)?.0)
+}
+
+/// Statistics, on request with their intervals, and what they were read off.
+fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, Values, Autocorrelation), StudyError> {
     let map = &prepared.map;
     let Analysis { parameters, correlation, spectrum } = areal::analyse(map)?;
     // Where the correlation does not fall to 1/e within half the field, the farther lags are asked as well.
@@ -27,8 +39,10 @@ pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> 
         None => axis_correlation_length_m(map, axis),
     };
     let scaling = fractal::scaling(map, None)?;
+    let values = Values::new(&parameters, &correlation);
+    let estimates = if intervals { uncertainty_of(prepared.level).of(map, &values)? } else { Estimates::default() };
     let grid = map.grid();
-    Ok(SurfaceStatistics {
+    let statistics = SurfaceStatistics {
         nx: grid.nx(),
         ny: grid.ny(),
         dx_m: grid.dx_m(),
@@ -74,7 +88,13 @@ pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> 
         correlation_length_y_m: correlation_length_m(Axis::Y)?,
         hurst: scaling.map(|s| s.hurst),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
-    })
+        intervals: StatisticsIntervals(estimates),
+    };
+    Ok((statistics, values, correlation))
+}
+
+fn uncertainty_of(level: Level) -> Uncertainty {
+    Uncertainty { removed_terms: removed_terms(level), ..Uncertainty::default() }
 }
 
 /// A levelled scan and what was estimated from it.
@@ -82,14 +102,52 @@ pub(super) struct Measured {
     pub(super) map: HeightMap,
     pub(super) statistics: SurfaceStatistics,
     pub(super) correlation: Autocorrelation,
+    pub(super) values: Values,
+    /// Form that was removed.
+    pub(super) level: Level,
+    /// What it says together with other scans of the part.
+    pub(super) part: Option<Part>,
 }
 
 impl Measured {
     pub(super) fn of(prepared: Prepared) -> Result<Self, StudyError> {
-        let statistics = statistics(&prepared)?;
-        let map = prepared.map;
-        let correlation = Autocorrelation::estimate(&map)?;
-        Ok(Self { map, statistics, correlation })
+        Self::analysed(prepared, true)
+    }
+
+    /// Without intervals.
+    pub(super) fn point_values_of(prepared: Prepared) -> Result<Self, StudyError> {
+        Self::analysed(prepared, false)
+    }
+
+    fn analysed(prepared: Prepared, intervals: bool) -> Result<Self, StudyError> {
+        let (statistics, values, mut correlation) = analysed(&prepared, intervals)?;
+        if correlation.reach() != Autocorrelation::half_field(prepared.map.grid()) {
+            correlation = Autocorrelation::estimate(&prepared.map)?;
+        }
+        Ok(Self { map: prepared.map, statistics, correlation, values, level: prepared.level, part: None })
+    }
+
+    /// Root mean square height of the scan, or of the part.
+    pub(super) fn sq_m(&self) -> f64 {
+        self.part.as_ref().and_then(|part| part.statistics.value("Sq_m")).unwrap_or(self.statistics.Sq_m)
+    }
+
+    /// Fractal dimension of the scan, or of the part.
+    pub(super) fn fractal_dimension(&self) -> Option<f64> {
+        match &self.part {
+            Some(part) => part.statistics.value("fractal_dimension"),
+            None => self.statistics.fractal_dimension,
+        }
+    }
+
+    /// The correlation of the scan, or of the part: that of the random surfaces.
+    pub(super) fn correlation_of_all(&self) -> &Autocorrelation {
+        self.part.as_ref().map_or(&self.correlation, |part| &part.correlation)
+    }
+
+    /// The heights of the scan, or of the part: a sample of the marginal law of the random surfaces.
+    pub(super) fn heights_of_all_m(&self) -> Vec<f64> {
+        self.part.as_ref().map_or_else(|| self.map.present_m().collect(), |part| part.heights_m.clone())
     }
 
     /// Density, correlation and spectra, beside the law and the covariance of the random surfaces, where they have one.
@@ -99,29 +157,38 @@ impl Measured {
         marginal: &Marginal,
     ) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let fits = HeightFits::of(self.map.present_m(), effective_heights(&self.correlation));
-        let mut tables = vec![("height_pdf", fits.densities(marginal)?), ("height_acf", self.acf_table(covariance))];
+        let mut tables = vec![("height_pdf", fits.densities(marginal)?), ("height_acf", self.acf_table(covariance)?)];
         tables.extend(fits.table().map(|table| ("height_fits", table)));
         tables.extend(self.psd_table(covariance).map(|table| ("height_psd", table)));
         tables.extend(binned_tables(&self.map, covariance));
         Ok(tables)
     }
 
-    /// Correlation at the lags of both axes, up to half a side, where lags rest on enough pairs.
-    fn acf_table(&self, covariance: Option<&SurfaceCovariance>) -> Table {
+    /// Correlation at the lags of both axes, up to half a side, where lags rest on enough pairs, with the 95 % limits of the
+    /// surface's own where the map holds enough correlation lengths.
+    fn acf_table(&self, covariance: Option<&SurfaceCovariance>) -> Result<Table, StudyError> {
         let grid = self.map.grid();
         let sides = [
             Side { acf: self.correlation.along(Axis::X), pitch_m: grid.dx_m(), points: grid.nx() },
             Side { acf: self.correlation.along(Axis::Y), pitch_m: grid.dy_m(), points: grid.ny() },
         ];
         let lags = merged(sides.iter().flat_map(|side| (0..=side.points / 2).map(|lag| lag as f64 * side.pitch_m)));
-        let [x, y] = sides.map(|side| lags.iter().map(|lag| side.at(*lag)).collect::<Vec<f64>>());
-        let mut columns = vec![("acf_x", x), ("acf_y", y)];
+        let on_lags = |side: &Side| lags.iter().map(|lag| side.at(*lag)).collect::<Vec<f64>>();
+        let mut columns = vec![("acf_x", on_lags(&sides[0])), ("acf_y", on_lags(&sides[1]))];
+        let chosen = [0, 1].map(|axis| band_lags(sides[axis].points / 2));
+        let limits = uncertainty_of(self.level).correlation(&self.map, &self.values, [&chosen[0], &chosen[1]])?;
+        let names = [("acf_x_low", "acf_x_high"), ("acf_y_low", "acf_y_high")];
+        for axis in 0..2 {
+            if let Some([low, high]) = sides[axis].band(&chosen[axis], &limits[axis]) {
+                columns.extend([(names[axis].0, on_lags(&low)), (names[axis].1, on_lags(&high))]);
+            }
+        }
         if let Some(covariance) = covariance {
             columns.push(("fit_x", lags.iter().map(|lag| covariance.correlation(*lag, 0.0)).collect()));
             columns.push(("fit_y", lags.iter().map(|lag| covariance.correlation(0.0, *lag)).collect()));
         }
         columns.push(("lag_m", lags));
-        Table::new(columns).led_by("lag_m")
+        Ok(Table::new(columns).led_by("lag_m"))
     }
 
     /// Profile spectra at the wavenumbers of both axes; an axis without a complete profile is empty.
@@ -157,6 +224,25 @@ struct Side {
 }
 
 impl Side {
+    /// Lower and upper limits at all lags from those at some: their distances from the correlation are linear between lags.
+    fn band(&self, lags: &[usize], limits: &[Option<Interval>]) -> Option<[Self; 2]> {
+        let known: Vec<(usize, Interval)> =
+            lags.iter().zip(limits).filter_map(|(lag, i)| Some((*lag, (*i)?))).collect();
+        let side = |end: fn(&Interval) -> f64| {
+            let mut acf = vec![f64::NAN; self.acf.len()];
+            for pair in known.windows(2) {
+                let [(near, from), (far, to)] = [pair[0], pair[1]];
+                let (from, to) = (end(&from) - self.acf[near], end(&to) - self.acf[far]);
+                for lag in near..=far {
+                    let part = (lag - near) as f64 / (far - near) as f64;
+                    acf[lag] = self.acf[lag] + from + part * (to - from);
+                }
+            }
+            Self { acf, ..*self }
+        };
+        (known.len() > 1).then(|| [side(|i| i.low), side(|i| i.high)])
+    }
+
     /// Correlation at a lag, linear between the map's own; NaN beyond half the side.
     fn at(&self, lag_m: f64) -> f64 {
         // Equal lags of both axes may differ by rounding.
@@ -172,6 +258,14 @@ impl Side {
         }
         self.acf[left] + (position - left as f64) * (self.acf[left + 1] - self.acf[left])
     }
+}
+
+/// Lags at which limits are computed, ever wider apart up to the last: 0, 1, … `last`.
+fn band_lags(last: usize) -> Vec<usize> {
+    let lag = |k: usize| (last as f64 * (k as f64 / BAND_LAGS as f64).powi(2)).round() as usize;
+    let mut lags: Vec<usize> = (0..=BAND_LAGS).map(lag).collect();
+    lags.dedup();
+    lags
 }
 
 /// Sorted values, equal ones taken once.

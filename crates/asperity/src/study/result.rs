@@ -5,11 +5,14 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use crate::correlation::MeasuredReport;
 use crate::stats::Interval;
-use crate::study::{Field, Table};
+use crate::study::{Field, PooledStatistics, Table};
+use crate::surface::pooling::Mean;
+use crate::surface::uncertainty::Estimates;
 
 /// Everything a run computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +76,9 @@ pub struct SurfaceResult {
     /// Statistics of the scan; absent without one.
     #[serde(flatten)]
     pub statistics: Option<SurfaceStatistics>,
+    /// Statistics of the part, where there are several scans of it, in place of those of one.
+    #[serde(flatten)]
+    pub part: Option<PooledStatistics>,
     /// Covariance of the random surfaces; absent for Weierstrass–Mandelbrot surfaces, which are not made from one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariance: Option<CovarianceResult>,
@@ -177,6 +183,74 @@ pub struct SurfaceStatistics {
     pub hurst: Option<f64>,
     /// Fractal dimension 3 − H.
     pub fractal_dimension: Option<f64>,
+    /// Intervals and standard errors beside them.
+    #[serde(flatten)]
+    pub intervals: StatisticsIntervals,
+}
+
+impl SurfaceStatistics {
+    /// The statistics that mean something for a part of which the map is one scan, with what is averaged over scans.
+    pub fn poolable(&self) -> Vec<(&'static str, Option<f64>, Mean)> {
+        let plain = [
+            ("Sa_m", Some(self.Sa_m)),
+            ("Ssk", finite(self.Ssk)),
+            ("Sku", finite(self.Sku)),
+            ("Sp_m", Some(self.Sp_m)),
+            ("Sv_m", Some(self.Sv_m)),
+            ("Sz_m", Some(self.Sz_m)),
+            ("Sdr", self.Sdr),
+            ("Sal_m", self.Sal_m),
+            ("Str", self.Str),
+            ("Ssw_m", self.Ssw_m),
+            ("Sk_m", Some(self.Sk_m)),
+            ("Spk_m", Some(self.Spk_m)),
+            ("Svk_m", Some(self.Svk_m)),
+            ("Smrk1", Some(self.Smrk1)),
+            ("Smrk2", Some(self.Smrk2)),
+            ("Spkx_m", Some(self.Spkx_m)),
+            ("Svkx_m", Some(self.Svkx_m)),
+            ("Sk_secant_m", Some(self.Sk_secant_m)),
+            ("Spk_secant_m", Some(self.Spk_secant_m)),
+            ("Svk_secant_m", Some(self.Svk_secant_m)),
+            ("Smrk1_secant", Some(self.Smrk1_secant)),
+            ("Smrk2_secant", Some(self.Smrk2_secant)),
+            ("Sxp_m", Some(self.Sxp_m)),
+            ("Vmp_m", Some(self.Vmp_m)),
+            ("Vmc_m", Some(self.Vmc_m)),
+            ("Vvc_m", Some(self.Vvc_m)),
+            ("Vvv_m", Some(self.Vvv_m)),
+            ("correlation_length_x_m", self.correlation_length_x_m),
+            ("correlation_length_y_m", self.correlation_length_y_m),
+            ("hurst", self.hurst),
+            ("fractal_dimension", self.fractal_dimension),
+        ];
+        // Their squares are means over the surface.
+        let square = [("Sq_m", Some(self.Sq_m)), ("Sdq", self.Sdq), ("Sdq_7point", self.Sdq_7point)];
+        let of = |mean: Mean| move |(name, value)| (name, value, mean);
+        square.into_iter().map(of(Mean::RootMeanSquare)).chain(plain.into_iter().map(of(Mean::Arithmetic))).collect()
+    }
+
+    /// Area of the points that are present in m².
+    pub fn present_area_m2(&self) -> f64 {
+        (self.nx * self.ny - self.missing_points) as f64 * self.dx_m * self.dy_m
+    }
+}
+
+/// For each statistic x that is estimated, `x_interval` = [low, high] at 95 % and `x_se`; null where the map holds too few
+/// correlation lengths.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StatisticsIntervals(pub Estimates);
+
+impl Serialize for StatisticsIntervals {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let named = self.0.named();
+        let mut map = serializer.serialize_map(Some(2 * named.len()))?;
+        for (name, estimate) in named {
+            map.serialize_entry(&format!("{name}_interval"), &estimate.map(|e| pair(e.interval)))?;
+            map.serialize_entry(&format!("{name}_se"), &estimate.map(|e| e.standard_error))?;
+        }
+        map.end()
+    }
 }
 
 /// Covariance of the random surfaces.

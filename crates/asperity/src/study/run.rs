@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::study::config::BoundaryChoice;
+use crate::study::config::{BoundaryChoice, SurfaceSection};
 use crate::study::friction_stage::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
@@ -52,9 +52,9 @@ impl FromStr for Stage {
 }
 
 impl Study {
-    /// The scan file, relative to the folder of the study file.
-    pub fn scan_path(&self, folder: &Path) -> Option<PathBuf> {
-        self.surface.as_ref().and_then(|surface| surface.file.as_ref()).map(|file| folder.join(file))
+    /// The scan files, `folder` being that of the study file.
+    pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
+        self.surface.iter().flat_map(SurfaceSection::files).map(|file| folder.join(file)).collect()
     }
 
     /// Whether the study has a section for the stage.
@@ -84,9 +84,9 @@ impl Study {
         let mut surface = None;
         if let Some(section) = &self.surface {
             monitor.progress("surface", 0, 1);
-            let scan = section.read_scan(folder)?;
-            let name = section.file.as_ref().and_then(|file| file.file_name()).map(|name| name.to_string_lossy());
-            let stage = surface_stage::run(section, name.as_deref().zip(scan))?;
+            let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let scans = section.files().iter().map(name).zip(section.read_scans(folder)?).collect();
+            let stage = surface_stage::run(section, scans)?;
             monitor.progress("surface", 1, 1);
             gathered.add(stage.output);
             gathered.results.surface = Some(stage.result);

@@ -70,9 +70,9 @@ impl Specimen {
         let [width, height] = self.size;
         let grid = Grid::covering(self.points[0], self.points[1], width.0, height.0)
             .map_err(|error| StudyError::Grid { section: "size and points", error })?;
-        let scan = self.surface.read_scan(folder)?;
-        let name = self.surface.file.as_ref().map(|file| file.to_string_lossy());
-        let stage = surface_stage::run(&self.surface, name.as_deref().zip(scan))?;
+        let names = self.surface.files().iter().map(|file| file.to_string_lossy().into_owned());
+        let scans = names.zip(self.surface.read_scans(folder)?).collect();
+        let stage = surface_stage::run(&self.surface, scans)?;
         let generated = stage.model.patch(grid, self.boundary == BoundaryChoice::Periodic)?;
         let idle = self.surface.idle_keys().into_iter();
         let warnings = idle.chain(stage.output.warnings).chain(generated.warnings).collect();

@@ -134,8 +134,8 @@ impl SurfaceModel {
 
     /// Surfaces for small patches, by the generator of the study.
     pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        match &self.texture {
-            &Texture::Translated { ref covariance, translation, modes: Some(modes) } => match translation {
+        match self.texture {
+            Texture::Translated { ref covariance, translation, modes: Some(modes) } => match translation {
                 TranslationChoice::Plain => {
                     self.karhunen_loeve(covariance, modes, covariance.is_product(), grid, periodic)
                 }
@@ -144,21 +144,21 @@ impl SurfaceModel {
                     self.karhunen_loeve(&corrected, modes, false, grid, periodic)
                 }
             },
-            &Texture::Translated { ref covariance, translation, modes: None } => {
+            Texture::Translated { ref covariance, translation, modes: None } => {
                 self.spectral(covariance, translation, grid, periodic)
             }
-            &Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
     }
 
     /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
     /// place.
     pub(super) fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
-        match &self.texture {
-            &Texture::Translated { ref covariance, translation, .. } => {
+        match self.texture {
+            Texture::Translated { ref covariance, translation, .. } => {
                 self.spectral(covariance, translation, grid, periodic)
             }
-            &Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
+            Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
     }
 

@@ -13,6 +13,7 @@ use crate::map::HeightMap;
 use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
+use crate::study::pooled::Part;
 use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
 use crate::study::surface_model::{GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::{Field, StudyError, sentence};
@@ -33,10 +34,10 @@ pub(super) struct SurfaceStage {
     pub(super) output: StageOutput,
 }
 
-/// Runs the stage; `scan` is the file of the study, already read.
-pub(super) fn run(section: &SurfaceSection, scan: Option<(&str, Scan)>) -> Result<SurfaceStage, StudyError> {
+/// Runs the stage; `scans` are the files of the study, already read, with their names.
+pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
-    let measured = scan.map(|(file, scan)| measure(section, file, scan, &mut output)).transpose()?;
+    let measured = measure_all(section, scans, &mut output)?;
     let (model, result) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
     if let Some(measured) = &measured {
         output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
@@ -51,7 +52,7 @@ pub(super) fn model_of(
     families: &[CorrelationFamily],
     output: &mut StageOutput,
 ) -> Result<(SurfaceModel, SurfaceResult), StudyError> {
-    let fits = measured.map(|m| fit_covariance(&m.correlation, families));
+    let fits = measured.map(|m| fit_covariance(m.correlation_of_all(), families));
     let (model, misfit) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
         (fractal_model(section, measured)?, None)
     } else {
@@ -61,14 +62,53 @@ pub(super) fn model_of(
     if let Some(fits) = fits.as_ref().filter(|_| section.covariance == CovarianceChoice::Measured) {
         output.warnings.extend(fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")));
     }
-    output.assumptions.push(model_sentence(section, &model));
+    let part = measured.and_then(|m| m.part.as_ref());
+    output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
     let result = SurfaceResult {
-        statistics: measured.map(|m| m.statistics.clone()),
+        statistics: measured.filter(|_| part.is_none()).map(|m| m.statistics.clone()),
+        part: part.map(|part| part.statistics.clone()),
         covariance: model.covariance().map(|covariance| covariance_result(covariance, misfit, fits.as_ref())),
         marginal: law_result(&model.marginal),
         karhunen_loeve: None,
     };
     Ok((model, result))
+}
+
+/// The first scan with what all say together; maps and series show the first.
+fn measure_all(
+    section: &SurfaceSection,
+    scans: Vec<(String, Scan)>,
+    output: &mut StageOutput,
+) -> Result<Option<Measured>, StudyError> {
+    if scans.len() < 2 {
+        let one = scans.into_iter().next();
+        return one.map(|(file, scan)| measure(section, &file, scan, output)).transpose();
+    }
+    let mut measured = Vec::with_capacity(scans.len());
+    for (file, scan) in scans {
+        let mut own = StageOutput::default();
+        let of_file = |error: StudyError| match error {
+            error @ StudyError::Map { .. } => error,
+            error => StudyError::OneOf { file: file.clone(), error: Box::new(error) },
+        };
+        let scan = measure(section, &file, scan, &mut own).map_err(of_file)?;
+        if measured.is_empty() {
+            output.fields = own.fields;
+        }
+        output.assumptions.append(&mut own.assumptions);
+        output.warnings.extend(own.warnings.into_iter().map(|warning| format!("{file}: {warning}")));
+        measured.push((file, scan));
+    }
+    output.assumptions.push(format!(
+        "The {} scans are taken as samples of one part: statistics are weighted means over the scans, the correlation is \
+         that of all pairs of heights within a scan, the marginal law that of all heights. Maps and figures of the \
+         measured heights show {}.",
+        measured.len(),
+        measured[0].0
+    ));
+    let part = Part::of(&measured)?;
+    let first = measured.into_iter().next();
+    Ok(first.map(|(_, first)| Measured { part: Some(part), ..first }))
 }
 
 /// Levels the scan and takes its statistics.
@@ -159,25 +199,25 @@ fn translated_model(
 /// A Weierstrass–Mandelbrot surface. Its heights sum many cosines of random phase, so their law is nearly normal, whatever
 /// that of the scan.
 fn fractal_model(section: &SurfaceSection, measured: Option<&Measured>) -> Result<SurfaceModel, StudyError> {
-    let own = measured.and_then(|m| m.statistics.fractal_dimension);
+    let own = measured.and_then(Measured::fractal_dimension);
     let dimension = section.fractal_dimension.or(own).ok_or(StudyError::FractalDimension)?;
     let std_m = rms_height_m(section, measured)?;
     Ok(SurfaceModel { marginal: Marginal::normal(0.0, std_m)?, texture: Texture::WeierstrassMandelbrot { dimension } })
 }
 
-fn model_sentence(section: &SurfaceSection, model: &SurfaceModel) -> String {
+fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -> String {
     match &model.texture {
         Texture::WeierstrassMandelbrot { dimension } => format!(
             "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
              {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
              are taken as normal; covariance and marginal law of the study play no part.",
             sentence::digits(*dimension),
-            if section.fractal_dimension.is_some() { "stated" } else { "measured on the scan" },
+            if section.fractal_dimension.is_some() { "stated".into() } else { format!("measured on {scans}") },
             sentence::si(model.marginal.std(), "m"),
         ),
         Texture::Translated { covariance, translation, .. } => format!(
             "Random surfaces have {} of rms height {}. {} imposed by {} translation.",
-            covariance_words(section, covariance),
+            covariance_words(section, covariance, scans),
             sentence::si(covariance.std_m(), "m"),
             if section.marginal == "measured" {
                 "The marginal law of the measured heights is".to_owned()
@@ -193,19 +233,23 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel) -> String {
 }
 
 /// A covariance in words.
-fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance) -> String {
+fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, scans: &str) -> String {
     let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
     match covariance {
         SurfaceCovariance::Model(model) => format!(
             "a {} covariance ({}, lengths {})",
             model.model().name(),
-            if section.covariance == CovarianceChoice::Measured { "fitted to the scan" } else { "stated" },
+            if section.covariance == CovarianceChoice::Measured {
+                format!("fitted to {scans}")
+            } else {
+                "stated".into()
+            },
             along(model.length_x_m(), model.length_y_m()),
         ),
         SurfaceCovariance::Empirical(own) => {
             let report = own.report();
             format!(
-                "the scan's own covariance (lags up to {} as estimated, then tapered; to make it positive definite {} % of \
+                "the covariance of {scans} itself (lags up to {} as estimated, then tapered; to make it positive definite {} % of \
                  the variance was clipped and correlations changed by at most {})",
                 along(report.reliable_x_m, report.reliable_y_m),
                 sentence::digits(100.0 * report.clipped_variance),
@@ -217,7 +261,7 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance) ->
 
 /// The stated rms height, or the scan's Sq.
 fn rms_height_m(section: &SurfaceSection, measured: Option<&Measured>) -> Result<f64, StudyError> {
-    let sq_m = measured.map(|m| m.statistics.Sq_m);
+    let sq_m = measured.map(Measured::sq_m);
     section.rms_height.map(|rms| rms.0).or(sq_m).ok_or(StudyError::NoStage("surface"))
 }
 
@@ -240,8 +284,12 @@ fn covariance_of(
             return Ok((SurfaceCovariance::Model(covariance), Some(fits.fits[0].misfit)));
         }
         CovarianceChoice::Empirical => {
-            let map = &measured.ok_or(StudyError::NoStage("surface"))?.map;
-            let covariance = MeasuredCovariance::of(map)?.with_std(rms_height_m(section, measured)?);
+            let own = measured.ok_or(StudyError::NoStage("surface"))?;
+            let covariance = match &own.part {
+                Some(part) => MeasuredCovariance::new(&part.correlation)?,
+                None => MeasuredCovariance::of(&own.map)?,
+            };
+            let covariance = covariance.with_std(rms_height_m(section, measured)?);
             return Ok((SurfaceCovariance::Empirical(Box::new(covariance)), None));
         }
         CovarianceChoice::SquaredExponential => CorrelationModel::SquaredExponential,
@@ -257,7 +305,7 @@ fn covariance_of(
 /// The marginal law of mean zero and of the covariance's standard deviation.
 fn marginal_of(section: &SurfaceSection, measured: Option<&Measured>, std_m: f64) -> Result<Marginal, StudyError> {
     let law = match (section.marginal.as_str(), measured) {
-        ("measured", Some(measured)) => Marginal::empirical(measured.map.present_m().collect())?,
+        ("measured", Some(measured)) => Marginal::empirical(measured.heights_of_all_m())?,
         (text, _) => text.parse()?,
     };
     Ok(law.standardised(0.0, std_m)?)

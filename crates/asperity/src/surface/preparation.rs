@@ -34,6 +34,8 @@ pub struct Prepared {
     pub lost: usize,
     /// Radius of a removed cylinder or sphere in metre, positive for a ridge or cap.
     pub radius_m: Option<f64>,
+    /// Form that was removed.
+    pub level: Level,
 }
 
 /// Why a map could not be prepared.
@@ -87,7 +89,8 @@ impl Preparation {
                 levelled = remove_form(&kept, self.level)?;
             }
         }
-        let mut prepared = Prepared { map: levelled.map, outliers, lost: 0, radius_m: levelled.radius_m };
+        let mut prepared =
+            Prepared { map: levelled.map, outliers, lost: 0, radius_m: levelled.radius_m, level: self.level };
         if let Some(cutoff_m) = self.s_filter_m {
             prepared.map =
                 GaussianFilter::linear(cutoff_m).smooth(&prepared.map).map_err(PreparationError::SFilter)?.map;

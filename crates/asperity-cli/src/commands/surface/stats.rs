@@ -1,9 +1,10 @@
 //! What a measured surface is.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use asperity::study::statistics;
+use asperity::study::result::SurfaceStatistics;
+use asperity::study::{PooledStatistics, statistics};
 use asperity::surface::preparation::PreparationError;
 use clap::Args;
 
@@ -13,11 +14,14 @@ use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Computes ISO 25178-2 parameters, correlation lengths and the fractal dimension of a map.
+/// Computes ISO 25178-2 parameters, correlation lengths and the fractal dimension of a map, with 95 % intervals; of several
+/// scans of one part those of the part.
 #[derive(Debug, Args)]
 pub(crate) struct Stats {
-    /// Measured or generated heights, in any format that `asperity formats` lists; known by its content.
-    file: PathBuf,
+    /// Measured or generated heights, in any format that `asperity formats` lists; known by its content. Several files are
+    /// scans of one part, whose statistics are pooled.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     #[command(flatten)]
     preparation: PreparationOptions,
     #[command(flatten)]
@@ -29,21 +33,35 @@ pub(crate) struct Stats {
 
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let map = input::map(&self.file, &self.options, monitor)?;
+        let mut scans = vec![];
+        for file in &self.files {
+            scans.push((file.display().to_string(), self.statistics(file, monitor)?));
+        }
+        if let [(_, statistics)] = scans.as_slice() {
+            return Answer::of(statistics)?.print(self.json);
+        }
+        let pooled = PooledStatistics::of(scans).map_err(|e| Failure::data("the scans", &e))?;
+        let answer = Answer::of(&pooled)?;
+        if self.json { answer.print(true) } else { answer.without("scans").print(false) }
+    }
+
+    fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<SurfaceStatistics, Failure> {
+        let map = input::map(file, &self.options, monitor)?;
         let preparation = self.preparation.preparation();
-        let unusable = |e: &dyn Error| Failure::data(self.file.display(), e);
+        let unusable = |e: &dyn Error| Failure::data(file.display(), e);
         let prepared = monitor.at_once(|| preparation.apply(&map))?.map_err(|e| match e {
             // A band or a cutoff that does not fit is the caller's.
             PreparationError::EmptyBand { .. } | PreparationError::SFilter(_) | PreparationError::LFilter(_) => {
-                Failure::usage(format_args!("{}: {e}", self.file.display()))
+                Failure::usage(format_args!("{}: {e}", file.display()))
             }
             e => unusable(&e),
         })?;
         if prepared.lost > 0 {
-            let lost = prepared.lost;
-            monitor.warn(&format!("the robust filter found no surface around {lost} heights, which count as missing"));
+            let (file, lost) = (file.display(), prepared.lost);
+            monitor.warn(&format!(
+                "{file}: the robust filter found no surface around {lost} heights, which count as missing"
+            ));
         }
-        let statistics = monitor.at_once(|| statistics(&prepared))?.map_err(|e| unusable(&e))?;
-        Answer::of(&statistics)?.print(self.json)
+        monitor.at_once(|| statistics(&prepared))?.map_err(|e| unusable(&e))
     }
 }

@@ -162,7 +162,7 @@ impl Target {
 
     /// Reads off a twin what was read off the scan.
     pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
-        let Measured { map, statistics, correlation } = Measured::of(twin)?;
+        let Measured { map, statistics, correlation, .. } = Measured::point_values_of(twin)?;
         let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics).unwrap_or(f64::NAN)).collect();
         let curves = self.curves.iter().map(|curve| curve.of_another(&map, &correlation)).collect();
         Ok(TwinTraits { statistics, curves })

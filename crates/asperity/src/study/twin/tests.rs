@@ -11,7 +11,7 @@ use crate::monitor::Silent;
 use crate::quantity::Length;
 use crate::study::config::CovarianceChoice;
 use crate::study::config::TranslationChoice;
-use crate::surface::{GaussianSurface, Predistorted, SpectralField, Translated};
+use crate::surface::{Predistorted, SpectralField, Translated};
 
 const PITCH_M: f64 = 1e-6;
 
