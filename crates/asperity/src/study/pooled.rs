@@ -47,7 +47,12 @@ impl PooledStatistics {
                 })
             };
             let readings: Option<Vec<Reading>> = scans.iter().map(|(_, scan)| reading(scan)).collect();
-            statistics.push((name, readings.map(|readings| pool(&readings, mean, LEVEL)).transpose()?));
+            let mut pooled = readings.map(|readings| pool(&readings, mean, LEVEL)).transpose()?;
+            if let Some(pooled) = pooled.as_mut().filter(|_| name != "Ssk") {
+                // All but the skewness are positive by definition, which two or three scans do not know.
+                pooled.interval.low = pooled.interval.low.max(0.0);
+            }
+            statistics.push((name, pooled));
         }
         Ok(Self { statistics, scans })
     }
