@@ -1,8 +1,9 @@
-//! Height maps, height density, autocorrelation and spectrum.
+//! Height maps, height density, autocorrelation, spectrum and structure functions.
 
 mod correlation;
 mod density;
 mod spectrum;
+mod structure;
 
 use super::{Plate, Stage, columns, csv, map, map_of};
 use crate::raster::{Kind, Raster};
@@ -13,6 +14,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
     plates.extend(density::plate(run)?);
     plates.extend(correlation::plate(run)?);
     plates.extend(spectrum::plate(run)?);
+    plates.extend(structure::plate(run)?);
     Ok(())
 }
 

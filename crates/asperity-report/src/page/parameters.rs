@@ -83,6 +83,8 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
             ("psd_reliable_high_rad_per_m", "q", "spectrum reliable to (wavelength)"),
             ("psd_upper_limit", "", "what ends the reliable spectrum"),
             ("hurst", "H", "Hurst exponent"),
+            ("hurst_range_low_m", "τ", "shortest lag of its fit"),
+            ("hurst_range_high_m", "τ", "longest lag of its fit"),
             ("fractal_dimension", "D", "fractal dimension, 3 − H"),
         ],
     ),

@@ -9,10 +9,11 @@ use crate::stats::Interval;
 use crate::study::height_fits::{HeightFits, effective_heights};
 use crate::study::pooled::Part;
 use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
-use crate::study::spectra::binned_tables;
+use crate::study::spectra::{binned_tables, structure_table};
 use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
 use crate::surface::areal::Analysis;
+use crate::surface::fractal::Scaling;
 use crate::surface::level::Level;
 use crate::surface::preparation::Prepared;
 use crate::surface::uncertainty::{Estimates, Uncertainty, Values, removed_terms};
@@ -87,10 +88,19 @@ fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, 
         correlation_length_x_m: correlation_length_m(Axis::X)?,
         correlation_length_y_m: correlation_length_m(Axis::Y)?,
         hurst: scaling.map(|s| s.hurst),
+        hurst_se: scaling.and_then(|s| s.hurst_se),
+        hurst_range_low_m: fit_end_m(scaling, |range_m| range_m.0, f64::min),
+        hurst_range_high_m: fit_end_m(scaling, |range_m| range_m.1, f64::max),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
         intervals: StatisticsIntervals(estimates),
     };
     Ok((statistics, values, correlation))
+}
+
+/// An end of the lags, over the axes that scale.
+fn fit_end_m(scaling: Option<Scaling>, end: fn((f64, f64)) -> f64, outer: fn(f64, f64) -> f64) -> Option<f64> {
+    let Scaling { x, y, .. } = scaling?;
+    [x, y].into_iter().flatten().map(|axis| end(axis.range_m)).reduce(outer)
 }
 
 fn uncertainty_of(level: Level) -> Uncertainty {
@@ -161,6 +171,7 @@ impl Measured {
         tables.extend(fits.table().map(|table| ("height_fits", table)));
         tables.extend(self.psd_table(covariance).map(|table| ("height_psd", table)));
         tables.extend(binned_tables(&self.map, covariance));
+        tables.push(("structure_function", structure_table(&self.map)?));
         Ok(tables)
     }
 

@@ -181,6 +181,12 @@ pub struct SurfaceStatistics {
     pub correlation_length_y_m: Option<f64>,
     /// Hurst exponent.
     pub hurst: Option<f64>,
+    /// Its standard error.
+    pub hurst_se: Option<f64>,
+    /// Shortest lag of the structure functions from which it was fitted.
+    pub hurst_range_low_m: Option<f64>,
+    /// Longest lag of these.
+    pub hurst_range_high_m: Option<f64>,
     /// Fractal dimension 3 − H.
     pub fractal_dimension: Option<f64>,
     /// Intervals and standard errors beside them.
