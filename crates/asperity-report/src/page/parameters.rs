@@ -116,10 +116,13 @@ pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)
         .map(|(place, (_, symbol, meaning))| (place, *symbol, *meaning))
 }
 
-/// Whether a key of the results is a parameter's, or that of its standard error or interval.
+/// Whether a key of the results is a parameter's, or that of its standard error, interval or scatter, or is of the scans.
 pub(super) fn belongs(key: &str) -> bool {
     let own = |key: &str| parameter(key).is_some();
-    own(key) || ["_se", "_interval"].iter().any(|suffix| key.strip_suffix(suffix).is_some_and(own))
+    let companions = ["_se", "_interval", "_within_std", "_between_std"];
+    matches!(key, "scans" | "scan_count")
+        || own(key)
+        || companions.iter().any(|suffix| key.strip_suffix(suffix).is_some_and(own))
 }
 
 /// The groups of parameters that the results hold: meaning, symbol, value and interval.
@@ -133,11 +136,39 @@ pub(super) fn table(surface: &Value) -> DataTable {
         rows.push(vec![title.to_owned()]);
         rows.extend(present.into_iter().map(|(key, symbol, meaning)| {
             let (value, interval) = shown(surface, key);
-            vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval]
+            let std = |of: &str| spread(&surface[&format!("{key}_{of}_std")], key);
+            vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, std("within"), std("between")]
         }));
     }
-    let headers = ["Parameter", "Symbol", "Value", "95 % interval"];
-    DataTable::new("Surface parameters", &headers, rows, "results.json").without_empty_columns()
+    let caption = match surface["scan_count"].as_u64() {
+        Some(count) => format!("Surface parameters of the part from {count} scans"),
+        None => "Surface parameters".to_owned(),
+    };
+    let headers = ["Parameter", "Symbol", "Value", "95 % interval", "Std of one scan", "Std between scans"];
+    DataTable::new(&caption, &headers, rows, "results.json").without_empty_columns()
+}
+
+/// A standard deviation of a parameter in its unit, or a dash.
+fn spread(value: &Value, key: &str) -> String {
+    value.as_f64().map_or_else(|| "–".into(), |value| Dimension::of_key(key).1.show_short(value))
+}
+
+/// Every scan of a part with the parameters that are asked for first.
+pub(super) fn scans(surface: &Value) -> Option<DataTable> {
+    const KEYS: [(&str, &str); 6] = [
+        ("Sq_m", "Sq"),
+        ("Ssk", "Ssk"),
+        ("Sku", "Sku"),
+        ("Sdq", "Sdq"),
+        ("correlation_length_x_m", "ℓx"),
+        ("correlation_length_y_m", "ℓy"),
+    ];
+    let rows = surface["scans"].as_array()?.iter().map(|scan| {
+        let file = scan["file"].as_str().unwrap_or("–").to_owned();
+        std::iter::once(file).chain(KEYS.iter().map(|(key, _)| shown(scan, key).0)).collect()
+    });
+    let headers: Vec<&str> = std::iter::once("Scan").chain(KEYS.iter().map(|(_, symbol)| *symbol)).collect();
+    Some(DataTable::new("Scans of the part", &headers, rows.collect(), "results.json"))
 }
 
 /// A parameter's value and interval, or dashes: three digits, more where the interval is narrower.
@@ -225,6 +256,7 @@ mod tests {
         assert_eq!(keys.len(), count);
         assert_eq!(parameter("Sa_m").map(|p| p.0), Some(0));
         assert!(belongs("Sq_m_interval") && belongs("Sq_m_se") && !belongs("covariance"));
+        assert!(belongs("Sq_m_within_std") && belongs("scans"));
     }
 
     #[test]
@@ -240,5 +272,22 @@ mod tests {
         assert_eq!(spaced[3], ["Map"]);
         // Without any interval there is no column for them.
         assert_eq!(super::table(&json!({"Ssk": 0.5})).headers.len(), 3);
+    }
+
+    #[test]
+    fn a_part_of_several_scans_has_their_scatter_and_a_row_for_each() {
+        let scan = |file: &str, sq_m: f64| json!({"file": file, "Sq_m": sq_m, "Ssk": null});
+        let surface = json!({
+            "scan_count": 2, "Sq_m": 1.1e-6, "Sq_m_interval": [0.9e-6, 1.3e-6], "Sq_m_se": 1e-7,
+            "Sq_m_within_std": 2e-8, "Sq_m_between_std": 1.2e-7, "scans": [scan("a.x3p", 1e-6), scan("b.x3p", 1.2e-6)],
+        });
+        let table = table(&surface);
+        assert!(table.caption.ends_with("from 2 scans") && table.headers.len() == 6, "{:?}", table.headers);
+        let cells = table.rows[1][4..].iter().map(|cell| cell.replace('\u{a0}', " ")).collect::<Vec<_>>();
+        assert_eq!(cells, ["20 nm", "120 nm"]);
+        let scans = scans(&surface).unwrap();
+        assert_eq!(scans.rows.len(), 2);
+        assert_eq!((scans.rows[1][0].as_str(), scans.rows[1][2].as_str()), ("b.x3p", "–"));
+        assert!(super::scans(&json!({"Sq_m": 1e-6})).is_none());
     }
 }

@@ -16,7 +16,10 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
     }
     let random = flattened(&rest).into_iter().map(|(key, value)| vec![key, value]).collect();
     let random = DataTable::new("Random surface", &["Property", "Value"], random, "results.json");
-    [Some(parameters::table(surface)), parameters::laws(run), Some(random)].into_iter().flatten().collect()
+    [Some(parameters::table(surface)), parameters::scans(surface), parameters::laws(run), Some(random)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// `pressure`: one row per method.
