@@ -152,6 +152,8 @@ const USUAL: &[&str] = &[
     "/beta",
     // No scaling range, and too few points.
     "/fractal_dimension",
+    "/hurst_range_low_m",
+    "/hurst_range_high_m",
     "/normality_p",
 ];
 
@@ -186,6 +188,20 @@ fn every_generator_boundary_control_and_law_runs_to_numbers() {
         let pressure = outcome.results.pressure.unwrap();
         assert!((0.0..=1.0).contains(&pressure.contact_probability), "{changes:?}");
         assert!(pressure.methods.iter().any(|method| method.contact_probability.is_some()), "{changes:?}");
+    }
+    let told = |generator: &str, stage| {
+        let corrected = format!("\"beta:2.1,5\"\ntranslation = \"corrected\"\n{generator}");
+        run(&changed(MODEL, &[("\"normal\"", &corrected)]), Some(stage)).results.assumptions.join("\n")
+    };
+    // The least correlation of the law is that of its own reflection, −0.9516.
+    let expansion = told("", Stage::Pressure);
+    assert!(
+        expansion.contains("distorted beforehand") && expansion.contains("a correlation below -0.9516"),
+        "{expansion}"
+    );
+    for stage in [Stage::Pressure, Stage::Friction] {
+        let modes = told("generator = \"spectral\"", stage);
+        assert!(modes.matches("Corrected translation meets the correlation").count() == 1, "{modes}");
     }
     let strips: [&[(&str, &str)]; 7] = [
         &[],

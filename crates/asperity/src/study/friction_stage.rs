@@ -140,6 +140,7 @@ pub(super) fn run(
         output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
     output.assumptions = sentences(section, &strips, mean_compliance_m_per_pa, &levels[lead]);
+    output.assumptions.extend(generated.correction.clone());
     let solved = SolvedStrips { window_m: window.length_m(), strip_width_m: grid.height_m(), levels };
     Ok(FrictionStage { solved, result, output })
 }

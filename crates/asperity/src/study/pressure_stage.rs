@@ -81,6 +81,7 @@ pub(super) fn run(
         _ => None,
     };
     let mut warnings = generated.warnings.clone();
+    let patch = [patch_sentence(section, &half_space, hardness_pa), expansion_sentence(section, surface)];
     for method in &results.methods {
         if let Err(reason) = &method.outcome {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
@@ -91,7 +92,7 @@ pub(super) fn run(
         output: StageOutput {
             tables: vec![("pressure_cdf", cdf_table(&results))],
             fields: sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?,
-            assumptions: vec![patch_sentence(section, &half_space, hardness_pa), expansion_sentence(section, surface)],
+            assumptions: patch.into_iter().chain(generated.correction.clone()).collect(),
             warnings,
         },
     })

@@ -121,6 +121,8 @@ pub(super) struct Generated {
     pub(super) surface: Box<dyn RandomSurface>,
     pub(super) karhunen_loeve: Option<KarhunenLoeveResult>,
     pub(super) warnings: Vec<String>,
+    /// How well the correlation of the heights is met, where the translation was corrected for it.
+    pub(super) correction: Option<String>,
 }
 
 impl SurfaceModel {
@@ -141,7 +143,12 @@ impl SurfaceModel {
                 }
                 TranslationChoice::Corrected => {
                     let corrected = Predistorted::new(covariance, &self.marginal)?;
-                    self.karhunen_loeve(&corrected, modes, false, grid, periodic)
+                    let correction = Some(format!(
+                        "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
+                         heights of this law cannot have a correlation below {}.",
+                        sentence::digits(corrected.least_correlation())
+                    ));
+                    Ok(Generated { correction, ..self.karhunen_loeve(&corrected, modes, false, grid, periodic)? })
                 }
             },
             Texture::Translated { ref covariance, translation, modes: None } => {
@@ -195,7 +202,7 @@ impl SurfaceModel {
             ));
         }
         let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance });
-        Ok(Generated { surface: self.translated(field)?, karhunen_loeve, warnings })
+        Ok(Generated { surface: self.translated(field)?, karhunen_loeve, warnings, correction: None })
     }
 
     fn spectral(
@@ -209,6 +216,7 @@ impl SurfaceModel {
             if periodic { Ok(SpectralField::periodic(covariance, grid)) } else { SpectralField::free(covariance, grid) }
         };
         let mut warnings = Vec::new();
+        let mut told = None;
         let field = match translation {
             TranslationChoice::Plain => make(covariance)?,
             TranslationChoice::Corrected => {
@@ -219,6 +227,14 @@ impl SurfaceModel {
                     correction.free(covariance, &self.marginal, grid)?
                 };
                 let left = report.corrected.largest_deviation;
+                told = Some(format!(
+                    "Corrected translation meets the correlation of the heights on {} to {}, plain translation would to {}; \
+                     heights of this law cannot have a correlation below {}.",
+                    sentence::size(grid.width_m(), grid.height_m()),
+                    sentence::digits(left),
+                    sentence::digits(report.plain.largest_deviation),
+                    sentence::digits(report.feasibility.least_correlation),
+                ));
                 if left > CORRELATION_LEFT {
                     warnings.push(format!(
                         "heights of the marginal law cannot have the correlation that was asked for: it is met to {}, by \
@@ -238,7 +254,7 @@ impl SurfaceModel {
                 sentence::digits(100.0 * field.clipped_variance())
             ));
         }
-        Ok(Generated { surface: self.translated(field)?, karhunen_loeve: None, warnings })
+        Ok(Generated { surface: self.translated(field)?, karhunen_loeve: None, warnings, correction: told })
     }
 
     fn translated(&self, field: impl GaussianSurface + 'static) -> Result<Box<dyn RandomSurface>, StudyError> {
@@ -250,6 +266,6 @@ impl SurfaceModel {
         let form = WeierstrassForm::Truncated;
         let surface = WeierstrassMandelbrot::new(grid, dimension, GAMMA, RIDGES, 1e-9, form)?
             .with_rms_height(self.marginal.std())?;
-        Ok(Generated { surface: Box::new(surface), karhunen_loeve: None, warnings: Vec::new() })
+        Ok(Generated { surface: Box::new(surface), karhunen_loeve: None, warnings: Vec::new(), correction: None })
     }
 }

@@ -99,6 +99,7 @@ impl Twins {
         let periodic = options.boundary == BoundaryChoice::Periodic;
         let mut generated = model.patch(grid, periodic)?;
         output.warnings.append(&mut generated.warnings);
+        output.assumptions.extend(generated.correction.take());
 
         let mut twins = Self {
             file: file.to_owned(),
