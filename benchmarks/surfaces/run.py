@@ -159,13 +159,13 @@ def eigenvalues(arguments, side):
 
 def karhunen_loeve(arguments):
     """A hundred and one modes of an isotropic exponential covariance, which is no product, on the unit square."""
-    import openturns as ot
+    import openturns
 
-    covariance = ot.MaternModel([LENGTH] * 2, [1.0], 0.5)
+    covariance = openturns.MaternModel([LENGTH] * 2, [1.0], 0.5)
 
     def theirs():
-        mesh = ot.IntervalMesher([THEIR_SIDE - 1] * 2).build(ot.Interval([0.0, 0.0], [1.0, 1.0]))
-        algorithm = ot.KarhunenLoeveP1Algorithm(mesh, covariance, 0.0)
+        mesh = openturns.IntervalMesher([THEIR_SIDE - 1] * 2).build(openturns.Interval([0.0, 0.0], [1.0, 1.0]))
+        algorithm = openturns.KarhunenLoeveP1Algorithm(mesh, covariance, 0.0)
         algorithm.setNbModes(MODES)
         algorithm.run()
         return np.array(algorithm.getResult().getEigenvalues())

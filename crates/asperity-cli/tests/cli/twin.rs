@@ -134,7 +134,7 @@ fn scans_without_texture_and_wrong_flags_leave_nothing_behind() {
         ("words.txt --pixel-size 1um", 3, vec!["words.txt"]),
         ("flat.npy", 2, vec!["flat.npy", "--pixel-size"]),
         ("flat.npy --pixel-size 1um", 3, vec!["flat.npy"]),
-        ("noise.npy --pixel-size 1um", 3, vec!["noise.npy", "--covariance"]),
+        ("noise.npy --pixel-size 1um --covariance measured", 3, vec!["noise.npy", "--covariance"]),
         ("scan.x3p --count 0", 2, vec!["--count", "at least 1"]),
         ("scan.x3p --format bmp", 2, vec!["--format", "asperity formats"]),
         ("scan.x3p --marginal gamma:2", 2, vec!["--marginal", "gamma"]),

@@ -19,7 +19,8 @@ const LEVEL: f64 = 0.95;
 /// the part's, `x_within_std` (the standard error of one scan) and `x_between_std` (the standard deviation between places);
 /// `scan_count`, and the scans as `scans`, each with its `file` and all that is said of a single map. A statistic that is
 /// undefined on a scan is null. Points and pitches stand beside them where all scans have the same, missing points and
-/// outliers are those of all scans, and wavenumbers are reliable where they are so in every scan.
+/// outliers are those of all scans, wavenumbers are reliable where they are so in every scan, and the lags of the Hurst exponent are the
+/// outermost of all scans.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PooledStatistics {
     /// Names as in [`SurfaceStatistics`], and pooled statistics.
@@ -73,6 +74,11 @@ impl PooledStatistics {
         self.scans.iter().map(|(_, scan)| of(scan)).sum()
     }
 
+    /// The outermost of what is defined.
+    fn ends(&self, of: fn(&SurfaceStatistics) -> Option<f64>, outer: fn(f64, f64) -> f64) -> Option<f64> {
+        self.scans.iter().filter_map(|(_, scan)| of(scan)).reduce(outer)
+    }
+
     fn extreme(&self, of: impl Fn(&SurfaceStatistics) -> f64, further: fn(f64, f64) -> f64) -> Option<f64> {
         self.scans.iter().map(|(_, scan)| of(scan)).reduce(further)
     }
@@ -112,6 +118,8 @@ impl Serialize for PooledStatistics {
         map.serialize_entry("psd_reliable_low_rad_per_m", &low)?;
         map.serialize_entry("psd_reliable_high_rad_per_m", &high)?;
         map.serialize_entry("psd_upper_limit", &narrowest.map(|scan| scan.psd_upper_limit))?;
+        map.serialize_entry("hurst_range_low_m", &self.ends(|s| s.hurst_range_low_m, f64::min))?;
+        map.serialize_entry("hurst_range_high_m", &self.ends(|s| s.hurst_range_high_m, f64::max))?;
         let scans: Vec<Scan> = self.scans.iter().map(|(file, statistics)| Scan { file, statistics }).collect();
         map.serialize_entry("scans", &scans)?;
         map.end()
