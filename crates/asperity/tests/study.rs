@@ -9,7 +9,7 @@ use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::{Monitor, Silent};
 use asperity::random;
-use asperity::study::{FailureKind, Outcome, Stage, Staging, StoredRun, Study, StudyError, json_bytes};
+use asperity::study::{FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes};
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
 
@@ -208,6 +208,7 @@ fn two_scans_are_pooled_into_one_surface() {
 fn the_same_scan_twice_has_the_same_point_statistics() {
     let folder = two_scans();
     let [once, twice] = ["\"a.x3p\"", "[\"a.x3p\", \"a.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
+    assert!(twice.results.warnings.iter().any(|warning| warning.contains("a.x3p is listed twice")));
     let [once, twice] = [once, twice].map(|o| serde_json::to_value(o.results.surface.unwrap()).unwrap());
     let [once_map, twice_map] = [&once, &twice].map(|s| s.as_object().unwrap());
     for (key, value) in once_map.iter().filter(|(key, _)| !key.ends_with("_se") && !key.contains("_points")) {
@@ -348,7 +349,7 @@ fn a_run_folder_appears_whole_and_reads_back() {
     let outcome = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap();
     let out = folder.path().join("runs").join("small");
     {
-        let abandoned = Staging::open(&out, false).unwrap();
+        let abandoned = Staging::open(&out, false, &[]).unwrap();
         abandoned.write_outcome(&outcome).unwrap();
     }
     assert_eq!(
@@ -356,7 +357,7 @@ fn a_run_folder_appears_whole_and_reads_back() {
         0,
         "an abandoned run leaves something behind"
     );
-    let staging = Staging::open(&out, false).unwrap();
+    let staging = Staging::open(&out, false, &[]).unwrap();
     staging.write_outcome(&outcome).unwrap();
     staging.write("study.toml", STUDY.as_bytes()).unwrap();
     staging.write("provenance.json", b"{}").unwrap();
@@ -366,8 +367,11 @@ fn a_run_folder_appears_whole_and_reads_back() {
     let (back, field) = (&stored.fields["height_levelled"], &outcome.fields["height_levelled"]);
     assert_eq!((back.dx_m, back.unit.as_str()), (2e-6, "m"));
     assert!(back.values.iter().zip(&field.values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
-    assert!(Staging::open(&out, false).is_err(), "a finished run is not overwritten unasked");
-    let replaced = Staging::open(&out, true).unwrap();
+    assert!(Staging::open(&out, false, &[]).is_err(), "a finished run is not overwritten unasked");
+    // What is read is not deleted.
+    let scan = out.join("results.json");
+    assert!(matches!(Staging::open(&out, true, &[&scan]), Err(StoreError::HoldsInput { .. })));
+    let replaced = Staging::open(&out, true, &[]).unwrap();
     replaced.write("study.toml", b"").unwrap();
     replaced.commit().unwrap();
     assert!(StoredRun::load(&out).is_err(), "the new content has no results");

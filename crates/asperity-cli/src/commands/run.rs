@@ -74,8 +74,9 @@ impl Run {
             only.map(|stage| stage.name().to_owned()),
         );
         provenance.input(&self.study)?;
-        for scan in study.scan_paths(folder) {
-            provenance.input(&scan)?;
+        let scans = study.scan_paths(folder);
+        for scan in &scans {
+            provenance.input(scan)?;
         }
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
             .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
@@ -86,7 +87,9 @@ impl Run {
         }
         // Before hours are spent: may the folder be written?
         let _parents = NewParents::of(&destination);
-        let staging = Staging::open(&destination, self.force).map_err(|e| store_failure(&e))?;
+        let inputs: Vec<&Path> =
+            std::iter::once(self.study.as_path()).chain(scans.iter().map(PathBuf::as_path)).collect();
+        let staging = Staging::open(&destination, self.force, &inputs).map_err(|e| store_failure(&e))?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
             Err(study_file::ended(&self.study, &e).told(reason, self.json)?)

@@ -116,6 +116,10 @@ fn a_folder_that_holds_something_is_replaced_by_force_alone() {
     assert_eq!(listing(&at.join("twins")), ["mine.txt"]);
     assert_eq!(twin(at, &format!("{line} --force")).code, 0);
     assert!(!listing(&at.join("twins")).contains(&"mine.txt".to_owned()));
+    // The folder that holds the scan is not deleted with it.
+    twin(at, &format!("scan.x3p --count 2 --out . --force {FAST}")).refuses(2, &["scan.x3p", "delete"]);
+    assert!(at.join("scan.x3p").is_file());
+    twin(at, &format!("scan.x3p --count 2 --out huge --size 1m {FAST}")).refuses(5, &["memory"]);
     twin(at, &format!("scan.x3p --count 2 --out scan.x3p {FAST}")).refuses(2, &["--out", "folder"]);
     let hidden: Vec<String> = listing(at).into_iter().filter(|name| name.starts_with('.')).collect();
     assert!(hidden.is_empty(), "{hidden:?}");

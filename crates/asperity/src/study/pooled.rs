@@ -13,6 +13,9 @@ use crate::surface::pooling::{Pooled, PoolingError, Reading, pool, pooled_height
 /// Confidence level of the intervals.
 const LEVEL: f64 = 0.95;
 
+/// Statistics that exceed one nowhere.
+const SHARES: [&str; 5] = ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant"];
+
 /// Statistics of a part, and those of its scans.
 ///
 /// As JSON, for each statistic x: `x` (the weighted mean of the scans' own), `x_interval` = [low, high] at 95 % and `x_se` of
@@ -52,6 +55,9 @@ impl PooledStatistics {
             if let Some(pooled) = pooled.as_mut().filter(|_| name != "Ssk") {
                 // All but the skewness are positive by definition, which two or three scans do not know.
                 pooled.interval.low = pooled.interval.low.max(0.0);
+                if SHARES.contains(&name) {
+                    pooled.interval.high = pooled.interval.high.min(1.0);
+                }
             }
             statistics.push((name, pooled));
         }

@@ -35,6 +35,14 @@ pub enum StoreError {
         /// The destination.
         path: PathBuf,
     },
+    /// The destination holds a file that is read.
+    #[error("{} holds {}, which is read: replacing the folder would delete it; choose another folder", path.display(), input.display())]
+    HoldsInput {
+        /// The destination.
+        path: PathBuf,
+        /// The file in it.
+        input: PathBuf,
+    },
     /// The folder holds no finished run.
     #[error("{} is not a finished run: it holds no {missing}", path.display())]
     NotARun {
@@ -71,18 +79,24 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// Begins a run folder at `destination`. With `force` a folder that is there is replaced at the commit.
+    /// Begins a run folder at `destination`. With `force` a folder that is there is replaced at the commit, unless it holds
+    /// one of the `inputs`.
     ///
     /// # Errors
-    /// The destination is a file, or not empty without `force`, or its parent cannot be written.
-    pub fn open(destination: &Path, force: bool) -> Result<Self, StoreError> {
+    /// The destination is a file, or not empty without `force`, or holds an input, or its parent cannot be written.
+    pub fn open(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Self, StoreError> {
         if destination.is_file() {
             return Err(StoreError::NotEmpty { path: destination.into() });
         }
-        if destination.is_dir() && !force {
-            let mut entries = fs::read_dir(destination).map_err(at(destination))?;
-            if entries.next().is_some() {
-                return Err(StoreError::NotEmpty { path: destination.into() });
+        if destination.is_dir() && fs::read_dir(destination).map_err(at(destination))?.next().is_some() {
+            let path = destination.to_path_buf();
+            if !force {
+                return Err(StoreError::NotEmpty { path });
+            }
+            let folder = destination.canonicalize().map_err(at(destination))?;
+            let within = |input: &&&Path| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
+            if let Some(input) = inputs.iter().find(within) {
+                return Err(StoreError::HoldsInput { path, input: input.to_path_buf() });
             }
         }
         let name = destination.file_name().map_or_else(|| "run".into(), |name| name.to_string_lossy().into_owned());

@@ -106,6 +106,11 @@ fn measure_all(
         measured.len(),
         measured[0].0
     ));
+    let mut names: Vec<&String> = measured.iter().map(|(file, _)| file).collect();
+    names.sort();
+    for pair in names.windows(2).filter(|pair| pair[0] == pair[1]) {
+        output.warnings.push(format!("{} is listed twice and counts as two places: intervals are too narrow", pair[0]));
+    }
     let part = Part::of(&measured)?;
     let first = measured.into_iter().next();
     Ok(first.map(|(_, first)| Measured { part: Some(part), ..first }))

@@ -36,7 +36,7 @@ pub enum FillMarginal {
 /// How a map is filled.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FillOptions {
-    /// Form that is taken out before and put back afterwards, also where heights were missing.
+    /// Form that is taken out before and put back afterwards, also where heights were missing; beyond the map as at its edge.
     pub level: Level,
     /// Points that are added on the left and on the right.
     pub extend_x: usize,
@@ -113,7 +113,12 @@ impl Filling {
                 ConditionalSurface::with_law(&gaussian, &levelled.map, &law, conditioning)?
             }
         };
-        Ok(Self { measured, form_m: levelled.form_m, surface })
+        // Beyond the map the form goes on as it is at the edge: a polynomial would run away.
+        let ((ny, nx), (left, top)) = (map.grid().shape(), (options.extend_x, options.extend_y));
+        let form_m = Array2::from_shape_fn(levelled.form_m.dim(), |(row, column)| {
+            levelled.form_m[[row.clamp(top, top + ny - 1), column.clamp(left, left + nx - 1)]]
+        });
+        Ok(Self { measured, form_m, surface })
     }
 
     /// Number of heights that are filled in.

@@ -32,6 +32,10 @@ use crate::correlation::{Autocorrelation, Axis};
 use crate::map::HeightMap;
 use crate::stats::{Interval, Moments};
 
+/// Correlation areas l_x l_y that a map must hold, and so many for each coefficient of the removed form. On fewer the
+/// intervals are too narrow for what they rest on, as counted on maps of 8 to 24 lengths a side and forms of degree 3 to 8.
+const LEAST_AREAS: f64 = 400.0;
+const LEAST_AREAS_PER_TERM: f64 = 100.0;
 /// Largest share of the variance that may have gone with the form.
 const LARGEST_REMOVED: f64 = 0.3;
 
@@ -99,6 +103,13 @@ impl Values {
             correlation_length_x_m: correlation.correlation_length_m(Axis::X),
             correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
         }
+    }
+
+    /// Correlation areas l_x l_y that the heights present take.
+    fn areas_in(&self, map: &HeightMap) -> Option<f64> {
+        let (grid, present) = (map.grid(), map.present_m().count());
+        let [x_m, y_m] = self.lengths_m();
+        Some(present as f64 * grid.dx_m() * grid.dy_m() / (x_m? * y_m?))
     }
 
     fn lengths_m(&self) -> [Option<f64>; 2] {
@@ -265,6 +276,11 @@ impl Uncertainty {
 
     /// What all estimates rest on; `None` when the map holds too few correlation lengths for any.
     fn basis(&self, map: &HeightMap, values: &Values) -> Option<Basis> {
+        let least = LEAST_AREAS.max(LEAST_AREAS_PER_TERM * self.removed_terms as f64);
+        // Along a lay that does not decay there is no length, and the blocks beside each other are counted alone.
+        if values.areas_in(map).is_some_and(|areas| areas < least) {
+            return None;
+        }
         let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
         let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
         let sums = HeightSums::of(&cells);

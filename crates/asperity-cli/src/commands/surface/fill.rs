@@ -79,6 +79,11 @@ impl Fill {
             let message = format!("--out {}: {} maps need a folder, this is a file", self.out.display(), self.count);
             return Err(Failure::usage(message));
         }
+        if let (Ok(input), Ok(out)) = (self.input.canonicalize(), self.out.canonicalize())
+            && input == out
+        {
+            return Err(Failure::usage(format!("--out {}: this is the map that is read", self.out.display())));
+        }
         let map = input::map(&self.input, &self.options, monitor)?;
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];

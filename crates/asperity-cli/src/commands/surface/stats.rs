@@ -48,6 +48,14 @@ impl Stats {
         if let [(_, statistics)] = scans.as_slice() {
             return Answer::of(statistics)?.print(self.json);
         }
+        for (place, file) in self.files.iter().enumerate() {
+            let same =
+                |other: &PathBuf| file.canonicalize().is_ok_and(|file| other.canonicalize().is_ok_and(|o| o == file));
+            if self.files[..place].iter().any(same) {
+                let file = file.display();
+                monitor.warn(&format!("{file} is listed twice and counts as two places: intervals are too narrow"));
+            }
+        }
         let pooled = PooledStatistics::of(scans).map_err(|e| Failure::data("the scans", &e))?;
         let answer = Answer::of(&pooled)?;
         if self.json { answer.print(true) } else { answer.without("scans").print(false) }

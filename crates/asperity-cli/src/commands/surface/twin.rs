@@ -251,14 +251,17 @@ impl Twin {
         {
             // Before anything is computed: may the folder be written? Nothing of this attempt stays.
             let _parents = NewParents::of(&self.out);
-            Staging::open(&self.out, self.force).map_err(|e| store_failure(&e))?;
+            Staging::open(&self.out, self.force, &[&self.file]).map_err(|e| store_failure(&e))?;
         }
         let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut provenance = Provenance::begin(name.clone(), self.seed, None);
         let scan = input::scan(&self.file, &self.options, monitor)?;
         provenance.input(&self.file)?;
         let at_once = rayon::current_num_threads().min(self.count);
-        require_memory(options.memory_bytes(scan.heights_m.len(), at_once), "making and comparing twins")?;
+        require_memory(
+            options.memory_bytes(scan.heights_m.len(), scan.pitch_m, at_once),
+            "making and comparing twins",
+        )?;
         let told = scan.warnings.len();
         let file = self.file.display().to_string();
         let twins = monitor.at_once(|| Twins::like(scan, &file, &options))?.map_err(|e| self.ended(&e))?;
@@ -266,7 +269,7 @@ impl Twin {
         twins.warnings().iter().skip(told).for_each(|warning| monitor.warn(warning));
 
         let _parents = NewParents::of(&self.out);
-        let staging = Staging::open(&self.out, self.force).map_err(|e| store_failure(&e))?;
+        let staging = Staging::open(&self.out, self.force, &[&self.file]).map_err(|e| store_failure(&e))?;
         let comparison = twins.compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin)).map_err(
             |e| match e {
                 TwinError::Study(e) => self.ended(&e),

@@ -47,13 +47,17 @@ impl TwinOptions {
     }
 
     /// Memory in byte to make twins of `scan_points` points and compare so many at once, roughly.
-    pub fn memory_bytes(&self, scan_points: usize, at_once: usize) -> f64 {
+    pub fn memory_bytes(&self, scan_points: usize, pitch_m: Option<(f64, f64)>, at_once: usize) -> f64 {
         // The covariance embedded in twice the width and height with its sorted modes; of each twin the germ, the
         // transform, and the padded correlations; the scan, raw and prepared.
         const GENERATOR: f64 = 4.0 * 64.0;
         const TWIN: f64 = 4.0 * 48.0;
         const SCAN: f64 = 64.0;
-        let points = self.points.map_or(scan_points as f64, |[nx, ny]| nx as f64 * ny as f64);
+        let points = match (self.points, self.size_m, pitch_m) {
+            (Some([nx, ny]), _, _) => nx as f64 * ny as f64,
+            (None, Some([width_m, height_m]), Some((dx_m, dy_m))) => (width_m / dx_m) * (height_m / dy_m),
+            _ => scan_points as f64,
+        };
         scan_points as f64 * SCAN + points * (GENERATOR + at_once as f64 * TWIN)
     }
 
