@@ -256,3 +256,81 @@ fn maps_without_statistics_are_unusable_data_and_a_missing_scale_is_a_missing_fl
         surface(folder.path(), &format!("{line} --json")).refuses(code, &words);
     }
 }
+
+/// Heights in metre with the correlation e^{−(|x| + |y|)/5} of points, by recursion, and a rectangle of missing ones.
+fn rough_with_a_void() -> Array2<f64> {
+    let (ny, nx, memory) = (72, 80, (-0.2_f64).exp());
+    let mut state = 7_u64;
+    let mut noise = || {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            sum += (state >> 11) as f64 / (1_u64 << 53) as f64;
+        }
+        sum
+    };
+    let mut heights = Array2::<f64>::zeros((ny, nx));
+    for row in 0..ny {
+        for column in 0..nx {
+            let at = |up: usize, left: usize| match (row.checked_sub(up), column.checked_sub(left)) {
+                (Some(row), Some(column)) => heights[[row, column]],
+                _ => 0.0,
+            };
+            heights[[row, column]] = memory * (at(1, 0) + at(0, 1)) - memory * memory * at(1, 1) + 1e-7 * noise();
+        }
+    }
+    heights.slice_mut(ndarray::s![20..40, 30..60]).fill(f64::NAN);
+    heights
+}
+
+#[test]
+fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
+    let folder = TempDir::new().unwrap();
+    let measured = rough_with_a_void();
+    npy(folder.path(), "map.npy", measured.clone());
+    let bits = |map: &Array2<f64>| map.iter().map(|z| z.to_bits()).collect::<Vec<_>>();
+    let filled = |name: &str| read(&folder.path().join(name)).unwrap().heights_m;
+
+    let ended = surface(folder.path(), "fill map.npy --pixel-size 1um --out out.npy --seed 3");
+    assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
+    assert!(ended.stderr.contains("600 of 5760 heights (10.4 %) are filled in, 5160 are measured"), "{ended:?}");
+    let out = filled("out.npy");
+    assert!(out.iter().all(|z| z.is_finite()));
+    let kept = measured.iter().zip(&out).filter(|(z, _)| !z.is_nan());
+    assert!(kept.into_iter().all(|(before, after)| before.to_bits() == after.to_bits()));
+    // A function of the seed.
+    assert_eq!(surface(folder.path(), "fill map.npy --pixel-size 1um --out same.npy --seed 3 --threads 1").code, 0);
+    assert_eq!(bits(&filled("same.npy")), bits(&out));
+    assert_eq!(surface(folder.path(), "fill map.npy --pixel-size 1um --out other.npy --seed 4").code, 0);
+    assert_ne!(bits(&filled("other.npy")), bits(&out));
+
+    let line = "fill map.npy --pixel-size 1um --out maps --seed 3 --count 2 --extend 4um,2.5um --marginal normal \
+                --covariance fitted";
+    let several = surface(folder.path(), line);
+    assert_eq!(several.code, 0, "{several:?}");
+    assert_eq!(listing(&folder.path().join("maps")), ["map_0000.x3p", "map_0001.x3p"]);
+    let wide = filled("maps/map_0001.x3p");
+    assert_eq!(wide.dim(), (72 + 6, 80 + 8));
+    assert_eq!(wide[[3, 4]].to_bits(), measured[[0, 0]].to_bits());
+    assert_ne!(bits(&wide), bits(&filled("maps/map_0000.x3p")));
+}
+
+#[test]
+fn what_cannot_be_filled_says_why_and_leaves_nothing_behind() {
+    let folder = TempDir::new().unwrap();
+    npy(folder.path(), "map.npy", rough_with_a_void());
+    npy(folder.path(), "flat.npy", Array2::from_shape_fn((16, 16), |(r, _)| if r > 8 { f64::NAN } else { 1e-6 }));
+    let before = listing(folder.path());
+    for (line, code, words) in [
+        ("fill map.npy --pixel-size 1um --out out.npy", 2, vec!["--seed"]),
+        ("fill map.npy --out out.npy --seed 1", 2, vec!["map.npy", "pixel size"]),
+        ("fill map.npy --pixel-size 1um --out out.npy --seed 1 --nugget 2", 2, vec!["nugget", "[0, 1]"]),
+        ("fill map.npy --pixel-size 1um --out out.npy --seed 1 --extend -1um", 2, vec!["--extend", "negative"]),
+        ("fill flat.npy --pixel-size 1um --out out.npy --seed 1", 3, vec!["flat.npy", "equal"]),
+        ("fill gone.npy --pixel-size 1um --out out.npy --seed 1", 3, vec!["gone.npy"]),
+        ("fill map.npy --pixel-size 1um --out map.npy --seed 1", 2, vec!["map.npy", "is read"]),
+    ] {
+        surface(folder.path(), line).refuses(code, &words);
+    }
+    assert_eq!(listing(folder.path()), before);
+}
