@@ -28,7 +28,7 @@ pub(crate) struct Run {
     /// Only this stage and what it needs.
     #[arg(long, value_enum, value_name = "STAGE")]
     only: Option<Only>,
-    /// Replace a folder that is not empty.
+    /// Replace a folder that is not empty, unless it holds the study or a scan.
     #[arg(long)]
     force: bool,
     /// Print results.json to stdout as well.

@@ -238,6 +238,26 @@ mod tests {
     }
 
     #[test]
+    fn a_form_does_not_run_away_beyond_the_map() {
+        // A bowl of 1 mm radius under roughness: its polynomial would rise by tens of micrometres in the extension.
+        let (whole, _) = scan(&Marginal::STANDARD_NORMAL);
+        let bowl = |x: f64, y: f64| ((x - 80e-6).powi(2) + (y - 60e-6).powi(2)) / 2e-3;
+        let form = HeightMap::from_function(whole.grid(), bowl).unwrap();
+        let map = HeightMap::new(whole.grid(), whole.heights_m() + form.heights_m()).unwrap();
+        let options =
+            FillOptions { level: Level::Polynomial(4), extend_x: 120, extend_y: 90, ..FillOptions::default() };
+        let filling = Filling::new(&map, options).unwrap();
+        let filled =
+            filling.draw(&random::standard_normal(&mut random::stream(9, "far", 0), filling.germ_len())).unwrap();
+        let range = |map: &HeightMap| {
+            map.present_m().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
+        };
+        let ((low, high), (measured_low, measured_high)) = (range(&filled), range(&map));
+        // As high as the edges, where the form stops, and as rough.
+        assert!(low > measured_low - 4e-6 && high < measured_high + 4e-6, "{low:e} {high:e}");
+    }
+
+    #[test]
     fn a_lay_that_goes_through_the_whole_map_goes_through_the_void() {
         let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
         let lay = Covariance::new(CorrelationModel::Exponential, 1e-6, 3e-6, 200e-6).unwrap();

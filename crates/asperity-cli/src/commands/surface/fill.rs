@@ -43,7 +43,7 @@ pub(crate) struct Fill {
     #[arg(long, value_name = "Q[,Q]", value_parser = extension, allow_hyphen_values = true)]
     extend: Option<OneOrTwo<Length>>,
     /// Form that is taken out before and put back afterwards: none, mean, plane, quadratic, polynomial:N, cylinder or
-    /// sphere.
+    /// sphere. Beyond the map it goes on as it is at the edge.
     #[arg(long, value_name = "FORM", default_value = "plane")]
     level: Level,
     /// Covariance of what is filled in: the map's own, or the model that fits it best.

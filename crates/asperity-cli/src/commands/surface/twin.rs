@@ -42,7 +42,7 @@ pub(crate) struct Twin {
     /// Folder to write, which appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace a folder that is not empty.
+    /// Replace a folder that is not empty, unless it holds the scan.
     #[arg(long)]
     force: bool,
     /// Seed of every draw.
@@ -85,7 +85,8 @@ struct ModelOptions {
     /// Rms height before a form is removed; that which leaves the scan's Sq when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
     rms_height: Option<Length>,
-    /// Marginal law of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE.
+    /// Marginal law of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE,
+    /// johnson:SKEWNESS,KURTOSIS.
     #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
     marginal: String,
     /// How the marginal law is imposed: corrected keeps the correlation, plain distorts it a little.

@@ -60,12 +60,12 @@ impl Lags {
                     return Err(TranslationError::Target { lag_x_m, lag_y_m, value });
                 }
                 let (opposite_row, opposite_column) = ((ny - row) % ny, (nx - column) % nx);
-                let mut places = vec![(row, column), (opposite_row, opposite_column)];
+                let mut set = |r: usize, c: usize| wrapped[r * nx + c] = value.clamp(-1.0, 1.0);
+                set(row, column);
+                set(opposite_row, opposite_column);
                 if self.mirrored {
-                    places.extend([(row, opposite_column), (opposite_row, column)]);
-                }
-                for (r, c) in places {
-                    wrapped[r * nx + c] = value.clamp(-1.0, 1.0);
+                    set(row, opposite_column);
+                    set(opposite_row, column);
                 }
             }
         }
