@@ -90,6 +90,8 @@ pub struct Autocorrelation {
     covariance_m2: Vec<f64>,
     /// Laid out alike; `None` of a complete map, whose pairs are (nx − |l|)(ny − |k|).
     pairs: Option<Vec<f64>>,
+    /// Mean square of the two heights of a pair, laid out alike, where it was asked for.
+    squares_m2: Option<Vec<f64>>,
 }
 
 impl Autocorrelation {
@@ -155,7 +157,34 @@ impl Autocorrelation {
             }
         });
         let all_pairs = (present as f64).powi(2);
-        Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2: covariance, pairs })
+        let covariance_m2 = covariance;
+        Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs, squares_m2: None })
+    }
+
+    /// The same with the [semivariance](Autocorrelation::semivariance_m2) beside it, from the map it was estimated of.
+    ///
+    /// # Panics
+    /// If the map is smaller than the lags reach.
+    #[must_use]
+    pub fn and_semivariance(self, map: &HeightMap) -> Self {
+        let ((ny, nx), mean_m, variance_m2) = (map.grid().shape(), self.mean_m, self.variance_m2());
+        let reach = (self.reach_x, self.reach_y);
+        // With the mask m and the squares s, (m + s) ⋆ (m + s) − (m − s) ⋆ (m − s) is four times the sum over the pairs.
+        let sums = |sign: f64| {
+            autocorrelation_sums((ny, nx), reach, |row, out| {
+                let heights = &map.values_m()[row * nx..(row + 1) * nx];
+                for (out, z) in out.iter_mut().zip(heights) {
+                    *out = if z.is_nan() { 0.0 } else { 1.0 + sign * (z - mean_m).powi(2) / variance_m2 };
+                }
+            })
+        };
+        let (mut squares, differences) = (sums(1.0), sums(-1.0));
+        let width = 2 * self.reach_x + 1;
+        for (place, (sum, difference)) in squares.iter_mut().zip(differences).enumerate() {
+            let pairs = self.pairs((place % width) as isize - self.reach_x as isize, (place / width) as isize);
+            *sum = if pairs > 0.0 { 0.25 * variance_m2 * (*sum - difference) / pairs } else { f64::NAN };
+        }
+        Self { squares_m2: Some(squares), ..self }
     }
 
     /// The autocovariance of several maps of one surface: at each lag the sum of the products over all pairs of all maps,
@@ -184,6 +213,7 @@ impl Autocorrelation {
         let width = 2 * reach_x + 1;
         let mut pairs = vec![0.0; width * (reach_y + 1)];
         let mut covariance_m2 = pairs.clone();
+        let mut squares_m2 = estimates.iter().all(|e| e.squares_m2.is_some()).then(|| pairs.clone());
         for estimate in estimates {
             for (place, (count, sum)) in pairs.iter_mut().zip(&mut covariance_m2).enumerate() {
                 let (lag_x, lag_y) = ((place % width) as isize - reach_x as isize, (place / width) as isize);
@@ -191,14 +221,20 @@ impl Autocorrelation {
                 if own > 0.0 {
                     *count += own;
                     *sum += own * estimate.covariance_m2(lag_x, lag_y);
+                    if let (Some(squares), Some(given)) = (&mut squares_m2, &estimate.squares_m2) {
+                        squares[place] += own * given[estimate.place(lag_x, lag_y)];
+                    }
                 }
             }
         }
         covariance_m2.iter_mut().zip(&pairs).for_each(|(sum, count)| *sum /= *count);
+        if let Some(squares) = &mut squares_m2 {
+            squares.iter_mut().zip(&pairs).for_each(|(sum, count)| *sum /= *count);
+        }
         let present: usize = estimates.iter().map(|e| e.present).sum();
         let mean_m = estimates.iter().map(|e| e.present as f64 * e.mean_m).sum::<f64>() / present as f64;
         let all_pairs = estimates.iter().map(|e| e.all_pairs).sum();
-        Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs: Some(pairs) })
+        Ok(Self { grid, mean_m, present, all_pairs, reach_x, reach_y, covariance_m2, pairs: Some(pairs), squares_m2 })
     }
 
     /// Grid of the map; of pooled maps the smallest.
@@ -252,6 +288,22 @@ impl Autocorrelation {
     pub fn pairs(&self, lag_x: isize, lag_y: isize) -> f64 {
         let place = self.place(lag_x, lag_y);
         self.pairs.as_ref().map_or_else(|| complete_pairs(self.grid, lag_x, lag_y), |pairs| pairs[place])
+    }
+
+    /// Semivariance γ(lag) = Σ (z(i, j) − z(i + l, j + k))²/2N over the N pairs at a lag, in m²; NaN where no pair is
+    /// present, `None` without [`Autocorrelation::and_semivariance`].
+    ///
+    /// Near zero C(0) − C(lag) differs from it by what the heights at the edges of the map and of its voids differ from the
+    /// rest, which has a kink at zero; γ is as smooth there as the surface.
+    ///
+    /// # Panics
+    /// If the lag exceeds the reach.
+    ///
+    /// # References
+    /// Matheron, *Economic Geology* **58** (1963) 1246, <https://doi.org/10.2113/gsecongeo.58.8.1246>.
+    pub fn semivariance_m2(&self, lag_x: isize, lag_y: isize) -> Option<f64> {
+        let place = self.place(lag_x, lag_y);
+        self.squares_m2.as_ref().map(|squares| squares[place] - self.covariance_m2[place])
     }
 
     /// Correlation C(lag)/C(0); NaN where no pair is present.
@@ -358,23 +410,24 @@ mod tests {
     fn the_estimate_is_the_direct_sum_over_present_pairs() {
         for (nx, ny, missing) in [(9, 7, 0.25), (12, 5, 0.25), (2, 11, 0.25), (9, 7, 0.0), (12, 5, 0.0)] {
             let map = masked(nx, ny, missing, (nx + ny) as u64);
-            let found = Autocorrelation::within(&map, nx - 1, ny - 1).unwrap();
+            let found = Autocorrelation::within(&map, nx - 1, ny - 1).unwrap().and_semivariance(&map);
             let half = Autocorrelation::estimate(&map).unwrap();
             let z = map.heights_m();
             let mean = map.present_m().sum::<f64>() / map.present_m().count() as f64;
             for lag_y in -(ny as isize - 1)..ny as isize {
                 for lag_x in -(nx as isize - 1)..nx as isize {
-                    let (mut sum, mut count) = (0.0, 0.0);
+                    let (mut sum, mut halved, mut count) = (0.0, 0.0, 0.0);
                     for row in 0..ny as isize {
                         for column in 0..nx as isize {
                             let (r, c) = (row + lag_y, column + lag_x);
                             if r < 0 || c < 0 || r >= ny as isize || c >= nx as isize {
                                 continue;
                             }
-                            let product =
-                                (z[[row as usize, column as usize]] - mean) * (z[[r as usize, c as usize]] - mean);
+                            let (a, b) = (z[[row as usize, column as usize]], z[[r as usize, c as usize]]);
+                            let product = (a - mean) * (b - mean);
                             if !product.is_nan() {
                                 sum += product;
+                                halved += 0.5 * (a - b).powi(2);
                                 count += 1.0;
                             }
                         }
@@ -382,6 +435,9 @@ mod tests {
                     assert_eq!(found.pairs(lag_x, lag_y), count);
                     let value = found.covariance_m2(lag_x, lag_y);
                     assert!((value - sum / count).abs() < 1e-12 || (count == 0.0 && value.is_nan()));
+                    let semivariance = found.semivariance_m2(lag_x, lag_y).unwrap();
+                    assert!((semivariance - halved / count).abs() < 1e-12 || (count == 0.0 && semivariance.is_nan()));
+                    assert_eq!(half.semivariance_m2(0, 0), None);
                     let (reach_x, reach_y) = half.reach();
                     if lag_x.unsigned_abs() <= reach_x && lag_y.unsigned_abs() <= reach_y {
                         assert_eq!(half.pairs(lag_x, lag_y), count);
@@ -395,12 +451,12 @@ mod tests {
     #[test]
     fn pooled_maps_have_the_pairs_of_all() {
         let maps = [masked(12, 9, 0.2, 1), masked(9, 14, 0.0, 2), masked(10, 10, 0.4, 3)];
-        let single = maps.each_ref().map(|map| Autocorrelation::estimate(map).unwrap());
+        let single = maps.each_ref().map(|map| Autocorrelation::estimate(map).unwrap().and_semivariance(map));
         let pooled = Autocorrelation::pooled(&single.each_ref()).unwrap();
         assert_eq!((pooled.grid().shape(), pooled.reach()), ((9, 9), (5, 5)));
         let means = maps.each_ref().map(|map| map.present_m().sum::<f64>() / map.present_m().count() as f64);
         for (lag_x, lag_y) in [(0, 0), (1, 0), (-3, 2), (5, 5), (-5, 1), (0, 4)] {
-            let (mut sum, mut count) = (0.0, 0.0);
+            let (mut sum, mut halved, mut count) = (0.0, 0.0, 0.0);
             for (map, mean) in maps.iter().zip(means) {
                 for ((row, column), z) in map.heights_m().indexed_iter() {
                     let (r, c) = (row + lag_y, column.wrapping_add_signed(lag_x));
@@ -408,10 +464,13 @@ mod tests {
                     let product = (z - mean) * (other - mean);
                     if !product.is_nan() {
                         sum += product;
+                        halved += 0.5 * (z - other).powi(2);
                         count += 1.0;
                     }
                 }
             }
+            let semivariance = pooled.semivariance_m2(lag_x, lag_y as isize).unwrap();
+            assert!((semivariance - halved / count).abs() < 1e-12, "({lag_x}, {lag_y})");
             assert_eq!(pooled.pairs(lag_x, lag_y as isize), count);
             assert!((pooled.covariance_m2(lag_x, lag_y as isize) - sum / count).abs() < 1e-12, "({lag_x}, {lag_y})");
         }

@@ -62,27 +62,31 @@ pub struct MeasuredReport {
     pub taper_change: f64,
     /// Share of the variance in negative values of the tapered spectrum, which were set to zero.
     pub clipped_variance: f64,
-    /// Largest change of a lag by the clipping and the scaling back to the variance.
+    /// Largest change of a lag by the balancing of the spectrum and the end of its factor.
     pub clipping_change: f64,
 }
 
 /// The covariance of a measured map: its own autocorrelation, made a covariance function.
 ///
-/// Five steps lead from an [`Autocorrelation`] to it, and [`MeasuredReport`] says what they changed:
+/// Six steps lead from an [`Autocorrelation`] to it, and [`MeasuredReport`] says what they changed:
 ///
-/// 1. *Mean.* Because the map's mean was removed, the estimate tends to (ρ − β)/(1 − β), β the mean of ρ over all pairs of
+/// 1. *Slope.* Near zero the correlation is taken from the semivariance, 1 − γ/σ², whose errors are a share of γ itself; it
+///    gives way to the autocorrelation as the taper falls. The autocorrelation has a kink at zero, of the height of the
+///    squares at the edges against the rest, that would count as roughness (or cancel it) at the shortest wavelengths.
+/// 2. *Mean.* Because the map's mean was removed, the estimate tends to (ρ − β)/(1 − β), β the mean of ρ over all pairs of
 ///    points; with lags beyond the taper counted as zero β follows from the estimate itself, and ρ and σ² are put back.
-/// 2. *Taper.* Lags count fully up to where they fall into their own standard error √(Σρ²/N), N the pairs of a lag
-///    (Bartlett), and not at all beyond twice that, or beyond half of the map. Distance is measured by the ellipse of the
+/// 3. *Taper.* Lags count fully up to half as far again as they stand out of their own standard error √(Σρ²/N), N the
+///    pairs of a lag (Bartlett), and not at all beyond twice that, or beyond half of the map. Distance is measured by the ellipse of the
 ///    central lobe ρ > 0.2, so that a lay at any angle is followed. The flat top leaves short lags as they are. Along an
 ///    axis on which the lobe reaches beyond a quarter of the map, or on both when nothing falls into noise, as on a periodic
 ///    surface, Bohman's window over all the lags estimated takes the place of the flat top: positive semi-definite itself, it
 ///    shortens the correlation smoothly instead of cutting it.
-/// 3. *Clipping.* Negative values of the tapered spectrum are set to zero.
-/// 4. *Factor.* The root of that spectrum is a moving average, cut where the taper ends; the covariance is the correlation
+/// 4. *Balancing.* Negative values of the tapered spectrum are set to zero, and paid for by the positive ones of the same
+///    wavenumbers, so that the noise of the estimate, which is as often negative as positive, leaves no floor.
+/// 5. *Factor.* The root of that spectrum is a moving average, cut where the taper ends; the covariance is the correlation
 ///    of this finite sequence with itself, so it is positive semi-definite on the whole lattice, and ends at twice the
 ///    taper. It is scaled to the variance.
-/// 5. *Interpolation* by cubic B-splines, which pass through the lags. The spline's spectrum is that of the lags times a
+/// 6. *Interpolation* by cubic B-splines, which pass through the lags. The spline's spectrum is that of the lags times a
 ///    positive factor that cuts off beyond their Nyquist wavenumber: it stays positive semi-definite at every pitch, and
 ///    invents no roughness on a finer one.
 ///
@@ -108,10 +112,11 @@ impl MeasuredCovariance {
     /// Heights that do not vary, a map of few independent patches, or no pair of neighbours.
     pub fn of(map: &HeightMap) -> Result<Self, MeasuredCovarianceError> {
         let grid = map.grid();
-        Self::new(&Autocorrelation::within(map, grid.nx() - 1, grid.ny() - 1)?)
+        Self::new(&Autocorrelation::within(map, grid.nx() - 1, grid.ny() - 1)?.and_semivariance(map))
     }
 
-    /// The covariance of the map from which `estimate` was made. One that reaches over all lags of the map keeps most of a
+    /// The covariance of the map from which `estimate` was made, with [`Autocorrelation::and_semivariance`] or without, then
+    /// with the kink at zero that it has. One that reaches over all lags of the map keeps most of a
     /// correlation that does not decay within it.
     ///
     /// # Errors
@@ -136,12 +141,15 @@ impl MeasuredCovariance {
             if estimated.is_nan() {
                 return 0.0;
             }
-            let rho = (1.0 - mean_share) * estimated + mean_share;
             let weight = taper.weight(lag_x, lag_y);
+            let semivariance = estimate.semivariance_m2(lag_x, lag_y).map(|gamma| gamma / estimate.variance_m2());
+            let near = semivariance.map_or(0.0, |gamma| weight * (1.0 - gamma - estimated));
+            let rho = (1.0 - mean_share) * (estimated + near) + mean_share;
             taper_change = taper_change.max(((1.0 - weight) * rho).abs());
             weight * rho
         });
-        let PositiveCorrelation { spline, clipped_variance, largest_change } = made_positive(&tapered);
+        let PositiveCorrelation { spline, clipped_variance, largest_change } =
+            made_positive(&tapered, |x, y| taper.wavenumber(x, y));
         let (reliable_x_m, reliable_y_m) = taper.reliable_m();
         let (decayed_x, decayed_y) = taper.decayed();
         let report = MeasuredReport {

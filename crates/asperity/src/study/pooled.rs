@@ -143,13 +143,15 @@ pub(super) struct Part {
 impl Part {
     /// Pools named scans.
     pub(super) fn of(scans: &[(String, Measured)]) -> Result<Self, StudyError> {
-        let correlations: Vec<&Autocorrelation> = scans.iter().map(|(_, scan)| &scan.correlation).collect();
-        let correlation = Autocorrelation::pooled(&correlations).map_err(|error| match error {
-            EstimateError::Pitch { map, pitch_m, first_pitch_m } => {
-                StudyError::Pitch { file: scans[map].0.clone(), pitch_m, first: scans[0].0.clone(), first_pitch_m }
-            }
-            error => error.into(),
-        })?;
+        let correlations: Vec<Autocorrelation> =
+            scans.iter().map(|(_, scan)| scan.correlation.clone().and_semivariance(&scan.map)).collect();
+        let correlation =
+            Autocorrelation::pooled(&correlations.iter().collect::<Vec<_>>()).map_err(|error| match error {
+                EstimateError::Pitch { map, pitch_m, first_pitch_m } => {
+                    StudyError::Pitch { file: scans[map].0.clone(), pitch_m, first: scans[0].0.clone(), first_pitch_m }
+                }
+                error => error.into(),
+            })?;
         let maps: Vec<&HeightMap> = scans.iter().map(|(_, scan)| &scan.map).collect();
         let named = scans.iter().map(|(file, scan)| (file.clone(), scan.statistics.clone())).collect();
         Ok(Self { statistics: PooledStatistics::of(named)?, correlation, heights_m: pooled_heights_m(&maps) })

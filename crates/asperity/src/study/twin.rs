@@ -348,7 +348,7 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
         if section.covariance == CovarianceChoice::Empirical {
             limits.push(
                 "The scan's own correlation is kept at short lags and tapered where it falls into its noise: longer waves \
-                 come back weaker, and the shortest waves of a very smooth scan too strong, which shows in Sdq and Sdr."
+                 come back weaker."
                     .into(),
             );
         } else {

@@ -1,8 +1,10 @@
 //! Positive semi-definite sequences and their splines.
 
+use std::f64::consts::TAU;
+
 use ndarray::Array2;
 
-use crate::fourier::{Complex64, RealFft2, good_length};
+use crate::fourier::{Complex64, RealFft2, good_length, signed_index};
 
 /// Lags kept beyond the end of a correlation for the tails of its spline, which fall by 0.27 from lag to lag.
 const TAIL: usize = 16;
@@ -16,11 +18,12 @@ pub(super) struct PositiveCorrelation {
     pub(super) largest_change: f64,
 }
 
-/// The correlation k ⋆ k of the finite moving average k cut from the root of the clipped spectrum of `lags`, which is
-/// positive semi-definite on the whole lattice.
+/// The correlation k ⋆ k of the finite moving average k cut from the root of the [balanced](Rings::balance) spectrum of `lags`,
+/// which is positive semi-definite on the whole lattice.
 ///
-/// Rows of `lags` are the lags 0 … R along y, columns −R … R along x, those of the other half plane being equal.
-pub(super) fn made_positive(lags: &Array2<f64>) -> PositiveCorrelation {
+/// Rows of `lags` are the lags 0 … R along y, columns −R … R along x, those of the other half plane being equal. The
+/// wavenumber of a wavevector in radian per lag is in widths of the rings within which amounts are balanced.
+pub(super) fn made_positive(lags: &Array2<f64>, wavenumber: impl Fn(f64, f64) -> f64) -> PositiveCorrelation {
     let (reach_y, reach_x) = (lags.nrows() as isize - 1, lags.ncols() as isize / 2);
     let given = |x: isize, y: isize| {
         let (x, y) = if y < 0 { (-x, -y) } else { (x, y) };
@@ -31,8 +34,9 @@ pub(super) fn made_positive(lags: &Array2<f64>) -> PositiveCorrelation {
     let mut spectrum = torus.spectrum(reach_x, reach_y, given);
     let negative = torus.sum(&spectrum, |value| (-value.re).max(0.0));
     let clipped_variance = negative / torus.sum(&spectrum, |value| value.re);
+    Rings::new(&torus, wavenumber).balance(&mut spectrum);
     for value in &mut spectrum {
-        *value = value.re.max(0.0).sqrt().into();
+        *value = value.re.sqrt().into();
     }
     let average = torus.values(spectrum);
 
@@ -51,6 +55,70 @@ pub(super) fn made_positive(lags: &Array2<f64>) -> PositiveCorrelation {
     }
     let spline = torus.spline(spectrum, (far_x + TAIL as isize) as usize, (far_y + TAIL as isize) as usize);
     PositiveCorrelation { spline, clipped_variance, largest_change }
+}
+
+/// Wavevectors of a spectrum, as places, by wavenumber.
+struct Rings<'a> {
+    torus: &'a Torus,
+    /// Wavenumber of every place in widths of a ring.
+    wavenumbers: Vec<f32>,
+    count: usize,
+}
+
+impl<'a> Rings<'a> {
+    /// `wavenumber` is that of a wavevector in radian per lag, in widths of a ring.
+    fn new(torus: &'a Torus, wavenumber: impl Fn(f64, f64) -> f64) -> Self {
+        let places = 0..torus.fft.spectrum_len();
+        let wavenumbers: Vec<f32> = places.map(|place| torus.wavenumber(place, &wavenumber) as f32).collect();
+        let count = wavenumbers.iter().fold(0.0_f32, |last, k| last.max(*k)) as usize + 1;
+        Self { torus, wavenumbers, count }
+    }
+
+    /// Sums over the rings of a function of the wavenumber and the value.
+    fn sums(&self, spectrum: &[Complex64], part: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.count];
+        for (place, (value, k)) in spectrum.iter().zip(&self.wavenumbers).enumerate() {
+            sums[*k as usize] += self.torus.multiplicity(place) * part(f64::from(*k), value.re);
+        }
+        sums
+    }
+
+    /// Sets negative values of a spectrum to zero and takes what they amount to from the positive ones of the same ring, all
+    /// by the same factor; what a ring cannot pay falls to the next one inward.
+    ///
+    /// Amounts are counted in squared slopes q²P, so that the roughness of the map is kept at every wavelength: where the
+    /// spectrum is nothing but noise about zero, half of that noise would else stay as a floor of roughness that the map has
+    /// not. What then is missing of the variance is put back at the long waves, which hold half of it.
+    fn balance(&self, spectrum: &mut [Complex64]) {
+        let variance: f64 = self.sums(spectrum, |_, value| value).iter().sum();
+        let slopes = self.sums(spectrum, |k, value| k * k * value);
+        let positive = self.sums(spectrum, |k, value| k * k * value.max(0.0));
+        let mut factors = vec![1.0; self.count];
+        let mut debt = 0.0;
+        for (factor, (all, positive)) in factors.iter_mut().zip(slopes.iter().zip(positive)).rev() {
+            let left = all + debt;
+            if positive > 0.0 {
+                *factor = left.max(0.0) / positive;
+                debt = left.min(0.0);
+            }
+        }
+        let scale = |spectrum: &mut [Complex64], factors: &[f64]| {
+            for (value, k) in spectrum.iter_mut().zip(&self.wavenumbers) {
+                *value = (factors[*k as usize] * value.re.max(0.0)).into();
+            }
+        };
+        scale(spectrum, &factors);
+        let variances = self.sums(spectrum, |_, value| value);
+        let missing = variance - variances.iter().sum::<f64>();
+        let (mut half, mut rings) = (0.0, 0);
+        while half < 0.5 * variance && rings < self.count {
+            half += variances[rings];
+            rings += 1;
+        }
+        factors.fill(1.0);
+        factors[..rings].fill((1.0 + missing / half).max(0.0));
+        scale(spectrum, &factors);
+    }
 }
 
 /// Sequences over lags that are closed at a distance.
@@ -88,18 +156,32 @@ impl Torus {
         values
     }
 
+    /// How often a place of the half spectrum stands in the whole.
+    fn multiplicity(&self, place: usize) -> f64 {
+        self.fft.multiplicity(place / self.fft.ny())
+    }
+
+    /// Wavenumber of a place of the spectrum. A wavevector on the edge of the zone is its own opposite along that axis, and
+    /// has the lesser of the two wavenumbers.
+    fn wavenumber(&self, place: usize, wavenumber: impl Fn(f64, f64) -> f64) -> f64 {
+        let (nx, ny) = (self.fft.nx(), self.fft.ny());
+        let (kx, ky) = (place / ny, place % ny);
+        let phase = |k: usize, n: usize| TAU * signed_index(k, n) / n as f64;
+        let (x, y) = (phase(kx, nx), phase(ky, ny));
+        if 2 * kx == nx || 2 * ky == ny { wavenumber(x, y).min(wavenumber(-x, y)) } else { wavenumber(x, y) }
+    }
+
     /// Mean of a function of the spectrum over all wavevectors.
     fn sum(&self, spectrum: &[Complex64], part: impl Fn(&Complex64) -> f64) -> f64 {
-        let ny = self.fft.ny();
-        let weighted = spectrum.iter().enumerate().map(|(i, value)| self.fft.multiplicity(i / ny) * part(value));
-        weighted.sum::<f64>() / (self.fft.nx() * ny) as f64
+        let weighted = spectrum.iter().enumerate().map(|(place, value)| self.multiplicity(place) * part(value));
+        weighted.sum::<f64>() / (self.fft.nx() * self.fft.ny()) as f64
     }
 
     /// The cubic spline through the sequence of this spectrum: its coefficients have the spectrum divided by that of the
     /// B-spline's samples ⅙, ⅔, ⅙, which is (2 + cos ω)/3 along each axis.
     fn spline(&self, mut spectrum: Vec<Complex64>, reach_x: usize, reach_y: usize) -> Spline {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
-        let samples = |k: usize, n: usize| (2.0 + (std::f64::consts::TAU * k as f64 / n as f64).cos()) / 3.0;
+        let samples = |k: usize, n: usize| (2.0 + (TAU * k as f64 / n as f64).cos()) / 3.0;
         for (i, value) in spectrum.iter_mut().enumerate() {
             *value /= samples(i / ny, nx) * samples(i % ny, ny);
         }

@@ -10,6 +10,9 @@ const LOBE: f64 = 0.2;
 const RING: f64 = 0.5;
 /// Rings in a row that must be noise before the correlation counts as decayed.
 const QUIET_RINGS: usize = 3;
+/// How far beyond that lags count fully: a smooth correlation goes on beneath the noise, and cutting it there would stand in the
+/// spectrum as ripples that are larger than its own high wavenumbers.
+const MARGIN: f64 = 1.5;
 /// Sectors of a ring, so that a correlation in one direction is not lost in the noise of the others.
 const SECTORS: usize = 4;
 /// Standard deviations by which the mean square of a sector must exceed that of noise to count.
@@ -71,6 +74,13 @@ impl Ellipse {
         x.hypot(y)
     }
 
+    /// The wavevector in rad/m in the coordinates in which the ellipse is the unit circle, in radian per radius of the lobe.
+    fn wavenumber(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> f64 {
+        let root = self.xx.sqrt();
+        let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
+        (qx_rad_per_m / root).hypot((qy_rad_per_m - self.xy / self.xx * qx_rad_per_m) / across)
+    }
+
     /// Largest |x| and |y| at the radius 1.
     fn half_widths_m(&self) -> (f64, f64) {
         let determinant = self.xx * self.yy - self.xy * self.xy;
@@ -122,6 +132,16 @@ impl Taper {
         (reach(x_m, &self.x), reach(y_m, &self.y))
     }
 
+    /// Wavenumber of a wavevector in radian per lag, constant on ellipses like that of the central lobe, in what the taper
+    /// resolves.
+    pub(super) fn wavenumber(&self, phase_x: f64, phase_y: f64) -> f64 {
+        let (x_m, y_m) = self.ellipse.half_widths_m();
+        let far = |side: &Side, half_width_m: f64| (side.limit + 1) as f64 * side.pitch_m / half_width_m;
+        let radius = (2.0 * self.reliable).min(far(&self.x, x_m)).min(far(&self.y, y_m));
+        let wavenumber = self.ellipse.wavenumber(phase_x / self.x.pitch_m, phase_y / self.y.pitch_m);
+        wavenumber * radius / PI
+    }
+
     /// Largest lags along x and y of weight 1, in metre.
     pub(super) fn reliable_m(&self) -> (f64, f64) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
@@ -155,7 +175,8 @@ fn half_plane(limit: (isize, isize)) -> impl Iterator<Item = (isize, isize)> {
     (0..=limit.1).flat_map(move |y| (-limit.0..=limit.0).map(move |x| (x, y)))
 }
 
-/// Radius from which on the mean squares of rings are those of noise, s² = Σρ²/N; at least that of the lobe.
+/// Radius up to which lags count fully: [`MARGIN`] times that from which on the mean squares of rings are those of noise,
+/// s² = Σρ²/N, or the lobe's.
 fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, squares: f64) -> f64 {
     let (dx_m, dy_m) = (estimate.grid().dx_m(), estimate.grid().dy_m());
     // Of every sector of every ring the sum of ρ̂²/s², and the number of lags.
@@ -181,7 +202,7 @@ fn decay(estimate: &Autocorrelation, limit: (isize, isize), ellipse: &Ellipse, s
         *lags == 0.0 || sum / lags <= 1.0 + SIGNIFICANT * (2.0 / independent).sqrt()
     };
     let first = rings.windows(QUIET_RINGS).position(|window| window.iter().flatten().all(quiet));
-    first.map_or(f64::INFINITY, |ring| (RING * ring as f64).max(1.0))
+    first.map_or(f64::INFINITY, |ring| MARGIN * (RING * ring as f64).max(1.0))
 }
 
 /// The lags that are connected with zero above [`LOBE`].
