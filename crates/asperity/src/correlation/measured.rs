@@ -81,8 +81,8 @@ pub struct MeasuredReport {
 ///    axis on which the lobe reaches beyond a quarter of the map, or on both when nothing falls into noise, as on a periodic
 ///    surface, Bohman's window over all the lags estimated takes the place of the flat top: positive semi-definite itself, it
 ///    shortens the correlation smoothly instead of cutting it.
-/// 4. *Balancing.* Negative values of the tapered spectrum are set to zero, and paid for by the positive ones of the same
-///    wavenumbers, so that the noise of the estimate, which is as often negative as positive, leaves no floor.
+/// 4. *Balancing.* Negative values of the tapered spectrum are set to zero, and paid for by the positive ones of about the same
+///    wavevectors, so that the noise of the estimate, which is as often negative as positive, leaves no floor.
 /// 5. *Factor.* The root of that spectrum is a moving average, cut where the taper ends; the covariance is the correlation
 ///    of this finite sequence with itself, so it is positive semi-definite on the whole lattice, and ends at twice the
 ///    taper. It is scaled to the variance.
@@ -149,7 +149,7 @@ impl MeasuredCovariance {
             weight * rho
         });
         let PositiveCorrelation { spline, clipped_variance, largest_change } =
-            made_positive(&tapered, |x, y| taper.wavenumber(x, y));
+            made_positive(&tapered, |x, y| taper.wavevector(x, y));
         let (reliable_x_m, reliable_y_m) = taper.reliable_m();
         let (decayed_x, decayed_y) = taper.decayed();
         let report = MeasuredReport {

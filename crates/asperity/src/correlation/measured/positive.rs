@@ -1,6 +1,6 @@
 //! Positive semi-definite sequences and their splines.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use ndarray::Array2;
 
@@ -21,9 +21,9 @@ pub(super) struct PositiveCorrelation {
 /// The correlation k ⋆ k of the finite moving average k cut from the root of the [balanced](Rings::balance) spectrum of `lags`,
 /// which is positive semi-definite on the whole lattice.
 ///
-/// Rows of `lags` are the lags 0 … R along y, columns −R … R along x, those of the other half plane being equal. The
-/// wavenumber of a wavevector in radian per lag is in widths of the rings within which amounts are balanced.
-pub(super) fn made_positive(lags: &Array2<f64>, wavenumber: impl Fn(f64, f64) -> f64) -> PositiveCorrelation {
+/// Rows of `lags` are the lags 0 … R along y, columns −R … R along x, those of the other half plane being equal. `wavevector`
+/// takes a wavevector in radian per lag to where the rings within which amounts are balanced are circles of unit width.
+pub(super) fn made_positive(lags: &Array2<f64>, wavevector: impl Fn(f64, f64) -> (f64, f64)) -> PositiveCorrelation {
     let (reach_y, reach_x) = (lags.nrows() as isize - 1, lags.ncols() as isize / 2);
     let given = |x: isize, y: isize| {
         let (x, y) = if y < 0 { (-x, -y) } else { (x, y) };
@@ -34,7 +34,7 @@ pub(super) fn made_positive(lags: &Array2<f64>, wavenumber: impl Fn(f64, f64) ->
     let mut spectrum = torus.spectrum(reach_x, reach_y, given);
     let negative = torus.sum(&spectrum, |value| (-value.re).max(0.0));
     let clipped_variance = negative / torus.sum(&spectrum, |value| value.re);
-    Rings::new(&torus, wavenumber).balance(&mut spectrum);
+    Rings::new(&torus, wavevector).balance(&mut spectrum);
     for value in &mut spectrum {
         *value = value.re.sqrt().into();
     }
@@ -57,66 +57,80 @@ pub(super) fn made_positive(lags: &Array2<f64>, wavenumber: impl Fn(f64, f64) ->
     PositiveCorrelation { spline, clipped_variance, largest_change }
 }
 
-/// Wavevectors of a spectrum, as places, by wavenumber.
+/// Sectors into which a ring of wavevectors is divided.
+const SECTORS: usize = 4;
+
+/// Wavevectors of a spectrum, as places, by wavenumber and direction.
 struct Rings<'a> {
     torus: &'a Torus,
-    /// Wavenumber of every place in widths of a ring.
+    /// Wavenumber of every place in widths of a ring, and the field of its ring and sector, ring by ring.
     wavenumbers: Vec<f32>,
+    fields: Vec<u32>,
     count: usize,
 }
 
 impl<'a> Rings<'a> {
-    /// `wavenumber` is that of a wavevector in radian per lag, in widths of a ring.
-    fn new(torus: &'a Torus, wavenumber: impl Fn(f64, f64) -> f64) -> Self {
-        let places = 0..torus.fft.spectrum_len();
-        let wavenumbers: Vec<f32> = places.map(|place| torus.wavenumber(place, &wavenumber) as f32).collect();
-        let count = wavenumbers.iter().fold(0.0_f32, |last, k| last.max(*k)) as usize + 1;
-        Self { torus, wavenumbers, count }
+    /// `wavevector` takes a wavevector in radian per lag to where rings are circles, in widths of a ring.
+    fn new(torus: &'a Torus, wavevector: impl Fn(f64, f64) -> (f64, f64)) -> Self {
+        let vectors = || (0..torus.fft.spectrum_len()).map(|place| torus.wavevector(place, &wavevector));
+        let wavenumbers: Vec<f32> = vectors().map(|(x, y)| x.hypot(y) as f32).collect();
+        // Sectors are centred on the axes and between; opposite ones are one.
+        let sector = |(x, y): (f64, f64)| (y.atan2(x) / PI * SECTORS as f64).round() as i32;
+        let fields = vectors()
+            .zip(&wavenumbers)
+            .map(|(vector, k)| *k as u32 * SECTORS as u32 + sector(vector).rem_euclid(SECTORS as i32) as u32);
+        let fields: Vec<u32> = fields.collect();
+        let count = fields.iter().fold(0, |last, field| last.max(*field)) as usize / SECTORS + 1;
+        Self { torus, wavenumbers, fields, count }
     }
 
-    /// Sums over the rings of a function of the wavenumber and the value.
+    /// Sums over the fields of a function of the wavenumber and the value.
     fn sums(&self, spectrum: &[Complex64], part: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-        let mut sums = vec![0.0; self.count];
-        for (place, (value, k)) in spectrum.iter().zip(&self.wavenumbers).enumerate() {
-            sums[*k as usize] += self.torus.multiplicity(place) * part(f64::from(*k), value.re);
+        let mut sums = vec![0.0; self.count * SECTORS];
+        for (place, (value, field)) in spectrum.iter().zip(&self.fields).enumerate() {
+            sums[*field as usize] +=
+                self.torus.multiplicity(place) * part(f64::from(self.wavenumbers[place]), value.re);
         }
         sums
     }
 
-    /// Sets negative values of a spectrum to zero and takes what they amount to from the positive ones of the same ring, all
-    /// by the same factor; what a ring cannot pay falls to the next one inward.
+    /// Sets negative values of a spectrum to zero and takes what they amount to from the positive ones of the same ring and
+    /// sector, all by the same factor; what these cannot pay falls to the next ones inward.
     ///
-    /// Amounts are counted in squared slopes q²P, so that the roughness of the map is kept at every wavelength: where the
-    /// spectrum is nothing but noise about zero, half of that noise would else stay as a floor of roughness that the map has
-    /// not. What then is missing of the variance is put back at the long waves, which hold half of it.
+    /// Amounts are counted in squared slopes q²P, so that the roughness of the map is kept at every wavelength and in every
+    /// direction: where the spectrum is nothing but noise about zero, half of that noise would else stay as a floor of
+    /// roughness that the map has not. What then is missing of the variance is put back at the long waves, which hold half
+    /// of it.
     fn balance(&self, spectrum: &mut [Complex64]) {
         let variance: f64 = self.sums(spectrum, |_, value| value).iter().sum();
         let slopes = self.sums(spectrum, |k, value| k * k * value);
         let positive = self.sums(spectrum, |k, value| k * k * value.max(0.0));
-        let mut factors = vec![1.0; self.count];
-        let mut debt = 0.0;
-        for (factor, (all, positive)) in factors.iter_mut().zip(slopes.iter().zip(positive)).rev() {
-            let left = all + debt;
-            if positive > 0.0 {
-                *factor = left.max(0.0) / positive;
-                debt = left.min(0.0);
+        let mut factors = vec![1.0; self.count * SECTORS];
+        for sector in 0..SECTORS {
+            let mut debt = 0.0;
+            for field in (sector..factors.len()).step_by(SECTORS).rev() {
+                let left = slopes[field] + debt;
+                if positive[field] > 0.0 {
+                    factors[field] = left.max(0.0) / positive[field];
+                    debt = left.min(0.0);
+                }
             }
         }
         let scale = |spectrum: &mut [Complex64], factors: &[f64]| {
-            for (value, k) in spectrum.iter_mut().zip(&self.wavenumbers) {
-                *value = (factors[*k as usize] * value.re.max(0.0)).into();
+            for (value, field) in spectrum.iter_mut().zip(&self.fields) {
+                *value = (factors[*field as usize] * value.re.max(0.0)).into();
             }
         };
         scale(spectrum, &factors);
         let variances = self.sums(spectrum, |_, value| value);
         let missing = variance - variances.iter().sum::<f64>();
-        let (mut half, mut rings) = (0.0, 0);
-        while half < 0.5 * variance && rings < self.count {
-            half += variances[rings];
-            rings += 1;
+        let (mut half, mut inner) = (0.0, 0);
+        while half < 0.5 * variance && inner < variances.len() {
+            half += variances[inner..inner + SECTORS].iter().sum::<f64>();
+            inner += SECTORS;
         }
         factors.fill(1.0);
-        factors[..rings].fill((1.0 + missing / half).max(0.0));
+        factors[..inner].fill((1.0 + missing / half).max(0.0));
         scale(spectrum, &factors);
     }
 }
@@ -161,14 +175,16 @@ impl Torus {
         self.fft.multiplicity(place / self.fft.ny())
     }
 
-    /// Wavenumber of a place of the spectrum. A wavevector on the edge of the zone is its own opposite along that axis, and
-    /// has the lesser of the two wavenumbers.
-    fn wavenumber(&self, place: usize, wavenumber: impl Fn(f64, f64) -> f64) -> f64 {
+    /// A function of the wavevector of a place of the spectrum. A wavevector on the edge of the zone is its own opposite along
+    /// that axis, and counts as the one of the shorter image.
+    fn wavevector(&self, place: usize, image: impl Fn(f64, f64) -> (f64, f64)) -> (f64, f64) {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
         let (kx, ky) = (place / ny, place % ny);
         let phase = |k: usize, n: usize| TAU * signed_index(k, n) / n as f64;
         let (x, y) = (phase(kx, nx), phase(ky, ny));
-        if 2 * kx == nx || 2 * ky == ny { wavenumber(x, y).min(wavenumber(-x, y)) } else { wavenumber(x, y) }
+        let (own, other) = (image(x, y), image(-x, y));
+        let is_shorter = other.0.hypot(other.1) < own.0.hypot(own.1);
+        if (2 * kx == nx || 2 * ky == ny) && is_shorter { other } else { own }
     }
 
     /// Mean of a function of the spectrum over all wavevectors.

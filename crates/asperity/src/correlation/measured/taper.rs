@@ -75,10 +75,9 @@ impl Ellipse {
     }
 
     /// The wavevector in rad/m in the coordinates in which the ellipse is the unit circle, in radian per radius of the lobe.
-    fn wavenumber(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> f64 {
-        let root = self.xx.sqrt();
+    fn wavevector(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> (f64, f64) {
         let across = (self.yy - self.xy * self.xy / self.xx).max(0.0).sqrt();
-        (qx_rad_per_m / root).hypot((qy_rad_per_m - self.xy / self.xx * qx_rad_per_m) / across)
+        (qx_rad_per_m / self.xx.sqrt(), (qy_rad_per_m - self.xy / self.xx * qx_rad_per_m) / across)
     }
 
     /// Largest |x| and |y| at the radius 1.
@@ -132,14 +131,14 @@ impl Taper {
         (reach(x_m, &self.x), reach(y_m, &self.y))
     }
 
-    /// Wavenumber of a wavevector in radian per lag, constant on ellipses like that of the central lobe, in what the taper
+    /// A wavevector in radian per lag where ellipses like that of the central lobe are circles, in units of what the taper
     /// resolves.
-    pub(super) fn wavenumber(&self, phase_x: f64, phase_y: f64) -> f64 {
+    pub(super) fn wavevector(&self, phase_x: f64, phase_y: f64) -> (f64, f64) {
         let (x_m, y_m) = self.ellipse.half_widths_m();
         let far = |side: &Side, half_width_m: f64| (side.limit + 1) as f64 * side.pitch_m / half_width_m;
         let radius = (2.0 * self.reliable).min(far(&self.x, x_m)).min(far(&self.y, y_m));
-        let wavenumber = self.ellipse.wavenumber(phase_x / self.x.pitch_m, phase_y / self.y.pitch_m);
-        wavenumber * radius / PI
+        let (x, y) = self.ellipse.wavevector(phase_x / self.x.pitch_m, phase_y / self.y.pitch_m);
+        (x * radius / PI, y * radius / PI)
     }
 
     /// Largest lags along x and y of weight 1, in metre.
