@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use asperity::map::{HeightMap, MapError};
+use asperity::map::{HeightMap, MapError, checked_pitch_m};
 use asperity::quantity::Length;
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use clap::Args;
@@ -36,7 +36,8 @@ pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Re
             let stated = format!("{} × {}", Length(dx_m), Length(dy_m));
             monitor.warn(&format!("{}: --pixel-size {dx} × {dy} replaces the file's {stated}", path.display()));
         }
-        scan.pitch_m = Some((dx.0, dy.0));
+        let pitch_m = checked_pitch_m((dx.0, dy.0)).map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
+        scan.pitch_m = Some(pitch_m);
     }
     Ok(scan)
 }

@@ -207,8 +207,8 @@ fn six_digits(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Refuses a file that could not be written, before anything is computed. `argument` names it.
-pub(crate) fn check_target(argument: &str, path: &Path) -> Result<(), Failure> {
+/// Refuses a file that could not be written, or that is one of the `inputs`, before anything is computed. `argument` names it.
+pub(crate) fn check_target(argument: &str, path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let refuse = |reason: &str| Err(Failure::usage(format!("{argument} {}: {reason}", path.display())));
     if path.is_dir() {
         return refuse("this is a folder; a file is wanted");
@@ -222,7 +222,17 @@ pub(crate) fn check_target(argument: &str, path: &Path) -> Result<(), Failure> {
     if !folder_of(path).is_dir() {
         return refuse(&format!("the folder {} does not exist", folder_of(path).display()));
     }
+    if let Ok(target) = path.canonicalize()
+        && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == target))
+    {
+        return refuse("this file is read, and would be lost; choose another");
+    }
     Ok(())
+}
+
+/// How the writing of a file is told, asked before it is written: a file that is there does not go in silence.
+pub(crate) fn said_of_writing(path: &Path) -> &'static str {
+    if path.exists() { "replaced" } else { "wrote" }
 }
 
 /// Replaces a file in one step: whoever reads it sees the old content or the new, never a part.
@@ -286,12 +296,16 @@ mod tests {
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         for path in [Path::new("/dev/null"), &socket, folder.path()] {
-            assert_eq!(check_target("--out", path).unwrap_err().kind(), Kind::Usage, "{}", path.display());
+            assert_eq!(check_target("--out", path, &[]).unwrap_err().kind(), Kind::Usage, "{}", path.display());
         }
         let file = folder.path().join("file");
-        check_target("--out", &file).unwrap();
+        check_target("--out", &file, &[&file]).unwrap();
+        assert_eq!(said_of_writing(&file), "wrote");
         fs::write(&file, "old").unwrap();
-        check_target("--out", &file).unwrap();
+        check_target("--out", &file, &[]).unwrap();
+        assert_eq!(said_of_writing(&file), "replaced");
+        let refused = check_target("--out", &file, &[folder.path(), &file]).unwrap_err();
+        assert!(refused.message().contains("is read"), "{refused}");
     }
 
     #[test]

@@ -7,6 +7,7 @@ use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, Study, js
 use clap::{Args, ValueEnum};
 
 use super::study_file;
+use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
@@ -23,7 +24,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Another seed than the study's.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
     /// Only this stage and what it needs.
     #[arg(long, value_enum, value_name = "STAGE")]

@@ -3,6 +3,7 @@
 mod convert;
 mod fill;
 mod generate;
+mod maps;
 mod modes;
 mod preparation;
 mod stats;

@@ -20,7 +20,8 @@ pub(crate) struct Modes {
     /// Smoothness ν of the Matérn model.
     #[arg(long, value_name = "X", default_value = "1.5", value_parser = args::positive, allow_hyphen_values = true)]
     smoothness: f64,
-    /// Correlation length, along x and y.
+    /// Length ℓ of the model, along x and y: where the correlation falls to 1/e; of the Matérn model its scale, not the 1/e
+    /// length.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: OneOrTwo<Length>,
     /// Length of the interval, or size of the rectangle along x and y.
@@ -87,6 +88,13 @@ impl Modes {
 
 fn answer(found: Option<&surface::Modes>) -> Answer {
     Answer::default()
+        .with(
+            "eigenvalue_unit",
+            match sizes {
+                1 => "m",
+                _ => "m^2",
+            },
+        )
         .with("eigenvalues", found.map(|f| f.eigenvalues.clone()))
         .with("captured_variance", found.map(|f| f.captured_variance))
 }
