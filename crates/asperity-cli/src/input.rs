@@ -32,12 +32,12 @@ pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Re
         monitor.warn(&format!("{}: {warning}", path.display()));
     }
     if let Some((dx, dy)) = options.pixel_size.map(OneOrTwo::both) {
-        if let Some((dx_m, dy_m)) = scan.pitch_m.filter(|pitch| *pitch != (dx.0, dy.0)) {
+        let given_m = checked_pitch_m((dx.0, dy.0)).map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
+        if let Some((dx_m, dy_m)) = scan.pitch_m.filter(|pitch| *pitch != given_m) {
             let stated = format!("{} × {}", Length(dx_m), Length(dy_m));
             monitor.warn(&format!("{}: --pixel-size {dx} × {dy} replaces the file's {stated}", path.display()));
         }
-        let pitch_m = checked_pitch_m((dx.0, dy.0)).map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
-        scan.pitch_m = Some(pitch_m);
+        scan.pitch_m = Some(given_m);
     }
     Ok(scan)
 }

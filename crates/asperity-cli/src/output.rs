@@ -143,13 +143,24 @@ const UNITS: &[(&str, &str, bool)] = &[
     ("_n", "N", true),
 ];
 
+/// Results whose key does not say which of several alike they are.
+const LABELS: &[(&str, &str)] = &[
+    ("correlation_length_x_m", "correlation length x (1/e)"),
+    ("correlation_length_y_m", "correlation length y (1/e)"),
+    ("covariance_length_x_m", "covariance length x (of the model)"),
+    ("covariance_length_y_m", "covariance length y (of the model)"),
+    ("covariance_decay_length_x_m", "covariance length x (1/e)"),
+    ("covariance_decay_length_y_m", "covariance length y (1/e)"),
+];
+
 /// Name and value of a result as a table shows them.
 pub(crate) fn row(key: &str, value: &Value) -> (String, String) {
     let (name, unit, prefixed) = UNITS
         .iter()
         .find_map(|(ending, unit, prefixed)| Some((key.strip_suffix(ending)?, *unit, *prefixed)))
         .unwrap_or((key, "", false));
-    (name.replace('_', " "), shown(value, unit, prefixed))
+    let label = LABELS.iter().find(|(own, _)| *own == key).map(|(_, label)| (*label).to_owned());
+    (label.unwrap_or_else(|| name.replace('_', " ")), shown(value, unit, prefixed))
 }
 
 fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
@@ -287,6 +298,8 @@ mod tests {
         assert_eq!(show("gap_m", 0.0), ("gap".into(), "0 m".into()));
         assert_eq!(show("Ssk", -1.0 / 3.0), ("Ssk".into(), "-0.333333".into()));
         assert_eq!(row("nx", &Value::from(128)), ("nx".into(), "128".into()));
+        assert_eq!(show("correlation_length_x_m", 2e-5), ("correlation length x (1/e)".into(), "20 µm".into()));
+        assert_eq!(show("friction_correlation_length_m", 2e-5).0, "friction correlation length");
     }
 
     #[cfg(unix)]

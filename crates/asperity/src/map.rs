@@ -23,7 +23,7 @@ pub enum MapError {
     },
     /// The distance between points lies outside of [`PITCH_RANGE_M`].
     #[error(
-        "the pixel size is {dx_m:?} × {dy_m:?} m; both must lie between {:?} m and {:?} m",
+        "the pixel size is {dx_m:?} × {dy_m:?} m; both must lie between {:e} m and {:e} m",
         PITCH_RANGE_M.start(),
         PITCH_RANGE_M.end()
     )]
@@ -273,7 +273,7 @@ mod tests {
         }
         assert!(Grid::new(2, 2, 1e-15, 1e3).is_ok());
         let error = Grid::covering(100, 100, 1e30, 1.0).unwrap_err().to_string();
-        assert!(error.contains("1e28") && error.contains("between 1e-15 m and 1000.0 m"), "{error}");
+        assert!(error.contains("1e28") && error.contains("between 1e-15 m and 1e3 m"), "{error}");
         let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
         assert_eq!(HeightMap::new(grid, Array2::from_elem((2, 2), f64::NAN)), Err(MapError::Empty { points: 4 }));
     }

@@ -71,7 +71,7 @@ impl Study {
         if let Some(pixel) = s.pixel_size {
             for side in pixel {
                 let (low, high) = (PITCH_RANGE_M.start(), PITCH_RANGE_M.end());
-                let wanted = format!("a size between {low:?} m and {high:?} m");
+                let wanted = format!("a size between {low:e} m and {high:e} m");
                 within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &wanted)?;
             }
         }

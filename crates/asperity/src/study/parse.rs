@@ -152,7 +152,7 @@ percentile = 50.0
         }
         let pixel = STUDY.replace("covariance", "file = \"a.npy\"\npixel_size = \"1e-155 m\"\ncovariance");
         let error = Study::parse(&pixel, "study.toml").unwrap_err();
-        assert!(error.line == 5 && error.message.contains("between 1e-15 m and 1000.0 m"), "{error}");
+        assert!(error.line == 5 && error.message.contains("between 1e-15 m and 1e3 m"), "{error}");
     }
 
     #[test]

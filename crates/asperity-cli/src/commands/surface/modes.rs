@@ -11,7 +11,8 @@ use crate::monitor::Terminal;
 use crate::output::Answer;
 use crate::resources::require_memory;
 
-/// Computes eigenvalues of a correlation on an interval (one size) or a rectangle (two).
+/// Computes eigenvalues of a correlation on an interval (one size, eigenvalues in m) or a rectangle (two, in m²). They sum up
+/// to the length or the area: the variance is 1.
 #[derive(Debug, Args)]
 pub(crate) struct Modes {
     /// Shape of the correlation.
@@ -81,20 +82,16 @@ impl Modes {
         require_memory(modes_memory_bytes(&points, self.modes, route), "the eigenproblem")?;
         let found = monitor
             .at_once(|| modes(&covariance, &sizes_m, &points, self.modes, route))?
-            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
-        answer(Some(&found)).print(self.json)
+            .or_else(|e| Err(refused(&e).told(answer(None, sizes_m.len()), self.json)?))?;
+        answer(Some(&found), sizes_m.len()).print(self.json)
     }
 }
 
-fn answer(found: Option<&surface::Modes>) -> Answer {
+/// Eigenvalues of a correlation are metre to the power of the dimension.
+fn answer(found: Option<&surface::Modes>, dimension: usize) -> Answer {
+    let unit = if dimension == 1 { "m" } else { "m^2" };
     Answer::default()
-        .with(
-            "eigenvalue_unit",
-            match sizes {
-                1 => "m",
-                _ => "m^2",
-            },
-        )
+        .with("eigenvalue_unit", unit)
         .with("eigenvalues", found.map(|f| f.eigenvalues.clone()))
         .with("captured_variance", found.map(|f| f.captured_variance))
 }
