@@ -177,7 +177,8 @@ fn curves_in_words(comparison: &Json) -> (String, String) {
         })
         .collect();
     let detail = format!(
-        " Points of the curves within: {}; neighbours go together, so that these shares scatter widely about 95 %.",
+        " Points of the curves within: {}. Chance alone would leave 95 % there, with a wide scatter for density and \
+         autocorrelation, whose neighbours go together.",
         each.join(", ")
     );
     (format!(" and {} of the points of the curves", percent(inside / points)), detail)

@@ -74,7 +74,7 @@ fn the_page_shows_maps_functions_parameters_and_what_twins_cannot_be() {
     for wanted in [
         "Twins of bench.x3p",
         "3 of 4 statistics and 90 % of the points of the curves lie within",
-        "height density 97 %, autocorrelation along x 74 %;",
+        "height density 97 %, autocorrelation along x 74 %. Chance alone would leave 95 % there",
         "Outside: Sdq. Chance alone would put about 0.2 there.",
         "Matérn covariance",
         "Lengths (scale of the model) 3 µm along x and 4 µm along y; correlation lengths (to 1/e) 3.7 µm and 4.9 µm.",

@@ -242,12 +242,17 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, sc
     let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
     match covariance {
         SurfaceCovariance::Model(model) => format!(
-            "a {} covariance ({}, lengths {})",
+            "a {} covariance ({}, {} {})",
             model.model().name(),
             if section.covariance == CovarianceChoice::Measured {
                 format!("fitted to {scans}")
             } else {
                 "stated".into()
+            },
+            match model.model() {
+                CorrelationModel::Matern { .. } => "scales",
+                CorrelationModel::SelfAffine { .. } => "roll-off lengths",
+                CorrelationModel::Exponential | CorrelationModel::SquaredExponential => "lengths to 1/e",
             },
             along(model.length_x_m(), model.length_y_m()),
         ),

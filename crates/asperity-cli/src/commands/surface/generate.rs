@@ -14,6 +14,10 @@ use crate::monitor::Terminal;
 use crate::resources::require_memory;
 
 /// Draws random maps like the surface of a specification: seed, size, points and a [surface] section.
+///
+/// Of the keys of a study's [surface], correlation_length = "20 um" or ["20 um", "10 um"] is the length of the covariance
+/// model: where the correlation falls to 1/e for exponential and squared_exponential, the scale for matern, the roll-off
+/// length for self_affine.
 #[derive(Debug, Args)]
 pub(crate) struct Generate {
     /// Specification file.

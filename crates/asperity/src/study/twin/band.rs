@@ -162,7 +162,7 @@ mod tests {
         for values in [[0.1, 0.9], [0.999, 0.2], [1e-9, 0.5]] {
             let share = band(&values, Share);
             assert!(share.low > 0.0 && share.low < values[0].min(values[1]), "{share:?}");
-            assert!(share.high < 1.0 && share.high > values[0].max(values[1]), "{share:?}");
+            assert!(share.high <= 1.0 && share.high > values[0].max(values[1]), "{share:?}");
             assert!(band(&values, Above(0.0)).low > 0.0);
         }
         assert!(band(&[1.5, 3.0], Above(1.0)).low > 1.0, "a kurtosis");

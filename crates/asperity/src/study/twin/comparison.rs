@@ -114,8 +114,8 @@ pub struct Comparison {
     pub inside: usize,
     /// Statistics that are defined on the scan and have a band.
     pub compared: usize,
-    /// Abscissas of all functions at which the scan lies in the pointwise band. Neighbours go together, so that their share
-    /// scatters far more about 95 % than as many independent values would.
+    /// Abscissas of all functions at which the scan lies in the pointwise band. Neighbours go together in density and
+    /// autocorrelation, so that their share scatters far more about 95 % than that of as many independent values would.
     pub curves_inside: usize,
     /// Abscissas of all functions at which scan and twins are compared.
     pub curves_compared: usize,
