@@ -252,7 +252,7 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, sc
             match model.model() {
                 CorrelationModel::Matern { .. } => "scales",
                 CorrelationModel::SelfAffine { .. } => "roll-off lengths",
-                CorrelationModel::Exponential | CorrelationModel::SquaredExponential => "lengths to 1/e",
+                CorrelationModel::Exponential | CorrelationModel::SquaredExponential => "lengths",
             },
             along(model.length_x_m(), model.length_y_m()),
         ),
@@ -415,6 +415,17 @@ mod tests {
         }
         // (1 + x) e^{−x} = 1/e at x = 2.146193 (Newton), x = √3 r.
         assert!((found(CorrelationModel::Matern { nu: 1.5 }) - 2.146_193_22 / 3.0_f64.sqrt()).abs() < 1e-8);
+        let words = |model| {
+            let covariance = SurfaceCovariance::Model(Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap());
+            covariance_words(&SurfaceSection::default(), &covariance, "the scan")
+        };
+        for (model, said) in [
+            (CorrelationModel::Exponential, "lengths 20 µm along x"),
+            (CorrelationModel::Matern { nu: 1.5 }, "scales 20 µm along x"),
+            (CorrelationModel::SelfAffine { hurst: 0.7 }, "roll-off lengths 20 µm along x"),
+        ] {
+            assert!(words(model).contains(said), "{}", words(model));
+        }
         // Ever smoother Matérn models tend to e^{−r²/2}; x K₁(x), of H = 1, is 1/e at 1.6.
         let smooth = found(CorrelationModel::Matern { nu: 60.0 });
         assert!((smooth - 2.0_f64.sqrt()).abs() < 0.01 && smooth < FARTHEST_DECAY, "{smooth}");
