@@ -11,8 +11,10 @@ use crate::monitor::Terminal;
 use crate::output::Answer;
 use crate::resources::require_memory;
 
-/// Computes eigenvalues of a correlation on an interval (one size, eigenvalues in m) or a rectangle (two, in m²). They sum up
-/// to the length or the area: the variance is 1.
+/// Computes eigenvalues of a correlation on an interval (one size) or a rectangle (two).
+///
+/// Eigenvalues are in m on an interval and in m² on a rectangle: all of them together make up its length or its area, since
+/// the variance is 1. Their share that the stated number of modes holds is the captured variance.
 #[derive(Debug, Args)]
 pub(crate) struct Modes {
     /// Shape of the correlation.
