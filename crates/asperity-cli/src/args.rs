@@ -119,6 +119,11 @@ pub(crate) fn count(text: &str) -> Result<usize, Refusal> {
     }
 }
 
+/// A seed: any number of 64 bits.
+pub(crate) fn seed(text: &str) -> Result<u64, Refusal> {
+    text.trim().parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX).into())
+}
+
 /// A number of threads that a machine can have.
 pub(crate) fn threads(text: &str) -> Result<usize, Refusal> {
     const MOST: usize = 4096;
@@ -131,6 +136,8 @@ pub(crate) fn threads(text: &str) -> Result<usize, Refusal> {
 fn finite(text: &str) -> Result<f64, Refusal> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
+        // A number that is too large reads as infinite.
+        Ok(_) if text.contains(|c: char| c.is_ascii_digit()) => Err("it is too large a number".into()),
         Ok(x) => Err(format!("{x} is not a finite number").into()),
         Err(_) => Err("it is dimensionless and must be a plain number".into()),
     }

@@ -15,23 +15,17 @@ use clap::Subcommand;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// What to do.
+/// What to do; help shows what stands at the command itself.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Write an annotated study to begin with.
     Init(init::Init),
-    /// Look at a study without computing anything.
     Check(check::Check),
-    /// Run a study.
     Run(run::Run),
-    /// Render the report of a finished run again.
     Report(report::Report),
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
     Surface(surface::Surface),
-    /// The file formats of surfaces.
     Formats(formats::Formats),
-    /// Contact of a rough surface with a rigid flat.
     Contact(contact::Contact),
     /// A mass on a moving belt, in dimensionless form.
     #[command(subcommand)]

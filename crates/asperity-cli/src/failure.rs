@@ -67,7 +67,7 @@ impl Failure {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::OutOfMemory => Kind::Resources,
             _ => kind,
         };
-        Self::new(kind, format!("{what}: {cause}"))
+        Self::new(kind, format!("{what}: {}", refusal(cause)))
     }
 
     /// The same failure; if something did not converge, `answer` is printed with `converged: false` first.
@@ -102,6 +102,17 @@ impl From<Cancelled> for Failure {
     }
 }
 
+/// What the operating system said, in words and without its number.
+fn refusal(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file".to_owned(),
+        _ => {
+            let text = error.to_string();
+            text.split(" (os error").next().unwrap_or(&text).to_owned()
+        }
+    }
+}
+
 /// The message of an error and of its causes, each once.
 pub(crate) fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
@@ -114,4 +125,19 @@ pub(crate) fn chain(error: &dyn Error) -> String {
         cause = inner.source();
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_of_the_system_is_told_in_words() {
+        for number in [2, 13, 28] {
+            let failure = Failure::io(Kind::Data, "scan.x3p", &io::Error::from_raw_os_error(number));
+            assert!(!failure.message().contains("os error"), "{failure}");
+        }
+        let gone = Failure::io(Kind::Data, "scan.x3p", &io::ErrorKind::NotFound.into());
+        assert_eq!(gone.to_string(), "error: scan.x3p: no such file");
+    }
 }

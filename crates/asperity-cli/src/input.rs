@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use asperity::map::{HeightMap, MapError};
+use asperity::map::{HeightMap, MapError, checked_pitch_m};
 use asperity::quantity::Length;
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use clap::Args;
@@ -32,11 +32,12 @@ pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Re
         monitor.warn(&format!("{}: {warning}", path.display()));
     }
     if let Some((dx, dy)) = options.pixel_size.map(OneOrTwo::both) {
-        if let Some((dx_m, dy_m)) = scan.pitch_m.filter(|pitch| *pitch != (dx.0, dy.0)) {
+        let given_m = checked_pitch_m((dx.0, dy.0)).map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
+        if let Some((dx_m, dy_m)) = scan.pitch_m.filter(|pitch| *pitch != given_m) {
             let stated = format!("{} × {}", Length(dx_m), Length(dy_m));
             monitor.warn(&format!("{}: --pixel-size {dx} × {dy} replaces the file's {stated}", path.display()));
         }
-        scan.pitch_m = Some((dx.0, dy.0));
+        scan.pitch_m = Some(given_m);
     }
     Ok(scan)
 }

@@ -143,13 +143,24 @@ const UNITS: &[(&str, &str, bool)] = &[
     ("_n", "N", true),
 ];
 
+/// Results whose key does not say which of several alike they are.
+const LABELS: &[(&str, &str)] = &[
+    ("correlation_length_x_m", "correlation length x (1/e)"),
+    ("correlation_length_y_m", "correlation length y (1/e)"),
+    ("covariance_length_x_m", "covariance length x (of the model)"),
+    ("covariance_length_y_m", "covariance length y (of the model)"),
+    ("covariance_decay_length_x_m", "covariance length x (1/e)"),
+    ("covariance_decay_length_y_m", "covariance length y (1/e)"),
+];
+
 /// Name and value of a result as a table shows them.
 pub(crate) fn row(key: &str, value: &Value) -> (String, String) {
     let (name, unit, prefixed) = UNITS
         .iter()
         .find_map(|(ending, unit, prefixed)| Some((key.strip_suffix(ending)?, *unit, *prefixed)))
         .unwrap_or((key, "", false));
-    (name.replace('_', " "), shown(value, unit, prefixed))
+    let label = LABELS.iter().find(|(own, _)| *own == key).map(|(_, label)| (*label).to_owned());
+    (label.unwrap_or_else(|| name.replace('_', " ")), shown(value, unit, prefixed))
 }
 
 fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
@@ -207,8 +218,8 @@ fn six_digits(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Refuses a file that could not be written, before anything is computed. `argument` names it.
-pub(crate) fn check_target(argument: &str, path: &Path) -> Result<(), Failure> {
+/// Refuses a file that could not be written, or that is one of the `inputs`, before anything is computed. `argument` names it.
+pub(crate) fn check_target(argument: &str, path: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let refuse = |reason: &str| Err(Failure::usage(format!("{argument} {}: {reason}", path.display())));
     if path.is_dir() {
         return refuse("this is a folder; a file is wanted");
@@ -222,7 +233,17 @@ pub(crate) fn check_target(argument: &str, path: &Path) -> Result<(), Failure> {
     if !folder_of(path).is_dir() {
         return refuse(&format!("the folder {} does not exist", folder_of(path).display()));
     }
+    if let Ok(target) = path.canonicalize()
+        && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == target))
+    {
+        return refuse("this file is read, and would be lost; choose another");
+    }
     Ok(())
+}
+
+/// How the writing of a file is told, asked before it is written: a file that is there does not go in silence.
+pub(crate) fn said_of_writing(path: &Path) -> &'static str {
+    if path.exists() { "replaced" } else { "wrote" }
 }
 
 /// Replaces a file in one step: whoever reads it sees the old content or the new, never a part.
@@ -277,6 +298,8 @@ mod tests {
         assert_eq!(show("gap_m", 0.0), ("gap".into(), "0 m".into()));
         assert_eq!(show("Ssk", -1.0 / 3.0), ("Ssk".into(), "-0.333333".into()));
         assert_eq!(row("nx", &Value::from(128)), ("nx".into(), "128".into()));
+        assert_eq!(show("correlation_length_x_m", 2e-5), ("correlation length x (1/e)".into(), "20 µm".into()));
+        assert_eq!(show("friction_correlation_length_m", 2e-5).0, "friction correlation length");
     }
 
     #[cfg(unix)]
@@ -286,12 +309,16 @@ mod tests {
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         for path in [Path::new("/dev/null"), &socket, folder.path()] {
-            assert_eq!(check_target("--out", path).unwrap_err().kind(), Kind::Usage, "{}", path.display());
+            assert_eq!(check_target("--out", path, &[]).unwrap_err().kind(), Kind::Usage, "{}", path.display());
         }
         let file = folder.path().join("file");
-        check_target("--out", &file).unwrap();
+        check_target("--out", &file, &[&file]).unwrap();
+        assert_eq!(said_of_writing(&file), "wrote");
         fs::write(&file, "old").unwrap();
-        check_target("--out", &file).unwrap();
+        check_target("--out", &file, &[]).unwrap();
+        assert_eq!(said_of_writing(&file), "replaced");
+        let refused = check_target("--out", &file, &[folder.path(), &file]).unwrap_err();
+        assert!(refused.message().contains("is read"), "{refused}");
     }
 
     #[test]

@@ -64,6 +64,7 @@ pub(crate) fn load_failure(error: &StoreError) -> Failure {
 pub(crate) fn store_failure(error: &StoreError) -> Failure {
     match error {
         StoreError::NotEmpty { .. } | StoreError::HoldsInput { .. } => Failure::usage(error),
+        StoreError::Unnamed { .. } => Failure::usage(format_args!("--out {error}")),
         StoreError::NotARun { .. } | StoreError::Corrupt { .. } => Failure::new(Kind::Data, error.to_string()),
         StoreError::Io { path, source } => Failure::io(Kind::Runtime, path.display(), source),
         StoreError::Table(_) | StoreError::Json(_) => Failure::new(Kind::Runtime, chain(error)),

@@ -3,6 +3,7 @@
 mod answers;
 mod json;
 mod parameters;
+mod random_surface;
 mod references;
 mod tables;
 
@@ -13,6 +14,7 @@ use crate::figures::{Plate, Stage};
 use crate::{ReportError, Run};
 pub(crate) use json::plain;
 pub(crate) use parameters::parameter;
+pub(crate) use random_surface::{in_words, length_in_words};
 
 const TEMPLATE: &str = include_str!("page/report.html");
 /// Style of every page.

@@ -8,7 +8,7 @@ use minijinja::{Value, context};
 use serde_json::Value as Json;
 
 use crate::format::{Dimension, significant};
-use crate::page::{filled_in, parameter, plain, provenance};
+use crate::page::{filled_in, in_words, length_in_words, parameter, plain, provenance};
 use crate::{Field, Figure, Report, ReportError, Table};
 
 const TEMPLATE: &str = include_str!("twin/page.html");
@@ -99,17 +99,6 @@ fn statistics(comparison: &Json) -> Vec<(&str, &Json)> {
     found
 }
 
-/// The name of a covariance model, generator or law as a reader calls it.
-fn in_words(name: &Json) -> String {
-    match name.as_str() {
-        Some("matern") => "Matérn".into(),
-        Some("self_affine") => "self-affine".into(),
-        Some("karhunen_loeve") => "Karhunen–Loève".into(),
-        Some("weierstrass_mandelbrot") => "Weierstrass–Mandelbrot".into(),
-        _ => plain(name).replace('_', " "),
-    }
-}
-
 /// Symbol of a statistic, and what it means.
 fn named(key: &str) -> (String, String) {
     match parameter(key) {
@@ -155,8 +144,8 @@ fn band_in_words(comparison: &Json) -> String {
     match comparison["band_method"].as_str() {
         Some("student_t") => format!(
             "The band holds the statistic of a further twin with probability 95 %: Student’s prediction interval of {count} \
-             twins, which takes statistics for normal (positive ones for lognormal). From 39 twins on it ends at order \
-             statistics and takes nothing for granted."
+             twins, which takes statistics for normal: positive ones on a logarithmic scale and shares by their log-odds, so \
+             that the band stays in their range. From 39 twins on it ends at order statistics and takes nothing for granted."
         ),
         Some("quantiles") => format!(
             "The band holds the statistic of a further twin with probability 95 %: it ends at the order statistics of \
@@ -164,6 +153,35 @@ fn band_in_words(comparison: &Json) -> String {
         ),
         _ => "A single twin has no band; draw more.".into(),
     }
+}
+
+/// How much of the functions lies in the pointwise bands: as part of the answer, and function by function.
+fn curves_in_words(comparison: &Json) -> (String, String) {
+    const CURVES: [(&str, &str); 6] = [
+        ("height_pdf", "height density"),
+        ("acf_x", "autocorrelation along x"),
+        ("acf_y", "autocorrelation along y"),
+        ("psd_x", "spectrum along x"),
+        ("psd_y", "spectrum along y"),
+        ("psd_radial", "radial spectrum"),
+    ];
+    let percent = |share: f64| format!("{} %", crate::format::fixed(100.0 * share, 0));
+    let (inside, points) = (comparison["curves_inside"].as_f64(), comparison["curves_compared"].as_f64());
+    let (Some(inside), Some(points)) = (inside, points.filter(|points| *points > 0.0)) else {
+        return (String::new(), String::new());
+    };
+    let each: Vec<String> = CURVES
+        .iter()
+        .filter_map(|(key, name)| {
+            Some(format!("{name} {}", percent(comparison["curves"][*key]["inside_share"].as_f64()?)))
+        })
+        .collect();
+    let detail = format!(
+        " Points of the curves within: {}. Chance alone would leave 95 % there, with a wide scatter for density and \
+         autocorrelation, whose neighbours go together.",
+        each.join(", ")
+    );
+    (format!(" and {} of the points of the curves", percent(inside / points)), detail)
 }
 
 fn answers(comparison: &Json) -> Vec<Value> {
@@ -181,8 +199,9 @@ fn answers(comparison: &Json) -> Vec<Value> {
         } else {
             format!("Outside: {}. Chance alone would put about {chance} there.", outside.join(", "))
         };
-        let said = format!("{inside} of {compared} statistics lie within");
-        answers.push(answer("Is the scan like its twins?", said, detail));
+        let (curves, by_curve) = curves_in_words(comparison);
+        let said = format!("{inside} of {compared} statistics{curves} lie within");
+        answers.push(answer("Is the scan like its twins?", said, format!("{detail}{by_curve}")));
     }
     let model = &comparison["model"];
     if model.is_object() {
@@ -194,7 +213,22 @@ fn answers(comparison: &Json) -> Vec<Value> {
             in_words(&model["generator"])
         };
         let lengths = if covariance.is_object() {
-            format!(" Lengths {} along x and {} along y.", length("length_x_m"), length("length_y_m"))
+            let to_1_e = match (covariance["decay_length_x_m"].as_f64(), length_in_words(&covariance["model"])) {
+                (Some(_), parameter) if parameter != "to 1/e" => {
+                    format!(
+                        "; correlation lengths (to 1/e) {} and {}",
+                        length("decay_length_x_m"),
+                        length("decay_length_y_m")
+                    )
+                }
+                _ => String::new(),
+            };
+            format!(
+                " Lengths ({}) {} along x and {} along y{to_1_e}.",
+                length_in_words(&covariance["model"]),
+                length("length_x_m"),
+                length("length_y_m")
+            )
         } else {
             String::new()
         };

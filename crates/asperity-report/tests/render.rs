@@ -266,6 +266,41 @@ fn undefined_results_are_dashes_and_never_errors() {
 }
 
 #[test]
+fn figures_of_several_scans_say_which_one_they_show_and_mark_its_lengths() {
+    let mut run = full_run();
+    let own = run.results["surface"].clone();
+    let scan = |file: &str, length_m: f64| {
+        let mut scan = own.clone();
+        (scan["file"], scan["correlation_length_x_m"]) = (json!(file), json!(length_m));
+        scan
+    };
+    run.results["surface"]["scans"] = json!([scan("left.x3p", 1.5e-5), scan("right.x3p", 2.5e-5)]);
+    run.results["surface"]["scan_count"] = json!(2);
+    let report = render(&run).unwrap();
+    let said = "Measured: left.x3p, the first of 2 scans";
+    let saying =
+        report.figures.iter().filter(|figure| text(&figure.svg).contains(said)).map(|figure| figure.name.as_str());
+    let surface = [
+        "height_raw",
+        "height_levelled",
+        "surface_sample",
+        "height_pdf",
+        "height_acf",
+        "height_psd",
+        "structure_function",
+    ];
+    let drawn: Vec<&str> = report.figures.iter().map(|figure| figure.name.as_str()).collect();
+    let wanted: Vec<&str> = drawn.into_iter().filter(|name| surface.contains(name)).collect();
+    assert!(wanted.len() > 4, "{wanted:?}");
+    assert_eq!(saying.collect::<Vec<_>>(), wanted);
+    // The mark stands on the curve that is drawn, not at the mean of all scans.
+    assert!(words(&run, "height_acf").iter().any(|word| word == "ℓx = 15 µm"));
+    let html = text(&report.html);
+    assert!(html.contains("Laws fitted to the heights of left.x3p, ranked") && html.contains(said));
+    assert!(!text(&render(&full_run()).unwrap().html).contains("Measured:"));
+}
+
+#[test]
 fn hostile_strings_are_escaped_everywhere() {
     const EVIL: &str = "\"><script>alert(1)</script><img src=x onerror=alert(1)> & '";
     let mut run = full_run();
@@ -277,6 +312,9 @@ fn hostile_strings_are_escaped_everywhere() {
     run.results["pressure"]["methods"][0]["name"] = json!(EVIL);
     run.results["friction"]["levels"][0]["marginal"] = json!({"name": EVIL, "parameters": {EVIL: EVIL}});
     run.results["warnings"] = json!([EVIL]);
+    run.results["surface"]["scans"] = json!([{"file": EVIL, "Sq_m": 1e-6}, {"file": EVIL}]);
+    run.results["surface"]["marginal"] = json!({"name": EVIL, "parameters": {EVIL: EVIL}});
+    run.results["surface"]["covariance"]["model"] = json!(EVIL);
     let cdf = run.tables.get_mut("pressure_cdf").unwrap();
     cdf.columns[2].0 = EVIL.into();
     run.tables.get_mut("friction_trace").unwrap().columns[1].0 = format!("mu_{EVIL}");

@@ -1,8 +1,14 @@
 //! Height maps on regular grids.
 
+use std::ops::RangeInclusive;
+
 use asperity_formats::Scan;
 use ndarray::Array2;
 use thiserror::Error;
+
+/// Distances between points that a map may have, in metre: from below a nucleus to beyond any part. Their squares and
+/// the sums over a map stay within a double.
+pub const PITCH_RANGE_M: RangeInclusive<f64> = 1e-15..=1e3;
 
 /// Why a map could not be built.
 #[derive(Debug, Clone, Error, PartialEq)]
@@ -15,8 +21,12 @@ pub enum MapError {
         /// Points along y.
         ny: usize,
     },
-    /// The distance between points is not a positive finite number.
-    #[error("the pixel size is {dx_m} × {dy_m} m; both must be positive")]
+    /// The distance between points lies outside of [`PITCH_RANGE_M`].
+    #[error(
+        "the pixel size is {dx_m:?} × {dy_m:?} m; both must lie between {:e} m and {:e} m",
+        PITCH_RANGE_M.start(),
+        PITCH_RANGE_M.end()
+    )]
     BadPitch {
         /// Pitch along x in metre.
         dx_m: f64,
@@ -67,14 +77,12 @@ impl Grid {
     /// A grid of `nx` × `ny` points with pitches in metre.
     ///
     /// # Errors
-    /// Fewer than two points along a direction, or a pitch that is not positive and finite.
+    /// Fewer than two points along a direction, or a pitch outside of [`PITCH_RANGE_M`].
     pub fn new(nx: usize, ny: usize, dx_m: f64, dy_m: f64) -> Result<Self, MapError> {
         if nx < 2 || ny < 2 {
             return Err(MapError::TooSmall { nx, ny });
         }
-        if !(dx_m.is_finite() && dy_m.is_finite() && dx_m > 0.0 && dy_m > 0.0) {
-            return Err(MapError::BadPitch { dx_m, dy_m });
-        }
+        checked_pitch_m((dx_m, dy_m))?;
         Ok(Self { nx, ny, dx_m, dy_m })
     }
 
@@ -134,6 +142,18 @@ impl Grid {
     /// Array shape (rows, columns) = (ny, nx).
     pub fn shape(&self) -> (usize, usize) {
         (self.ny, self.nx)
+    }
+}
+
+/// Distances between points along x and y in metre, if a map may have them.
+///
+/// # Errors
+/// [`MapError::BadPitch`] outside of [`PITCH_RANGE_M`].
+pub fn checked_pitch_m((dx_m, dy_m): (f64, f64)) -> Result<(f64, f64), MapError> {
+    if PITCH_RANGE_M.contains(&dx_m) && PITCH_RANGE_M.contains(&dy_m) {
+        Ok((dx_m, dy_m))
+    } else {
+        Err(MapError::BadPitch { dx_m, dy_m })
     }
 }
 
@@ -247,7 +267,13 @@ mod tests {
     #[test]
     fn a_single_point_or_an_empty_map_is_refused() {
         assert_eq!(Grid::new(1, 1, 1.0, 1.0), Err(MapError::TooSmall { nx: 1, ny: 1 }));
-        assert!(Grid::new(2, 2, 0.0, 1.0).is_err());
+        for wrong in [0.0, -1e-6, f64::NAN, f64::INFINITY, 1e-155, 9.9e-16, 1.1e3, 1e30] {
+            assert!(matches!(Grid::new(2, 2, wrong, 1.0), Err(MapError::BadPitch { .. })), "{wrong}");
+            assert!(matches!(Grid::new(2, 2, 1.0, wrong), Err(MapError::BadPitch { .. })), "{wrong}");
+        }
+        assert!(Grid::new(2, 2, 1e-15, 1e3).is_ok());
+        let error = Grid::covering(100, 100, 1e30, 1.0).unwrap_err().to_string();
+        assert!(error.contains("1e28") && error.contains("between 1e-15 m and 1e3 m"), "{error}");
         let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
         assert_eq!(HeightMap::new(grid, Array2::from_elem((2, 2), f64::NAN)), Err(MapError::Empty { points: 4 }));
     }

@@ -22,6 +22,14 @@ pub enum QuantityError {
         /// A valid quantity.
         example: &'static str,
     },
+    /// The number, or its value in SI, is beyond all that a double holds.
+    #[error("`{text}` is out of range: no {wanted} is that large")]
+    TooLarge {
+        /// What was found.
+        text: String,
+        /// The wanted dimension.
+        wanted: &'static str,
+    },
     /// The number stands alone.
     #[error("`{text}` has no unit; a {wanted} looks like \"{example}\"")]
     NoUnit {
@@ -177,7 +185,8 @@ fn parse(text: &str, dimension: &Dimension) -> Result<f64, QuantityError> {
     let split = (1..=trimmed.len())
         .rev()
         .filter(|&end| trimmed.is_char_boundary(end))
-        .find(|&end| trimmed[..end].parse::<f64>().is_ok_and(f64::is_finite) && trimmed.as_bytes()[end - 1] != b' ');
+        .find(|&end| trimmed[..end].parse::<f64>().is_ok() && trimmed.as_bytes()[end - 1] != b' ')
+        .filter(|&end| trimmed[..end].contains(|c: char| c.is_ascii_digit()));
     let Some(split) = split.filter(|_| !trimmed.starts_with(|c: char| c.is_alphabetic())) else {
         return Err(QuantityError::NotANumber { text: trimmed.into(), wanted, example });
     };
@@ -187,7 +196,10 @@ fn parse(text: &str, dimension: &Dimension) -> Result<f64, QuantityError> {
     }
     let factor = dimension.units.iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor);
     match (number.parse::<f64>(), factor) {
-        (Ok(value), Some(factor)) => Ok(scaled(value, factor)),
+        (Ok(value), Some(factor)) => match scaled(value, factor) {
+            value if value.is_finite() => Ok(value),
+            _ => Err(QuantityError::TooLarge { text: trimmed.into(), wanted }),
+        },
         _ => Err(QuantityError::WrongUnit { unit: unit.into(), wanted, example }),
     }
 }
@@ -303,8 +315,18 @@ mod tests {
         assert!(matches!("0.5 GPa".parse::<Length>(), Err(QuantityError::WrongUnit { .. })));
         assert!(matches!("inf m".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
         assert!(matches!("NaN m".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
+        assert!(matches!("-inf m".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
         assert!(matches!("".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
         assert!(matches!("µm".parse::<Length>(), Err(QuantityError::NotANumber { .. })));
+    }
+
+    #[test]
+    fn what_no_double_holds_is_too_large_and_not_another_number() {
+        for text in ["1e400 m", "-1e400um"] {
+            assert!(matches!(text.parse::<Length>(), Err(QuantityError::TooLarge { .. })), "{text}");
+        }
+        assert!(matches!("1e308 TPa".parse::<Pressure>(), Err(QuantityError::TooLarge { .. })));
+        assert!(matches!("1e400".parse::<Length>(), Err(QuantityError::NoUnit { .. })));
     }
 
     #[test]

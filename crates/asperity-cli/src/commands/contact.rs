@@ -99,7 +99,7 @@ impl Contact {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let control = self.press.control()?;
         if let Some(out) = &self.out {
-            check_target("--out", out)?;
+            check_target("--out", out, &[&self.file])?;
         }
         let map = input::map(&self.file, &self.options, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;

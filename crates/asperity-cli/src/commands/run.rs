@@ -7,6 +7,7 @@ use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, Study, js
 use clap::{Args, ValueEnum};
 
 use super::study_file;
+use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
@@ -23,7 +24,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Another seed than the study's.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
     /// Only this stage and what it needs.
     #[arg(long, value_enum, value_name = "STAGE")]
@@ -166,8 +167,15 @@ fn stored(outcome: &Outcome, study: String, provenance: &Provenance) -> Result<S
 fn headline(run: &StoredRun, folder: &Path) -> Answer {
     let numbers = [
         ("Sq_m", "/surface/Sq_m"),
-        ("correlation_length_x_m", "/surface/covariance/length_x_m"),
-        ("correlation_length_y_m", "/surface/covariance/length_y_m"),
+        // Of the scan, then of the covariance: a fit need not meet the length of the scan, and what its model calls a length
+        // may be another than that to 1/e.
+        ("correlation_length_x_m", "/surface/correlation_length_x_m"),
+        ("correlation_length_y_m", "/surface/correlation_length_y_m"),
+        ("covariance", "/surface/covariance/model"),
+        ("covariance_length_x_m", "/surface/covariance/length_x_m"),
+        ("covariance_length_y_m", "/surface/covariance/length_y_m"),
+        ("covariance_decay_length_x_m", "/surface/covariance/decay_length_x_m"),
+        ("covariance_decay_length_y_m", "/surface/covariance/decay_length_y_m"),
         ("contact_probability", "/pressure/contact_probability"),
         ("friction_mean", "/vibration/static_friction"),
         ("friction_std", "/vibration/area/friction_std"),

@@ -3,6 +3,7 @@
 mod convert;
 mod fill;
 mod generate;
+mod maps;
 mod modes;
 mod preparation;
 mod stats;
@@ -13,20 +14,14 @@ use clap::Subcommand;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// Commands of the surface stage.
+/// Commands of the surface stage; help shows what stands at each of them.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Surface {
-    /// ISO 25178-2 parameters, correlation lengths and fractal dimension of a map.
     Stats(stats::Stats),
-    /// Rewrite a file in another format, chosen by the extension.
     Convert(convert::Convert),
-    /// Fill missing heights, and extend a map beyond its edges, by random heights that continue it.
     Fill(fill::Fill),
-    /// Draw random maps like a specified surface.
     Generate(generate::Generate),
-    /// Draw random maps like a measured one, and compare them with it.
     Twin(Box<twin::Twin>),
-    /// Karhunen–Loève eigenvalues of a covariance.
     Modes(modes::Modes),
 }
 

@@ -12,16 +12,12 @@ use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 
-/// Commands of the stick-slip oscillator.
+/// Commands of the stick-slip oscillator; help shows what stands at each of them.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Vibration {
-    /// The stick-slip limit cycle, if there is one.
     Cycle(cycle::Cycle),
-    /// The damping at which the limit cycle vanishes, and the one at which sliding becomes unstable.
     CriticalDamping(critical_damping::CriticalDamping),
-    /// The events of one path over a recorded friction fluctuation.
     Trajectory(trajectory::Trajectory),
-    /// Many paths over a random friction fluctuation.
     Ensemble(ensemble::Ensemble),
 }
 

@@ -4,6 +4,7 @@
 
 mod contact;
 mod formats;
+mod outputs;
 mod study;
 mod support;
 mod surface;

@@ -88,6 +88,7 @@ fn the_exponential_eigenvalues_are_those_of_the_closed_form() {
         assert!((found - exact).abs() < 5e-6, "{found} is not {exact}");
     }
     close(number(&json, "captured_variance"), found.iter().sum::<f64>(), 1e-12);
+    assert_eq!(json["eigenvalue_unit"], "m");
 }
 
 #[test]
@@ -103,6 +104,7 @@ fn a_hundred_and_one_modes_hold_the_published_share_of_a_square() {
         // The published shares have three digits; the midpoint rule adds 5e-4 at 256 points.
         assert!((number(&json, "captured_variance") - share).abs() < 1e-3, "{covariance} {length}: {json}");
         assert_eq!(json["eigenvalues"].as_array().unwrap().len(), 101);
+        assert_eq!(json["eigenvalue_unit"], "m^2");
     }
 }
 
@@ -206,6 +208,8 @@ fn statistics_of_a_map_come_with_their_intervals() {
     let table = surface(folder.path(), "stats a.npy --pixel-size 1um").stdout;
     let line = table.lines().find(|line| line.starts_with("Sq ")).unwrap();
     assert!(line.contains("(95 %: ") && line.contains(" to ") && !table.contains("interval"), "{table}");
+    // Which of the correlation lengths they are.
+    assert!(table.contains("correlation length x (1/e)") && table.contains("correlation length y (1/e)"), "{table}");
     // A sine is no sample of a random surface: no intervals, and no talk of them.
     npy(folder.path(), "sine.npy", sine());
     let json = surface(folder.path(), "stats sine.npy --pixel-size 1um --json").json(0);
@@ -245,10 +249,16 @@ fn maps_without_statistics_are_unusable_data_and_a_missing_scale_is_a_missing_fl
     npy(folder.path(), "flat.npy", Array2::from_elem((8, 8), 1e-6));
     npy(folder.path(), "point.npy", Array2::zeros((1, 1)));
     npy(folder.path(), "void.npy", Array2::from_elem((8, 8), f64::NAN));
+    npy(folder.path(), "tilted.npy", Array2::from_shape_fn((16, 32), |(r, c)| 1e-9 * (r + 2 * c) as f64 + 3e-6));
     for (line, code, words) in [
         ("stats sine.npy", 2, vec!["sine.npy", "--pixel-size"]),
         ("stats sine.npy --pixel-size 1um --level cubic", 2, vec!["--level", "cubic", "quadratic"]),
         ("stats flat.npy --pixel-size 1um", 3, vec!["flat.npy"]),
+        ("stats tilted.npy --pixel-size 1um", 3, vec!["once the form (plane) is removed, all 512 heights", "equal"]),
+        ("stats flat.npy --pixel-size 1um --level none", 3, vec!["flat.npy: surface: all 64 heights", "equal"]),
+        ("stats sine.npy --pixel-size 1e-155m", 2, vec!["--pixel-size", "between 1e-15 m and 1e3 m"]),
+        ("stats sine.npy --pixel-size 1um,2e3m", 2, vec!["--pixel-size", "between 1e-15 m and 1e3 m"]),
+        ("stats sine.npy --pixel-size 1e400m", 2, vec!["--pixel-size", "`1e400m` is out of range"]),
         ("stats point.npy --pixel-size 1um", 3, vec!["point.npy", "1 × 1"]),
         ("stats void.npy --pixel-size 1um", 3, vec!["void.npy", "all 64"]),
         ("stats gone.npy --pixel-size 1um", 3, vec!["gone.npy", "no such file"]),

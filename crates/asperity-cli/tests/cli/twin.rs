@@ -79,6 +79,27 @@ fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
     assert_eq!((map.heights_m.dim(), map.pitch_m, map.missing_points()), ((40, 60), Some((1e-6, 1e-6)), 0));
     let page = fs::read_to_string(out.join("twins.html")).unwrap();
     assert!(page.contains("Twins of scan.x3p") && page.contains("4 maps of 60 × 40 points"));
+    // Not the statistics alone: how much of the curves lies within.
+    let curves = json["curves"].as_object().unwrap();
+    let sum = |key: &str| curves.values().map(|curve| number(curve, key)).sum::<f64>();
+    assert_eq!(number(&json, "curves_inside"), sum("inside"));
+    assert_eq!(number(&json, "curves_compared"), sum("points"));
+    assert!(number(&json, "curves_compared") > 60.0);
+    for curve in curves.values() {
+        assert!((number(curve, "inside") / number(curve, "points") - number(curve, "inside_share")).abs() < 1e-12);
+    }
+    assert!(page.contains("of the points of the curves lie within") && page.contains("autocorrelation along x"));
+    // Four twins: bands are Student's, and stay where their statistics can be.
+    for (name, entry) in json["twins"].as_object().unwrap() {
+        let (low, high) = (entry["band"][0].as_f64(), entry["band"][1].as_f64());
+        let least = match name.as_str() {
+            "Ssk" => f64::NEG_INFINITY,
+            "Sku" => 1.0,
+            _ => 0.0,
+        };
+        let greatest = if ["Str", "Smrk1", "Smrk2", "hurst"].contains(&name.as_str()) { 1.0 } else { f64::INFINITY };
+        assert!(low.is_none_or(|low| low >= least) && high.is_none_or(|high| high <= greatest), "{name}: {entry}");
+    }
     let table = fs::read_to_string(out.join("tables/statistics.csv")).unwrap();
     assert!(table.starts_with("twin,Sa_m,Sq_m,") && table.lines().count() == 5);
 }
@@ -96,7 +117,9 @@ fn a_twin_does_not_depend_on_how_many_are_drawn_and_formats_are_chosen() {
     assert_ne!(of("few/twin_0001.x3p"), of("few/twin_0002.x3p"));
     // The table names what was compared.
     assert!(many.stdout.contains("95 % band of twins") && many.stdout.contains("µm"), "{many:?}");
-    assert!(many.stdout.lines().last().unwrap().ends_with("lie within the band of its twins"), "{many:?}");
+    let last = many.stdout.lines().last().unwrap();
+    assert!(last.ends_with("lie within the band of its twins"), "{many:?}");
+    assert!(last.contains(" % of the points of its curves (height pdf ") && last.contains("psd y "), "{last}");
 
     // Another size has no place for the scan's missing points.
     let wide = twin(at, &format!("scan.x3p --count 2 --out wide --points 90,50 --json {FAST}"));

@@ -37,6 +37,36 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
     asperity("--threads two surface convert a.npy b.npy").refuses(2, &["--threads", "two"]);
 }
 
+#[test]
+fn a_wrong_seed_is_told_as_one_and_files_that_are_written_are_not_listed_in_vain() {
+    for line in [
+        "run study.toml --seed",
+        "surface generate spec.toml --out a.x3p --seed",
+        "surface fill scan.x3p --out a.x3p --seed",
+        "surface twin scan.x3p --out twins --seed",
+        "vibration ensemble --seed",
+    ] {
+        for seed in ["-1", "1.5", "18446744073709551616"] {
+            asperity(&format!("{line} {seed}")).refuses(2, &["--seed", "whole number from 0 to 18446744073709551615"]);
+        }
+    }
+    // What a command computes stands in its help, not in its source alone.
+    for (command, words) in [
+        ("stats", ["where it falls to 1/e", "structure functions", "95 % intervals"]),
+        ("generate", ["falls to 1/e", "the scale for matern", "roll-off length"]),
+        ("modes", ["in m on an interval", "in m² on a rectangle", "the variance is 1"]),
+        ("twin", ["comparison.json", "roll-off", "39"]),
+    ] {
+        let help = asperity(&format!("surface {command} --help")).stdout;
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.iter().all(|word| help.contains(word)), "{words:?}: {help}");
+    }
+    for command in ["generate", "fill", "convert"] {
+        let help = asperity(&format!("surface {command} --help")).stdout;
+        assert!(help.contains("asperity formats") && !help.contains(".dat"), "{help}");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn what_the_memory_cannot_hold_is_refused_before_it_is_begun() {

@@ -218,7 +218,9 @@ pub(super) fn laws(run: &Run) -> Option<DataTable> {
     let worth = worth.map_or(String::new(), |n| {
         format!("; the correlated heights are worth {} independent ones", significant(*n, 2))
     });
-    let caption = format!("Laws fitted to the heights, ranked by Akaike’s criterion{worth}");
+    // Of several scans the figures and this table show the first.
+    let of = run.results["surface"]["scans"][0]["file"].as_str().map_or(String::new(), |file| format!(" of {file}"));
+    let caption = format!("Laws fitted to the heights{of}, ranked by Akaike’s criterion{worth}");
     let headers = ["Rank", "Law", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
     Some(DataTable::new(&caption, &headers, rows, "tables/height_fits.csv").without_empty_columns())
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::json::{flattened, interval, plain, shown};
-use super::{DataTable, method_name, parameters};
+use super::{DataTable, method_name, parameters, random_surface};
 use crate::format::{Dimension, significant, with_error};
 use crate::{Input, Run};
 
@@ -14,8 +14,7 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
     if let Value::Object(entries) = &mut rest {
         entries.retain(|key, _| !parameters::belongs(key));
     }
-    let random = flattened(&rest).into_iter().map(|(key, value)| vec![key, value]).collect();
-    let random = DataTable::new("Random surface", &["Property", "Value"], random, "results.json");
+    let random = random_surface::table(&rest);
     [Some(parameters::table(surface)), parameters::scans(surface), parameters::laws(run), Some(random)]
         .into_iter()
         .flatten()

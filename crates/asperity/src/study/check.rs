@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::law::Marginal;
+use crate::map::PITCH_RANGE_M;
 use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Study, SurfaceSection};
 
 /// A value that is well-formed but cannot be right.
@@ -69,7 +70,9 @@ impl Study {
         };
         if let Some(pixel) = s.pixel_size {
             for side in pixel {
-                within(SECTION, "pixel_size", side.0, positive, POSITIVE)?;
+                let (low, high) = (PITCH_RANGE_M.start(), PITCH_RANGE_M.end());
+                let wanted = format!("a size between {low:e} m and {high:e} m");
+                within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &wanted)?;
             }
         }
         if let Some(outliers) = s.outliers {

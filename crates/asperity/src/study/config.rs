@@ -2,10 +2,12 @@
 //!
 //! Every key is checked: an unknown one is an error that names its line and the nearest known key.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
-use serde::{Deserialize, Serialize};
+use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::quantity::{AngularFrequency, Area, Compliance, Force, Length, Mass, Pressure, Velocity};
 use crate::surface::level::Level;
@@ -125,8 +127,8 @@ pub struct SurfaceSection {
     /// The height map to read of a file that holds several: its name, or its number counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
-    /// Pixel size (x, y) of a scan that states none; overrides the file's.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Pixel size (x, y) of a scan that states none, or one for both; overrides the file's.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     pub pixel_size: Option<[Length; 2]>,
     /// Form removed from the scan.
     #[serde(default)]
@@ -152,8 +154,11 @@ pub struct SurfaceSection {
     /// Their standard deviation of height, when not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_height: Option<Length>,
-    /// Their correlation lengths (x, y), when not measured.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Their correlation lengths (x, y) or one for both, when not measured: the parameter ℓ of the model
+    /// ([`crate::correlation::CorrelationModel`]). Of the exponential and the squared exponential model it is the lag at which
+    /// the correlation is 1/e; of the Matérn model it is the scale, of the self-affine one the roll-off length, and the
+    /// correlation falls to 1/e elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     pub correlation_length: Option<[Length; 2]>,
     /// Hurst exponent of a self-affine model.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -173,6 +178,33 @@ pub struct SurfaceSection {
     /// Terms of the Karhunen–Loève expansion.
     #[serde(default = "modes")]
     pub modes: usize,
+}
+
+/// One length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.
+fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[Length; 2]>, D::Error> {
+    struct OneOrTwo;
+    impl<'de> Visitor<'de> for OneOrTwo {
+        type Value = [Length; 2];
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a length with its unit, such as \"20 um\", or a list of two, along x and y")
+        }
+
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<[Length; 2], E> {
+            let both = text.parse().map_err(E::custom)?;
+            Ok([both, both])
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[Length; 2], A::Error> {
+            let x = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(0, &self))?;
+            let y = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(1, &self))?;
+            match seq.next_element::<IgnoredAny>()? {
+                None => Ok([x, y]),
+                Some(_) => Err(de::Error::invalid_length(3, &self)),
+            }
+        }
+    }
+    deserializer.deserialize_any(OneOrTwo).map(Some)
 }
 
 impl Default for SurfaceSection {

@@ -17,6 +17,7 @@ use crate::study::sentence;
 use crate::surface::areal::ArealError;
 use crate::surface::filter::FilterError;
 use crate::surface::fractal::FractalError;
+use crate::surface::level::Level;
 use crate::surface::pooling::PoolingError;
 use crate::surface::preparation::PreparationError;
 use crate::surface::uncertainty::UncertaintyError;
@@ -71,6 +72,17 @@ pub enum StudyError {
     /// The surface has no texture.
     #[error("surface: {0}")]
     Areal(#[from] ArealError),
+    /// The surface has no texture once its form is removed.
+    #[error(
+        "surface: once the form ({level}) is removed, all {present} heights that are present are equal: a surface without \
+         roughness has no texture parameters"
+    )]
+    FormAlone {
+        /// The form.
+        level: Level,
+        /// Heights present.
+        present: usize,
+    },
     /// The surface has no scaling.
     #[error("surface: {0}")]
     Fractal(#[from] FractalError),
@@ -180,6 +192,7 @@ impl StudyError {
             | Self::Pooling(_)
             | Self::Preparation(PreparationError::Level(_) | PreparationError::Outliers(FilterError::Map(_)))
             | Self::Areal(_)
+            | Self::FormAlone { .. }
             | Self::Fractal(_)
             | Self::Estimate(_)
             | Self::Fit(_)

@@ -12,7 +12,7 @@ use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
 use crate::study::spectra::{binned_tables, structure_table};
 use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
-use crate::surface::areal::Analysis;
+use crate::surface::areal::{Analysis, ArealError};
 use crate::surface::fractal::Scaling;
 use crate::surface::level::Level;
 use crate::surface::preparation::Prepared;
@@ -33,7 +33,13 @@ pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> 
 /// Statistics, on request with their intervals, and what they were read off.
 fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, Values, Autocorrelation), StudyError> {
     let map = &prepared.map;
-    let Analysis { parameters, correlation, spectrum } = areal::analyse(map)?;
+    let Analysis { parameters, correlation, spectrum } = areal::analyse(map).map_err(|error| match error {
+        // What was removed may have been all there was.
+        ArealError::Flat { present } if prepared.level != Level::None => {
+            StudyError::FormAlone { level: prepared.level, present }
+        }
+        error => error.into(),
+    })?;
     // Where the correlation does not fall to 1/e within half the field, the farther lags are asked as well.
     let correlation_length_m = |axis: Axis| match correlation.correlation_length_m(axis) {
         Some(length_m) => Ok(Some(length_m)),

@@ -131,6 +131,31 @@ percentile = 50.0
     }
 
     #[test]
+    fn one_length_stands_for_both_axes() {
+        let lengths = |value: &str| {
+            let text = STUDY.replace("[\"20 um\", \"20 um\"]", value);
+            Study::parse(&text, "study.toml").map(|study| study.surface.unwrap().correlation_length.unwrap())
+        };
+        assert_eq!(lengths("\"20 um\"").unwrap(), lengths("[\"20 um\", \"20 um\"]").unwrap());
+        assert_ne!(lengths("[\"20 um\", \"10 um\"]").unwrap(), lengths("\"20 um\"").unwrap());
+        for (value, wanted) in [
+            ("20.0", "with its unit"),
+            ("\"20\"", "no unit"),
+            ("\"20 GPa\"", "`GPa` is not a unit of length"),
+            ("\"1e400 m\"", "out of range"),
+            ("[\"20 um\"]", "list of two"),
+            ("[\"20 um\", \"20 um\", \"20 um\"]", "list of two"),
+            ("\"-20 um\"", "positive"),
+        ] {
+            let error = lengths(value).unwrap_err();
+            assert!(error.line == 7 && error.message.contains(wanted), "{value}: {error}");
+        }
+        let pixel = STUDY.replace("covariance", "file = \"a.npy\"\npixel_size = \"1e-155 m\"\ncovariance");
+        let error = Study::parse(&pixel, "study.toml").unwrap_err();
+        assert!(error.line == 5 && error.message.contains("between 1e-15 m and 1e3 m"), "{error}");
+    }
+
+    #[test]
     fn errors_point_at_their_line() {
         for (from, to, line, wanted) in [
             ("\"1 um\"", "\"1 GPa\"", 6, "`GPa` is not a unit of length"),

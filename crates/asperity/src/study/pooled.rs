@@ -13,8 +13,16 @@ use crate::surface::pooling::{Pooled, PoolingError, Reading, pool, pooled_height
 /// Confidence level of the intervals.
 const LEVEL: f64 = 0.95;
 
-/// Statistics that exceed one nowhere.
-const SHARES: [&str; 5] = ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant"];
+/// The least and the greatest that a statistic can be, which the interval of two or three scans does not know.
+fn range(name: &str) -> (f64, f64) {
+    match name {
+        "Ssk" => (f64::NEG_INFINITY, f64::INFINITY),
+        "Sku" => (1.0, f64::INFINITY),
+        "Str" | "Smrk1" | "Smrk2" | "Smrk1_secant" | "Smrk2_secant" | "hurst" => (0.0, 1.0),
+        "fractal_dimension" => (2.0, 3.0),
+        _ => (0.0, f64::INFINITY),
+    }
+}
 
 /// Statistics of a part, and those of its scans.
 ///
@@ -52,12 +60,10 @@ impl PooledStatistics {
             };
             let readings: Option<Vec<Reading>> = scans.iter().map(|(_, scan)| reading(scan)).collect();
             let mut pooled = readings.map(|readings| pool(&readings, mean, LEVEL)).transpose()?;
-            if let Some(pooled) = pooled.as_mut().filter(|_| name != "Ssk") {
-                // All but the skewness are positive by definition, which two or three scans do not know.
-                pooled.interval.low = pooled.interval.low.max(0.0);
-                if SHARES.contains(&name) {
-                    pooled.interval.high = pooled.interval.high.min(1.0);
-                }
+            if let Some(pooled) = pooled.as_mut() {
+                let (least, greatest) = range(name);
+                pooled.interval.low = pooled.interval.low.max(least);
+                pooled.interval.high = pooled.interval.high.min(greatest);
             }
             statistics.push((name, pooled));
         }
@@ -155,5 +161,54 @@ impl Part {
         let maps: Vec<&HeightMap> = scans.iter().map(|(_, scan)| &scan.map).collect();
         let named = scans.iter().map(|(file, scan)| (file.clone(), scan.statistics.clone())).collect();
         Ok(Self { statistics: PooledStatistics::of(named)?, correlation, heights_m: pooled_heights_m(&maps) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Grid;
+    use crate::random;
+    use crate::study::statistics;
+    use crate::surface::preparation::Preparation;
+
+    /// Statistics of a map whose heights are a function of standard normal numbers.
+    fn scan(seed: u64, height_m: impl Fn(f64) -> f64) -> SurfaceStatistics {
+        let grid = Grid::new(48, 40, 1e-6, 1e-6).unwrap();
+        let noise = random::standard_normal(&mut random::stream(seed, "pooled", 0), grid.points());
+        let heights = ndarray::Array2::from_shape_fn(grid.shape(), |(row, column)| height_m(noise[row * 48 + column]));
+        let map = HeightMap::new(grid, heights).unwrap();
+        statistics(&Preparation::default().apply(&map).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn no_interval_of_a_part_leaves_the_range_of_its_statistic() {
+        // Plateaus with pits, and peaks on a plain: of two such scans hardly anything is known, and Student's factor of one
+        // degree of freedom is 12.7.
+        let one = scan(1, |g| -1e-6 * (2.0 * g).exp());
+        let other = scan(2, |g| 1e-7 * g);
+        let mut statistics = [one, other];
+        (statistics[0].hurst, statistics[1].hurst) = (Some(0.2), Some(0.9));
+        (statistics[0].fractal_dimension, statistics[1].fractal_dimension) = (Some(2.8), Some(2.1));
+        (statistics[0].Str, statistics[1].Str) = (Some(0.1), Some(0.95));
+        let named = ["a", "b"].map(str::to_owned).into_iter().zip(statistics.clone()).collect();
+        let pooled = PooledStatistics::of(named).unwrap();
+        let interval = |name: &str| {
+            let found = pooled.statistics.iter().find(|(own, _)| *own == name).unwrap().1;
+            found.map(|found| found.interval).unwrap()
+        };
+        for share in ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant", "hurst"] {
+            let ends = interval(share);
+            assert!(ends.low >= 0.0 && ends.high <= 1.0 && ends.low < ends.high, "{share}: {ends:?}");
+        }
+        assert_eq!((interval("Str").low, interval("Str").high), (0.0, 1.0), "as wide as two such scans make it");
+        assert_eq!((interval("hurst").low, interval("hurst").high), (0.0, 1.0));
+        assert_eq!((interval("fractal_dimension").low, interval("fractal_dimension").high), (2.0, 3.0));
+        assert_eq!(interval("Sku").low, 1.0);
+        for positive in ["Sq_m", "Sa_m", "Spk_m", "Svk_m", "Sdr", "Sdq", "Vmp_m", "Sp_m"] {
+            let ends = interval(positive);
+            assert!(ends.low == 0.0 && ends.high > 0.0, "{positive}: {ends:?}");
+        }
+        assert!(interval("Ssk").low < -1.0, "a skewness has no least value: {:?}", interval("Ssk"));
     }
 }

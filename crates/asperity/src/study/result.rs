@@ -266,10 +266,16 @@ pub struct CovarianceResult {
     pub model: String,
     /// Standard deviation.
     pub std_m: f64,
-    /// Length along x; without a model where the correlation falls to 1/e.
+    /// Length ℓ along x of the model ([`crate::correlation::CorrelationModel`]): where the correlation falls to 1/e, except
+    /// that it is the scale of the Matérn model and the roll-off length of the self-affine one. Without a model where the
+    /// correlation falls to 1/e.
     pub length_x_m: f64,
-    /// Length along y.
+    /// The same along y.
     pub length_y_m: f64,
+    /// Lag along x at which the correlation is 1/e, whatever the model: what `correlation_length_x_m` is of the scan.
+    pub decay_length_x_m: f64,
+    /// The same along y.
+    pub decay_length_y_m: f64,
     /// Smoothness ν of a Matérn model.
     pub smoothness: Option<f64>,
     /// Hurst exponent of a self-affine model.

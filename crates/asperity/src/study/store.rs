@@ -35,6 +35,12 @@ pub enum StoreError {
         /// The destination.
         path: PathBuf,
     },
+    /// The destination has no name of its own, as `.` and `..`.
+    #[error("{} names no folder that could be put in place as a whole; write its name", path.display())]
+    Unnamed {
+        /// The destination.
+        path: PathBuf,
+    },
     /// The destination holds a file that is read.
     #[error("{} holds {}, which is read: replacing the folder would delete it; choose another folder", path.display(), input.display())]
     HoldsInput {
@@ -83,7 +89,8 @@ impl Staging {
     /// one of the `inputs`.
     ///
     /// # Errors
-    /// The destination is a file, or not empty without `force`, or holds an input, or its parent cannot be written.
+    /// The destination is a file, or not empty without `force`, or holds an input, or has no name of its own, or its parent
+    /// cannot be written.
     pub fn open(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Self, StoreError> {
         if destination.is_file() {
             return Err(StoreError::NotEmpty { path: destination.into() });
@@ -99,7 +106,9 @@ impl Staging {
                 return Err(StoreError::HoldsInput { path, input: input.to_path_buf() });
             }
         }
-        let name = destination.file_name().map_or_else(|| "run".into(), |name| name.to_string_lossy().into_owned());
+        let Some(name) = destination.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+            return Err(StoreError::Unnamed { path: destination.into() });
+        };
         let parent = destination.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::create_dir_all(parent).map_err(at(parent))?;
         let partial = parent.join(format!(".{name}.partial-{}", std::process::id()));
@@ -158,6 +167,14 @@ impl Staging {
     /// The file system refused; the destination is then as before.
     pub fn commit(self) -> Result<PathBuf, StoreError> {
         self.write(COMPLETE, b"")?;
+        self.commit_unmarked()
+    }
+
+    /// Moves a folder that is no run to its destination, with nothing in it but what was written.
+    ///
+    /// # Errors
+    /// The file system refused; the destination is then as before.
+    pub fn commit_unmarked(self) -> Result<PathBuf, StoreError> {
         let old = self.partial.with_extension("old");
         let replaced = self.destination.exists();
         if replaced {

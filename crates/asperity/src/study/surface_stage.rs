@@ -242,12 +242,17 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, sc
     let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
     match covariance {
         SurfaceCovariance::Model(model) => format!(
-            "a {} covariance ({}, lengths {})",
+            "a {} covariance ({}, {} {})",
             model.model().name(),
             if section.covariance == CovarianceChoice::Measured {
                 format!("fitted to {scans}")
             } else {
                 "stated".into()
+            },
+            match model.model() {
+                CorrelationModel::Matern { .. } => "scales",
+                CorrelationModel::SelfAffine { .. } => "roll-off lengths",
+                CorrelationModel::Exponential | CorrelationModel::SquaredExponential => "lengths",
             },
             along(model.length_x_m(), model.length_y_m()),
         ),
@@ -332,11 +337,15 @@ fn covariance_result(
         SurfaceCovariance::Model(model) => model,
         SurfaceCovariance::Empirical(own) => {
             let (x_m, y_m) = own.support_m();
+            let length_x_m = decay_length_m(x_m, |lag_m| own.correlation(lag_m, 0.0));
+            let length_y_m = decay_length_m(y_m, |lag_m| own.correlation(0.0, lag_m));
             return CovarianceResult {
                 model: "empirical".into(),
                 std_m: own.std_m(),
-                length_x_m: decay_length_m(x_m, |lag_m| own.correlation(lag_m, 0.0)),
-                length_y_m: decay_length_m(y_m, |lag_m| own.correlation(0.0, lag_m)),
+                length_x_m,
+                length_y_m,
+                decay_length_x_m: length_x_m,
+                decay_length_y_m: length_y_m,
                 smoothness: None,
                 hurst: None,
                 misfit,
@@ -355,6 +364,8 @@ fn covariance_result(
         std_m: model.std_m(),
         length_x_m: model.length_x_m(),
         length_y_m: model.length_y_m(),
+        decay_length_x_m: decay_length_m(FARTHEST_DECAY * model.length_x_m(), |lag_m| model.correlation(lag_m, 0.0)),
+        decay_length_y_m: decay_length_m(FARTHEST_DECAY * model.length_y_m(), |lag_m| model.correlation(0.0, lag_m)),
         smoothness,
         hurst,
         misfit,
@@ -362,6 +373,10 @@ fn covariance_result(
         empirical: None,
     }
 }
+
+/// Every model has fallen to 1/e within so many of its lengths ℓ: the smoothest Matérn model, e^{−r²/2}, at √2 of them, the
+/// self-affine one of H = 1 at 1.7.
+const FARTHEST_DECAY: f64 = 2.0;
 
 /// The first lag at which a correlation that ends at `end_m` is 1/e.
 fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
@@ -374,4 +389,48 @@ fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
         if correlation(middle_m) > level { low_m = middle_m } else { high_m = middle_m }
     }
     0.5 * (low_m + high_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_decay_length_of_a_model_is_where_it_is_1_over_e() {
+        let found = |model| {
+            let covariance = Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap();
+            let result = covariance_result(&SurfaceCovariance::Model(covariance), None, None);
+            assert_eq!((result.length_x_m, result.length_y_m), (2e-5, 3e-5));
+            assert!((result.decay_length_y_m / result.decay_length_x_m - 1.5).abs() < 1e-9, "{model:?}");
+            result.decay_length_x_m / 2e-5
+        };
+        let exponential = [
+            CorrelationModel::Exponential,
+            CorrelationModel::SquaredExponential,
+            CorrelationModel::Matern { nu: 0.5 },
+            CorrelationModel::SelfAffine { hurst: 0.5 },
+        ];
+        for model in exponential {
+            assert!((found(model) - 1.0).abs() < 1e-9, "{model:?}: {}", found(model));
+        }
+        // (1 + x) e^{−x} = 1/e at x = 2.146193 (Newton), x = √3 r.
+        assert!((found(CorrelationModel::Matern { nu: 1.5 }) - 2.146_193_22 / 3.0_f64.sqrt()).abs() < 1e-8);
+        let words = |model| {
+            let covariance = SurfaceCovariance::Model(Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap());
+            covariance_words(&SurfaceSection::default(), &covariance, "the scan")
+        };
+        for (model, said) in [
+            (CorrelationModel::Exponential, "lengths 20 µm along x"),
+            (CorrelationModel::Matern { nu: 1.5 }, "scales 20 µm along x"),
+            (CorrelationModel::SelfAffine { hurst: 0.7 }, "roll-off lengths 20 µm along x"),
+        ] {
+            assert!(words(model).contains(said), "{}", words(model));
+        }
+        // Ever smoother Matérn models tend to e^{−r²/2}; x K₁(x), of H = 1, is 1/e at 1.6.
+        let smooth = found(CorrelationModel::Matern { nu: 60.0 });
+        assert!((smooth - 2.0_f64.sqrt()).abs() < 0.01 && smooth < FARTHEST_DECAY, "{smooth}");
+        let rough = found(CorrelationModel::SelfAffine { hurst: 0.05 });
+        let persistent = found(CorrelationModel::SelfAffine { hurst: 0.999 });
+        assert!(0.0 < rough && rough < 0.2 && 1.5 < persistent && persistent < 1.8, "{rough} {persistent}");
+    }
 }

@@ -317,6 +317,8 @@ impl Twins {
             band_level: LEVEL,
             inside: twins.iter().filter(|(_, statistic)| statistic.inside == Some(true)).count(),
             compared: twins.iter().filter(|(_, statistic)| statistic.inside.is_some()).count(),
+            curves_inside: curves.iter().map(|(_, curve)| curve.inside).sum(),
+            curves_compared: curves.iter().map(|(_, curve)| curve.points).sum(),
             model: self.model.clone(),
             target: self.target.statistics.clone(),
             twins,

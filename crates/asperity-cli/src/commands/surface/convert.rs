@@ -8,14 +8,15 @@ use clap::Args;
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
-use crate::output::check_target;
+use crate::output::{check_target, said_of_writing};
 
 /// Rewrites a file; missing points stay missing.
 #[derive(Debug, Args)]
 pub(crate) struct Convert {
     /// File to read, in any format that `asperity formats` lists; known by its content.
     input: PathBuf,
-    /// File to write; the extension chooses the format.
+    /// File to write; the extension chooses the format (`asperity formats` lists those that are written). One that is
+    /// there is replaced, unless it is the one that is read.
     output: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
@@ -23,7 +24,8 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        check_target("OUTPUT", &self.output)?;
+        check_target("OUTPUT", &self.output, &[&self.input])?;
+        let said = said_of_writing(&self.output);
         let scan = input::scan(&self.input, &self.options, monitor)?;
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -35,7 +37,7 @@ impl Convert {
         }
         let (ny, nx) = scan.heights_m.dim();
         let missing = scan.missing_points();
-        monitor.note(&format!("wrote {}: {nx} × {ny} points, {missing} missing", self.output.display()));
+        monitor.note(&format!("{said} {}: {nx} × {ny} points, {missing} missing", self.output.display()));
         Ok(())
     }
 }

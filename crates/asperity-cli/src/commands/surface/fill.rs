@@ -1,6 +1,6 @@
 //! Voids filled and edges extended.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use asperity::map::HeightMap;
 use asperity::monitor::Monitor;
@@ -11,15 +11,13 @@ use asperity::surface::{
     ConditionalError, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
     filling_memory_bytes,
 };
-use asperity_formats::Scan;
 use clap::{Args, ValueEnum};
 
-use super::convert::refused;
+use super::maps::MapsOut;
 use crate::args::{self, OneOrTwo};
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
-use crate::output::check_target;
 use crate::resources::require_memory;
 
 /// Fills missing heights with random ones that continue the map: given the heights present, with their covariance and
@@ -30,11 +28,10 @@ pub(crate) struct Fill {
     input: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
-    /// File to write (.x3p, .npy, .txt, .dat, .csv), or, for several maps, the folder of map_0000.x3p, map_0001.x3p, …
-    #[arg(long, value_name = "FILE|DIR")]
-    out: PathBuf,
+    #[command(flatten)]
+    target: MapsOut,
     /// Seed of what is filled in.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
     /// Number of maps, all with the same measured heights.
     #[arg(long, value_name = "K", default_value = "1", value_parser = args::count, allow_hyphen_values = true)]
@@ -72,18 +69,7 @@ enum Marginal {
 
 impl Fill {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let into_folder = self.count > 1 || self.out.is_dir();
-        if !into_folder {
-            check_target("--out", &self.out)?;
-        } else if self.out.is_file() {
-            let message = format!("--out {}: {} maps need a folder, this is a file", self.out.display(), self.count);
-            return Err(Failure::usage(message));
-        }
-        if let (Ok(input), Ok(out)) = (self.input.canonicalize(), self.out.canonicalize())
-            && input == out
-        {
-            return Err(Failure::usage(format!("--out {}: this is the map that is read", self.out.display())));
-        }
+        let maps = self.target.open(self.count, &[&self.input])?;
         let map = input::map(&self.input, &self.options, monitor)?;
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
@@ -93,23 +79,19 @@ impl Fill {
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
         }
-        if into_folder {
-            std::fs::create_dir_all(&self.out)
-                .map_err(|e| Failure::io(Kind::Runtime, format_args!("cannot make {}", self.out.display()), &e))?;
-        }
         for index in 0..self.count {
             monitor.check()?;
-            let path = if into_folder { self.out.join(format!("map_{index:04}.x3p")) } else { self.out.clone() };
             let mut stream = random::stream(self.seed, "fill", index as u64);
             let germ = random::standard_normal(&mut stream, filling.germ_len());
             let drawn = filling.draw(&germ).map_err(|e| self.unfilled(&e.into()))?;
-            write(&drawn, &path)?;
+            maps.keep(index, &drawn)?;
             monitor.progress("maps", index + 1, self.count);
         }
+        monitor.check()?;
+        let written = maps.commit()?;
         let share = 100.0 * filled as f64 / points as f64;
         monitor.note(&format!(
-            "wrote {}: {filled} of {points} heights ({share:.1} %) are filled in, {} are measured",
-            self.out.display(),
+            "{written}: {filled} of {points} heights ({share:.1} %) are filled in, {} are measured",
             points - filled
         ));
         Ok(())
@@ -145,10 +127,4 @@ impl Fill {
 
 fn extension(text: &str) -> Result<OneOrTwo<Length>, args::Refusal> {
     args::pair(text, args::non_negative_quantity)
-}
-
-fn write(map: &HeightMap, path: &Path) -> Result<(), Failure> {
-    let grid = map.grid();
-    let scan = Scan::new(map.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
-    asperity_formats::write(&scan, path).map_err(|e| refused(&e))
 }

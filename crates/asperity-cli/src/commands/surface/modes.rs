@@ -12,6 +12,9 @@ use crate::output::Answer;
 use crate::resources::require_memory;
 
 /// Computes eigenvalues of a correlation on an interval (one size) or a rectangle (two).
+///
+/// Eigenvalues are in m on an interval and in m² on a rectangle: all of them together make up its length or its area, since
+/// the variance is 1. Their share that the stated number of modes holds is the captured variance.
 #[derive(Debug, Args)]
 pub(crate) struct Modes {
     /// Shape of the correlation.
@@ -20,7 +23,8 @@ pub(crate) struct Modes {
     /// Smoothness ν of the Matérn model.
     #[arg(long, value_name = "X", default_value = "1.5", value_parser = args::positive, allow_hyphen_values = true)]
     smoothness: f64,
-    /// Correlation length, along x and y.
+    /// Length ℓ of the model, along x and y: where the correlation falls to 1/e; of the Matérn model its scale, not the 1/e
+    /// length.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: OneOrTwo<Length>,
     /// Length of the interval, or size of the rectangle along x and y.
@@ -80,13 +84,16 @@ impl Modes {
         require_memory(modes_memory_bytes(&points, self.modes, route), "the eigenproblem")?;
         let found = monitor
             .at_once(|| modes(&covariance, &sizes_m, &points, self.modes, route))?
-            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
-        answer(Some(&found)).print(self.json)
+            .or_else(|e| Err(refused(&e).told(answer(None, sizes_m.len()), self.json)?))?;
+        answer(Some(&found), sizes_m.len()).print(self.json)
     }
 }
 
-fn answer(found: Option<&surface::Modes>) -> Answer {
+/// Eigenvalues of a correlation are metre to the power of the dimension.
+fn answer(found: Option<&surface::Modes>, dimension: usize) -> Answer {
+    let unit = if dimension == 1 { "m" } else { "m^2" };
     Answer::default()
+        .with("eigenvalue_unit", unit)
         .with("eigenvalues", found.map(|f| f.eigenvalues.clone()))
         .with("captured_variance", found.map(|f| f.captured_variance))
 }

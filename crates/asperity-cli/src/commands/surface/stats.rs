@@ -20,7 +20,8 @@ use crate::output::Answer;
 /// Heights count from their mean after the form is removed; missing points are left out of every sum, never filled. A map of n
 /// pixels is n pixels wide. Sdq is by forward differences, Sdq 7point by the stencil of seven points of ISO 25178-2, Sdr by two
 /// triangles a pixel. The autocorrelation divides the sum of products at a lag by the number of pairs that are present;
-/// correlation lengths are where it falls to 1/e, Sal to 0.2. The Sk family is by the line of least squares through the
+/// correlation lengths are where it falls to 1/e, Sal to 0.2; they are not the lengths of the covariance model that a study
+/// fits. The Sk family is by the line of least squares through the
 /// flattest 40 % of the material ratio curve, beside it by the secant. The Hurst exponent is fitted to the structure functions
 /// from two pixels to an eighth of the map. Intervals take the map for a sample of a stationary surface; they are undefined
 /// where it holds too few correlation lengths, and for Ssk and Sku where Sku exceeds 4.

@@ -46,7 +46,7 @@ pub(crate) struct Twin {
     #[arg(long)]
     force: bool,
     /// Seed of every draw.
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
     /// Format of the twins, by its extension: x3p, sur, npy, txt, …
     #[arg(long, value_name = "EXT", default_value = "x3p", value_parser = written_extension)]
@@ -73,7 +73,8 @@ struct ModelOptions {
     /// Left out: empirical, or measured where the scan is too short for it.
     #[arg(long, value_enum)]
     covariance: Option<CovarianceOption>,
-    /// Correlation lengths along x and y of a stated covariance.
+    /// Lengths ℓ along x and y of a stated covariance. Of the exponential models the correlation falls to 1/e there; of the
+    /// Matérn model ℓ is the scale, of the self-affine one the roll-off length, and the 1/e length is another.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: Option<OneOrTwo<Length>>,
     /// Hurst exponent of a stated self-affine covariance.
@@ -399,5 +400,16 @@ fn table(comparison: &Comparison) -> String {
     let header = ["", "scan", "mean of twins", "95 % band of twins", ""].map(str::to_owned);
     let rows: Vec<[String; 5]> = std::iter::once(header).chain(comparison.twins.iter().map(line)).collect();
     let Comparison { inside, compared, .. } = comparison;
-    format!("{}{inside} of {compared} statistics of the scan lie within the band of its twins\n", columns(&rows))
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let curves = comparison.curves_inside_share().map_or(String::new(), |share| {
+        let each = comparison
+            .curves
+            .iter()
+            .filter_map(|(name, curve)| Some(format!("{} {}", name.replace('_', " "), percent(curve.inside_share?))));
+        format!(" and {} of the points of its curves ({})", percent(share), each.collect::<Vec<_>>().join(", "))
+    });
+    format!(
+        "{}{inside} of {compared} statistics of the scan{curves} lie within the band of its twins\n",
+        columns(&rows)
+    )
 }

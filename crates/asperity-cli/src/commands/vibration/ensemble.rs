@@ -40,7 +40,7 @@ pub(crate) struct Ensemble {
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     duration: f64,
     /// Seed of every random draw.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
     /// Print one JSON object instead of a table.
     #[arg(long)]

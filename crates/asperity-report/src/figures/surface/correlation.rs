@@ -1,6 +1,6 @@
 //! Autocorrelation along x and y with its bands, the model, and the correlation lengths.
 
-use super::{Plate, Stage, columns, csv, number};
+use super::{Plate, Stage, columns, csv, number, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -136,6 +136,7 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         caption += " Ribbons are pointwise 95 % bands.";
     }
     let layout = if apart { Layout::Row(320.0) } else { Layout::Column };
+    caption += &which(run);
     let svg = figure(title, &caption, layout, &charts)?;
     Ok(Some(Plate { name: NAME, stage: Stage::Surface, title: title.into(), caption, sources: vec![csv(NAME)], svg }))
 }

@@ -1,6 +1,6 @@
 //! Density of heights with the laws that fit it.
 
-use super::{Plate, Stage, columns, csv};
+use super::{Plate, Stage, columns, csv, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -85,6 +85,7 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         (true, false) => "",
     };
     caption += "; left linear, right logarithmic, where the tails show.";
+    caption += &which(run);
     let svg = figure(title, &caption, Layout::Row(300.0), &[(0.0, linear), (0.0, logarithmic)])?;
     Ok(Some(Plate { name: NAME, stage: Stage::Surface, title: title.into(), caption, sources: vec![csv(NAME)], svg }))
 }

@@ -1,6 +1,6 @@
 //! Power spectral density: the radial mean, and profiles along x and y.
 
-use super::{Plate, Stage, columns, csv, number};
+use super::{Plate, Stage, columns, csv, number, scan, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -77,7 +77,7 @@ struct Reliable {
 impl Reliable {
     fn of(run: &Run) -> Option<Self> {
         let [low, high] = ["low", "high"].map(|end| number(run, &format!("psd_reliable_{end}_rad_per_m")));
-        let limit = match run.results["surface"]["psd_upper_limit"].as_str() {
+        let limit = match scan(run)["psd_upper_limit"].as_str() {
             Some("pixel") => Some(("pixels", "half of the pixels’ Nyquist wavenumber")),
             Some("roll_off") => Some(("roll-off", "the roll-off of the instrument, a filter or a smooth surface")),
             Some("noise_floor") => Some(("noise", "the noise floor")),
@@ -185,6 +185,7 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         };
         caption += &reliable.limit.map_or(".".to_owned(), |(_, limit)| format!("; the upper end is {limit}."));
     }
+    caption += &which(run);
     let svg = figure(title, &caption, Layout::Column, &charts)?;
     let tables = [RADIAL, PROFILES[0], PROFILES[1], ALL];
     let sources = tables.into_iter().filter(|table| run.tables.contains_key(*table)).map(csv).collect();

@@ -1,6 +1,6 @@
 //! Structure functions along x and y with the power laws that give the Hurst exponent.
 
-use super::{Plate, Stage, columns, csv, number};
+use super::{Plate, Stage, columns, csv, number, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -55,7 +55,8 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
     };
     let caption = format!(
         "Mean squared difference of the levelled heights at a distance τ along x and y; far apart it is twice the variance. \
-         {found}"
+         {found}{}",
+        which(run)
     );
     let svg = figure(title, &caption, Layout::Column, &[(340.0, chart)])?;
     let sources = vec![csv(NAME)];

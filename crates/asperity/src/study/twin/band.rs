@@ -22,7 +22,7 @@ pub enum BandMethod {
     /// A single twin does not spread.
     None,
     /// Student's prediction interval, m ± t₀.₉₇₅ s √(1 + 1/n), exact for normal values; of the logarithm of what is positive
-    /// and of the log-odds of shares.
+    /// and of the log-odds of shares, so that no band leaves the range of its statistic.
     StudentT,
     /// The order statistics at (n + 1)·2.5 % and (n + 1)·97.5 %: whatever the law of the statistic.
     Quantiles,
@@ -42,19 +42,19 @@ pub(super) fn band_method(count: usize) -> BandMethod {
 pub(super) enum Scale {
     /// They spread by differences.
     Linear,
-    /// They are positive and spread by factors.
-    Logarithmic,
+    /// They lie above a bound, from which they spread by factors: the logarithm of x − a.
+    Above(f64),
     /// They lie between 0 and 1: the logarithm of x/(1 − x).
     Share,
 }
-use Scale::{Linear, Logarithmic, Share};
+use Scale::{Above, Linear, Share};
 
 impl Scale {
     /// Onto the real line.
     fn unfold(self, value: f64) -> f64 {
         match self {
             Linear => value,
-            Logarithmic => value.ln(),
+            Above(least) => (value - least).ln(),
             Share => (value / (1.0 - value)).ln(),
         }
     }
@@ -63,9 +63,21 @@ impl Scale {
     fn fold(self, value: f64) -> f64 {
         match self {
             Linear => value,
-            Logarithmic => value.exp(),
+            Above(least) => least + value.exp(),
             Share => 1.0 / (1.0 + (-value).exp()),
         }
+    }
+
+    /// The least and the greatest that such values can be; none where they keep to no range, as estimates of a spectrum that
+    /// fall below zero.
+    fn range(self, sorted: &[f64]) -> Option<(f64, f64)> {
+        let (least, greatest) = match self {
+            Linear => return None,
+            Above(least) => (least, f64::INFINITY),
+            Share => (0.0, 1.0),
+        };
+        let kept = sorted.first().is_some_and(|x| *x >= least) && sorted.last().is_some_and(|x| *x <= greatest);
+        kept.then_some((least, greatest))
     }
 }
 
@@ -89,11 +101,15 @@ impl Spread {
             }
             BandMethod::StudentT => {
                 let unfolded: Vec<f64> = sorted.iter().map(|value| scale.unfold(*value)).collect();
-                // An estimate of a spectrum may be negative, and a share just one.
-                let fits = unfolded.iter().all(|value| value.is_finite());
-                let (scale, moments) = if fits { (scale, Moments::of(&unfolded)) } else { (Linear, moments) };
-                let band = prediction_interval(&moments);
-                Some(Interval { low: scale.fold(band.low), high: scale.fold(band.high) })
+                if unfolded.iter().all(|value| value.is_finite()) {
+                    let band = prediction_interval(&Moments::of(&unfolded));
+                    Some(Interval { low: scale.fold(band.low), high: scale.fold(band.high) })
+                } else {
+                    // A share is just one, a peak height zero: on their own scale, cut at the ends of their range.
+                    let band = prediction_interval(&moments);
+                    let (least, greatest) = scale.range(&sorted).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+                    Some(Interval { low: band.low.max(least), high: band.high.min(greatest) })
+                }
             }
         };
         Self { mean: moments.mean, std: moments.sample_std(), band, defined: sorted.len() }
@@ -140,6 +156,26 @@ mod tests {
     }
 
     #[test]
+    fn no_band_leaves_the_range_of_its_statistic() {
+        let band = |values: &[f64], scale| Spread::of(values.iter().copied(), scale).band.unwrap();
+        // As wide as two values make it: t(1) = 12.7.
+        for values in [[0.1, 0.9], [0.999, 0.2], [1e-9, 0.5]] {
+            let share = band(&values, Share);
+            assert!(share.low > 0.0 && share.low < values[0].min(values[1]), "{share:?}");
+            assert!(share.high <= 1.0 && share.high > values[0].max(values[1]), "{share:?}");
+            assert!(band(&values, Above(0.0)).low > 0.0);
+        }
+        assert!(band(&[1.5, 3.0], Above(1.0)).low > 1.0, "a kurtosis");
+        // Log-odds of one, and the logarithm of zero, are infinite.
+        let one = band(&[0.2, 0.3, 1.0], Share);
+        assert_eq!((one.low, one.high), (0.0, 1.0));
+        let none = band(&[0.0, 0.1, 0.2], Above(0.0));
+        assert!(none.low == 0.0 && none.high > 0.2, "{none:?}");
+        // An estimate of a spectrum may be negative, and so may its band.
+        assert!(band(&[-0.1, 0.1, 0.2], Above(0.0)).low < -0.1);
+    }
+
+    #[test]
     fn bands_are_order_statistics_of_many_and_students_of_few() {
         let spread = |n: usize| Spread::of((0..n).map(|i| ((7 * i) % n) as f64), Linear);
         // 2.5 % of 40 is the first of 39, of 80 the second of 79.
@@ -150,12 +186,10 @@ mod tests {
         let half = 4.302_652_73 * (4.0_f64 / 3.0).sqrt();
         let band = few.band.unwrap();
         assert!((band.low - 2.0 + half).abs() < 1e-6 && (band.high - 2.0 - half).abs() < 1e-6 && few.defined == 3);
-        let factors = Spread::of([1.0, std::f64::consts::E].into_iter(), Logarithmic).band.unwrap();
+        let factors = Spread::of([1.0, std::f64::consts::E].into_iter(), Above(0.0)).band.unwrap();
         assert!((factors.low * factors.high / std::f64::consts::E - 1.0).abs() < 1e-12, "symmetric about √e");
         let shares = Spread::of([0.2, 0.3, 0.8].into_iter(), Share).band.unwrap();
         assert!(shares.low > 0.0 && shares.high < 1.0, "{shares:?}");
-        let one = Spread::of([0.2, 0.3, 1.0].into_iter(), Share).band.unwrap();
-        assert!(one.low < 0.0 && one.high > 1.0, "log-odds of one are infinite: {one:?}");
         assert_eq!(Spread::of([1.0].into_iter(), Linear).band, None);
         assert!(Spread::of(std::iter::empty(), Linear).mean.is_nan());
     }

@@ -1,0 +1,130 @@
+//! Where maps are written: a file is replaced and that is told, a folder appears whole or not at all, inputs are spared.
+
+use std::fs;
+use std::path::Path;
+
+use asperity_formats::read;
+use tempfile::TempDir;
+
+use crate::support::{Ended, asperity_in, listing};
+
+const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
+                             covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                             correlation_length = \"4 um\"\ngenerator = \"spectral\"\n";
+
+fn surface(at: &Path, line: &str) -> Ended {
+    asperity_in(at, &format!("surface {line}").split_whitespace().collect::<Vec<_>>())
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("spec.toml"), SPECIFICATION).unwrap();
+    folder
+}
+
+/// Also with a map of which a corner is missing.
+fn folder_with_scan() -> TempDir {
+    let folder = folder();
+    let at = folder.path();
+    assert_eq!(surface(at, "generate spec.toml --out whole.npy --quiet").code, 0);
+    let mut scan = read(&at.join("whole.npy")).unwrap();
+    scan.heights_m.indexed_iter_mut().filter(|((r, c), _)| r + c < 6).for_each(|(_, z)| *z = f64::NAN);
+    scan.pitch_m = Some((1e-6, 1e-6));
+    asperity_formats::write(&scan, &at.join("scan.x3p")).unwrap();
+    fs::remove_file(at.join("whole.npy")).unwrap();
+    folder
+}
+
+#[test]
+fn a_file_that_is_there_is_replaced_and_not_in_silence() {
+    let folder = folder_with_scan();
+    let at = folder.path();
+    for line in ["generate spec.toml --out a.x3p", "fill scan.x3p --seed 1 --out b.x3p", "convert scan.x3p c.x3p"] {
+        let (name, first) = (line.rsplit(' ').next().unwrap(), surface(at, line));
+        assert!(first.code == 0 && first.stderr.contains(&format!("wrote {name}")), "{first:?}");
+        fs::write(at.join(name), "old").unwrap();
+        let second = surface(at, line);
+        assert!(second.code == 0 && second.stderr.contains(&format!("replaced {name}")), "{second:?}");
+        assert!(read(&at.join(name)).is_ok());
+        // With --force, where there is one, it is the same.
+        if !line.starts_with("convert") {
+            assert_eq!(surface(at, &format!("{line} --force")).code, 0);
+        }
+    }
+    assert_eq!(listing(at), ["a.x3p", "b.x3p", "c.x3p", "scan.x3p", "spec.toml"]);
+}
+
+#[test]
+fn what_is_read_is_not_replaced() {
+    let folder = folder_with_scan();
+    let at = folder.path();
+    fs::create_dir(at.join("in")).unwrap();
+    fs::rename(at.join("scan.x3p"), at.join("in/scan.x3p")).unwrap();
+    let measured =
+        SPECIFICATION.replace("covariance = \"exponential\"", "file = \"scan.x3p\"\ncovariance = \"exponential\"");
+    fs::write(at.join("in/measured.toml"), measured).unwrap();
+    let bytes = fs::read(at.join("in/scan.x3p")).unwrap();
+    for line in [
+        "generate in/measured.toml --out in/scan.x3p",
+        "fill in/scan.x3p --seed 1 --out ./in/../in/scan.x3p --force",
+        "convert in/scan.x3p in/scan.x3p",
+    ] {
+        surface(at, line).refuses(2, &["scan.x3p", "is read"]);
+    }
+    for line in
+        ["generate in/measured.toml --count 2 --out in --force", "fill in/scan.x3p --seed 1 --count 2 --out in --force"]
+    {
+        surface(at, line).refuses(2, &["in holds", "is read"]);
+    }
+    assert_eq!(fs::read(at.join("in/scan.x3p")).unwrap(), bytes);
+    assert_eq!(listing(at), ["in", "spec.toml"]);
+    assert_eq!(listing(&at.join("in")), ["measured.toml", "scan.x3p"]);
+}
+
+#[test]
+fn a_folder_holds_the_maps_of_one_run_and_is_replaced_by_force_alone() {
+    let folder = folder_with_scan();
+    let at = folder.path();
+    for (name, line) in [("drawn", "generate spec.toml"), ("filled", "fill scan.x3p")] {
+        let out = at.join(name);
+        let run =
+            |count: usize, more: &str| surface(at, &format!("{line} --seed 1 --count {count} --out {name} {more}"));
+        assert_eq!(run(3, "").code, 0);
+        // Four names of two runs would be two surfaces under one roof.
+        let before = fs::read(out.join("map_0000.x3p")).unwrap();
+        run(2, "").refuses(2, &[name, "not empty", "--force"]);
+        surface(at, &format!("{line} --seed 2 --out {name}")).refuses(2, &[name, "not empty"]);
+        assert_eq!(listing(&out), ["map_0000.x3p", "map_0001.x3p", "map_0002.x3p"]);
+        assert_eq!(fs::read(out.join("map_0000.x3p")).unwrap(), before);
+        assert_eq!(run(2, "--force").code, 0);
+        assert_eq!(listing(&out), ["map_0000.x3p", "map_0001.x3p"]);
+        // An empty folder is nobody's, and a file is no folder.
+        fs::create_dir(at.join("empty")).unwrap();
+        let ended = surface(at, &format!("{line} --seed 1 --out empty"));
+        assert!(ended.code == 0 && ended.stderr.contains("wrote empty"), "{ended:?}");
+        assert_eq!(listing(&at.join("empty")), ["map_0000.x3p"]);
+        fs::remove_dir_all(at.join("empty")).unwrap();
+        surface(at, &format!("{line} --seed 1 --count 2 --out spec.toml --force")).refuses(2, &["spec.toml", "folder"]);
+    }
+    let nameless = at.join("nameless");
+    fs::create_dir(&nameless).unwrap();
+    surface(&nameless, "generate ../spec.toml --count 2 --out .").refuses(2, &["--out", "names no folder"]);
+    assert!(listing(&nameless).is_empty());
+    assert_eq!(listing(at), ["drawn", "filled", "nameless", "scan.x3p", "spec.toml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_and_failures_leave_no_part_of_a_folder() {
+    let folder = folder_with_scan();
+    let at = folder.path();
+    for line in ["generate spec.toml", "fill scan.x3p"] {
+        let line = format!("surface {line} --seed 1 --count 1000000 --out deep/maps");
+        let (ended, _) = crate::support::interrupted_in(at, &line);
+        assert_eq!((ended.code, ended.stdout.as_str()), (130, ""), "{ended:?}");
+        assert_eq!(listing(at), ["scan.x3p", "spec.toml"]);
+    }
+    fs::write(at.join("wide.toml"), SPECIFICATION.replace("\"32 um\"", "\"1e30 m\"")).unwrap();
+    surface(at, "generate wide.toml --count 2 --out deep/maps").refuses(2, &["wide.toml", "between 1e-15 m and 1e3 m"]);
+    assert_eq!(listing(at), ["scan.x3p", "spec.toml", "wide.toml"]);
+}
