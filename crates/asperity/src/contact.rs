@@ -30,6 +30,7 @@
 use thiserror::Error;
 
 pub mod area;
+mod cells;
 mod coarse_start;
 mod descent;
 pub mod exact;

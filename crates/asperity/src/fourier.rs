@@ -8,6 +8,7 @@
 //! Rows and columns of large maps are shared among the threads of the current pool. Every one of them is transformed on
 //! its own, so the bits of a result depend on neither the number of threads nor who did what.
 
+mod convolution;
 mod lanes;
 mod products;
 
@@ -19,6 +20,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 pub use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
+pub(crate) use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
 use lanes::{BLOCK, TILE, gather};
 pub(crate) use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
 

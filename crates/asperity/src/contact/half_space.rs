@@ -1,7 +1,8 @@
 //! The compliance of a half-space: pressure on a grid in, normal displacement out.
 
 use crate::contact::ContactError;
-use crate::fourier::{Complex64, RealFft2, Workspace as FourierWorkspace, good_length, signed_index};
+use crate::contact::cells::Cells;
+use crate::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
 use crate::map::Grid;
 
 /// What lies beyond the edge of the grid.
@@ -27,21 +28,36 @@ pub struct HalfSpace {
     grid: Grid,
     modulus_pa: f64,
     boundary: Boundary,
-    fft: RealFft2,
-    /// Transformed influence coefficients in m/Pa, laid out as `fft`'s spectrum; real, because the kernel is even.
+    /// The compliance in m/Pa; its symbol is real, because the kernel is even.
+    exact: Convolution<f64>,
     compliance: Vec<f64>,
-    stiffness_fft: RealFft2,
-    /// E*|q|/2 in Pa/m, for `stiffness_fft`: the inverse of the compliance, used as preconditioner.
-    stiffness: Vec<f64>,
+    /// The same in single precision, over `unit_m_per_pa`, for the steps of a solver.
+    quick: Convolution<f32>,
+    quick_compliance: Vec<f32>,
+    unit_m_per_pa: f64,
+    /// Response to the mean pressure, and its inverse.
+    mean: MeanMode,
+    /// The preconditioner: E*|q|/2, the inverse of the compliance up to the boundary, over `unit_pa_per_m`.
+    stiffness_plan: Convolution<f32>,
+    stiffness: Vec<f32>,
+    unit_pa_per_m: f64,
     /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
     coarse: Option<Box<HalfSpace>>,
 }
 
-/// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m.
+/// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m. On the free boundary
+/// the compliance is that of the sum over the padded grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MeanMode {
     compliance: f64,
     stiffness: f64,
+}
+
+impl MeanMode {
+    /// Displacement in metre by the same pressure everywhere on a periodic half-space.
+    pub(super) fn displacement_m(self, pressure_pa: f64) -> f64 {
+        self.compliance * pressure_pa
+    }
 }
 
 /// Cells along either side of the coarsest grid.
@@ -50,10 +66,9 @@ const COARSEST: usize = 8;
 /// Scratch memory of one thread for one [`HalfSpace`].
 #[derive(Debug, Clone)]
 pub struct Workspace {
-    spectrum: Vec<Complex64>,
-    work: FourierWorkspace,
-    stiffness_spectrum: Vec<Complex64>,
-    stiffness_work: FourierWorkspace,
+    exact: ConvolutionWork<f64>,
+    quick: ConvolutionWork<f32>,
+    stiffness: ConvolutionWork<f32>,
 }
 
 impl HalfSpace {
@@ -70,46 +85,52 @@ impl HalfSpace {
     /// A. E. H. Love, *Phil. Trans. R. Soc. A* **228** (1929) 377, <https://doi.org/10.1098/rsta.1929.0009>.
     /// H. M. Stanley and T. Kato, *J. Tribology* **119** (1997) 481, <https://doi.org/10.1115/1.2833523>.
     pub fn new(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Result<Self, ContactError> {
+        let parameter =
+            |parameter, value, unit, wanted| Err(ContactError::Parameter { parameter, value, unit, wanted });
         if !(modulus_pa.is_finite() && modulus_pa > 0.0) {
-            return Err(ContactError::Parameter {
-                parameter: "contact modulus",
-                value: modulus_pa,
-                unit: "Pa",
-                wanted: "positive",
-            });
+            return parameter("contact modulus", modulus_pa, "Pa", "positive");
         }
         let (nx, ny) = (grid.nx(), grid.ny());
-        let stiffness_length = |n: usize| match boundary {
-            // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
-            Boundary::Free => good_length(n + (n / 16).max(2)),
-            Boundary::Periodic { .. } => n,
-        };
-        let stiffness_fft = RealFft2::new(stiffness_length(nx), stiffness_length(ny));
-        let wavenumber = wavenumbers_rad_per_m(&stiffness_fft, grid);
-        let mut stiffness: Vec<f64> = wavenumber.iter().map(|q| 0.5 * modulus_pa * q).collect();
         let longest_m = grid.width_m().max(grid.height_m());
-        let (fft, compliance) = match boundary {
+        let padded = |length: &dyn Fn(usize) -> usize| (length(ny), length(nx));
+        let (torus, stiffness_torus) = match boundary {
+            // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
+            Boundary::Free => (padded(&|n| good_length(2 * n - 1)), padded(&|n| good_length(n + (n / 16).max(2)))),
+            Boundary::Periodic { .. } => ((ny, nx), (ny, nx)),
+        };
+        let exact = Convolution::<f64>::new((ny, nx), torus);
+        let (compliance, mean) = match boundary {
             Boundary::Free => {
-                stiffness[0] = 0.5 * std::f64::consts::PI * modulus_pa / longest_m;
-                let fft = RealFft2::new(good_length(2 * nx - 1), good_length(2 * ny - 1));
-                let compliance = love_spectrum(&fft, grid, modulus_pa);
-                (fft, compliance)
+                let compliance = love_symbol(&exact, grid, modulus_pa);
+                let mean = MeanMode {
+                    compliance: compliance[0] * (exact.nx() * exact.ny()) as f64,
+                    stiffness: 0.5 * std::f64::consts::PI * modulus_pa / longest_m,
+                };
+                (compliance, mean)
             }
             Boundary::Periodic { mean_compliance_m_per_pa } => {
                 if !(mean_compliance_m_per_pa.is_finite() && mean_compliance_m_per_pa >= 0.0) {
-                    return Err(ContactError::Parameter {
-                        parameter: "mean compliance",
-                        value: mean_compliance_m_per_pa,
-                        unit: "m/Pa",
-                        wanted: "zero or positive",
-                    });
+                    return parameter("mean compliance", mean_compliance_m_per_pa, "m/Pa", "zero or positive");
                 }
-                stiffness[0] = mean_stiffness_pa_per_m(grid, modulus_pa, mean_compliance_m_per_pa);
-                let mut compliance: Vec<f64> = wavenumber.iter().map(|q| 2.0 / (modulus_pa * q)).collect();
-                compliance[0] = mean_compliance_m_per_pa;
-                (stiffness_fft.clone(), compliance)
+                let q = wavenumber_rad_per_m(grid, torus);
+                let compliance = exact.symbol(|kx, ky| 2.0 / (modulus_pa * q(kx, ky)));
+                let stiffness = mean_stiffness_pa_per_m(grid, modulus_pa, mean_compliance_m_per_pa);
+                (compliance, MeanMode { compliance: mean_compliance_m_per_pa, stiffness })
             }
         };
+        let quick = Convolution::<f32>::new((ny, nx), torus);
+        let points = (exact.nx() * exact.ny()) as f64;
+        // The constant of a periodic half-space is infinite here, and replaced on use.
+        let unit_m_per_pa = points * compliance.iter().filter(|c| c.is_finite()).fold(0.0_f64, |a, c| a.max(c.abs()));
+        let scale = |c: &f64| if c.is_finite() { (c / unit_m_per_pa) as f32 } else { 0.0 };
+        let quick_compliance = compliance.iter().map(scale).collect();
+
+        let stiffness_plan = Convolution::<f32>::new((ny, nx), stiffness_torus);
+        let q = wavenumber_rad_per_m(grid, stiffness_torus);
+        let shortest = q(nx / 2, (ny / 2) as f64);
+        let unit_pa_per_m = 0.5 * modulus_pa * if shortest > 0.0 { shortest } else { 1.0 };
+        let stiffness = stiffness_plan.symbol(|kx, ky| 0.5 * modulus_pa * q(kx, ky) / unit_pa_per_m);
+
         let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
         let coarse = if halved(nx) && halved(ny) {
             let grid = Grid::new(nx / 2, ny / 2, 2.0 * grid.dx_m(), 2.0 * grid.dy_m()).ok();
@@ -117,7 +138,21 @@ impl HalfSpace {
         } else {
             None
         };
-        Ok(Self { grid, modulus_pa, boundary, fft, compliance, stiffness_fft, stiffness, coarse })
+        Ok(Self {
+            grid,
+            modulus_pa,
+            boundary,
+            exact,
+            compliance,
+            quick,
+            quick_compliance,
+            unit_m_per_pa,
+            mean,
+            stiffness_plan,
+            stiffness,
+            unit_pa_per_m,
+            coarse,
+        })
     }
 
     /// The customary mean compliance of a periodic half-space, 2/(E* q_min) = max(L)/(πE*), in m/Pa: that of its
@@ -148,12 +183,7 @@ impl HalfSpace {
 
     /// Scratch memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        Workspace {
-            spectrum: self.fft.spectrum(),
-            work: self.fft.workspace(),
-            stiffness_spectrum: self.stiffness_fft.spectrum(),
-            stiffness_work: self.stiffness_fft.workspace(),
-        }
+        Workspace { exact: self.exact.work(), quick: self.quick.work(), stiffness: self.stiffness_plan.work() }
     }
 
     /// Displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
@@ -161,7 +191,7 @@ impl HalfSpace {
     /// # Panics
     /// If a slice or the workspace does not fit the grid.
     pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
-        self.displace_as(self.mean_mode(None), pressure_pa, displacement_m, workspace);
+        self.displace_as(self.mean, pressure_pa, displacement_m, workspace);
     }
 
     /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic
@@ -171,7 +201,7 @@ impl HalfSpace {
             (Boundary::Periodic { .. }, Some(compliance)) => {
                 MeanMode { compliance, stiffness: mean_stiffness_pa_per_m(self.grid, self.modulus_pa, compliance) }
             }
-            _ => MeanMode { compliance: self.compliance[0], stiffness: self.stiffness[0] },
+            _ => self.mean,
         }
     }
 
@@ -183,29 +213,100 @@ impl HalfSpace {
         displacement_m: &mut [f64],
         workspace: &mut Workspace,
     ) {
-        let (rows, columns) = self.grid.shape();
-        let Workspace { spectrum, work, .. } = workspace;
-        self.fft.forward_padded(pressure_pa, rows, columns, spectrum, work);
-        let constant = spectrum[0] * mean.compliance;
-        for (value, compliance) in spectrum.iter_mut().zip(&self.compliance) {
-            *value *= *compliance;
-        }
-        spectrum[0] = constant;
-        self.fft.inverse_cropped(spectrum, displacement_m, rows, columns, work);
+        let columns = self.grid.nx();
+        let points = self.grid.points();
+        assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");
+        let fill = |row: usize, out: &mut [f64]| {
+            out.copy_from_slice(&pressure_pa[row * columns..(row + 1) * columns]);
+            out.iter().any(|p| *p != 0.0)
+        };
+        let constant = self.exact.factor(mean.compliance);
+        self.exact.forward(&self.compliance, constant, fill, &mut workspace.exact);
+        let slabs = displacement_m.chunks_mut(ROWS_OF_SLAB * columns).collect();
+        let take = |slab: &mut &mut [f64], row: usize, values: &[f64]| {
+            slab[row % ROWS_OF_SLAB * columns..][..columns].copy_from_slice(values);
+        };
+        self.exact.backward(slabs, take, &mut workspace.exact);
     }
 
-    /// Multiplies a displacement in place by E*|q|/2, the inverse of the compliance up to the boundary: the preconditioner.
-    pub(super) fn stiffen(&self, mean: MeanMode, values: &mut [f64], workspace: &mut Workspace) {
-        let Workspace { stiffness_spectrum, stiffness_work, .. } = workspace;
-        let (rows, columns) = self.grid.shape();
-        self.stiffness_fft.forward_padded(values, rows, columns, stiffness_spectrum, stiffness_work);
-        let constant = stiffness_spectrum[0] * mean.stiffness;
-        for (value, stiffness) in stiffness_spectrum.iter_mut().zip(&self.stiffness) {
-            *value *= *stiffness;
-        }
-        stiffness_spectrum[0] = constant;
-        self.stiffness_fft.inverse_cropped(stiffness_spectrum, values, rows, columns, stiffness_work);
+    /// Slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which [`HalfSpace::displace_by_step`] hands out a field.
+    pub(super) fn slabs(&self) -> usize {
+        self.quick.slabs()
     }
+
+    /// Twice the elastic energy over the area of a cell, s·S s in Pa·m, of a step of the pressure at `cells`, in single
+    /// precision. [`HalfSpace::displace_by_step`] then gives S s.
+    pub(super) fn energy_of_step(
+        &self,
+        mean: MeanMode,
+        cells: &Cells,
+        step_pa: &[f64],
+        workspace: &mut Workspace,
+    ) -> f64 {
+        let unit_pa = largest(step_pa);
+        let constant = self.quick.factor(mean.compliance / self.unit_m_per_pa);
+        let fill = |row: usize, out: &mut [f32]| cells.scatter(row, step_pa, 1.0 / unit_pa, out);
+        let energy = self.quick.forward(&self.quick_compliance, constant, fill, &mut workspace.quick);
+        energy * self.unit_m_per_pa * unit_pa * unit_pa
+    }
+
+    /// Hands out the displacement S s by the step of the last [`HalfSpace::energy_of_step`], row by row and without its
+    /// unit in metre, which `unit_m` makes of the largest step: see [`Convolution::backward`].
+    pub(super) fn displace_by_step<O: Send>(
+        &self,
+        outputs: Vec<O>,
+        take: impl Fn(&mut O, usize, &[f32]) + Sync,
+        workspace: &mut Workspace,
+    ) {
+        self.quick.backward(outputs, take, &mut workspace.quick);
+    }
+
+    /// The unit in metre of what [`HalfSpace::displace_by_step`] hands out for this step.
+    pub(super) fn unit_of_step_m(&self, step_pa: &[f64]) -> f64 {
+        self.unit_m_per_pa * largest(step_pa)
+    }
+
+    /// E*|q|/2 times a displacement that is zero but at `cells`, at these cells: the preconditioner, in single precision.
+    pub(super) fn stiffen(
+        &self,
+        mean: MeanMode,
+        cells: &Cells,
+        displacement_m: &[f64],
+        stiffness: &mut Vec<f64>,
+        workspace: &mut Workspace,
+    ) {
+        stiffness.clear();
+        stiffness.resize(displacement_m.len(), 0.0);
+        let unit_m = largest(displacement_m);
+        if unit_m == 0.0 {
+            return;
+        }
+        let constant = self.stiffness_plan.factor(mean.stiffness / self.unit_pa_per_m);
+        let fill = |row: usize, out: &mut [f32]| cells.scatter(row, displacement_m, 1.0 / unit_m, out);
+        self.stiffness_plan.forward(&self.stiffness, constant, fill, &mut workspace.stiffness);
+        let unit = self.unit_pa_per_m * unit_m;
+        let mut slabs = Vec::with_capacity(self.stiffness_plan.slabs());
+        let mut rest = stiffness.as_mut_slice();
+        for slab in 0..self.stiffness_plan.slabs() {
+            let first = slab * ROWS_OF_SLAB;
+            let count = cells.rows(first, (first + ROWS_OF_SLAB).min(self.grid.ny())).len();
+            let (own, others) = rest.split_at_mut(count);
+            slabs.push(own);
+            rest = others;
+        }
+        let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
+            let before = cells.rows(row - row % ROWS_OF_SLAB, row).len();
+            for (out, column) in slab[before..].iter_mut().zip(cells.columns(row)) {
+                *out = unit * f64::from(values[column]);
+            }
+        };
+        self.stiffness_plan.backward(slabs, take, &mut workspace.stiffness);
+    }
+}
+
+/// The largest absolute value.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| if value.abs() > largest { value.abs() } else { largest })
 }
 
 /// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
@@ -218,22 +319,16 @@ fn mean_stiffness_pa_per_m(grid: Grid, modulus_pa: f64, mean_compliance_m_per_pa
     }
 }
 
-/// |q| in rad/m for every entry of the stored spectrum of maps with the grid's pitch.
-fn wavenumbers_rad_per_m(fft: &RealFft2, grid: Grid) -> Vec<f64> {
-    let step_x = std::f64::consts::TAU / (fft.nx() as f64 * grid.dx_m());
-    let step_y = std::f64::consts::TAU / (fft.ny() as f64 * grid.dy_m());
-    let mut wavenumbers = Vec::with_capacity(fft.spectrum_len());
-    for kx in 0..fft.stored_kx() {
-        for ky in 0..fft.ny() {
-            wavenumbers.push((kx as f64 * step_x).hypot(signed_index(ky, fft.ny()) * step_y));
-        }
-    }
-    wavenumbers
+/// |q| in rad/m of the wavenumbers kx and ky on a torus (ny, nx) of points with the grid's pitch.
+fn wavenumber_rad_per_m(grid: Grid, (ny, nx): (usize, usize)) -> impl Fn(usize, f64) -> f64 {
+    let step_x = std::f64::consts::TAU / (nx as f64 * grid.dx_m());
+    let step_y = std::f64::consts::TAU / (ny as f64 * grid.dy_m());
+    move |kx, ky| (kx as f64 * step_x).hypot(ky * step_y)
 }
 
-/// Transform of Love's influence coefficients, wrapped around the padded grid.
-fn love_spectrum(fft: &RealFft2, grid: Grid, modulus_pa: f64) -> Vec<f64> {
-    let (rows, columns) = (fft.ny(), fft.nx());
+/// Symbol of Love's influence coefficients, wrapped around the padded grid.
+fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64) -> Vec<f64> {
+    let (rows, columns) = (plan.ny(), plan.nx());
     let mut kernel = vec![0.0; rows * columns];
     let (nx, ny) = (grid.nx() as f64, grid.ny() as f64);
     for row in 0..rows {
@@ -247,9 +342,10 @@ fn love_spectrum(fft: &RealFft2, grid: Grid, modulus_pa: f64) -> Vec<f64> {
             }
         }
     }
+    let fft = RealFft2::new(columns, rows);
     let mut spectrum = fft.spectrum();
     fft.forward(&kernel, &mut spectrum, &mut fft.workspace());
-    spectrum.iter().map(|value| value.re).collect()
+    spectrum.iter().map(|value| value.re / (rows * columns) as f64).collect()
 }
 
 /// Displacement at (x, y) of a unit pressure on the rectangle of sides `dx_m` × `dy_m` about the origin, in m/Pa.
@@ -370,10 +466,48 @@ mod tests {
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.7 };
         let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
         let p = random::standard_normal(&mut random::stream(1, "stiffness", 0), grid.points());
-        let (mut values, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
-        half_space.displace(&p, &mut values, &mut workspace);
-        half_space.stiffen(half_space.mean_mode(None), &mut values, &mut workspace);
-        assert!(p.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-13));
+        let (mut u, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
+        half_space.displace(&p, &mut u, &mut workspace);
+        let mut all = Cells::none(12, 9);
+        all.replace(0..grid.points() as u32);
+        let mut back = Vec::new();
+        half_space.stiffen(half_space.mean_mode(None), &all, &u, &mut back, &mut workspace);
+        assert!(p.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-5));
+    }
+
+    #[test]
+    fn a_step_moves_the_surface_as_its_pressure_does_in_single_precision() {
+        let (nx, ny) = (37, 40);
+        let grid = Grid::new(nx, ny, 1e-6, 0.7e-6).unwrap();
+        let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 3e-17 };
+        for boundary in [Boundary::Free, periodic] {
+            let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
+            let mut workspace = half_space.workspace();
+            // Every third cell of all rows but some.
+            let mut cells = Cells::none(ny, nx);
+            cells.replace((0..grid.points() as u32).filter(|i| i % 3 == 0 && i / nx as u32 % 5 < 3));
+            let step = random::standard_normal(&mut random::stream(1, "step", 0), cells.places().len());
+            let step: Vec<f64> = step.into_iter().map(|s| 1e8 * s).collect();
+            let mut p = vec![0.0; grid.points()];
+            cells.places().iter().zip(&step).for_each(|(place, s)| p[*place as usize] = *s);
+            let mut wanted = vec![0.0; p.len()];
+            half_space.displace(&p, &mut wanted, &mut workspace);
+            let largest = wanted.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+
+            let energy = half_space.energy_of_step(half_space.mean_mode(None), &cells, &step, &mut workspace);
+            let work: f64 = p.iter().zip(&wanted).map(|(p, u)| p * u).sum();
+            assert!((energy / work - 1.0).abs() < 1e-5, "{energy:e} {work:e}");
+            let unit_m = half_space.unit_of_step_m(&step);
+            let mut found = vec![0.0; p.len()];
+            let slabs = found.chunks_mut(ROWS_OF_SLAB * nx).collect();
+            let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
+                let out = &mut slab[row % ROWS_OF_SLAB * nx..][..nx];
+                out.iter_mut().zip(values).for_each(|(out, value)| *out = unit_m * f64::from(*value));
+            };
+            half_space.displace_by_step(slabs, take, &mut workspace);
+            let error = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-6 * largest, "{error:e} of {largest:e}");
+        }
     }
 
     #[test]

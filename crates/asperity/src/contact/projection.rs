@@ -52,16 +52,18 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
 /// ends may still straddle the target (a hardness far below the trial values); the result is then interpolated between
 /// them, which meets the sum within the bounds. A target beyond what the bounds allow, as rounding of sums makes it when all
 /// values are about to reach a bound, is replaced by the nearest that they do allow.
-pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
+///
+/// Returns the shift, which is infinite where the bounds alone decide.
+pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) -> f64 {
     let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let clip = |value: f64| {
         let value = if value > 0.0 { value } else { 0.0 };
         if value < upper { value } else { upper }
     };
-    if target <= 0.0 || target >= trial.len() as f64 * upper {
+    if target <= 0.0 || trial.is_empty() || target >= trial.len() as f64 * upper {
         trial.fill(if target > 0.0 { upper } else { 0.0 });
-        return;
+        return if target > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
     }
     let ceiling = upper.min(target);
     let (mut low, mut high) = (-largest, ceiling - least);
@@ -101,7 +103,7 @@ pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
         for t in trial {
             *t = clip(*t + low);
         }
-        return;
+        return low;
     }
     let [sum_low, sum_high] = sums(trial, trial, |t, _| [clip(t + low), clip(t + high)]);
     let share = if sum_high > sum_low { ((target - sum_low) / (sum_high - sum_low)).clamp(0.0, 1.0) } else { 0.0 };
@@ -109,6 +111,7 @@ pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
         let (at_low, at_high) = (clip(*t + low), clip(*t + high));
         *t = at_low + share * (at_high - at_low);
     }
+    high
 }
 
 #[cfg(test)]

@@ -169,7 +169,15 @@ impl Solution {
 
 /// Height of the plane above the mean height and residuals of the pressure `p`, from the definitions, with v = S p − z and
 /// z counted from the mean height.
-pub(super) fn certify(problem: &Problem<'_>, closure: Closure, p: &[f64], v: &[f64]) -> (f64, Residual) {
+///
+/// Cells may be left out that carry no pressure and lie apart; then `gap_sum_m` is the sum of all gaps.
+pub(super) fn certify(
+    problem: &Problem<'_>,
+    closure: Closure,
+    p: &[f64],
+    v: &[f64],
+    gap_sum_m: Option<f64>,
+) -> (f64, Residual) {
     let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let rms_height_m = problem.rms_height_m();
     let least_v = least_below(p, v, upper);
@@ -188,7 +196,10 @@ pub(super) fn certify(problem: &Problem<'_>, closure: Closure, p: &[f64], v: &[f
     let frank_wolfe = if sum_p > 0.0 { work / (sum_p * rms_height_m) } else { 0.0 };
     let load = match closure {
         Closure::Plane { .. } => 0.0,
-        Closure::Gap { metre } => (gap_sum / p.len() as f64 / metre - 1.0).abs(),
+        Closure::Gap { metre } => {
+            let mean_gap_m = gap_sum_m.unwrap_or(gap_sum) / problem.heights_m().len() as f64;
+            (mean_gap_m / metre - 1.0).abs()
+        }
         Closure::Sum { pascal } => (sum_p / pascal - 1.0).abs(),
     };
     // With all cells at the hardness none may overlap.
@@ -260,7 +271,7 @@ mod tests {
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
         let heights = array![[1.0, -1.0], [1.0, -1.0]];
         let control = Control::MeanPressure { pascal: 0.1 };
-        certify(&Problem::new(&half_space, &heights, control, hardness_pa).unwrap(), closure, &p, &v)
+        certify(&Problem::new(&half_space, &heights, control, hardness_pa).unwrap(), closure, &p, &v, None)
     }
 
     #[test]

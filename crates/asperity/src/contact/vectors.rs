@@ -1,4 +1,4 @@
-//! Sums over cells, written so that the compiler may use vector registers, and lists of cells.
+//! Sums over cells, written so that the compiler may use vector registers.
 
 /// Partial sums kept side by side.
 const LANES: usize = 4;
@@ -63,20 +63,6 @@ pub(super) fn centre(values: &mut [f64]) {
     }
 }
 
-/// Copies the values of `all` at `members` into `list`.
-pub(super) fn gather(all: &[f64], members: &[usize], list: &mut Vec<f64>) {
-    list.clear();
-    list.extend(members.iter().map(|i| all[*i]));
-}
-
-/// Writes `list` into `all` at `members`, and zero elsewhere.
-pub(super) fn scatter(list: &[f64], members: &[usize], all: &mut [f64]) {
-    all.fill(0.0);
-    for (i, value) in members.iter().zip(list) {
-        all[*i] = *value;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,16 +82,5 @@ mod tests {
             centre(&mut centred);
             assert!(centred.iter().sum::<f64>().abs() < 1e-13);
         }
-    }
-
-    #[test]
-    fn a_list_scattered_and_gathered_is_itself() {
-        let (members, list) = ([1, 4, 5], [2.0, 3.0, 4.0]);
-        let mut all = [9.0; 7];
-        scatter(&list, &members, &mut all);
-        assert_eq!(all, [0.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0]);
-        let mut back = vec![7.0];
-        gather(&all, &members, &mut back);
-        assert_eq!(back, list);
     }
 }
