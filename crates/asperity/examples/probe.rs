@@ -5,7 +5,10 @@ use asperity::map::Grid;
 use asperity::random;
 use asperity::surface::*;
 fn main() {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(std::env::var("T").map_or(1, |t| t.parse().unwrap())).build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(std::env::var("T").map_or(1, |t| t.parse().unwrap()))
+        .build()
+        .unwrap();
     pool.install(|| {
         for n in [64usize, 256, 512, 1024] {
             if let Ok(only) = std::env::var("N") { if only.parse::<usize>().unwrap() != n { continue; } }

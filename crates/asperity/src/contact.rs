@@ -30,7 +30,6 @@
 use thiserror::Error;
 
 pub mod area;
-mod cells;
 mod coarse_start;
 mod descent;
 pub mod exact;
@@ -38,6 +37,7 @@ mod half_space;
 mod mean_gap;
 mod problem;
 mod projection;
+mod slab;
 mod solution;
 mod solver;
 mod vectors;

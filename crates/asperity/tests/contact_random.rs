@@ -294,7 +294,7 @@ fn units_that_are_powers_of_two_change_nothing_but_the_exponents() {
         let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
         let solution = Solver::default().solve(&problem).unwrap();
         // Heights times s, lengths times l, moduli times t: pressures scale as ts/l.
-        let (s, l, t) = (2.0_f64.powi(-31), 2.0_f64.powi(13), 2.0_f64.powi(37));
+        let (s, l, t) = (2.0_f64.powi(-31), 2.0_f64.powi(-13), 2.0_f64.powi(37));
         let (grid, pressure) = (half_space.grid(), t * s / l);
         let scaled_grid = Grid::new(grid.nx(), grid.ny(), l * grid.dx_m(), l * grid.dy_m()).unwrap();
         let boundary = match half_space.boundary() {

@@ -1,7 +1,6 @@
 //! The compliance of a half-space: pressure on a grid in, normal displacement out.
 
 use crate::contact::ContactError;
-use crate::contact::cells::Cells;
 use crate::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
 use crate::map::Grid;
 
@@ -229,30 +228,21 @@ impl HalfSpace {
         self.exact.backward(slabs, take, &mut workspace.exact);
     }
 
-    /// Slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which [`HalfSpace::displace_by_step`] hands out a field.
-    pub(super) fn slabs(&self) -> usize {
-        self.quick.slabs()
-    }
-
-    /// Twice the elastic energy over the area of a cell, s·S s in Pa·m, of a step of the pressure at `cells`, in single
-    /// precision. [`HalfSpace::displace_by_step`] then gives S s.
-    pub(super) fn energy_of_step(
+    /// Takes up pressures over some unit, in single precision, and returns Σ p·S p over that unit squared and
+    /// [`HalfSpace::compliance_unit_m_per_pa`]; see [`Convolution::forward`]. [`HalfSpace::compliance_backward`] then gives S p.
+    pub(super) fn compliance_forward(
         &self,
         mean: MeanMode,
-        cells: &Cells,
-        step_pa: &[f64],
+        fill: impl Fn(usize, &mut [f32]) -> bool + Sync,
         workspace: &mut Workspace,
     ) -> f64 {
-        let unit_pa = largest(step_pa);
         let constant = self.quick.factor(mean.compliance / self.unit_m_per_pa);
-        let fill = |row: usize, out: &mut [f32]| cells.scatter(row, step_pa, 1.0 / unit_pa, out);
-        let energy = self.quick.forward(&self.quick_compliance, constant, fill, &mut workspace.quick);
-        energy * self.unit_m_per_pa * unit_pa * unit_pa
+        self.quick.forward(&self.quick_compliance, constant, fill, &mut workspace.quick)
     }
 
-    /// Hands out the displacement S s by the step of the last [`HalfSpace::energy_of_step`], row by row and without its
-    /// unit in metre, which `unit_m` makes of the largest step: see [`Convolution::backward`].
-    pub(super) fn displace_by_step<O: Send>(
+    /// Hands out the displacement, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`]; see
+    /// [`Convolution::backward`].
+    pub(super) fn compliance_backward<O: Send>(
         &self,
         outputs: Vec<O>,
         take: impl Fn(&mut O, usize, &[f32]) + Sync,
@@ -261,52 +251,37 @@ impl HalfSpace {
         self.quick.backward(outputs, take, &mut workspace.quick);
     }
 
-    /// The unit in metre of what [`HalfSpace::displace_by_step`] hands out for this step.
-    pub(super) fn unit_of_step_m(&self, step_pa: &[f64]) -> f64 {
-        self.unit_m_per_pa * largest(step_pa)
+    /// The largest compliance.
+    pub(super) fn compliance_unit_m_per_pa(&self) -> f64 {
+        self.unit_m_per_pa
     }
 
-    /// E*|q|/2 times a displacement that is zero but at `cells`, at these cells: the preconditioner, in single precision.
-    pub(super) fn stiffen(
+    /// Takes up displacements over some unit, in single precision. [`HalfSpace::stiffness_backward`] then gives E*|q|/2 times
+    /// these: the preconditioner.
+    pub(super) fn stiffness_forward(
         &self,
         mean: MeanMode,
-        cells: &Cells,
-        displacement_m: &[f64],
-        stiffness: &mut Vec<f64>,
+        fill: impl Fn(usize, &mut [f32]) -> bool + Sync,
         workspace: &mut Workspace,
     ) {
-        stiffness.clear();
-        stiffness.resize(displacement_m.len(), 0.0);
-        let unit_m = largest(displacement_m);
-        if unit_m == 0.0 {
-            return;
-        }
         let constant = self.stiffness_plan.factor(mean.stiffness / self.unit_pa_per_m);
-        let fill = |row: usize, out: &mut [f32]| cells.scatter(row, displacement_m, 1.0 / unit_m, out);
         self.stiffness_plan.forward(&self.stiffness, constant, fill, &mut workspace.stiffness);
-        let unit = self.unit_pa_per_m * unit_m;
-        let mut slabs = Vec::with_capacity(self.stiffness_plan.slabs());
-        let mut rest = stiffness.as_mut_slice();
-        for slab in 0..self.stiffness_plan.slabs() {
-            let first = slab * ROWS_OF_SLAB;
-            let count = cells.rows(first, (first + ROWS_OF_SLAB).min(self.grid.ny())).len();
-            let (own, others) = rest.split_at_mut(count);
-            slabs.push(own);
-            rest = others;
-        }
-        let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
-            let before = cells.rows(row - row % ROWS_OF_SLAB, row).len();
-            for (out, column) in slab[before..].iter_mut().zip(cells.columns(row)) {
-                *out = unit * f64::from(values[column]);
-            }
-        };
-        self.stiffness_plan.backward(slabs, take, &mut workspace.stiffness);
     }
-}
 
-/// The largest absolute value.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |largest, value| if value.abs() > largest { value.abs() } else { largest })
+    /// Hands out the product, over the unit of the displacements and [`HalfSpace::stiffness_unit_pa_per_m`].
+    pub(super) fn stiffness_backward<O: Send>(
+        &self,
+        outputs: Vec<O>,
+        take: impl Fn(&mut O, usize, &[f32]) + Sync,
+        workspace: &mut Workspace,
+    ) {
+        self.stiffness_plan.backward(outputs, take, &mut workspace.stiffness);
+    }
+
+    /// The largest stiffness, about.
+    pub(super) fn stiffness_unit_pa_per_m(&self) -> f64 {
+        self.unit_pa_per_m
+    }
 }
 
 /// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
@@ -468,10 +443,17 @@ mod tests {
         let p = random::standard_normal(&mut random::stream(1, "stiffness", 0), grid.points());
         let (mut u, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
         half_space.displace(&p, &mut u, &mut workspace);
-        let mut all = Cells::none(12, 9);
-        all.replace(0..grid.points() as u32);
-        let mut back = Vec::new();
-        half_space.stiffen(half_space.mean_mode(None), &all, &u, &mut back, &mut workspace);
+        let fill = |row: usize, out: &mut [f32]| {
+            out.iter_mut().zip(&u[9 * row..]).for_each(|(out, u)| *out = *u as f32);
+            true
+        };
+        half_space.stiffness_forward(half_space.mean_mode(None), fill, &mut workspace);
+        let mut back = vec![0.0; p.len()];
+        let unit = half_space.stiffness_unit_pa_per_m();
+        let take = |out: &mut &mut [f64], row: usize, values: &[f32]| {
+            out[9 * row..].iter_mut().zip(values).for_each(|(out, value)| *out = unit * f64::from(*value));
+        };
+        half_space.stiffness_backward(vec![back.as_mut_slice()], take, &mut workspace);
         assert!(p.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-5));
     }
 
@@ -484,27 +466,27 @@ mod tests {
             let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
             let mut workspace = half_space.workspace();
             // Every third cell of all rows but some.
-            let mut cells = Cells::none(ny, nx);
-            cells.replace((0..grid.points() as u32).filter(|i| i % 3 == 0 && i / nx as u32 % 5 < 3));
-            let step = random::standard_normal(&mut random::stream(1, "step", 0), cells.places().len());
-            let step: Vec<f64> = step.into_iter().map(|s| 1e8 * s).collect();
-            let mut p = vec![0.0; grid.points()];
-            cells.places().iter().zip(&step).for_each(|(place, s)| p[*place as usize] = *s);
+            let mut p = random::standard_normal(&mut random::stream(1, "step", 0), grid.points());
+            p.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0 || i / nx % 5 >= 3).for_each(|(_, p)| *p = 0.0);
             let mut wanted = vec![0.0; p.len()];
             half_space.displace(&p, &mut wanted, &mut workspace);
             let largest = wanted.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
 
-            let energy = half_space.energy_of_step(half_space.mean_mode(None), &cells, &step, &mut workspace);
+            let fill = |row: usize, out: &mut [f32]| {
+                out.iter_mut().zip(&p[row * nx..]).for_each(|(out, p)| *out = *p as f32);
+                row % 5 < 3
+            };
+            let unit_m = half_space.compliance_unit_m_per_pa();
+            let energy = unit_m * half_space.compliance_forward(half_space.mean_mode(None), fill, &mut workspace);
             let work: f64 = p.iter().zip(&wanted).map(|(p, u)| p * u).sum();
             assert!((energy / work - 1.0).abs() < 1e-5, "{energy:e} {work:e}");
-            let unit_m = half_space.unit_of_step_m(&step);
             let mut found = vec![0.0; p.len()];
             let slabs = found.chunks_mut(ROWS_OF_SLAB * nx).collect();
             let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
                 let out = &mut slab[row % ROWS_OF_SLAB * nx..][..nx];
                 out.iter_mut().zip(values).for_each(|(out, value)| *out = unit_m * f64::from(*value));
             };
-            half_space.displace_by_step(slabs, take, &mut workspace);
+            half_space.compliance_backward(slabs, take, &mut workspace);
             let error = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(error < 1e-6 * largest, "{error:e} of {largest:e}");
         }

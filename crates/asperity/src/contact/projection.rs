@@ -1,5 +1,6 @@
 //! The two scalar equations of a box-constrained problem under a prescribed sum.
 
+use crate::contact::slab::{Extent, within};
 use crate::contact::vectors::sums;
 
 /// Whether a cell of pressure `p` and gradient `g` may lower the energy within 0 ≤ p ≤ `upper`: one between the bounds,
@@ -11,18 +12,15 @@ pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
 /// The multiplier λ for which the projection of λ − v on the tangent cone of the box at `p` has zero sum:
 /// Σ_free (v−λ) + Σ_{p=0} min(v−λ, 0) + Σ_{p=H} max(v−λ, 0) = 0.
 ///
-/// The left side falls monotonically and is piecewise linear in λ, so a bracketed Newton iteration ends after a few
-/// steps. Where it vanishes on an interval (no free cell), any root serves: the optimality conditions hold for each.
-pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -> f64 {
+/// `sums` evaluates that sum and the number of its terms at a λ, see [`tangent_sums`]. It falls monotonically and is
+/// piecewise linear in λ, so a bracketed Newton iteration ends after a few steps. Where it vanishes on an interval (no free
+/// cell), any root serves: the optimality conditions hold for each.
+pub(super) fn tangent_multiplier(start: f64, sums: impl Fn(f64) -> [f64; 2]) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut lambda = start;
     let mut last_sum = f64::INFINITY;
     for _ in 0..200 {
-        let [sum, slope] = sums(p, v, |p, v| {
-            let g = v - lambda;
-            let counts = may_move(p, g, upper);
-            [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
-        });
+        let [sum, slope] = sums(lambda);
         if slope == 0.0 {
             return lambda;
         }
@@ -44,42 +42,84 @@ pub(super) fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -
     lambda
 }
 
-/// Shifts `trial` by one scalar and clips it to [0, upper], so that it sums to `target`: the Euclidean projection on the
-/// box and the plane of the prescribed sum.
-///
-/// The sum rises with the shift, piecewise linearly and flat at both ends, so Newton's step is taken only while it at least
-/// halves the miss, and the bracket is halved otherwise. When the bracket is as narrow as the numbers allow, the sums at its
-/// ends may still straddle the target (a hardness far below the trial values); the result is then interpolated between
-/// them, which meets the sum within the bounds. A target beyond what the bounds allow, as rounding of sums makes it when all
-/// values are about to reach a bound, is replaced by the nearest that they do allow.
-///
-/// Returns the shift, which is infinite where the bounds alone decide.
-pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) -> f64 {
-    let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let clip = |value: f64| {
-        let value = if value > 0.0 { value } else { 0.0 };
-        if value < upper { value } else { upper }
-    };
-    if target <= 0.0 || trial.is_empty() || target >= trial.len() as f64 * upper {
-        trial.fill(if target > 0.0 { upper } else { 0.0 });
-        return if target > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+/// What [`tangent_multiplier`] sums up, for some of the cells.
+pub(super) fn tangent_sums(p: &[f64], v: &[f64], upper: f64, lambda: f64) -> [f64; 2] {
+    sums(p, v, |p, v| {
+        let g = v - lambda;
+        let counts = may_move(p, g, upper);
+        [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
+    })
+}
+
+/// A common shift of trial values, followed by a cut at the bounds, as [`project_to_sum`] finds it: between two shifts as
+/// close as numbers can be, mixed in this share.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shift {
+    low: f64,
+    high: f64,
+    share: f64,
+}
+
+impl Shift {
+    pub(super) const NONE: Self = Self { low: 0.0, high: 0.0, share: 0.0 };
+
+    fn by(value: f64) -> Self {
+        Self { low: value, high: value, share: 0.0 }
     }
-    let ceiling = upper.min(target);
+
+    /// The larger of the two, infinite where the bounds alone decide.
+    pub(super) fn largest(self) -> f64 {
+        self.high
+    }
+
+    /// The value of `t` after the shift, within [0, `upper`].
+    pub(super) fn applied(self, t: f64, upper: f64) -> f64 {
+        // No shift moves what is held on a bound.
+        if t.is_infinite() {
+            return within(t, upper);
+        }
+        let at_low = within(t + self.low, upper);
+        if self.share == 0.0 { at_low } else { at_low + self.share * (within(t + self.high, upper) - at_low) }
+    }
+}
+
+/// The shift of trial values after which they sum to `target` within [0, `upper`]: the Euclidean projection on the box and
+/// the plane of the prescribed sum.
+///
+/// `sums` evaluates the sum within the bounds at a shift and the number of values that follow it; values that stay on their
+/// bound at every shift, as infinite ones do, make up `held` of it. The sum rises with the shift, piecewise linearly and flat
+/// at both ends, so Newton's step is taken only while it at least halves the miss, and the bracket is halved otherwise. When
+/// the bracket is as narrow as the numbers allow, the sums at its ends may still straddle the target (a hardness far below
+/// the trial values); the result is then mixed of both, which meets the sum within the bounds. A target beyond what the
+/// bounds allow, as rounding of sums makes it when all values are about to reach a bound, is replaced by the nearest that
+/// they do allow.
+pub(super) fn project_to_sum(
+    extent: Extent,
+    held: f64,
+    upper: f64,
+    target: f64,
+    sums: impl Fn(f64) -> [f64; 2],
+) -> Shift {
+    let Extent { least, largest, members, .. } = extent;
+    if members == 0 {
+        return Shift::NONE;
+    }
+    let own = target - held;
+    if own <= 0.0 || own >= members as f64 * upper {
+        return Shift::by(if own > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY });
+    }
+    let ceiling = upper.min(own);
     let (mut low, mut high) = (-largest, ceiling - least);
     // Far below the trial values, the bound is lost in the rounding of this difference.
     while least + high < ceiling {
         high += (high - low).max(f64::MIN_POSITIVE);
     }
     // Rounding of the sum.
-    let negligible = f64::EPSILON * (trial.len() as f64).sqrt() * target;
+    let negligible = f64::EPSILON * (members as f64).sqrt() * own;
     let mut shift = 0.0_f64.clamp(low, high);
     let mut last_miss = f64::INFINITY;
     for _ in 0..200 {
-        let [sum, slope] = sums(trial, trial, |t, _| {
-            let value = t + shift;
-            [clip(value), if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 }]
-        });
+        let [sum, slope] = sums(shift);
         let miss = target - sum;
         if miss > 0.0 {
             low = shift;
@@ -87,8 +127,7 @@ pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) -> f64 
             high = shift;
         }
         if miss.abs() <= negligible {
-            (low, high) = (shift, shift);
-            break;
+            return Shift::by(shift);
         }
         let newton = shift + miss / slope;
         let trusted = slope > 0.0 && newton > low && newton < high && miss.abs() <= 0.5 * last_miss;
@@ -99,25 +138,32 @@ pub(super) fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) -> f64 
         last_miss = miss.abs();
         shift = next;
     }
-    if low == high {
-        for t in trial {
-            *t = clip(*t + low);
-        }
-        return low;
-    }
-    let [sum_low, sum_high] = sums(trial, trial, |t, _| [clip(t + low), clip(t + high)]);
+    let ([sum_low, _], [sum_high, _]) = (sums(low), sums(high));
     let share = if sum_high > sum_low { ((target - sum_low) / (sum_high - sum_low)).clamp(0.0, 1.0) } else { 0.0 };
-    for t in trial {
-        let (at_low, at_high) = (clip(*t + low), clip(*t + high));
-        *t = at_low + share * (at_high - at_low);
-    }
-    high
+    Shift { low, high, share }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random;
+
+    fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
+        let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let extent = Extent { least, largest, members: trial.len(), clipped: false };
+        let shift = super::project_to_sum(extent, 0.0, upper, target, |shift| {
+            sums(trial, trial, |t, _| {
+                let value = t + shift;
+                [within(value, upper), if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 }]
+            })
+        });
+        trial.iter_mut().for_each(|t| *t = shift.applied(*t, upper));
+    }
+
+    fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -> f64 {
+        super::tangent_multiplier(start, |lambda| tangent_sums(p, v, upper, lambda))
+    }
 
     #[test]
     fn the_projection_meets_the_sum_and_is_a_common_shift() {

@@ -174,14 +174,13 @@ impl Solution {
 pub(super) fn certify(
     problem: &Problem<'_>,
     closure: Closure,
-    p: &[f64],
-    v: &[f64],
+    parts: &[Part<'_>],
     gap_sum_m: Option<f64>,
 ) -> (f64, Residual) {
     let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let rms_height_m = problem.rms_height_m();
-    let least_v = least_below(p, v, upper);
-    let [sum_p, sum_free, sum_free_v] = sums(p, v, |p, v| {
+    let least_v = parts.iter().map(|part| least_below(part.p, part.v, upper)).fold(f64::INFINITY, f64::min);
+    let [sum_p, sum_free, sum_free_v] = sums_of_parts(parts, |p, v| {
         let free = if p < upper { p } else { 0.0 };
         [p, free, free * v]
     });
@@ -189,7 +188,7 @@ pub(super) fn certify(
     let resting_m = if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v };
     let plane_m = closure.plane_m().unwrap_or(resting_m);
     let lambda = if matches!(closure, Closure::Plane { .. }) { -plane_m } else { least_v };
-    let [work, gap_sum] = sums(p, v, |p, v| {
+    let [work, gap_sum] = sums_of_parts(parts, |p, v| {
         let (apart, gap) = (v - lambda, v + plane_m);
         [if apart > 0.0 { p * apart } else { 0.0 }, if (p <= 0.0) & (gap > 0.0) { gap } else { 0.0 }]
     });
@@ -205,6 +204,20 @@ pub(super) fn certify(
     // With all cells at the hardness none may overlap.
     let overlap = (-(least_v + plane_m)).max(0.0) / rms_height_m;
     (plane_m, Residual { frank_wolfe, overlap, load })
+}
+
+/// Pressure and v of some cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part<'a> {
+    pub(super) p: &'a [f64],
+    pub(super) v: &'a [f64],
+}
+
+fn sums_of_parts<const K: usize>(parts: &[Part<'_>], term: impl Fn(f64, f64) -> [f64; K]) -> [f64; K] {
+    parts.iter().map(|part| sums(part.p, part.v, &term)).fold([0.0; K], |mut total, terms| {
+        total.iter_mut().zip(terms).for_each(|(total, term)| *total += term);
+        total
+    })
 }
 
 #[cfg(test)]
@@ -271,7 +284,12 @@ mod tests {
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
         let heights = array![[1.0, -1.0], [1.0, -1.0]];
         let control = Control::MeanPressure { pascal: 0.1 };
-        certify(&Problem::new(&half_space, &heights, control, hardness_pa).unwrap(), closure, &p, &v, None)
+        certify(
+            &Problem::new(&half_space, &heights, control, hardness_pa).unwrap(),
+            closure,
+            &[Part { p: &p, v: &v }],
+            None,
+        )
     }
 
     #[test]

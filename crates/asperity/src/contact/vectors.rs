@@ -28,17 +28,6 @@ pub(super) fn sums<const K: usize>(a: &[f64], b: &[f64], term: impl Fn(f64, f64)
     total
 }
 
-/// Σ ab.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let [sum] = sums(a, b, |a, b| [a * b]);
-    sum
-}
-
-/// The Euclidean norm.
-pub(super) fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
 /// The least b among the pairs whose a is below `upper`; infinity if there is none.
 pub(super) fn least_below(a: &[f64], b: &[f64], upper: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];
@@ -55,14 +44,6 @@ pub(super) fn least_below(a: &[f64], b: &[f64], upper: f64) -> f64 {
     lanes.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Takes the mean out of `values`.
-pub(super) fn centre(values: &mut [f64]) {
-    let mean = sums(values, values, |a, _| [a])[0] / values.len().max(1) as f64;
-    for value in values {
-        *value -= mean;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,13 +55,10 @@ mod tests {
             let mut stream = random::stream(1, "vectors", n as u64);
             let (a, b) = (random::standard_normal(&mut stream, n), random::standard_normal(&mut stream, n));
             let plain: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
-            assert!((dot(&a, &b) - plain).abs() < 1e-13);
-            assert_eq!(norm(&a), dot(&a, &a).sqrt());
+            let [product, sum] = sums(&a, &b, |a, b| [a * b, a]);
+            assert!((product - plain).abs() < 1e-13 && (sum - a.iter().sum::<f64>()).abs() < 1e-13);
             let least = a.iter().zip(&b).filter(|(a, _)| **a < 0.3).map(|(_, b)| *b).fold(f64::INFINITY, f64::min);
             assert_eq!(least_below(&a, &b, 0.3), least);
-            let mut centred = a.clone();
-            centre(&mut centred);
-            assert!(centred.iter().sum::<f64>().abs() < 1e-13);
         }
     }
 }
