@@ -8,7 +8,7 @@ use asperity::quantity::Length;
 use asperity::random;
 use asperity::surface::level::Level;
 use asperity::surface::{
-    ConditionalError, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
+    ConditionalError, FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
     filling_memory_bytes,
 };
 use asperity_formats::Scan;
@@ -52,8 +52,8 @@ pub(crate) struct Fill {
     /// Law of what is filled in: that of the heights present, or the normal one.
     #[arg(long, value_enum, default_value = "measured")]
     marginal: Marginal,
-    /// Variance of the measurement noise over that of the heights. Smooth maps need some, such as 1e-4: their heights
-    /// hardly tell neighbours apart.
+    /// Variance of the measurement noise over that of the heights; at least what the heights show. What is filled in is the
+    /// surface beneath the noise.
     #[arg(long, value_name = "X", default_value = "0", value_parser = args::non_negative, allow_hyphen_values = true)]
     nugget: f64,
 }
@@ -88,7 +88,8 @@ impl Fill {
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
         require_memory(filling_memory_bytes(sides.iter().map(|n| *n as f64).product()), "filling a map of this size")?;
-        let filling = Filling::new(&map, options).map_err(|e| self.unfilled(&e))?;
+        let filling =
+            monitor.at_once(|| Filling::new(&map, options, monitor))?.map_err(|e| self.unfilled(&e))?;
         let (filled, points) = (filling.filled_points(), filling.grid().points());
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
@@ -97,14 +98,19 @@ impl Fill {
             std::fs::create_dir_all(&self.out)
                 .map_err(|e| Failure::io(Kind::Runtime, format_args!("cannot make {}", self.out.display()), &e))?;
         }
-        for index in 0..self.count {
-            monitor.check()?;
-            let path = if into_folder { self.out.join(format!("map_{index:04}.x3p")) } else { self.out.clone() };
+        let germ = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
-            let germ = random::standard_normal(&mut stream, filling.germ_len());
-            let drawn = filling.draw(&germ).map_err(|e| self.unfilled(&e.into()))?;
-            write(&drawn, &path)?;
-            monitor.progress("maps", index + 1, self.count);
+            random::standard_normal(&mut stream, filling.germ_len())
+        };
+        for first in (0..self.count).step_by(FILLED_AT_ONCE) {
+            let some = first..(first + FILLED_AT_ONCE).min(self.count);
+            let maps = monitor.at_once(|| filling.draw(some.clone().map(germ), monitor))??;
+            for (index, drawn) in some.zip(&maps) {
+                monitor.check()?;
+                let path = if into_folder { self.out.join(format!("map_{index:04}.x3p")) } else { self.out.clone() };
+                write(drawn, &path)?;
+                monitor.progress("maps", index + 1, self.count);
+            }
         }
         let share = 100.0 * filled as f64 / points as f64;
         monitor.note(&format!(
@@ -135,7 +141,6 @@ impl Fill {
 
     fn unfilled(&self, error: &FillError) -> Failure {
         let kind = match error {
-            FillError::Conditional(ConditionalError::NotConverged { .. }) => Kind::NotConverged,
             FillError::Conditional(ConditionalError::Parameter { .. }) => Kind::Usage,
             _ => Kind::Data,
         };

@@ -1,0 +1,62 @@
+//! The weights of one neighbourhood.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+use super::NeighbourhoodSurface;
+use super::groups::Group;
+
+impl NeighbourhoodSurface {
+    /// What each of `misses` says at the missing points of a group, times their shares: as many values for each point as
+    /// there are misses.
+    pub(super) fn corrections(&self, group: &Group, misses: &[Vec<f64>]) -> Vec<f64> {
+        let (count, heights) = (misses.len(), group.heights.len());
+        let mut corrections = vec![0.0; group.targets.len() * count];
+        if heights == 0 {
+            return corrections;
+        }
+        let at: Vec<(isize, isize)> =
+            group.heights.iter().map(|height| self.column_and_row(self.places[*height as usize])).collect();
+        let mut weights = Mat::from_fn(heights, count, |i, map| misses[map][group.heights[i] as usize]);
+        self.factor(&at).solve_in_place(&mut weights);
+        let mut correlations = vec![0.0; heights];
+        let points = group.targets.iter().zip(&group.shares);
+        for ((place, share), out) in points.zip(corrections.chunks_exact_mut(count)) {
+            let (column, row) = self.column_and_row(*place as usize);
+            for (value, (x, y)) in correlations.iter_mut().zip(&at) {
+                *value = self.lags.at(column - x, row - y);
+            }
+            for (map, out) in out.iter_mut().enumerate() {
+                let weights = weights.col_as_slice(map);
+                *out = share * weights.iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        corrections
+    }
+
+    /// The factor of the correlation of noisy heights. Where rounding leaves it indefinite, they get ten times the noise.
+    fn factor(&self, at: &[(isize, isize)]) -> Llt<f64> {
+        let mut between = Mat::<f64>::zeros(at.len(), at.len());
+        for (j, (x, y)) in at.iter().enumerate() {
+            for (value, (p, q)) in between.col_as_slice_mut(j)[j..].iter_mut().zip(&at[j..]) {
+                *value = self.lags.at(p - x, q - y);
+            }
+        }
+        let mut noise = self.noise;
+        loop {
+            for i in 0..at.len() {
+                between[(i, i)] = self.lags.at(0, 0) + noise;
+            }
+            // Beyond the number of the heights, the diagonal dominates.
+            match between.llt(Side::Lower) {
+                Ok(factor) => return factor,
+                Err(_) if noise <= at.len() as f64 => noise *= 10.0,
+                Err(_) => unreachable!("correlations are at most 1"),
+            }
+        }
+    }
+
+    fn column_and_row(&self, place: usize) -> (isize, isize) {
+        ((place % self.grid.nx()) as isize, (place / self.grid.nx()) as isize)
+    }
+}
