@@ -11,9 +11,9 @@ use faer::{Mat, Side};
 use ndarray::Array2;
 use thiserror::Error;
 
-pub use self::neighbourhood::NeighbourhoodSurface;
 use self::kernel::{Kernel, SolveError};
 pub(super) use self::neighbourhood::LARGEST_DOMAIN;
+pub use self::neighbourhood::NeighbourhoodSurface;
 use super::gaussian::check_germ;
 use super::{GeneratorError, RandomSurface, SpectralField};
 use crate::correlation::StationaryCovariance;

@@ -259,8 +259,7 @@ mod tests {
         let options =
             FillOptions { level: Level::Polynomial(4), extend_x: 120, extend_y: 90, ..FillOptions::default() };
         let filling = Filling::new(&map, options, &Silent).unwrap();
-        let filled =
-            filling.generate(&random::standard_normal(&mut random::stream(9, "far", 0), filling.germ_len()));
+        let filled = filling.generate(&random::standard_normal(&mut random::stream(9, "far", 0), filling.germ_len()));
         let range = |map: &HeightMap| {
             map.present_m().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
         };
@@ -278,9 +277,9 @@ mod tests {
         let mut heights = whole.heights_m().clone();
         heights.slice_mut(ndarray::s![24..36, 20..40]).fill(f64::NAN);
         let map = HeightMap::new(grid, heights).unwrap();
-        let filling = Filling::new(&map, FillOptions { level: Level::Mean, ..FillOptions::default() }, &Silent).unwrap();
-        let filled =
-            filling.generate(&random::standard_normal(&mut random::stream(9, "fill", 1), filling.germ_len()));
+        let filling =
+            Filling::new(&map, FillOptions { level: Level::Mean, ..FillOptions::default() }, &Silent).unwrap();
+        let filled = filling.generate(&random::standard_normal(&mut random::stream(9, "fill", 1), filling.germ_len()));
         // In the middle of the void, six lags from either edge, heights without knowledge would be off by 1.4 µm.
         let middle =
             |map: &HeightMap| -> Vec<f64> { map.heights_m().row(30).iter().skip(20).take(20).copied().collect() };

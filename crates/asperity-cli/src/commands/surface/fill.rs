@@ -88,8 +88,7 @@ impl Fill {
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
         require_memory(filling_memory_bytes(sides.iter().map(|n| *n as f64).product()), "filling a map of this size")?;
-        let filling =
-            monitor.at_once(|| Filling::new(&map, options, monitor))?.map_err(|e| self.unfilled(&e))?;
+        let filling = monitor.at_once(|| Filling::new(&map, options, monitor))?.map_err(|e| self.unfilled(&e))?;
         let (filled, points) = (filling.filled_points(), filling.grid().points());
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));

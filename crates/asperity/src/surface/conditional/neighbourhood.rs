@@ -181,7 +181,8 @@ impl NeighbourhoodSurface {
             let (of_field, of_noise) = germ.split_at(self.field.germ_len());
             let map = self.field.generate(of_field).heights_m().clone();
             let flat = map.as_slice().unwrap_or_default();
-            let mut missed: Vec<f64> = self.places.iter().zip(&self.values).map(|(p, value)| value - flat[*p]).collect();
+            let mut missed: Vec<f64> =
+                self.places.iter().zip(&self.values).map(|(p, value)| value - flat[*p]).collect();
             missed.iter_mut().zip(of_noise).for_each(|(miss, xi)| *miss -= noise_std * xi);
             misses.push(missed);
             drawn.push(map);
@@ -195,7 +196,14 @@ impl NeighbourhoodSurface {
         let sizes: Vec<usize> = self.groups.iter().map(|g| g.heights.len()).collect();
         let targets: usize = self.groups.iter().map(|g| g.targets.len()).sum();
         let work: f64 = sizes.iter().map(|n| (*n as f64).powi(3) / 3.0).sum();
-        format!("{} groups, {} targets, mean {} max {} heights, {:.1} Gflop", sizes.len(), targets, sizes.iter().sum::<usize>()/sizes.len().max(1), sizes.iter().max().unwrap_or(&0), work*1e-9)
+        format!(
+            "{} groups, {} targets, mean {} max {} heights, {:.1} Gflop",
+            sizes.len(),
+            targets,
+            sizes.iter().sum::<usize>() / sizes.len().max(1),
+            sizes.iter().max().unwrap_or(&0),
+            work * 1e-9
+        )
     }
 
     /// The conditional mean; with a marginal law, the conditional median.
@@ -204,7 +212,10 @@ impl NeighbourhoodSurface {
     /// Cancellation.
     pub fn kriging_mean(&self, monitor: &dyn Monitor) -> Result<HeightMap, Cancelled> {
         let mut mean = Array2::zeros(self.grid.shape());
-        self.places.iter().zip(&self.values).for_each(|(p, value)| mean[[p / self.grid.nx(), p % self.grid.nx()]] = *value);
+        self.places
+            .iter()
+            .zip(&self.values)
+            .for_each(|(p, value)| mean[[p / self.grid.nx(), p % self.grid.nx()]] = *value);
         let mut means = [mean];
         self.correct(std::slice::from_ref(&self.values), &mut means, monitor)?;
         let [mean] = means;
@@ -219,9 +230,7 @@ impl NeighbourhoodSurface {
             monitor.progress("voids", done, self.groups.len());
             let corrections: Vec<Vec<f64>> = block
                 .par_iter()
-                .map(|group| {
-                    if monitor.cancelled() { Vec::new() } else { self.corrections(group, misses) }
-                })
+                .map(|group| if monitor.cancelled() { Vec::new() } else { self.corrections(group, misses) })
                 .collect();
             if monitor.cancelled() {
                 return Err(Cancelled);

@@ -1,5 +1,7 @@
 //! Missing points that share one neighbourhood of measured heights.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::pyramid::Pyramid;
@@ -17,11 +19,11 @@ const SHORT_SIDE: usize = 8;
 /// Floating-point operations of a factorisation for each missing point, and the limits of the number of heights from it.
 const WORK_PER_POINT: f64 = 1.5e6;
 const FEWEST_HEIGHTS: f64 = 150.0;
-const MOST_HEIGHTS: f64 = 1500.0;
+const MOST_HEIGHTS: f64 = 2000.0;
 /// Heights that no neighbourhood exceeds, whatever the void.
 const HEIGHTS_AT_MOST: usize = 4000;
-/// Distances in points up to which all heights are taken, best first.
-const DENSE: [f64; 5] = [12.0, 8.0, 6.0, 4.0, 3.0];
+/// Distances in points up to which all heights are taken, the fewest heights first.
+const DENSE: [f64; 6] = [3.0, 4.0, 6.0, 8.0, 12.0, 16.0];
 
 /// Missing points, and the heights on which they are conditioned.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +44,7 @@ pub(super) fn groups(pyramid: &Pyramid, grid: Grid, monitor: &dyn Monitor) -> Re
     let (ny, nx) = grid.shape();
     let (regions, labels) = regions(pyramid.places(), grid);
     let cutter = Cutter { pyramid, labels, nx };
-    let mut tiles = std::collections::BTreeMap::<(usize, usize), Vec<u32>>::new();
+    let mut tiles = BTreeMap::<(usize, usize), Vec<u32>>::new();
     let mut jobs = Vec::new();
     for (label, region) in regions.into_iter().enumerate() {
         let sides = pyramid.targets(&region).sides;
@@ -67,10 +69,8 @@ pub(super) fn groups(pyramid: &Pyramid, grid: Grid, monitor: &dyn Monitor) -> Re
                 _ if monitor.cancelled() => Vec::new(),
                 Job::Tile(places) => vec![cutter.tile(places)],
                 Job::Void(label, [left, top, right, bottom]) => {
-                    let mut parts = Vec::new();
                     let whole = Part { label: *label, first: [*left, *top], end: [right + 1, bottom + 1], whole: true };
-                    cutter.cut(&whole, monitor, &mut parts);
-                    parts
+                    cutter.cut(&whole, monitor)
                 }
             })
             .collect();
@@ -118,37 +118,39 @@ struct Part {
 impl Cutter<'_> {
     fn tile(&self, places: &[u32]) -> Group {
         let most = most_heights(places.len());
-        let heights = self.heights(places, most).unwrap_or_else(|fewest| fewest);
+        let heights = self.heights(places, most).unwrap_or_else(|| self.fewest_heights(places));
         Group { targets: places.to_vec(), shares: vec![1.0; places.len()], heights }
     }
 
     /// Halves a part until its neighbourhood is small enough for the number of its points.
-    fn cut(&self, part: &Part, monitor: &dyn Monitor, found: &mut Vec<Group>) {
+    fn cut(&self, part: &Part, monitor: &dyn Monitor) -> Vec<Group> {
         if monitor.cancelled() {
-            return;
+            return Vec::new();
         }
         let sides = [part.end[0] - part.first[0], part.end[1] - part.first[1]];
         let (longer, side) = if sides[0] >= sides[1] { (0, sides[0]) } else { (1, sides[1]) };
         // Parts overlap by an eighth of their side on either side of a cut.
         let overlap = if part.whole { 0 } else { (sides[0].min(sides[1]) / 8).max(2) };
         let (targets, shares) = self.points(part, overlap);
-        if shares.iter().all(|share| *share < 0.5) {
-            return;
+        let within = |axis: usize, at: usize| (part.first[axis]..part.end[axis]).contains(&at);
+        if !targets.iter().any(|place| within(0, *place as usize % self.nx) && within(1, *place as usize / self.nx)) {
+            return Vec::new();
         }
         let divisible = targets.len() > FEW_POINTS && side > SHORT_SIDE;
         let too_large = targets.len() > WHOLE_POINTS || side > WHOLE_SIDE;
         if !(divisible && too_large) {
-            match self.heights(&targets, most_heights(targets.len())) {
-                Ok(heights) => return found.push(Group { targets, shares, heights }),
-                Err(heights) if !divisible => return found.push(Group { targets, shares, heights }),
-                Err(_) => {}
+            let heights = self.heights(&targets, most_heights(targets.len()));
+            if let Some(heights) = heights.or_else(|| (!divisible).then(|| self.fewest_heights(&targets))) {
+                return vec![Group { targets, shares, heights }];
             }
         }
         let middle = part.first[longer] + side / 2;
         let (mut one, mut other) = (part.end, part.first);
         (one[longer], other[longer]) = (middle, middle);
-        self.cut(&Part { end: one, whole: false, ..*part }, monitor, found);
-        self.cut(&Part { first: other, whole: false, ..*part }, monitor, found);
+        let (one, other) = (Part { end: one, whole: false, ..*part }, Part { first: other, whole: false, ..*part });
+        let (mut groups, others) = rayon::join(|| self.cut(&one, monitor), || self.cut(&other, monitor));
+        groups.extend(others);
+        groups
     }
 
     /// Points of a part with their shares, which fall linearly over the overlap on either side of its edges.
@@ -168,19 +170,24 @@ impl Cutter<'_> {
         (targets, shares)
     }
 
-    /// The best neighbourhood of at most `most` heights, or the smallest one.
-    fn heights(&self, places: &[u32], most: usize) -> Result<Vec<u32>, Vec<u32>> {
+    /// The best neighbourhood of at most `most` heights, if there is one.
+    fn heights(&self, places: &[u32], most: usize) -> Option<Vec<u32>> {
         let targets = self.pyramid.targets(places);
-        let mut found = Vec::new();
-        for dense in DENSE {
-            found = self.pyramid.around(&targets, dense).into_iter().map(|(_, height)| height).collect();
-            if found.len() <= most {
-                return Ok(found);
-            }
-        }
-        found.truncate(HEIGHTS_AT_MOST);
-        Err(found)
+        let found = DENSE.iter().map_while(|dense| self.pyramid.around(&targets, *dense, most)).last();
+        found.map(numbers)
     }
+
+    /// The smallest neighbourhood, cut where it exceeds all bounds.
+    fn fewest_heights(&self, places: &[u32]) -> Vec<u32> {
+        let found = self.pyramid.around(&self.pyramid.targets(places), DENSE[0], usize::MAX);
+        let mut heights = numbers(found.unwrap_or_default());
+        heights.truncate(HEIGHTS_AT_MOST);
+        heights
+    }
+}
+
+fn numbers(found: Vec<(f64, u32)>) -> Vec<u32> {
+    found.into_iter().map(|(_, height)| height).collect()
 }
 
 /// A trapezoid: one half at the edges of the part, falling to zero where its neighbour is alone.

@@ -83,11 +83,12 @@ impl Pyramid {
     }
 
     /// Heights around `targets` with their squared distances to them, nearest first: all within `dense` times the
-    /// elongation of the lobe, and beyond thinned to a spacing of about 1/`dense` of their distance.
-    pub(super) fn around(&self, targets: &Targets, dense: f64) -> Vec<(f64, u32)> {
+    /// elongation of the lobe, and beyond thinned to a spacing of about 1/`dense` of their distance. None if they are more
+    /// than `most`.
+    pub(super) fn around(&self, targets: &Targets, dense: f64, most: usize) -> Option<Vec<(f64, u32)>> {
         let mut found = Vec::new();
         let mut outer = dense * 2.0_f64.powi(self.finest);
-        self.within(targets, outer, &mut found);
+        self.within(targets, outer, most, &mut found);
         for (level, exponent) in self.levels.iter().zip(self.finest + 1..) {
             let inner = outer;
             outer *= 2.0;
@@ -99,6 +100,9 @@ impl Pyramid {
             let cell = |t: f64| (t / pitch).floor() as i32;
             let (first, last) = (cell(low_u - outer), cell(high_u + outer));
             for row in cell(low_v - outer)..=cell(high_v + outer) {
+                if found.len() > most {
+                    return None;
+                }
                 let from = level.cells.partition_point(|c| (c.0, c.1) < (row, first));
                 for (_, _, height) in level.cells[from..].iter().take_while(|c| c.0 == row && c.1 <= last) {
                     let squared = targets.squared_distance(self.frame_of(self.places[*height as usize]));
@@ -109,15 +113,18 @@ impl Pyramid {
             }
         }
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found
+        (found.len() <= most).then_some(found)
     }
 
-    /// All heights within `radius`.
-    fn within(&self, targets: &Targets, radius: f64, found: &mut Vec<(f64, u32)>) {
+    /// All heights within `radius`, or some more than `most`.
+    fn within(&self, targets: &Targets, radius: f64, most: usize, found: &mut Vec<(f64, u32)>) {
         let (half_x, half_y) = self.metric.half_sides(radius);
         let [left, top, right, bottom] = targets.sides;
         let rows = top.saturating_sub(half_y as usize)..(bottom + half_y as usize + 1).min(self.ny);
         for row in rows {
+            if found.len() > most {
+                return;
+            }
             for column in left.saturating_sub(half_x as usize)..(right + half_x as usize + 1).min(self.nx) {
                 let height = self.heights[row * self.nx + column];
                 if height != MISSING {
@@ -172,6 +179,14 @@ pub(super) struct Targets {
 
 impl Targets {
     fn squared_distance(&self, [u, v]: [f64; 2]) -> f64 {
-        self.rim.iter().map(|[a, b]| (a - u).powi(2) + (b - v).powi(2)).fold(f64::INFINITY, f64::min)
+        // Four minima at once: a comparison waits for the one before.
+        let mut least = [f64::INFINITY; 4];
+        for some in self.rim.chunks(4) {
+            for (least, [a, b]) in least.iter_mut().zip(some) {
+                let squared = (a - u) * (a - u) + (b - v) * (b - v);
+                *least = if squared < *least { squared } else { *least };
+            }
+        }
+        least.into_iter().fold(f64::INFINITY, f64::min)
     }
 }

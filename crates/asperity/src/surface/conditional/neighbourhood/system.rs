@@ -17,8 +17,11 @@ impl NeighbourhoodSurface {
         }
         let at: Vec<(isize, isize)> =
             group.heights.iter().map(|height| self.column_and_row(self.places[*height as usize])).collect();
-        let mut weights = Mat::from_fn(heights, count, |i, map| misses[map][group.heights[i] as usize]);
-        self.factor(&at).solve_in_place(&mut weights);
+        let factor = self.factor(&at);
+        // One by one: together, their rounding would depend on how many there are.
+        let solve =
+            |misses: &Vec<f64>| factor.solve(Mat::from_fn(heights, 1, |i, _| misses[group.heights[i] as usize]));
+        let weights: Vec<Mat<f64>> = misses.iter().map(solve).collect();
         let mut correlations = vec![0.0; heights];
         let points = group.targets.iter().zip(&group.shares);
         for ((place, share), out) in points.zip(corrections.chunks_exact_mut(count)) {
@@ -26,9 +29,8 @@ impl NeighbourhoodSurface {
             for (value, (x, y)) in correlations.iter_mut().zip(&at) {
                 *value = self.lags.at(column - x, row - y);
             }
-            for (map, out) in out.iter_mut().enumerate() {
-                let weights = weights.col_as_slice(map);
-                *out = share * weights.iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+            for (weights, out) in weights.iter().zip(out) {
+                *out = share * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         corrections
