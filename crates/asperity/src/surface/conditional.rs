@@ -123,6 +123,8 @@ pub enum ConditionalError {
 /// embedding that also draws z, so that both have the same covariance; the preconditioner is a sparse factor of the inverse
 /// in which every height, in an order from coarse to fine, depends on its few best correlated predecessors alone.
 ///
+/// Maps of many smooth heights take long, or do not converge: [`NeighbourhoodSurface`] is for these.
+///
 /// Far from measured heights the unconditional law returns. The germ is that of [`SpectralField::free`], followed by one
 /// variable per measured height for its noise when there is any.
 ///

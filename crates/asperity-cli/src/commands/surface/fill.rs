@@ -22,6 +22,10 @@ use crate::monitor::Terminal;
 use crate::output::check_target;
 use crate::resources::require_memory;
 
+/// Share of the variance that goes unsaid, as noise and as change of the covariance.
+const DOUBTFUL_NOISE: f64 = 1e-4;
+const DOUBTFUL_CLIPPING: f64 = 0.02;
+
 /// Fills missing heights with random ones that continue the map: given the heights present, with their covariance and
 /// law. Heights that are present stay as they are, bit by bit. What is filled in is one possible surface out of many.
 #[derive(Debug, Args)]
@@ -93,6 +97,7 @@ impl Fill {
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
         }
+        self.doubt(&filling, monitor);
         if into_folder {
             std::fs::create_dir_all(&self.out)
                 .map_err(|e| Failure::io(Kind::Runtime, format_args!("cannot make {}", self.out.display()), &e))?;
@@ -135,6 +140,24 @@ impl Fill {
                 Marginal::Normal => FillMarginal::Normal,
             },
             nugget: self.nugget,
+        }
+    }
+
+    /// Tells where what is filled in differs from the map.
+    fn doubt(&self, filling: &Filling, monitor: &Terminal) {
+        let (noise, clipped) = (filling.surface().noise(), filling.surface().clipped_variance());
+        if noise > self.nugget.max(DOUBTFUL_NOISE) {
+            monitor.warn(&format!(
+                "neighbouring heights differ more than the covariance says, as by noise of {noise:.0e} of the variance; \
+                 what is filled in is that much smoother"
+            ));
+        }
+        if clipped > DOUBTFUL_CLIPPING {
+            monitor.warn(&format!(
+                "the covariance beneath the law of the heights is none: {:.1} % of its variance was changed to make it one; \
+                 --marginal normal needs no such change",
+                100.0 * clipped
+            ));
         }
     }
 

@@ -118,7 +118,6 @@ fn smooth_voids_are_known_and_keep_their_variance() {
 /// A table for docs/validation/filling.md: `cargo test --release -p asperity --lib weights_of -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes minutes and prints a table"]
-#[expect(clippy::print_stdout, reason = "it is asked for")]
 fn the_weights_of_neighbourhoods_against_those_of_all_heights() {
     let straight = |model| Covariance::new(model, 1.0, 3.0, 30.0).unwrap();
     let cases: [(&str, Box<dyn StationaryCovariance>); 10] = [
