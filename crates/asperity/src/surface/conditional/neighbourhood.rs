@@ -13,7 +13,7 @@ use ndarray::Array2;
 use rayon::prelude::*;
 
 use self::embedding::embedded;
-use self::groups::{Group, groups};
+use self::groups::{Group, groups, work_per_point};
 use self::metric::Metric;
 use self::noise::{LEAST_NOISE, likeliest_noise};
 use self::pyramid::Pyramid;
@@ -49,7 +49,7 @@ const BLOCK: usize = 32;
 /// *What it costs.* The law of a void and its neighbourhood together is exact, so slopes inside and steps across the edge are
 /// those of the field; what is lost is agreement with heights outside of the neighbourhood. For exponential and Matérn
 /// correlations with or without a lay the error variance exceeds that of conditioning on all heights by less than 1 %; for a
-/// squared exponential, whose exact one runs from 1e-10 to 1 of σ² within a void, by up to 0.06 of σ²
+/// squared exponential, whose exact one runs from 1e-10 to 1 of σ² within a void, by up to 0.11 of σ²
 /// (`docs/validation/filling.md`). Far from measured heights the unconditional law returns.
 ///
 /// *Noise.* Smooth correlations are singular to rounding, so the heights are always allowed some noise: of the variances
@@ -130,7 +130,7 @@ impl NeighbourhoodSurface {
         let lags = Lags::of(field.modes());
         let noise = likeliest_noise(&lags, grid, &places, &values, std * std).max(nugget);
         let pyramid = Pyramid::new(Metric::of(&lags, grid), grid, places);
-        let groups = groups(&pyramid, grid, monitor)?;
+        let groups = groups(&pyramid, grid, work_per_point(measured.missing_points()), monitor)?;
         Ok(Self {
             grid,
             field,

@@ -16,8 +16,11 @@ const WHOLE_SIDE: usize = 96;
 /// Fewest points and shortest side of a part.
 const FEW_POINTS: usize = 24;
 const SHORT_SIDE: usize = 8;
-/// Floating-point operations of a factorisation for each missing point, and the limits of the number of heights from it.
-const WORK_PER_POINT: f64 = 1.5e6;
+/// Floating-point operations of the factorisations of a map, at least and at most so many for each missing point, and the
+/// limits of the number of heights from it.
+const WORK: f64 = 5e10;
+pub(super) const LEAST_WORK_PER_POINT: f64 = 1.5e6;
+const MOST_WORK_PER_POINT: f64 = 2e7;
 const FEWEST_HEIGHTS: f64 = 150.0;
 const MOST_HEIGHTS: f64 = 2000.0;
 /// Heights that no neighbourhood exceeds, whatever the void.
@@ -36,14 +39,24 @@ pub(super) struct Group {
     pub(super) heights: Vec<u32>,
 }
 
+/// Floating-point operations that each of so many missing points may take.
+pub(super) fn work_per_point(missing: usize) -> f64 {
+    (WORK / missing as f64).clamp(LEAST_WORK_PER_POINT, MOST_WORK_PER_POINT)
+}
+
 /// All missing points of a map in groups.
 ///
 /// Voids that are connected by sides or corners stay together where one neighbourhood serves them; small ones within a tile
 /// share one; large ones are cut into parts that overlap and fade into each other.
-pub(super) fn groups(pyramid: &Pyramid, grid: Grid, monitor: &dyn Monitor) -> Result<Vec<Group>, Cancelled> {
+pub(super) fn groups(
+    pyramid: &Pyramid,
+    grid: Grid,
+    work_per_point: f64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Group>, Cancelled> {
     let (ny, nx) = grid.shape();
     let (regions, labels) = regions(pyramid.places(), grid);
-    let cutter = Cutter { pyramid, labels, nx };
+    let cutter = Cutter { pyramid, labels, nx, work_per_point };
     let mut tiles = BTreeMap::<(usize, usize), Vec<u32>>::new();
     let mut jobs = Vec::new();
     for (label, region) in regions.into_iter().enumerate() {
@@ -104,6 +117,7 @@ struct Cutter<'a> {
     /// Number of the void at each place.
     labels: Vec<u32>,
     nx: usize,
+    work_per_point: f64,
 }
 
 /// The part of a void in a rectangle of columns and rows `first` to before `end`.
@@ -117,7 +131,7 @@ struct Part {
 
 impl Cutter<'_> {
     fn tile(&self, places: &[u32]) -> Group {
-        let most = most_heights(places.len());
+        let most = self.most_heights(places.len());
         let heights = self.heights(places, most).unwrap_or_else(|| self.fewest_heights(places));
         Group { targets: places.to_vec(), shares: vec![1.0; places.len()], heights }
     }
@@ -139,7 +153,7 @@ impl Cutter<'_> {
         let divisible = targets.len() > FEW_POINTS && side > SHORT_SIDE;
         let too_large = targets.len() > WHOLE_POINTS || side > WHOLE_SIDE;
         if !(divisible && too_large) {
-            let heights = self.heights(&targets, most_heights(targets.len()));
+            let heights = self.heights(&targets, self.most_heights(targets.len()));
             if let Some(heights) = heights.or_else(|| (!divisible).then(|| self.fewest_heights(&targets))) {
                 return vec![Group { targets, shares, heights }];
             }
@@ -170,6 +184,11 @@ impl Cutter<'_> {
         (targets, shares)
     }
 
+    /// Heights whose factorisation is worth it for so many missing points.
+    fn most_heights(&self, points: usize) -> usize {
+        (3.0 * self.work_per_point * points as f64).cbrt().clamp(FEWEST_HEIGHTS, MOST_HEIGHTS) as usize
+    }
+
     /// The best neighbourhood of at most `most` heights, if there is one.
     fn heights(&self, places: &[u32], most: usize) -> Option<Vec<u32>> {
         let targets = self.pyramid.targets(places);
@@ -198,11 +217,6 @@ fn share(part: &Part, axis: usize, at: usize, overlap: usize) -> f64 {
     let (first, end, at) = (part.first[axis] as f64, part.end[axis] as f64, at as f64 + 0.5);
     let inside = (at - first).min(end - at);
     (0.5 + 0.5 * inside / (overlap as f64 + 0.5)).clamp(0.0, 1.0)
-}
-
-/// Heights whose factorisation is worth it for so many missing points.
-fn most_heights(points: usize) -> usize {
-    (3.0 * WORK_PER_POINT * points as f64).cbrt().clamp(FEWEST_HEIGHTS, MOST_HEIGHTS) as usize
 }
 
 /// No void.

@@ -59,6 +59,14 @@ fn weighed(surface: &NeighbourhoodSurface) -> Vec<Weighed> {
     (0..missing.len()).map(of).collect()
 }
 
+/// A surface with as little work for each missing point as on maps of many: on small ones, neighbourhoods hold most heights.
+fn thrifty(covariance: &dyn StationaryCovariance, map: &HeightMap) -> NeighbourhoodSurface {
+    let surface = NeighbourhoodSurface::new(covariance, map, 0.0, 0.0, &Silent).unwrap();
+    let pyramid = Pyramid::new(Metric::of(&surface.lags, surface.grid), surface.grid, surface.places.clone());
+    let groups = groups(&pyramid, surface.grid, groups::LEAST_WORK_PER_POINT, &Silent).unwrap();
+    NeighbourhoodSurface { groups, ..surface }
+}
+
 fn isotropic(model: CorrelationModel, length: f64) -> Covariance {
     Covariance::isotropic(model, 1.0, length).unwrap()
 }
@@ -87,7 +95,7 @@ fn the_heights_around_a_void_are_worth_all_heights() {
     for (name, covariance) in rough {
         for missing in [block, salt] {
             let map = measured(&*covariance, grid(40, 40), missing);
-            let surface = NeighbourhoodSurface::new(&*covariance, &map, 0.0, 0.0, &Silent).unwrap();
+            let surface = thrifty(&*covariance, &map);
             for Weighed { exact, met, variance } in weighed(&surface) {
                 // The mean is off by a root of this of its standard deviation.
                 let share = met / exact - 1.0;
@@ -101,16 +109,18 @@ fn the_heights_around_a_void_are_worth_all_heights() {
 #[test]
 fn smooth_voids_are_known_and_keep_their_variance() {
     // The least noise bounds how far a smooth field is continued, so errors are compared with the variance.
-    for length in [4.0, 8.0] {
+    for length in [2.0, 4.0, 8.0] {
         let smooth = isotropic(CorrelationModel::SquaredExponential, length);
         for missing in [block, salt] {
             let map = measured(&smooth, grid(40, 40), missing);
-            let surface = NeighbourhoodSurface::new(&smooth, &map, 0.0, 0.0, &Silent).unwrap();
+            let surface = thrifty(&smooth, &map);
             assert_eq!(surface.noise(), LEAST_NOISE);
-            for Weighed { exact, met, variance } in weighed(&surface) {
-                assert!(met - exact < 0.03, "{length}: {met:e} {exact:e}");
-                assert!((variance - 1.0).abs() < 1e-4, "{length}: {variance}");
-            }
+            let weighed = weighed(&surface);
+            let largest = |value: &dyn Fn(&Weighed) -> f64| weighed.iter().map(value).fold(0.0_f64, f64::max);
+            let (excess, off) = (largest(&|w| w.met - w.exact), largest(&|w| (w.variance - 1.0).abs()));
+            // What thinning costs at worst: most where a void is four lengths wide, see docs/validation/filling.md.
+            assert!(excess < if length > 6.0 { 1e-3 } else { 0.12 }, "{length}: {excess:e}");
+            assert!(off < 1e-3, "{length}: {off:e}");
         }
     }
 }
@@ -142,7 +152,7 @@ fn the_weights_of_neighbourhoods_against_those_of_all_heights() {
             [("16 × 16", 40, block as fn(usize, usize) -> bool), ("one in five", 40, salt), ("48 × 48", 72, large)]
         {
             let map = measured(&*covariance, grid(side, side), missing);
-            let surface = NeighbourhoodSurface::new(&*covariance, &map, 0.0, 0.0, &Silent).unwrap();
+            let surface = thrifty(&*covariance, &map);
             let found = weighed(&surface);
             let fold = |value: &dyn Fn(&Weighed) -> f64| found.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
             let share = |w: &Weighed| (w.met - w.exact) / (w.exact + 1e-8);
