@@ -148,7 +148,7 @@ impl Fill {
         let (noise, clipped) = (filling.surface().noise(), filling.surface().clipped_variance());
         if noise > self.nugget.max(DOUBTFUL_NOISE) {
             monitor.warn(&format!(
-                "neighbouring heights differ more than the covariance says, as by noise of {noise:.0e} of the variance; \
+                "in places, neighbouring heights differ more than the covariance says, as by noise of {noise:.0e} of the variance; \
                  what is filled in is that much smoother"
             ));
         }
