@@ -15,8 +15,10 @@ mod translation;
 pub mod uncertainty;
 mod weierstrass_mandelbrot;
 
-pub use conditional::{ConditionalError, ConditionalSurface, Conditioning, surrounded};
-pub use filling::{FillCovariance, FillError, FillMarginal, FillOptions, Filling, filling_memory_bytes};
+pub use conditional::{ConditionalError, ConditionalSurface, Conditioning, NeighbourhoodSurface, surrounded};
+pub use filling::{
+    FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, filling_memory_bytes,
+};
 pub use gaussian::{GaussianSurface, GeneratorError};
 pub use karhunen_loeve::{
     KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_memory_bytes, profile_modes,

@@ -323,6 +323,34 @@ fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
     assert_eq!(wide.dim(), (72 + 6, 80 + 8));
     assert_eq!(wide[[3, 4]].to_bits(), measured[[0, 0]].to_bits());
     assert_ne!(bits(&wide), bits(&filled("maps/map_0000.x3p")));
+    // The first of two is the one and only.
+    let line =
+        "fill map.npy --pixel-size 1um --out one.x3p --seed 3 --extend 4um,2.5um --marginal normal --covariance fitted";
+    assert_eq!(surface(folder.path(), line).code, 0);
+    assert_eq!(bits(&filled("one.x3p")), bits(&filled("maps/map_0000.x3p")));
+}
+
+#[test]
+fn a_smooth_map_is_filled_as_any_other() {
+    // Waves of many points, smooth to the last bit: their heights hardly tell neighbours apart.
+    let folder = TempDir::new().unwrap();
+    let wave = |row: usize, column: usize, k: f64| {
+        (0.13 * k * column as f64 + 0.7 * k).sin() * (0.11 * k * row as f64 + 1.3 * k * k).cos()
+    };
+    let mut heights = Array2::from_shape_fn((90, 100), |(row, column)| {
+        1e-7 * (1..6).map(|k| wave(row, column, f64::from(k))).sum::<f64>()
+    });
+    heights.slice_mut(ndarray::s![30..42, 50..70]).fill(f64::NAN);
+    heights.slice_mut(ndarray::s![60..61, 20..22]).fill(f64::NAN);
+    npy(folder.path(), "map.npy", heights.clone());
+    let largest = heights.iter().filter(|z| !z.is_nan()).fold(0.0_f64, |m, z| m.max(z.abs()));
+    for choice in ["measured", "fitted"] {
+        let line = format!("fill map.npy --pixel-size 1um --out {choice}.npy --seed 1 --covariance {choice}");
+        let ended = surface(folder.path(), &line);
+        assert_eq!(ended.code, 0, "{ended:?}");
+        let filled = read(&folder.path().join(format!("{choice}.npy"))).unwrap().heights_m;
+        assert!(filled.iter().all(|z| z.abs() < 1.5 * largest), "{choice}");
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod factor;
 mod kernel;
+mod neighbourhood;
 #[cfg(test)]
 mod tests;
 
@@ -11,11 +12,14 @@ use ndarray::Array2;
 use thiserror::Error;
 
 use self::kernel::{Kernel, SolveError};
+pub(super) use self::neighbourhood::LARGEST_DOMAIN;
+pub use self::neighbourhood::NeighbourhoodSurface;
 use super::gaussian::check_germ;
 use super::{GeneratorError, RandomSurface, SpectralField};
 use crate::correlation::StationaryCovariance;
 use crate::law::{LawError, Marginal, standard_normal_quantile};
 use crate::map::{Grid, HeightMap, MapError};
+use crate::monitor::Cancelled;
 
 /// Measured heights up to which the dense algebra of the kriging variance is done.
 const MOST_FOR_VARIANCE: usize = 2000;
@@ -103,6 +107,9 @@ pub enum ConditionalError {
     /// The unconditional field.
     #[error(transparent)]
     Generator(#[from] GeneratorError),
+    /// The monitor cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Maps of a stationary Gaussian surface, given its heights at some points.
@@ -115,6 +122,8 @@ pub enum ConditionalError {
 /// are found by conjugate gradients, one solve per map. Products with K are convolutions on the domain of the circulant
 /// embedding that also draws z, so that both have the same covariance; the preconditioner is a sparse factor of the inverse
 /// in which every height, in an order from coarse to fine, depends on its few best correlated predecessors alone.
+///
+/// Maps of many smooth heights take long, or do not converge: [`NeighbourhoodSurface`] is for these.
 ///
 /// Far from measured heights the unconditional law returns. The germ is that of [`SpectralField::free`], followed by one
 /// variable per measured height for its noise when there is any.
@@ -169,15 +178,7 @@ impl ConditionalSurface {
         law: &Marginal,
         options: Conditioning,
     ) -> Result<Self, ConditionalError> {
-        law.check()?;
-        let mut scores = Vec::new();
-        for ((row, column), &height_m) in measured.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan()) {
-            let score = score(law, height_m);
-            if !score.is_finite() {
-                return Err(ConditionalError::OutsideLaw { row, column, height_m, law: law.name() });
-            }
-            scores.push(score);
-        }
+        let scores = scores(law, measured)?;
         Self::assemble(&Standardised(covariance), measured, scores, Some(law.clone()), options)
     }
 
@@ -364,6 +365,18 @@ impl StationaryCovariance for Standardised<'_> {
 
 fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str) -> Result<(), ConditionalError> {
     if valid { Ok(()) } else { Err(ConditionalError::Parameter { parameter, value, wanted }) }
+}
+
+/// Φ⁻¹(F(x)) of the heights present, in row order.
+fn scores(law: &Marginal, measured: &HeightMap) -> Result<Vec<f64>, ConditionalError> {
+    law.check()?;
+    let present = measured.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
+    let scores = present.map(|((row, column), &height_m)| {
+        let score = score(law, height_m);
+        let outside = ConditionalError::OutsideLaw { row, column, height_m, law: law.name() };
+        if score.is_finite() { Ok(score) } else { Err(outside) }
+    });
+    scores.collect()
 }
 
 /// Φ⁻¹(F(x)), from the nearer tail; infinite outside the support.

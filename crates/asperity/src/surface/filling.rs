@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use thiserror::Error;
 
-use super::conditional::{ConditionalError, ConditionalSurface, Conditioning, surrounded};
+use super::conditional::{ConditionalError, LARGEST_DOMAIN, NeighbourhoodSurface, surrounded};
 use super::level::{Level, LevelError, remove_form};
 use super::{Predistorted, RandomSurface};
 use crate::correlation::{
@@ -12,6 +12,7 @@ use crate::correlation::{
 };
 use crate::law::{LawError, Marginal};
 use crate::map::{Grid, HeightMap, MapError};
+use crate::monitor::{Cancelled, Monitor};
 
 /// Which covariance the missing heights get.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -46,7 +47,7 @@ pub struct FillOptions {
     pub covariance: FillCovariance,
     /// The law.
     pub marginal: FillMarginal,
-    /// Variance of the measurement noise over that of the heights; see [`Conditioning::nugget`].
+    /// Variance of the measurement noise over that of the heights; see [`NeighbourhoodSurface::new`].
     pub nugget: f64,
 }
 
@@ -79,22 +80,22 @@ pub enum FillError {
 /// Complete maps that agree with a measured one in every height that is present there.
 ///
 /// The form is removed; the covariance and the law of what is left are estimated with missing heights masked; missing heights
-/// are drawn given those present ([`ConditionalSurface`]); the form is put back. Heights that are present are handed through
+/// are drawn given those around them ([`NeighbourhoodSurface`]); the form is put back. Heights that are present are handed through
 /// bit by bit. What is filled in is one possible surface out of many, not a measurement: statistics of a filled map belong
 /// to the model as far as they rest on filled points.
 #[derive(Debug)]
 pub struct Filling {
     measured: HeightMap,
     form_m: Array2<f64>,
-    surface: ConditionalSurface,
+    surface: NeighbourhoodSurface,
 }
 
 impl Filling {
     /// Prepares to fill `map`.
     ///
     /// # Errors
-    /// A form, covariance or law that is not determined by the heights present; options outside their ranges.
-    pub fn new(map: &HeightMap, options: FillOptions) -> Result<Self, FillError> {
+    /// A form, covariance or law that is not determined by the heights present; options outside their ranges; cancellation.
+    pub fn new(map: &HeightMap, options: FillOptions, monitor: &dyn Monitor) -> Result<Self, FillError> {
         let roughness = remove_form(map, options.level)?.map;
         let estimate = Autocorrelation::estimate(&roughness)?;
         let covariance: Box<dyn StationaryCovariance> = match options.covariance {
@@ -103,14 +104,15 @@ impl Filling {
         };
         let measured = surrounded(map, options.extend_x, options.extend_y)?;
         let levelled = remove_form(&measured, options.level)?;
-        let conditioning =
-            Conditioning { mean_m: estimate.mean_m(), nugget: options.nugget, ..Conditioning::default() };
+        let nugget = options.nugget;
         let surface = match options.marginal {
-            FillMarginal::Normal => ConditionalSurface::new(&*covariance, &levelled.map, conditioning)?,
+            FillMarginal::Normal => {
+                NeighbourhoodSurface::new(&*covariance, &levelled.map, estimate.mean_m(), nugget, monitor)?
+            }
             FillMarginal::Measured => {
                 let law = Marginal::empirical(levelled.map.present_m().collect())?;
                 let gaussian = Predistorted::new(&*covariance, &law)?;
-                ConditionalSurface::with_law(&gaussian, &levelled.map, &law, conditioning)?
+                NeighbourhoodSurface::with_law(&gaussian, &levelled.map, &law, nugget, monitor)?
             }
         };
         // Beyond the map the form goes on as it is at the edge: a polynomial would run away.
@@ -132,19 +134,23 @@ impl Filling {
     }
 
     /// The random heights without the form.
-    pub fn surface(&self) -> &ConditionalSurface {
+    pub fn surface(&self) -> &NeighbourhoodSurface {
         &self.surface
     }
 
-    /// The map of one germ of [`RandomSurface::germ_len`] values.
+    /// The maps of several germs of [`RandomSurface::germ_len`] values each; see [`NeighbourhoodSurface::draw`].
     ///
     /// # Errors
-    /// The weights of the measured heights do not settle.
+    /// Cancellation.
     ///
     /// # Panics
-    /// If the germ has another length or a value that is not finite.
-    pub fn draw(&self, germ: &[f64]) -> Result<HeightMap, ConditionalError> {
-        Ok(self.with_form(&self.surface.draw(germ)?))
+    /// If a germ has another length or a value that is not finite.
+    pub fn draw(
+        &self,
+        germs: impl IntoIterator<Item = Vec<f64>>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<HeightMap>, Cancelled> {
+        Ok(self.surface.draw(germs, monitor)?.iter().map(|roughness| self.with_form(roughness)).collect())
     }
 
     fn with_form(&self, roughness: &HeightMap) -> HeightMap {
@@ -175,17 +181,23 @@ impl RandomSurface for Filling {
     }
 }
 
-/// Memory in byte that filling a map of this grid needs, roughly: the modes of a domain of four times its points, and the
-/// sparse factor.
+/// Maps that are best drawn together: each takes memory, and all share the factors of the neighbourhoods.
+pub const FILLED_AT_ONCE: usize = 8;
+
+/// Memory in byte that filling a map of this grid needs, roughly: the modes of the domain of the unconditional field, and up
+/// to [`FILLED_AT_ONCE`] maps with what they miss of the measured heights.
 pub fn filling_memory_bytes(points: f64) -> f64 {
-    const BYTES_PER_POINT: f64 = 1000.0;
-    BYTES_PER_POINT * points
+    const BYTES_PER_MODE: f64 = 90.0;
+    const BYTES_PER_POINT: f64 = 24.0 * FILLED_AT_ONCE as f64 + 150.0;
+    // Domains are rounded up to lengths of small factors.
+    BYTES_PER_MODE * (4.4 * points).max(LARGEST_DOMAIN as f64) + BYTES_PER_POINT * points
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::correlation::{CorrelationModel, Covariance};
+    use crate::monitor::Silent;
     use crate::random;
     use crate::surface::SpectralField;
 
@@ -209,10 +221,10 @@ mod tests {
         let law = Marginal::lognormal(0.0, 0.5, 0.0).unwrap();
         let (whole, map) = scan(&law);
         let options = FillOptions { extend_x: 20, extend_y: 10, ..FillOptions::default() };
-        let filling = Filling::new(&map, options).unwrap();
+        let filling = Filling::new(&map, options, &Silent).unwrap();
         assert_eq!(filling.filled_points(), 200 * 140 - 160 * 120 + 50 * 70);
         let germ = random::standard_normal(&mut random::stream(9, "fill", 0), filling.germ_len());
-        let filled = filling.draw(&germ).unwrap();
+        let filled = filling.generate(&germ);
         assert_eq!(filled.missing_points(), 0);
         for (before, after) in filling.measured().heights_m().iter().zip(filled.heights_m()) {
             assert!(before.is_nan() || before.to_bits() == after.to_bits());
@@ -246,9 +258,8 @@ mod tests {
         let map = HeightMap::new(whole.grid(), whole.heights_m() + form.heights_m()).unwrap();
         let options =
             FillOptions { level: Level::Polynomial(4), extend_x: 120, extend_y: 90, ..FillOptions::default() };
-        let filling = Filling::new(&map, options).unwrap();
-        let filled =
-            filling.draw(&random::standard_normal(&mut random::stream(9, "far", 0), filling.germ_len())).unwrap();
+        let filling = Filling::new(&map, options, &Silent).unwrap();
+        let filled = filling.generate(&random::standard_normal(&mut random::stream(9, "far", 0), filling.germ_len()));
         let range = |map: &HeightMap| {
             map.present_m().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
         };
@@ -266,9 +277,9 @@ mod tests {
         let mut heights = whole.heights_m().clone();
         heights.slice_mut(ndarray::s![24..36, 20..40]).fill(f64::NAN);
         let map = HeightMap::new(grid, heights).unwrap();
-        let filling = Filling::new(&map, FillOptions { level: Level::Mean, ..FillOptions::default() }).unwrap();
-        let filled =
-            filling.draw(&random::standard_normal(&mut random::stream(9, "fill", 1), filling.germ_len())).unwrap();
+        let filling =
+            Filling::new(&map, FillOptions { level: Level::Mean, ..FillOptions::default() }, &Silent).unwrap();
+        let filled = filling.generate(&random::standard_normal(&mut random::stream(9, "fill", 1), filling.germ_len()));
         // In the middle of the void, six lags from either edge, heights without knowledge would be off by 1.4 µm.
         let middle =
             |map: &HeightMap| -> Vec<f64> { map.heights_m().row(30).iter().skip(20).take(20).copied().collect() };
@@ -286,7 +297,7 @@ mod tests {
             nugget: 1e-6,
             ..FillOptions::default()
         };
-        let filling = Filling::new(&map, options).unwrap();
+        let filling = Filling::new(&map, options, &Silent).unwrap();
         let germ = random::standard_normal(&mut random::stream(9, "fill", 1), filling.germ_len());
         let filled = filling.generate(&germ);
         assert_eq!(filled.missing_points(), 0);
@@ -297,7 +308,7 @@ mod tests {
     fn a_flat_map_is_refused() {
         let flat =
             HeightMap::from_function(Grid::new(16, 16, 1.0, 1.0).unwrap(), |x, _| if x > 8.0 { f64::NAN } else { 2.0 });
-        let error = Filling::new(&flat.unwrap(), FillOptions::default()).unwrap_err();
+        let error = Filling::new(&flat.unwrap(), FillOptions::default(), &Silent).unwrap_err();
         assert!(matches!(error, FillError::Estimate(EstimateError::Constant { .. })), "{error}");
     }
 }

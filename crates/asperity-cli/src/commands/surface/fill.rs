@@ -8,7 +8,7 @@ use asperity::quantity::Length;
 use asperity::random;
 use asperity::surface::level::Level;
 use asperity::surface::{
-    ConditionalError, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
+    ConditionalError, FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
     filling_memory_bytes,
 };
 use clap::{Args, ValueEnum};
@@ -19,6 +19,10 @@ use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::resources::require_memory;
+
+/// Share of the variance that goes unsaid, as noise and as change of the covariance.
+const DOUBTFUL_NOISE: f64 = 1e-4;
+const DOUBTFUL_CLIPPING: f64 = 0.02;
 
 /// Fills missing heights with random ones that continue the map: given the heights present, with their covariance and
 /// law. Heights that are present stay as they are, bit by bit. What is filled in is one possible surface out of many.
@@ -49,8 +53,8 @@ pub(crate) struct Fill {
     /// Law of what is filled in: that of the heights present, or the normal one.
     #[arg(long, value_enum, default_value = "measured")]
     marginal: Marginal,
-    /// Variance of the measurement noise over that of the heights. Smooth maps need some, such as 1e-4: their heights
-    /// hardly tell neighbours apart.
+    /// Variance of the measurement noise over that of the heights; at least what the heights show. What is filled in is the
+    /// surface beneath the noise.
     #[arg(long, value_name = "X", default_value = "0", value_parser = args::non_negative, allow_hyphen_values = true)]
     nugget: f64,
 }
@@ -74,18 +78,24 @@ impl Fill {
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
         require_memory(filling_memory_bytes(sides.iter().map(|n| *n as f64).product()), "filling a map of this size")?;
-        let filling = Filling::new(&map, options).map_err(|e| self.unfilled(&e))?;
+        let filling = monitor.at_once(|| Filling::new(&map, options, monitor))?.map_err(|e| self.unfilled(&e))?;
         let (filled, points) = (filling.filled_points(), filling.grid().points());
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
         }
-        for index in 0..self.count {
-            monitor.check()?;
+        self.doubt(&filling, monitor);
+        let germ = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
-            let germ = random::standard_normal(&mut stream, filling.germ_len());
-            let drawn = filling.draw(&germ).map_err(|e| self.unfilled(&e.into()))?;
-            maps.keep(index, &drawn)?;
-            monitor.progress("maps", index + 1, self.count);
+            random::standard_normal(&mut stream, filling.germ_len())
+        };
+        for first in (0..self.count).step_by(FILLED_AT_ONCE) {
+            let some = first..(first + FILLED_AT_ONCE).min(self.count);
+            let drawn = monitor.at_once(|| filling.draw(some.clone().map(germ), monitor))??;
+            for (index, map) in some.zip(&drawn) {
+                monitor.check()?;
+                maps.keep(index, map)?;
+                monitor.progress("maps", index + 1, self.count);
+            }
         }
         monitor.check()?;
         let written = maps.commit()?;
@@ -115,9 +125,26 @@ impl Fill {
         }
     }
 
+    /// Tells where what is filled in differs from the map.
+    fn doubt(&self, filling: &Filling, monitor: &Terminal) {
+        let (noise, clipped) = (filling.surface().noise(), filling.surface().clipped_variance());
+        if noise > self.nugget.max(DOUBTFUL_NOISE) {
+            monitor.warn(&format!(
+                "in places, neighbouring heights differ more than the covariance says, as by noise of {noise:.0e} of the variance; \
+                 what is filled in is that much smoother"
+            ));
+        }
+        if clipped > DOUBTFUL_CLIPPING {
+            monitor.warn(&format!(
+                "the covariance beneath the law of the heights is none: {:.1} % of its variance was changed to make it one; \
+                 --marginal normal needs no such change",
+                100.0 * clipped
+            ));
+        }
+    }
+
     fn unfilled(&self, error: &FillError) -> Failure {
         let kind = match error {
-            FillError::Conditional(ConditionalError::NotConverged { .. }) => Kind::NotConverged,
             FillError::Conditional(ConditionalError::Parameter { .. }) => Kind::Usage,
             _ => Kind::Data,
         };

@@ -27,6 +27,17 @@ pub(super) struct Lags {
 }
 
 impl Lags {
+    /// The lags of the field of these modes on its periodic domain.
+    pub(super) fn of(modes: &FourierModes) -> Self {
+        let mut spectrum: Vec<Complex64> = modes.spectrum_m2().into_iter().map(Complex64::from).collect();
+        let fft = modes.fft();
+        let mut values = vec![0.0; fft.nx() * fft.ny()];
+        fft.inverse(&mut spectrum, &mut values, &mut fft.workspace());
+        let variance = values[0];
+        values.iter_mut().for_each(|value| *value /= variance);
+        Self { nx: fft.nx(), ny: fft.ny(), values }
+    }
+
     /// Correlation at a lag of less than the grid.
     pub(super) fn at(&self, lag_x: isize, lag_y: isize) -> f64 {
         let (nx, ny) = (self.nx as isize, self.ny as isize);
@@ -56,10 +67,7 @@ impl Kernel {
         let fft = modes.fft().clone();
         let cell = grid.cell_area_m2();
         let eigenvalues: Vec<f64> = modes.spectrum_m2().into_iter().map(|value| value / cell).collect();
-        let mut spectrum: Vec<Complex64> = eigenvalues.iter().map(|value| (*value).into()).collect();
-        let mut values = vec![0.0; fft.nx() * fft.ny()];
-        fft.inverse(&mut spectrum, &mut values, &mut fft.workspace());
-        let lags = Lags { nx: fft.nx(), ny: fft.ny(), values };
+        let lags = Lags::of(modes);
         let preconditioner = SparseInverse::new(&lags, grid, &places, nugget);
         Self { grid, fft, eigenvalues, lags, places, nugget, preconditioner }
     }

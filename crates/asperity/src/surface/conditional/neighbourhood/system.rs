@@ -1,0 +1,64 @@
+//! The weights of one neighbourhood.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+use super::NeighbourhoodSurface;
+use super::groups::Group;
+
+impl NeighbourhoodSurface {
+    /// What each of `misses` says at the missing points of a group, times their shares: as many values for each point as
+    /// there are misses.
+    pub(super) fn corrections(&self, group: &Group, misses: &[Vec<f64>]) -> Vec<f64> {
+        let (count, heights) = (misses.len(), group.heights.len());
+        let mut corrections = vec![0.0; group.targets.len() * count];
+        if heights == 0 {
+            return corrections;
+        }
+        let at: Vec<(isize, isize)> =
+            group.heights.iter().map(|height| self.column_and_row(self.places[*height as usize])).collect();
+        let factor = self.factor(&at);
+        // One by one: together, their rounding would depend on how many there are.
+        let solve =
+            |misses: &Vec<f64>| factor.solve(Mat::from_fn(heights, 1, |i, _| misses[group.heights[i] as usize]));
+        let weights: Vec<Mat<f64>> = misses.iter().map(solve).collect();
+        let mut correlations = vec![0.0; heights];
+        let points = group.targets.iter().zip(&group.shares);
+        for ((place, share), out) in points.zip(corrections.chunks_exact_mut(count)) {
+            let (column, row) = self.column_and_row(*place as usize);
+            for (value, (x, y)) in correlations.iter_mut().zip(&at) {
+                *value = self.lags.at(column - x, row - y);
+            }
+            for (weights, out) in weights.iter().zip(out) {
+                *out = share * weights.col_as_slice(0).iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        corrections
+    }
+
+    /// The factor of the correlation of noisy heights. Where rounding leaves it indefinite, they get ten times the noise.
+    fn factor(&self, at: &[(isize, isize)]) -> Llt<f64> {
+        let mut between = Mat::<f64>::zeros(at.len(), at.len());
+        for (j, (x, y)) in at.iter().enumerate() {
+            for (value, (p, q)) in between.col_as_slice_mut(j)[j..].iter_mut().zip(&at[j..]) {
+                *value = self.lags.at(p - x, q - y);
+            }
+        }
+        let mut noise = self.noise;
+        loop {
+            for i in 0..at.len() {
+                between[(i, i)] = self.lags.at(0, 0) + noise;
+            }
+            // Beyond the number of the heights, the diagonal dominates.
+            match between.llt(Side::Lower) {
+                Ok(factor) => return factor,
+                Err(_) if noise <= at.len() as f64 => noise *= 10.0,
+                Err(_) => unreachable!("correlations are at most 1"),
+            }
+        }
+    }
+
+    fn column_and_row(&self, place: usize) -> (isize, isize) {
+        ((place % self.grid.nx()) as isize, (place / self.grid.nx()) as isize)
+    }
+}
