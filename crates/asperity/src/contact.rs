@@ -34,6 +34,7 @@ mod coarse_start;
 mod descent;
 pub mod exact;
 mod half_space;
+mod load_start;
 mod mean_gap;
 mod problem;
 mod projection;

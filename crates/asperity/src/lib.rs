@@ -29,6 +29,7 @@ pub mod stats;
 pub mod study;
 pub mod surface;
 pub mod vibration;
+mod wide;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the first layer, each of which may use those before it.
-const BASE: &[&str] = &["monitor", "quantity", "map", "random", "fourier", "stats", "law", "correlation"];
+const BASE: &[&str] = &["wide", "monitor", "quantity", "map", "random", "fourier", "stats", "law", "correlation"];
 
 /// Further modules and the paths they may use beside [`BASE`]. `"a::b"` allows module b of a, `"a"` all of it.
 const ALLOWED: &[(&str, &[&str])] = &[
@@ -42,6 +42,7 @@ const OWNED: &[(&str, &str)] = &[
     ("SmallRng", "random"),
     ("rustfft", "fourier"),
     ("realfft", "fourier"),
+    ("pulp", "wide"),
 ];
 
 /// Parts of the standard library that are out of bounds outside tests, and the modules that may use them all the same:

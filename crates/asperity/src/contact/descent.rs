@@ -3,7 +3,7 @@
 use ndarray::{Array2, CowArray, Ix2};
 
 use crate::contact::half_space::MeanMode;
-use crate::contact::projection::{Shift, project_to_sum, tangent_multiplier, tangent_sums};
+use crate::contact::projection::{Shift, project_to_sum, tangent_multiplier};
 use crate::contact::slab::{Direction, Extent, Products, Rows, Slab, Slabs};
 use crate::contact::solution::{Part, Residual, certify};
 use crate::contact::solver::{Closure, Solver};
@@ -11,6 +11,8 @@ use crate::contact::vectors::sums;
 use crate::contact::{Boundary, Problem, Solution, StopReason, Workspace};
 use crate::fourier::ROWS_OF_SLAB;
 
+/// Height over the roughness that is lost in the rounding of displacements.
+const NEGLIGIBLE_HEIGHT: f64 = 1e-14;
 /// Every so many iterations a plain gradient projection guarantees convergence.
 const GRADIENT_PROJECTION_PERIOD: usize = 32;
 /// A clipped step is taken whole when its optimal length is at least this share of it.
@@ -215,17 +217,20 @@ impl<'a> Descent<'a> {
         if self.closure.plane_m().is_some() {
             return last_lambda;
         }
-        let find = |near: &Slabs, start: f64, upper: f64| {
-            tangent_multiplier(start, |lambda| near.sums(|slab| tangent_sums(&slab.p, &slab.v, upper, lambda)))
+        let negligible = NEGLIGIBLE_HEIGHT * self.problem.rms_height_m();
+        let upper = self.upper;
+        let find = |near: &mut Slabs, start: f64| {
+            near.map(|slab| slab.sort_by_bound(upper));
+            tangent_multiplier(start, negligible, |lambda| near.sums(|slab| slab.tangent_sums(lambda)))
         };
-        let mut lambda = find(&self.near, last_lambda, self.upper);
+        let mut lambda = find(&mut self.near, last_lambda);
         // Cells that were left out count as soon as their v is below the multiplier, and then lower it.
         while lambda > self.bound {
             self.look(lambda);
-            lambda = find(&self.near, lambda, self.upper);
+            lambda = find(&mut self.near, lambda);
         }
         // Where the multiplier may well be next time.
-        self.bound = lambda + (lambda - last_lambda).abs();
+        self.bound = lambda + 2.0 * (lambda - last_lambda).abs();
         lambda
     }
 

@@ -1,10 +1,13 @@
 //! The two scalar equations of a box-constrained problem under a prescribed sum.
 
 use crate::contact::slab::{Extent, within};
-use crate::contact::vectors::sums;
+
+/// Newton steps, of which a few suffice where none is on a bound beyond the root, before a bracket is halved.
+const NEWTON_STEPS: usize = 20;
 
 /// Whether a cell of pressure `p` and gradient `g` may lower the energy within 0 ≤ p ≤ `upper`: one between the bounds,
 /// or one on a bound that the descent leads inwards.
+#[inline(always)]
 pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
     ((p > 0.0) | (g < 0.0)) & ((p < upper) | (g > 0.0))
 }
@@ -12,14 +15,13 @@ pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
 /// The multiplier λ for which the projection of λ − v on the tangent cone of the box at `p` has zero sum:
 /// Σ_free (v−λ) + Σ_{p=0} min(v−λ, 0) + Σ_{p=H} max(v−λ, 0) = 0.
 ///
-/// `sums` evaluates that sum and the number of its terms at a λ, see [`tangent_sums`]. It falls monotonically and is
-/// piecewise linear in λ, so a bracketed Newton iteration ends after a few steps. Where it vanishes on an interval (no free
+/// `sums` evaluates that sum and the number of its terms at a λ. It falls monotonically and is
+/// piecewise linear in λ, so a bracketed Newton iteration ends after a few steps, at the latest when they are `negligible`. Where it vanishes on an interval (no free
 /// cell), any root serves: the optimality conditions hold for each.
-pub(super) fn tangent_multiplier(start: f64, sums: impl Fn(f64) -> [f64; 2]) -> f64 {
+pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64) -> [f64; 2]) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut lambda = start;
-    let mut last_sum = f64::INFINITY;
-    for _ in 0..200 {
+    for evaluation in 0..200 {
         let [sum, slope] = sums(lambda);
         if slope == 0.0 {
             return lambda;
@@ -31,24 +33,14 @@ pub(super) fn tangent_multiplier(start: f64, sums: impl Fn(f64) -> [f64; 2]) -> 
         }
         let newton = lambda + sum / slope;
         let bracketed = low.is_finite() && high.is_finite();
-        let trusted = newton > low && newton < high && sum.abs() <= 0.5 * last_sum;
+        let trusted = newton > low && newton < high && evaluation < NEWTON_STEPS;
         let next = if trusted || !bracketed { newton } else { 0.5 * (low + high) };
-        last_sum = sum.abs();
-        if (next - lambda).abs() <= 1e-15 * lambda.abs() || next == low || next == high {
+        if (next - lambda).abs() <= negligible || next == low || next == high {
             return next;
         }
         lambda = next;
     }
     lambda
-}
-
-/// What [`tangent_multiplier`] sums up, for some of the cells.
-pub(super) fn tangent_sums(p: &[f64], v: &[f64], upper: f64, lambda: f64) -> [f64; 2] {
-    sums(p, v, |p, v| {
-        let g = v - lambda;
-        let counts = may_move(p, g, upper);
-        [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
-    })
 }
 
 /// A common shift of trial values, followed by a cut at the bounds, as [`project_to_sum`] finds it: between two shifts as
@@ -70,6 +62,11 @@ impl Shift {
     /// The larger of the two, infinite where the bounds alone decide.
     pub(super) fn largest(self) -> f64 {
         self.high
+    }
+
+    /// The shift, where it is one finite value.
+    pub(super) fn common(self) -> Option<f64> {
+        (self.share == 0.0 && self.low.is_finite()).then_some(self.low)
     }
 
     /// The value of `t` after the shift, within [0, `upper`].
@@ -146,6 +143,7 @@ pub(super) fn project_to_sum(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::vectors::sums;
     use crate::random;
 
     fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
@@ -162,7 +160,13 @@ mod tests {
     }
 
     fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -> f64 {
-        super::tangent_multiplier(start, |lambda| tangent_sums(p, v, upper, lambda))
+        super::tangent_multiplier(start, 1e-15, |lambda| {
+            sums(p, v, |p, v| {
+                let g = v - lambda;
+                let counts = may_move(p, g, upper);
+                [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
+            })
+        })
     }
 
     #[test]

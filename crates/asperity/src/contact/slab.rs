@@ -9,8 +9,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::contact::projection::{Shift, may_move};
-use crate::contact::vectors::sums;
+use crate::contact::vectors::{least, sums, sums_of};
 use crate::fourier::ROWS_OF_SLAB;
+use crate::wide::{Kernel, wide};
 
 /// Cells of a grid from which its slabs are worth sharing among threads.
 const SHARED_FROM: usize = 1 << 16;
@@ -35,6 +36,11 @@ pub(super) struct Slab {
     /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
     /// are on. After [`Slab::restrict`] the step to it.
     pub(super) trial: Vec<f64>,
+    /// Of the cells on the lower and on the upper bound: v.
+    open: Vec<f64>,
+    full: Vec<f64>,
+    /// Sum of v over the cells between the bounds, and their number.
+    between: [f64; 2],
     /// The next lists, in the making.
     next: Lists,
     /// Scratch: the step in a row of the grid.
@@ -61,25 +67,17 @@ impl Lists {
         }
     }
 
+    fn push(&mut self, column: usize, p: f64, v: f64, (step, image): (f64, f64)) {
+        self.columns.push(column as u32);
+        self.p.push(p);
+        self.v.push(v);
+        self.step.push(step);
+        self.image.push(image);
+    }
+
     /// Takes up those cells of a row that carry pressure or whose v is below `bound`, with their step and its image.
     fn take_up(&mut self, row: usize, p: &[f64], v: &[f64], bound: f64, history: impl Fn(usize) -> (f64, f64)) {
-        for (group, (p, v)) in p.chunks(GROUP).zip(v.chunks(GROUP)).enumerate() {
-            let is_near = |p: f64, v: f64| (p > 0.0) | (v < bound);
-            if !p.iter().zip(v).fold(false, |any, (p, v)| any | is_near(*p, *v)) {
-                continue;
-            }
-            for (i, (p, v)) in p.iter().zip(v).enumerate() {
-                if is_near(*p, *v) {
-                    let column = group * GROUP + i;
-                    let (step, image) = history(column);
-                    self.columns.push(column as u32);
-                    self.p.push(*p);
-                    self.v.push(*v);
-                    self.step.push(step);
-                    self.image.push(image);
-                }
-            }
-        }
+        wide::<TakeUp, _>((self, p, v, bound, history));
         self.starts[row + 1..].fill(self.columns.len() as u32);
     }
 }
@@ -200,6 +198,30 @@ impl Slab {
         self.turn();
     }
 
+    /// Sorts the cells by the bound they are on, for [`Slab::tangent_sums`].
+    pub(super) fn sort_by_bound(&mut self, upper: f64) {
+        let Self { p, v, open, full, .. } = self;
+        open.clear();
+        full.clear();
+        open.extend(p.iter().zip(&*v).filter(|(p, _)| **p <= 0.0).map(|(_, v)| *v));
+        if upper < f64::INFINITY {
+            full.extend(p.iter().zip(&*v).filter(|(p, _)| **p >= upper).map(|(_, v)| *v));
+        }
+        self.between = sums(p, v, |p, v| {
+            let between = (p > 0.0) & (p < upper);
+            [if between { v } else { 0.0 }, if between { 1.0 } else { 0.0 }]
+        });
+    }
+
+    /// Sum of the gradients v − λ of the cells that may move, and their number.
+    pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 2] {
+        let Self { open, full, between: [v, count], .. } = self;
+        let count_if = |counts: bool, g: f64| [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }];
+        let below = sums(open, open, |v, _| count_if(v < lambda, v - lambda));
+        let above = sums(full, full, |v, _| count_if(v > lambda, v - lambda));
+        [v - count * lambda + below[0] + above[0], count + below[1] + above[1]]
+    }
+
     /// Writes the gradient v − λ, over `unit`, of the cells of a row that may move into it; false if there are none.
     pub(super) fn scatter_gradient(&self, row: usize, lambda: f64, upper: f64, unit: f64, out: &mut [f32]) -> bool {
         let mut any = false;
@@ -233,33 +255,22 @@ impl Slab {
 
     /// Largest displacement by the last step.
     pub(super) fn largest_image(&self) -> f64 {
-        self.image.iter().fold(0.0, |largest, w| if w.abs() > largest { w.abs() } else { largest })
+        let w = &self.image;
+        -least(w, w, |w, _| -w.abs()).min(0.0)
     }
 
-    /// Zeroes the preconditioned gradient of cells that may not move, and sums up.
-    pub(super) fn products(&mut self, lambda: f64, upper: f64) -> Products {
-        let mut sum = Products::default();
-        let lists = self.p.iter().zip(&self.v).zip(&self.step).zip(&self.image).zip(&mut self.preconditioned);
-        for ((((p, v), s), w), z) in lists {
+    /// The sums over the cells that may move.
+    pub(super) fn products(&self, lambda: f64, upper: f64) -> Products {
+        let lists = [&self.p, &self.v, &self.step, &self.image, &self.preconditioned].map(Vec::as_slice);
+        let [members, g, z, s, w, gg, gz, gs, sw, zw, pw, pg, at_upper] = sums_of(lists, |[p, v, s, w, z]| {
             let g = v - lambda;
-            let member = if may_move(*p, g, upper) { 1.0 } else { 0.0 };
-            let (g, s) = (member * g, member * s);
-            *z *= member;
-            sum.members += member;
-            sum.g += g;
-            sum.z += *z;
-            sum.s += s;
-            sum.w += member * w;
-            sum.gg += g * g;
-            sum.gz += g * *z;
-            sum.gs += g * s;
-            sum.sw += s * w;
-            sum.zw += *z * w;
-            sum.pw += member * (p * w);
-            sum.pg += p * g;
-            sum.at_upper += if *p >= upper { 1.0 } else { 0.0 };
-        }
-        sum
+            let member = may_move(p, g, upper);
+            let masked = |value: f64| if member { value } else { 0.0 };
+            let (g, s, w, z) = (masked(g), masked(s), masked(w), masked(z));
+            let at_upper = if p >= upper { 1.0 } else { 0.0 };
+            [masked(1.0), g, z, s, w, g * g, g * z, g * s, s * w, z * w, p * w, p * g, at_upper]
+        });
+        Products { members, g, z, s, w, gg, gz, gs, sw, zw, pw, pg, at_upper }
     }
 
     /// Σ p u of the cells that may move, u = v + z, from the heights of the slab's rows.
@@ -278,43 +289,41 @@ impl Slab {
 
     /// Puts the pressure on trial in `direction` into `trial`, for the cells that may move or for all.
     pub(super) fn propose(&mut self, direction: Direction, lambda: f64, upper: f64, all: bool) -> Extent {
-        let Direction { pressure, step, preconditioned, gradient, constant } = direction;
-        self.trial.clear();
-        let mut extent = Extent::NONE;
-        let lists = self.p.iter().zip(&self.v).zip(&self.step).zip(&self.preconditioned);
-        self.trial.extend(lists.map(|(((p, v), s), z)| {
-            let g = v - lambda;
-            let t = p + pressure * p + step * s + preconditioned * z + gradient * g + constant;
-            if all | may_move(*p, g, upper) {
-                extent.least = if t < extent.least { t } else { extent.least };
-                extent.largest = if t > extent.largest { t } else { extent.largest };
-                extent.members += 1;
-                extent.clipped |= (t < 0.0) | (t > upper);
-                t
-            } else if *p > 0.0 {
-                f64::INFINITY
-            } else {
-                f64::NEG_INFINITY
-            }
-        }));
-        extent
+        let Self { p, v, step: s, preconditioned: z, trial, .. } = self;
+        trial.resize(p.len(), 0.0);
+        wide::<Propose, _>((
+            trial.as_mut_slice(),
+            [&*p, &*v, &*s, &*z].map(Vec::as_slice),
+            direction,
+            lambda,
+            upper,
+            all,
+        ));
+        self.extent(upper)
+    }
+
+    /// That of the trial.
+    fn extent(&self, upper: f64) -> Extent {
+        let t = &self.trial;
+        let [members, beyond] = sums(t, t, |t, _| {
+            let moves = t.is_finite();
+            let beyond = moves & ((t < 0.0) | (t > upper));
+            [if moves { 1.0 } else { 0.0 }, if beyond { 1.0 } else { 0.0 }]
+        });
+        Extent {
+            least: least(t, t, |t, _| if t.is_finite() { t } else { f64::INFINITY }),
+            largest: -least(t, t, |t, _| if t.is_finite() { -t } else { f64::INFINITY }),
+            members: members as usize,
+            clipped: beyond > 0.0,
+        }
     }
 
     /// Puts the pressure itself into `trial` where it is between the bounds.
     pub(super) fn propose_itself(&mut self, upper: f64) -> Extent {
         self.trial.clear();
-        let mut extent = Extent::NONE;
-        self.trial.extend(self.p.iter().map(|p| {
-            if (*p > 0.0) & (*p < upper) {
-                extent = extent.with(Extent { least: *p, largest: *p, members: 1, clipped: false });
-                *p
-            } else if *p > 0.0 {
-                f64::INFINITY
-            } else {
-                f64::NEG_INFINITY
-            }
-        }));
-        extent
+        let held = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        self.trial.extend(self.p.iter().map(|p| if (*p > 0.0) & (*p < upper) { *p } else { held(*p) }));
+        self.extent(upper)
     }
 
     /// Pressure of the cells that the trial holds on the upper bound.
@@ -333,14 +342,13 @@ impl Slab {
 
     /// Makes `trial` the step to the trial pressure, shifted and within the bounds; returns its slope and its squared norm.
     pub(super) fn restrict(&mut self, shift: Shift, lambda: f64, upper: f64) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for ((t, p), v) in self.trial.iter_mut().zip(&self.p).zip(&self.v) {
-            let s = shift.applied(*t, upper) - p;
-            sum[0] += (v - lambda) * s;
-            sum[1] += s * s;
-            *t = s;
+        let Self { p, v, trial, .. } = self;
+        if let Some(shift) = shift.common() {
+            wide::<Cut, _>((trial.as_mut_slice(), p.as_slice(), shift, upper));
+        } else {
+            trial.iter_mut().zip(&*p).for_each(|(t, p)| *t = shift.applied(*t, upper) - p);
         }
-        sum
+        sums(trial, v, |s, v| [(v - lambda) * s, s * s])
     }
 
     /// The largest multiple of the step that stays within the bounds.
@@ -399,15 +407,104 @@ impl Rows<'_> {
             row_p[*column as usize] = after;
             steps[*column as usize] = *step;
         }
-        for (v, value) in row_v.iter_mut().zip(values) {
-            *v += length * (unit_m * f64::from(*value));
-        }
+        wide::<Add, _>((row_v, values, length, unit_m));
         next.take_up(row, row_p, row_v, bound, |i| (steps[i], unit_m * f64::from(values[i])));
         columns[cells].iter().for_each(|column| steps[*column as usize] = 0.0);
     }
 }
 
+/// Adds to `lists` those cells of a row that carry pressure or whose v is below `bound`.
+struct TakeUp;
+
+impl<'a, H: Fn(usize) -> (f64, f64)> Kernel<(&'a mut Lists, &'a [f64], &'a [f64], f64, H)> for TakeUp {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((lists, p, v, bound, history): (&'a mut Lists, &'a [f64], &'a [f64], f64, H)) {
+        let is_near = |p: f64, v: f64| (p > 0.0) | (v < bound);
+        let ((groups_p, rest_p), (groups_v, rest_v)) = (p.as_chunks::<GROUP>(), v.as_chunks::<GROUP>());
+        for (group, (p, v)) in groups_p.iter().zip(groups_v).enumerate() {
+            let mut count = 0;
+            for i in 0..GROUP {
+                count += u32::from(is_near(p[i], v[i]));
+            }
+            let first = group * GROUP;
+            if count == GROUP as u32 {
+                let (mut step, mut image) = ([0.0; GROUP], [0.0; GROUP]);
+                for i in 0..GROUP {
+                    (step[i], image[i]) = history(first + i);
+                }
+                lists.columns.extend_from_slice(&std::array::from_fn::<u32, GROUP, _>(|i| (first + i) as u32));
+                lists.p.extend_from_slice(p);
+                lists.v.extend_from_slice(v);
+                lists.step.extend_from_slice(&step);
+                lists.image.extend_from_slice(&image);
+            } else if count > 0 {
+                for i in (0..GROUP).filter(|i| is_near(p[*i], v[*i])) {
+                    lists.push(first + i, p[i], v[i], history(first + i));
+                }
+            }
+        }
+        let first = p.len() - rest_p.len();
+        for (i, (p, v)) in rest_p.iter().zip(rest_v).enumerate().filter(|(_, (p, v))| is_near(**p, **v)) {
+            lists.push(first + i, *p, *v, history(first + i));
+        }
+    }
+}
+
+/// Puts the pressure on trial in a direction into `trial`: see [`Slab::propose`].
+struct Propose;
+
+impl<'a> Kernel<(&'a mut [f64], [&'a [f64]; 4], Direction, f64, f64, bool)> for Propose {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(
+        (trial, [p, v, s, z], direction, lambda, upper, all): (
+            &'a mut [f64],
+            [&'a [f64]; 4],
+            Direction,
+            f64,
+            f64,
+            bool,
+        ),
+    ) {
+        let Direction { pressure, step, preconditioned, gradient, constant } = direction;
+        for ((((t, p), v), s), z) in trial.iter_mut().zip(p).zip(v).zip(s).zip(z) {
+            let g = v - lambda;
+            let free = p + pressure * p + step * s + preconditioned * z + gradient * g + constant;
+            let held = if *p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+            *t = if all | may_move(*p, g, upper) { free } else { held };
+        }
+    }
+}
+
+/// Makes `trial` the step from `p` to it, shifted and within the bounds.
+struct Cut;
+
+impl<'a> Kernel<(&'a mut [f64], &'a [f64], f64, f64)> for Cut {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((trial, p, shift, upper): (&'a mut [f64], &'a [f64], f64, f64)) {
+        trial.iter_mut().zip(p).for_each(|(t, p)| *t = within(*t + shift, upper) - p);
+    }
+}
+
+/// Adds `length` times a displacement in a unit to `v`.
+struct Add;
+
+impl<'a> Kernel<(&'a mut [f64], &'a [f32], f64, f64)> for Add {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((v, values, length, unit_m): (&'a mut [f64], &'a [f32], f64, f64)) {
+        v.iter_mut().zip(values).for_each(|(v, value)| *v += length * (unit_m * f64::from(*value)));
+    }
+}
+
 /// `value`, or the bound of [0, `upper`] that it is beyond.
+#[inline(always)]
 pub(super) fn within(value: f64, upper: f64) -> f64 {
     let value = if value > 0.0 { value } else { 0.0 };
     if value < upper { value } else { upper }

@@ -14,7 +14,9 @@
 //! D. G. Luenberger and Y. Ye, *Linear and Nonlinear Programming*, §7.10 (spacer steps).
 
 use crate::contact::descent::Descent;
-use crate::contact::{Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, mean_gap};
+use crate::contact::{
+    Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap,
+};
 
 /// Solves contact problems to a relative tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +93,7 @@ impl Solver {
         // The mean displacement shifts the plane alone: without it, nothing large cancels.
         let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
         let closure = Closure::Sum { pascal: pascal * points as f64 };
-        let start = vec![pascal; points];
+        let start = load_start::under_load(problem, pascal);
         Ok(Descent::new(problem, closure, start, rigid_mean(problem), workspace).run(self))
     }
 }

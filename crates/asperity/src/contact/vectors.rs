@@ -1,47 +1,96 @@
 //! Sums over cells, written so that the compiler may use vector registers.
 
-/// Partial sums kept side by side.
-const LANES: usize = 4;
+use crate::wide::{Kernel, wide};
+
+/// Partial sums kept side by side: of few terms as many as hide the time an addition takes, of many as registers hold.
+const LANES: usize = 16;
+const FEW_LANES: usize = 4;
 
 /// Sums of the K terms that `term` makes of each pair.
+#[inline(always)]
 pub(super) fn sums<const K: usize>(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> [f64; K]) -> [f64; K] {
-    let mut lanes = [[0.0; LANES]; K];
-    let (chunks_a, chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let mut total = [0.0; K];
-    for (a, b) in chunks_a.remainder().iter().zip(chunks_b.remainder()) {
-        let terms = term(*a, *b);
-        for k in 0..K {
-            total[k] += terms[k];
-        }
-    }
-    for (a, b) in chunks_a.zip(chunks_b) {
-        for lane in 0..LANES {
-            let terms = term(a[lane], b[lane]);
-            for k in 0..K {
-                lanes[k][lane] += terms[k];
+    assert_eq!(a.len(), b.len(), "lists of different lengths");
+    wide::<Sums<LANES>, _>(([a, b], |[a, b]: [f64; 2]| term(a, b)))
+}
+
+/// Sums of the K terms that `term` makes of the values at the same place of N lists.
+///
+/// # Panics
+/// If the lists differ in length.
+#[inline(always)]
+pub(super) fn sums_of<const N: usize, const K: usize>(
+    lists: [&[f64]; N],
+    term: impl Fn([f64; N]) -> [f64; K],
+) -> [f64; K] {
+    let n = lists[0].len();
+    assert!(lists.iter().all(|list| list.len() == n), "lists of different lengths");
+    wide::<Sums<FEW_LANES>, _>((lists, term))
+}
+
+/// The loop of [`sums_of`].
+struct Sums<const LANES: usize>;
+
+impl<'a, const LANES: usize, const N: usize, const K: usize, T: Fn([f64; N]) -> [f64; K]> Kernel<([&'a [f64]; N], T)>
+    for Sums<LANES>
+{
+    type Output = [f64; K];
+
+    #[inline(always)]
+    fn run((lists, term): ([&'a [f64]; N], T)) -> [f64; K] {
+        let n = lists[0].len();
+        let mut lanes = [[0.0; LANES]; K];
+        let heads = lists.map(|list| list.as_chunks::<LANES>().0);
+        for chunk in 0..n / LANES {
+            for lane in 0..LANES {
+                let terms = term(heads.map(|head| head[chunk][lane]));
+                for k in 0..K {
+                    lanes[k][lane] += terms[k];
+                }
             }
         }
+        for i in n - n % LANES..n {
+            let terms = term(lists.map(|list| list[i]));
+            for k in 0..K {
+                lanes[k][i % LANES] += terms[k];
+            }
+        }
+        lanes.map(|lanes| lanes.iter().sum())
     }
-    for k in 0..K {
-        total[k] += lanes[k].iter().sum::<f64>();
-    }
-    total
 }
 
 /// The least b among the pairs whose a is below `upper`; infinity if there is none.
 pub(super) fn least_below(a: &[f64], b: &[f64], upper: f64) -> f64 {
-    let mut lanes = [f64::INFINITY; LANES];
-    let (chunks_a, chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    for (a, b) in chunks_a.remainder().iter().zip(chunks_b.remainder()) {
-        lanes[0] = if *a < upper && *b < lanes[0] { *b } else { lanes[0] };
-    }
-    for (a, b) in chunks_a.zip(chunks_b) {
-        for lane in 0..LANES {
-            let candidate = if a[lane] < upper { b[lane] } else { f64::INFINITY };
-            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
+    least(a, b, |a, b| if a < upper { b } else { f64::INFINITY })
+}
+
+/// The least of what `value` makes of each pair; infinity if there is none.
+#[inline(always)]
+pub(super) fn least(a: &[f64], b: &[f64], value: impl Fn(f64, f64) -> f64) -> f64 {
+    wide::<Least, _>((a, b, value))
+}
+
+/// The loop of [`least`].
+struct Least;
+
+impl<'a, F: Fn(f64, f64) -> f64> Kernel<(&'a [f64], &'a [f64], F)> for Least {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run((a, b, value): (&'a [f64], &'a [f64], F)) -> f64 {
+        let mut lanes = [f64::INFINITY; LANES];
+        let ((chunks_a, rest_a), (chunks_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+        for (a, b) in chunks_a.iter().zip(chunks_b) {
+            for lane in 0..LANES {
+                let value = value(a[lane], b[lane]);
+                lanes[lane] = if value < lanes[lane] { value } else { lanes[lane] };
+            }
         }
+        for (a, b) in rest_a.iter().zip(rest_b) {
+            let value = value(*a, *b);
+            lanes[0] = if value < lanes[0] { value } else { lanes[0] };
+        }
+        lanes.into_iter().fold(f64::INFINITY, f64::min)
     }
-    lanes.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

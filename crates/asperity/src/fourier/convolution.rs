@@ -12,6 +12,7 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftNum, FftPlanner};
 
 use super::SHARED_FROM;
+use crate::wide::{Kernel, wide};
 
 /// Columns that are gathered at a time.
 const BLOCK: usize = 16;
@@ -20,6 +21,8 @@ pub(crate) const ROWS_OF_SLAB: usize = 16;
 /// Unused places after every row and column: lengths that are powers of two would have all rows compete for the same places
 /// of the cache.
 const PAD: usize = 8;
+/// Partial sums kept side by side.
+const LANES: usize = 8;
 
 /// Single or double precision.
 pub(crate) trait Real: FftNum + Default {
@@ -182,9 +185,7 @@ impl<T: Real> Convolution<T> {
             let present = (2 * pair + 1 < self.rows && fill(2 * pair + 1, odd)) || present;
             let out = &mut out[..nx];
             out[self.columns..].fill(Complex::default());
-            for ((out, re), im) in out.iter_mut().zip(even.iter()).zip(odd.iter()) {
-                *out = Complex::new(*re, *im);
-            }
+            wide::<Join, _>((out, even.as_slice(), odd.as_slice()));
             if present {
                 self.along_rows[0].process_with_scratch(out, &mut lane.scratch);
             }
@@ -195,57 +196,20 @@ impl<T: Real> Convolution<T> {
         let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
         let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
         self.share(lane, items.collect(), |lane, (block, columns, symbol, energy)| {
-            self.gather_columns(pairs, block * BLOCK, columns);
+            wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
             for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
                 self.along_columns[0].process_with_scratch(column, &mut lane.scratch);
                 let first = if kx == 0 { constant } else { symbol[0] };
-                let mut sum = (first * column[0].norm_sqr()).double();
+                let sum = (first * column[0].norm_sqr()).double();
                 column[0] = column[0] * first;
-                let mut lanes = [T::zero(); 8];
-                let (values, rest) = column[1..].as_chunks_mut::<8>();
-                let (factors, rest_of_factors) = symbol[1..].as_chunks::<8>();
-                for (values, factors) in values.iter_mut().zip(factors) {
-                    for lane in 0..8 {
-                        let product = values[lane] * factors[lane];
-                        lanes[lane] = lanes[lane] + product.re * values[lane].re + product.im * values[lane].im;
-                        values[lane] = product;
-                    }
-                }
-                for (value, factor) in rest.iter_mut().zip(rest_of_factors) {
-                    sum += (*factor * value.norm_sqr()).double();
-                    *value = *value * *factor;
-                }
-                sum += lanes.into_iter().map(Real::double).sum::<f64>();
+                let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
                 // A stored column stands for its opposite as well.
                 *energy += if kx == 0 || 2 * kx == nx { sum } else { 2.0 * sum };
                 self.along_columns[1].process_with_scratch(column, &mut lane.scratch);
             }
         });
         energies.into_iter().sum()
-    }
-
-    /// Takes columns of half the spectrum, from `first` on, out of the transformed pairs of rows, continued with zeros.
-    fn gather_columns(&self, pairs: &[Complex<T>], first: usize, to: &mut [Complex<T>]) {
-        let (nx, stride) = (self.nx, self.ny + PAD);
-        let half = T::of(0.5);
-        let width = to.len() / stride;
-        // The transform of an even and an odd row, e + io, is e + io at k and the conjugate of e − io at −k.
-        let parted = |at: Complex<T>, opposite: Complex<T>| {
-            let even = Complex::new(half * (at.re + opposite.re), half * (at.im - opposite.im));
-            let odd = Complex::new(half * (at.im + opposite.im), half * (opposite.re - at.re));
-            [even, odd]
-        };
-        for (pair, row) in pairs.chunks_exact(nx + PAD).enumerate() {
-            for j in 0..width {
-                let k = first + j;
-                let opposite = if k == 0 { row[0] } else { row[nx - k] };
-                to[j * stride + 2 * pair..][..2].copy_from_slice(&parted(row[k], opposite));
-            }
-        }
-        for column in to.chunks_exact_mut(stride) {
-            column[2 * self.rows.div_ceil(2)..].fill(Complex::default());
-        }
     }
 
     /// Transforms what [`Convolution::forward`] left back and hands it over row by row. Of `outputs`, one for each slab of
@@ -262,28 +226,15 @@ impl<T: Real> Convolution<T> {
         assert_eq!(outputs.len(), self.slabs(), "there must be one output for each slab of rows");
         let ConvolutionWork { columns, lane, .. } = work;
         let columns = &*columns;
-        let (nx, stride) = (self.nx, self.ny + PAD);
+        let nx = self.nx;
         self.share(lane, outputs.into_iter().enumerate().collect(), |lane, (slab, mut output)| {
             let Lane { rows: [even, odd], slab: pairs, scratch } = lane;
             let first = slab * ROWS_OF_SLAB;
             let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
-            for (k, column) in columns.chunks_exact(stride).enumerate() {
-                let column = &column[first..first + 2 * count];
-                for (pair, values) in column.as_chunks::<2>().0.iter().enumerate() {
-                    let [even, odd] = *values;
-                    let row = &mut pairs[pair * (nx + PAD)..];
-                    // The conjugate of the even row's half of what is at −k makes up the other half.
-                    if k > 0 {
-                        row[nx - k] = Complex::new(even.re + odd.im, odd.re - even.im);
-                    }
-                    row[k] = Complex::new(even.re - odd.im, even.im + odd.re);
-                }
-            }
+            wide::<GatherRows, _>((self, columns, first, count, pairs));
             for (pair, row) in pairs.chunks_exact_mut(nx + PAD).take(count).enumerate() {
                 self.along_rows[1].process_with_scratch(&mut row[..nx], scratch);
-                for ((value, even), odd) in row.iter().zip(even.iter_mut()).zip(odd.iter_mut()) {
-                    (*even, *odd) = (value.re, value.im);
-                }
+                wide::<Part, _>((&*row, even.as_mut_slice(), odd.as_mut_slice()));
                 let row = first + 2 * pair;
                 take(&mut output, row, even);
                 if row + 1 < self.rows {
@@ -291,6 +242,115 @@ impl<T: Real> Convolution<T> {
                 }
             }
         });
+    }
+}
+
+/// Takes columns of half the spectrum, from `first` on, out of the transformed pairs of rows, continued with zeros.
+struct GatherColumns;
+
+impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])> for GatherColumns {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((plan, pairs, first, to): (&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])) {
+        let (nx, stride) = (plan.nx, plan.ny + PAD);
+        let half = T::of(0.5);
+        let width = to.len() / stride;
+        // The transform of an even and an odd row, e + io, is e + io at k and the conjugate of e − io at −k.
+        let halves = |at: Complex<T>, opposite: Complex<T>| {
+            let even = Complex::new(half * (at.re + opposite.re), half * (at.im - opposite.im));
+            let odd = Complex::new(half * (at.im + opposite.im), half * (opposite.re - at.re));
+            [even, odd]
+        };
+        for (pair, row) in pairs.chunks_exact(nx + PAD).enumerate() {
+            for j in 0..width {
+                let k = first + j;
+                let opposite = if k == 0 { row[0] } else { row[nx - k] };
+                to[j * stride + 2 * pair..][..2].copy_from_slice(&halves(row[k], opposite));
+            }
+        }
+        for column in to.chunks_exact_mut(stride) {
+            column[2 * plan.rows.div_ceil(2)..].fill(Complex::default());
+        }
+    }
+}
+
+/// Takes `count` pairs of rows of half the spectrum, from the row `first` on, out of its columns, and makes the other half.
+struct GatherRows;
+
+impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>])> for GatherRows {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(
+        (plan, columns, first, count, to): (&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>]),
+    ) {
+        let nx = plan.nx;
+        for (k, column) in columns.chunks_exact(plan.ny + PAD).enumerate() {
+            let column = &column[first..first + 2 * count];
+            for ([even, odd], row) in column.as_chunks::<2>().0.iter().zip(to.chunks_exact_mut(nx + PAD)) {
+                // The conjugate of the even row's half of what is at −k makes up the other half.
+                if k > 0 {
+                    row[nx - k] = Complex::new(even.re + odd.im, odd.re - even.im);
+                }
+                row[k] = Complex::new(even.re - odd.im, even.im + odd.re);
+            }
+        }
+    }
+}
+
+/// Makes two real rows one complex row.
+struct Join;
+
+impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T], &'a [T])> for Join {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((out, even, odd): (&'a mut [Complex<T>], &'a [T], &'a [T])) {
+        for ((out, re), im) in out.iter_mut().zip(even).zip(odd) {
+            *out = Complex::new(*re, *im);
+        }
+    }
+}
+
+/// Makes one complex row two real ones.
+struct Part;
+
+impl<'a, T: Real> Kernel<(&'a [Complex<T>], &'a mut [T], &'a mut [T])> for Part {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((row, even, odd): (&'a [Complex<T>], &'a mut [T], &'a mut [T])) {
+        for ((value, even), odd) in row.iter().zip(even).zip(odd) {
+            (*even, *odd) = (value.re, value.im);
+        }
+    }
+}
+
+/// Multiplies values by factors, and returns Σ factor |value|².
+struct Multiply;
+
+impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T])> for Multiply {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run((values, factors): (&'a mut [Complex<T>], &'a [T])) -> f64 {
+        let mut lanes = [T::zero(); LANES];
+        let (values, rest) = values.as_chunks_mut::<LANES>();
+        let (factors, rest_of_factors) = factors.as_chunks::<LANES>();
+        for (values, factors) in values.iter_mut().zip(factors) {
+            for lane in 0..LANES {
+                let (value, factor) = (values[lane], factors[lane]);
+                lanes[lane] = lanes[lane] + factor * (value.re * value.re + value.im * value.im);
+                values[lane] = Complex::new(factor * value.re, factor * value.im);
+            }
+        }
+        let mut sum: f64 = lanes.into_iter().map(Real::double).sum();
+        for (value, factor) in rest.iter_mut().zip(rest_of_factors) {
+            sum += (*factor * value.norm_sqr()).double();
+            *value = *value * *factor;
+        }
+        sum
     }
 }
 
@@ -386,60 +446,5 @@ mod tests {
             pool.install(|| apply(&plan, &symbol, 0.0, &map))
         };
         assert_eq!(on(1), on(3));
-    }
-}
-
-#[cfg(test)]
-mod speed {
-    use super::*;
-    #[test]
-    fn speed() {
-        fn one<T: Real>(n: usize) -> f64 {
-            let plan = Convolution::<T>::new((n, n), (n, n));
-            let symbol = plan.symbol(|kx, ky| 1.0 / (1.0 + (kx as f64).hypot(ky)));
-            let map: Vec<T> = (0..n * n).map(|i| T::of(((i * 7919) % 1000) as f64)).collect();
-            let mut out = vec![T::default(); n * n];
-            let mut work = plan.work();
-            let mut best = f64::INFINITY;
-            for _ in 0..(4_000_000 / n / n).clamp(5, 100) {
-                let t = std::time::Instant::now();
-                plan.forward(
-                    &symbol,
-                    T::default(),
-                    |r, o| {
-                        o.copy_from_slice(&map[r * n..(r + 1) * n]);
-                        true
-                    },
-                    &mut work,
-                );
-                plan.backward(
-                    out.chunks_mut(ROWS_OF_SLAB * n).collect(),
-                    |o: &mut &mut [T], r, v| o[r % ROWS_OF_SLAB * n..][..n].copy_from_slice(v),
-                    &mut work,
-                );
-                best = best.min(t.elapsed().as_secs_f64());
-            }
-            best * 1e3
-        }
-        fn old(n: usize) -> f64 {
-            let fft = super::super::RealFft2::new(n, n);
-            let map: Vec<f64> = (0..n * n).map(|i| ((i * 7919) % 1000) as f64).collect();
-            let mut out = vec![0.0; n * n];
-            let (mut sp, mut work) = (fft.spectrum(), fft.workspace());
-            let mut best = f64::INFINITY;
-            for _ in 0..(4_000_000 / n / n).clamp(5, 100) {
-                let t = std::time::Instant::now();
-                fft.forward(&map, &mut sp, &mut work);
-                fft.inverse(&mut sp, &mut out, &mut work);
-                best = best.min(t.elapsed().as_secs_f64());
-            }
-            best * 1e3
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        pool.install(|| {
-            for n in [64, 128, 256, 512, 1024, 2048] {
-                println!("{n}: old {:.3} f64 {:.3} f32 {:.3} ms", old(n), one::<f64>(n), one::<f32>(n));
-            }
-        });
     }
 }
