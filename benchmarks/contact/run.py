@@ -20,6 +20,9 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+# No compiled files beside the scripts.
+sys.dont_write_bytecode = True
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
@@ -97,15 +100,21 @@ class Peer:
             self.process = subprocess.Popen(
                 [PYTHON, HERE / "peers.py", self.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL, text=True, env=environment(self.threads))
-        self.process.stdin.write(json.dumps(job) + "\n")
-        self.process.stdin.flush()
-        with selectors.DefaultSelector() as selector:
-            selector.register(self.process.stdout, selectors.EVENT_READ)
-            ready = selector.select(PATIENCE_S)
-        line = self.process.stdout.readline() if ready else ""
+        line, reason = "", "crashed"
+        try:
+            self.process.stdin.write(json.dumps(job) + "\n")
+            self.process.stdin.flush()
+            with selectors.DefaultSelector() as selector:
+                selector.register(self.process.stdout, selectors.EVENT_READ)
+                if selector.select(PATIENCE_S):
+                    line = self.process.stdout.readline()
+                else:
+                    reason = f"slower than {PATIENCE_S:g} s"
+        except BrokenPipeError:
+            pass
         if not line:
             self.stop()
-            raise Failed("crashed" if ready else f"slower than {PATIENCE_S:g} s")
+            raise Failed(reason)
         answer = json.loads(line)
         if "error" in answer:
             raise Failed(answer["error"])
@@ -341,7 +350,8 @@ def elastic(bench, codes, cases):
         # The residual at the end is evaluated afresh; on the free boundary so is the displacement at the start.
         applications = answer["iterations"][0] + (2 if case.boundary == FREE else 1)
         pair = statistics.median(answer["transform_pair_s"] for answer in own.answers)
-        each = statistics.median(statistics.median(told["seconds"]) / told["transform_pair_s"] for told in own.answers) / applications
+        ratios = [statistics.median(turn["seconds"]) / turn["transform_pair_s"] for turn in own.answers]
+        each = statistics.median(ratios) / applications
         share = f"{100 * answer['contact_fraction']:.1f} %"
         if case.hardness is not None:
             share += f", {100 * answer['plastic_fraction'] / answer['contact_fraction']:.0f} % of it plastic"

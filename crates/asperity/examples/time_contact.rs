@@ -110,7 +110,7 @@ fn main() -> Result<()> {
         // The memory of the last solutions is given back first.
         solutions.clear();
         let start = Instant::now();
-        solutions = pool.install(&solve)?;
+        solutions = pool.install(solve)?;
         if run >= warm_up {
             seconds.push(start.elapsed().as_secs_f64());
         }
