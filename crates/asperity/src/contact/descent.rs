@@ -109,7 +109,7 @@ impl<'a> Descent<'a> {
             let extent = self.near.map(|slab| slab.propose_itself(upper)).into_iter().reduce(Extent::with);
             let shift = self.shift_to_sum(extent);
             self.near.map(|slab| slab.restrict(shift, 0.0, upper));
-            self.near.write_stepped(&mut self.p);
+            self.near.write_stepped(&mut self.p, upper);
         }
         if let Some(u) = self.uniform_displacement_m() {
             self.v.fill(u);
@@ -208,7 +208,7 @@ impl<'a> Descent<'a> {
                 is_fresh = true;
             }
         };
-        self.finish(iterations, stop_reason)
+        self.finish(iterations, stop_reason, solver.tolerance)
     }
 
     /// The multiplier λ: the negative height of the plane, or the one for which the gradient of the cells that may move has no
@@ -409,9 +409,12 @@ impl<'a> Descent<'a> {
         moved
     }
 
-    fn finish(self, iterations: usize, stop_reason: StopReason) -> Solution {
+    fn finish(self, iterations: usize, stop_reason: StopReason, tolerance: f64) -> Solution {
         let problem = self.problem;
         let (height_m, residual) = certify(problem, self.closure, &[Part { p: &self.p, v: &self.v }], None);
+        // Sums over all cells round otherwise than those over the cells near contact.
+        let refuted = stop_reason == StopReason::Converged && residual.worst() > tolerance;
+        let stop_reason = if refuted { StopReason::PrecisionLimit } else { stop_reason };
         let shape = problem.heights_m().dim();
         let map = |values: Vec<f64>| {
             let mut iter = values.into_iter();

@@ -372,11 +372,11 @@ impl Slab {
     }
 
     /// Writes the pressure, the trial being a step of it, into the rows of the grid.
-    fn write_stepped(&self, p: &mut [f64]) {
+    fn write_stepped(&self, p: &mut [f64], upper: f64) {
         let width = self.row.len();
         for (row, out) in p.chunks_exact_mut(width).enumerate() {
             for i in self.cells(row) {
-                out[self.columns[i] as usize] = self.p[i] + self.trial[i];
+                out[self.columns[i] as usize] = within(self.p[i] + self.trial[i], upper);
             }
         }
     }
@@ -581,7 +581,8 @@ impl Slabs {
     }
 
     /// Writes the pressure, the trial being a step of it, into the grid.
-    pub(super) fn write_stepped(&self, p: &mut [f64]) {
-        self.slabs.iter().zip(p.chunks_mut(self.width * ROWS_OF_SLAB)).for_each(|(slab, p)| slab.write_stepped(p));
+    pub(super) fn write_stepped(&self, p: &mut [f64], upper: f64) {
+        let chunks = p.chunks_mut(self.width * ROWS_OF_SLAB);
+        self.slabs.iter().zip(chunks).for_each(|(slab, p)| slab.write_stepped(p, upper));
     }
 }
