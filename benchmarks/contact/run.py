@@ -70,7 +70,7 @@ def prepare():
         build = ["--no-binary", "aspher"] if "ASPHER" == title[2:] else []
         done = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *build, *packages], capture_output=True, text=True, env=environment)
         if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if "rror" in line]
+            lines = [line for line in done.stderr.splitlines() if "error" in line.lower()]
             failed[title[2:]] = (lines or ["pip failed"])[-1][:200]
     if "base" in failed:
         raise SystemExit(f"the virtual environment cannot be made: {failed['base']}")
