@@ -1,7 +1,7 @@
 //! The widest vector registers of the machine, found at run time.
 //!
 //! Builds are portable, so loops are compiled for the oldest processors. Those that matter are compiled for newer ones as well
-//! and chosen here. Sums are written with a fixed number of lanes, and products are not fused with sums, so that results are
+//! and chosen here. Sums are written with a fixed number of lanes, and products are not fused with sums, so that a loop gives
 //! the same bits on every machine.
 
 use std::marker::PhantomData;

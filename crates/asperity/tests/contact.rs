@@ -341,6 +341,63 @@ fn rough_contact_lies_between_persson_and_the_asperity_models() {
 }
 
 #[test]
+fn a_large_map_is_solved_alike_on_any_number_of_threads_and_by_another_operator() {
+    // As many cells as make the solver share its work, in rows that do not fill the last slab.
+    let n = 270;
+    let heights = rough(n, 3);
+    let grid = Grid::covering(n, n, 1.0, 1.0).unwrap();
+    for (boundary, control, hardness_pa) in [
+        (Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }, Control::MeanPressure { pascal: 0.02 }, None),
+        (Boundary::Free, Control::Percentile { percent: 10.0 }, Some(0.3)),
+    ] {
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| solve(&heights, &half_space, control, hardness_pa))
+        };
+        let (one, three) = (on(1), on(3));
+        assert_eq!(one.pressure_pa(), three.pressure_pa());
+        assert_eq!((one.iterations(), one.residual()), (three.iterations(), three.residual()));
+        // The gap where there is contact, by a transform that the solver does not use.
+        let torus = if boundary == Boundary::Free { 2 * n } else { n };
+        let fft = RealFft2::new(torus, torus);
+        let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
+        let mut u = vec![0.0; n * n];
+        let kernel = |x: f64, y: f64| love_coefficient(x / n as f64, y / n as f64, 1.0 / n as f64, 1.0 / n as f64, 1.0);
+        let mut symbol = fft.spectrum();
+        let wrapped: Vec<f64> = (0..torus * torus)
+            .map(|i| kernel(signed_index(i % torus, torus).abs(), signed_index(i / torus, torus).abs()))
+            .collect();
+        fft.forward(&wrapped, &mut symbol, &mut work);
+        let p: Vec<f64> = one.pressure_pa().iter().copied().collect();
+        fft.forward_padded(&p, n, n, &mut spectrum, &mut work);
+        for (place, value) in spectrum.iter_mut().enumerate() {
+            let q = std::f64::consts::TAU * ((place / torus) as f64).hypot(signed_index(place % torus, torus));
+            *value *= match boundary {
+                Boundary::Free => symbol[place].re,
+                Boundary::Periodic { .. } => {
+                    if place == 0 {
+                        0.0
+                    } else {
+                        2.0 / q
+                    }
+                }
+            };
+        }
+        fft.inverse_cropped(&mut spectrum, &mut u, n, n, &mut work);
+        let rms_m = heights.std(0.0);
+        for ((u, z), p) in u.iter().zip(&heights).zip(&p) {
+            let gap = u - z + one.plane_m();
+            if *p > 0.0 && hardness_pa.is_none_or(|hardness_pa| *p < hardness_pa) {
+                assert!(gap.abs() < 1e-6 * rms_m, "{gap:e} at {p:e}");
+            } else if *p == 0.0 {
+                assert!(gap > -1e-7 * rms_m, "{gap:e}");
+            }
+        }
+    }
+}
+
+#[test]
 fn bad_problems_are_refused_with_their_values() {
     let grid = Grid::new(4, 4, 1.0, 1.0).unwrap();
     let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();

@@ -48,6 +48,8 @@ pub(super) struct Descent<'a> {
     /// The cells with pressure, and those without whose v is below `bound`.
     near: Slabs,
     bound: f64,
+    /// The bound after the next step.
+    next_bound: f64,
     products: Products,
     step_length: f64,
     has_history: bool,
@@ -91,12 +93,13 @@ impl<'a> Descent<'a> {
             v: vec![0.0; n],
             near: Slabs::new(rows, columns),
             bound: f64::NEG_INFINITY,
+            next_bound: closure.plane_m().map_or(f64::NEG_INFINITY, |plane_m| -plane_m),
             products: Products::default(),
             step_length: 1.0,
             has_history: false,
             drift_m: 0.0,
         };
-        descent.look(closure.plane_m().map_or(f64::NEG_INFINITY, |plane_m| -plane_m));
+        descent.look(descent.next_bound);
         descent.refresh();
         descent
     }
@@ -106,7 +109,8 @@ impl<'a> Descent<'a> {
     fn refresh(&mut self) {
         if matches!(self.closure, Closure::Sum { .. }) {
             let upper = self.upper;
-            let extent = self.near.map(|slab| slab.propose_itself(upper)).into_iter().reduce(Extent::with);
+            let extents = self.near.map(|slab| slab.propose_itself(upper));
+            let extent = extents.into_iter().fold(Extent::NONE, Extent::with);
             let shift = self.shift_to_sum(extent);
             self.near.map(|slab| slab.restrict(shift, 0.0, upper));
             self.near.write_stepped(&mut self.p, upper);
@@ -230,15 +234,19 @@ impl<'a> Descent<'a> {
             lambda = find(&mut self.near, lambda);
         }
         // Where the multiplier may well be next time.
-        self.bound = lambda + 2.0 * (lambda - last_lambda).abs();
+        self.next_bound = lambda + 2.0 * (lambda - last_lambda).abs();
         lambda
     }
 
     /// Takes one step that lowers the energy, or returns false if none can be represented.
     fn descend(&mut self, lambda: f64, projection_turn: bool) -> bool {
         self.precondition(lambda);
-        if projection_turn && self.project_everywhere(lambda) {
-            return true;
+        if projection_turn {
+            if self.project_everywhere(lambda) {
+                return true;
+            }
+            // Other cells may have been looked up.
+            self.precondition(lambda);
         }
         // A length that served where the bounds cut most of the steps may be out of all proportion later on.
         let lengths = [self.step_length, 1.0];
@@ -249,11 +257,11 @@ impl<'a> Descent<'a> {
                     continue;
                 }
                 let direction = self.direction(attempt, lambda);
-                let (extent, _, [slope, square]) = self.propose(direction, lambda, false);
+                let (clipped, _, [slope, square]) = self.propose(direction, lambda, false);
                 let steepest = (self.products.gg * square).sqrt();
                 // The projected gradient is a descent direction whatever its angle with the gradient.
                 if slope < 0.0 && (attempt == Attempt::Gradient || -slope >= LEAST_SLOPE * steepest) {
-                    return self.take(slope, extent.clipped);
+                    return self.take(slope, clipped);
                 }
             }
         }
@@ -279,11 +287,11 @@ impl<'a> Descent<'a> {
         let length = self.gradient_length();
         let direction = Direction { gradient: -length, ..Direction::default() };
         loop {
-            let (extent, shift, [slope, _]) = self.propose(direction, lambda, true);
+            let (clipped, shift, [slope, _]) = self.propose(direction, lambda, true);
             // A common shift presses those other cells that lie apart by less than it is worth.
             let reached = lambda + shift.largest() / length;
             if reached <= self.bound || self.bound == f64::INFINITY {
-                return slope < 0.0 && self.take(slope, extent.clipped);
+                return slope < 0.0 && self.take(slope, clipped);
             }
             self.look(if reached.is_finite() { reached } else { f64::INFINITY });
             // Cells looked up anew have no preconditioned gradient, and a gradient projection needs none.
@@ -295,7 +303,8 @@ impl<'a> Descent<'a> {
     fn gradient_length(&self) -> f64 {
         let Products { gg, gz, .. } = self.products;
         let scale = (gz - self.centre(self.products.z) * self.products.g) / gg;
-        self.step_length * if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
+        let usual = self.problem.half_space().stiffness_unit_pa_per_m();
+        self.step_length * if scale.is_finite() && scale > 0.0 { scale } else { usual }
     }
 
     /// The mean of what sums up to `sum` over the cells that may move, where the sum of the pressure is fixed: steps are without.
@@ -352,21 +361,22 @@ impl<'a> Descent<'a> {
         self.near.iter().zip(chunks).map(|(slab, z)| slab.work(z, mean_height_m, lambda, self.upper)).sum()
     }
 
-    /// Puts the step of `direction`, within the bounds and with the prescribed sum, on trial; returns what it was before, by
+    /// Puts the step of `direction`, within the bounds and with the prescribed sum, on trial; returns whether a bound cut it, by
     /// how much it was shifted, and its slope and squared norm. With a fixed sum the multiplier drops out of the slope, but
     /// keeping it avoids cancellation.
-    fn propose(&mut self, direction: Direction, lambda: f64, all: bool) -> (Extent, Shift, [f64; 2]) {
+    fn propose(&mut self, direction: Direction, lambda: f64, all: bool) -> (bool, Shift, [f64; 2]) {
         let upper = self.upper;
-        let extent = self.near.map(|slab| slab.propose(direction, lambda, upper, all)).into_iter().reduce(Extent::with);
+        let extents = self.near.map(|slab| slab.propose(direction, lambda, upper, all));
+        let extent = extents.into_iter().fold(Extent::NONE, Extent::with);
         let shift = self.shift_to_sum(extent);
         let sums = self.near.map(|slab| slab.restrict(shift, lambda, upper));
         let sums = sums.into_iter().fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
-        (extent.unwrap_or(Extent::NONE), shift, sums)
+        (shift.cuts(extent, upper), shift, sums)
     }
 
     /// The shift after which the trial has the prescribed sum, if any is.
-    fn shift_to_sum(&self, extent: Option<Extent>) -> Shift {
-        let (Closure::Sum { pascal }, Some(extent)) = (self.closure, extent) else { return Shift::NONE };
+    fn shift_to_sum(&self, extent: Extent) -> Shift {
+        let Closure::Sum { pascal } = self.closure else { return Shift::NONE };
         let upper = self.upper;
         let held = if upper < f64::INFINITY { self.near.sums(|slab| [slab.held(upper)])[0] } else { 0.0 };
         let near = &self.near;
@@ -376,7 +386,7 @@ impl<'a> Descent<'a> {
     /// Goes along the step on trial, whose slope is negative, as far as lowers the energy.
     fn take(&mut self, slope: f64, clipped: bool) -> bool {
         let (half_space, upper, near) = (self.problem.half_space(), self.upper, &self.near);
-        let unit_pa = self.problem.rms_height_m() / half_space.compliance_unit_m_per_pa();
+        let unit_pa = near.iter().map(Slab::largest_step).fold(0.0, f64::max);
         let fill = |row: usize, out: &mut [f32]| near.of_row(row).scatter_step(row, unit_pa, out);
         let energy = half_space.compliance_forward(self.mean, fill, self.workspace);
         let unit_m = half_space.compliance_unit_m_per_pa() * unit_pa;
@@ -394,6 +404,7 @@ impl<'a> Descent<'a> {
         } else {
             optimal
         };
+        self.bound = self.next_bound;
         let bound = self.bound;
         let mut rows = self.near.rows(&mut self.p, &mut self.v);
         let take = |rows: &mut &mut Rows<'_>, row: usize, values: &[f32]| {

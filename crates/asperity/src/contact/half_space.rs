@@ -264,7 +264,8 @@ impl HalfSpace {
         fill: impl Fn(usize, &mut [f32]) -> bool + Sync,
         workspace: &mut Workspace,
     ) {
-        let constant = self.stiffness_plan.factor(mean.stiffness / self.unit_pa_per_m);
+        // A mean that hardly yields would drown the rest in its rounding.
+        let constant = self.stiffness_plan.factor((mean.stiffness / self.unit_pa_per_m).min(1.0));
         self.stiffness_plan.forward(&self.stiffness, constant, fill, &mut workspace.stiffness);
     }
 

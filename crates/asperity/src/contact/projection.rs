@@ -59,6 +59,11 @@ impl Shift {
         Self { low: value, high: value, share: 0.0 }
     }
 
+    /// Whether a bound cuts trial values of this extent after the shift.
+    pub(super) fn cuts(self, extent: Extent, upper: f64) -> bool {
+        extent.least + self.low < 0.0 || extent.largest + self.high > upper
+    }
+
     /// The larger of the two, infinite where the bounds alone decide.
     pub(super) fn largest(self) -> f64 {
         self.high
@@ -109,7 +114,7 @@ pub(super) fn project_to_sum(
     let (mut low, mut high) = (-largest, ceiling - least);
     // Far below the trial values, the bound is lost in the rounding of this difference.
     while least + high < ceiling {
-        high += (high - low).max(f64::MIN_POSITIVE);
+        high += (high - low).max(f64::EPSILON * high.abs()).max(f64::MIN_POSITIVE);
     }
     // Rounding of the sum.
     let negligible = f64::EPSILON * (members as f64).sqrt() * own;
@@ -149,7 +154,7 @@ mod tests {
     fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
         let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let extent = Extent { least, largest, members: trial.len(), clipped: false };
+        let extent = Extent { least, largest, members: trial.len() };
         let shift = super::project_to_sum(extent, 0.0, upper, target, |shift| {
             sums(trial, trial, |t, _| {
                 let value = t + shift;
@@ -194,6 +199,10 @@ mod tests {
         project_to_sum(&mut trial, 1.0, 3.0 + 1e-12);
         assert_eq!(trial, [1.0; 3]);
         project_to_sum(&mut [], 1.0, 1.0);
+        // Equal values of which the bound is not even a rounding.
+        let mut trial = vec![1e17; 3];
+        project_to_sum(&mut trial, 2.0, 5.0);
+        assert!((trial.iter().sum::<f64>() - 5.0).abs() < 1e-14);
     }
 
     #[test]

@@ -28,10 +28,10 @@ pub(super) struct Slab {
     pub(super) p: Vec<f64>,
     /// S p − z.
     pub(super) v: Vec<f64>,
-    /// The last step and its image under S.
+    /// The last step and its image under S; zero for cells that were not near contact then.
     pub(super) step: Vec<f64>,
     pub(super) image: Vec<f64>,
-    /// The preconditioned gradient, of cells that may not move zero.
+    /// The preconditioned gradient.
     pub(super) preconditioned: Vec<f64>,
     /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
     /// are on. After [`Slab::restrict`] the step to it.
@@ -139,12 +139,10 @@ pub(super) struct Extent {
     pub(super) least: f64,
     pub(super) largest: f64,
     pub(super) members: usize,
-    /// Whether a bound cuts it.
-    pub(super) clipped: bool,
 }
 
 impl Extent {
-    pub(super) const NONE: Self = Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, clipped: false };
+    pub(super) const NONE: Self = Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0 };
 
     /// That of more cells.
     pub(super) fn with(self, other: Self) -> Self {
@@ -152,7 +150,6 @@ impl Extent {
             least: self.least.min(other.least),
             largest: self.largest.max(other.largest),
             members: self.members + other.members,
-            clipped: self.clipped | other.clipped,
         }
     }
 }
@@ -253,6 +250,12 @@ impl Slab {
         self.preconditioned.resize(self.p.len(), 0.0);
     }
 
+    /// Largest pressure of the step.
+    pub(super) fn largest_step(&self) -> f64 {
+        let s = &self.trial;
+        -least(s, s, |s, _| -s.abs()).min(0.0)
+    }
+
     /// Largest displacement by the last step.
     pub(super) fn largest_image(&self) -> f64 {
         let w = &self.image;
@@ -299,23 +302,12 @@ impl Slab {
             upper,
             all,
         ));
-        self.extent(upper)
+        self.extent()
     }
 
     /// That of the trial.
-    fn extent(&self, upper: f64) -> Extent {
-        let t = &self.trial;
-        let [members, beyond] = sums(t, t, |t, _| {
-            let moves = t.is_finite();
-            let beyond = moves & ((t < 0.0) | (t > upper));
-            [if moves { 1.0 } else { 0.0 }, if beyond { 1.0 } else { 0.0 }]
-        });
-        Extent {
-            least: least(t, t, |t, _| if t.is_finite() { t } else { f64::INFINITY }),
-            largest: -least(t, t, |t, _| if t.is_finite() { -t } else { f64::INFINITY }),
-            members: members as usize,
-            clipped: beyond > 0.0,
-        }
+    fn extent(&self) -> Extent {
+        wide::<Span, _>(self.trial.as_slice())
     }
 
     /// Puts the pressure itself into `trial` where it is between the bounds.
@@ -323,7 +315,7 @@ impl Slab {
         self.trial.clear();
         let held = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
         self.trial.extend(self.p.iter().map(|p| if (*p > 0.0) & (*p < upper) { *p } else { held(*p) }));
-        self.extent(upper)
+        self.extent()
     }
 
     /// Pressure of the cells that the trial holds on the upper bound.
@@ -475,6 +467,40 @@ impl<'a> Kernel<(&'a mut [f64], [&'a [f64]; 4], Direction, f64, f64, bool)> for 
             let free = p + pressure * p + step * s + preconditioned * z + gradient * g + constant;
             let held = if *p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
             *t = if all | may_move(*p, g, upper) { free } else { held };
+        }
+    }
+}
+
+/// See [`Extent`]; infinite values do not count.
+struct Span;
+
+impl<'a> Kernel<&'a [f64]> for Span {
+    type Output = Extent;
+
+    #[inline(always)]
+    fn run(trial: &'a [f64]) -> Extent {
+        const LANES: usize = 8;
+        let (mut least, mut largest) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let mut members = [0.0; LANES];
+        let mut count = |lane: usize, t: f64| {
+            let moves = t.abs() < f64::INFINITY;
+            least[lane] = if moves & (t < least[lane]) { t } else { least[lane] };
+            largest[lane] = if moves & (t > largest[lane]) { t } else { largest[lane] };
+            members[lane] += if moves { 1.0 } else { 0.0 };
+        };
+        let (chunks, rest) = trial.as_chunks::<LANES>();
+        for chunk in chunks {
+            for lane in 0..LANES {
+                count(lane, chunk[lane]);
+            }
+        }
+        for t in rest {
+            count(0, *t);
+        }
+        Extent {
+            least: least.into_iter().fold(f64::INFINITY, f64::min),
+            largest: largest.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            members: members.iter().sum::<f64>() as usize,
         }
     }
 }

@@ -123,7 +123,8 @@ impl MeasuredCovariance {
     /// A map of few independent patches, or no pair of neighbours.
     pub fn new(estimate: &Autocorrelation) -> Result<Self, MeasuredCovarianceError> {
         let grid = estimate.grid();
-        if estimate.pairs(1, 0) + estimate.pairs(0, 1) == 0.0 {
+        let (reach_x, reach_y) = estimate.reach();
+        if reach_x.min(reach_y) == 0 || estimate.pairs(1, 0) + estimate.pairs(0, 1) == 0.0 {
             return Err(MeasuredCovarianceError::NoPairs);
         }
         let taper = Taper::of(estimate);

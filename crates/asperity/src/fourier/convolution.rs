@@ -153,7 +153,7 @@ impl<T: Real> Convolution<T> {
 
     /// Does `work` on the items, shared among threads where the map is large.
     fn share<I: Send>(&self, lane: &mut Lane<T>, items: Vec<I>, work: impl Fn(&mut Lane<T>, I) + Sync) {
-        if self.nx * self.ny < SHARED_FROM {
+        if self.nx * self.ny < SHARED_FROM || rayon::current_num_threads() == 1 {
             items.into_iter().for_each(|item| work(lane, item));
         } else {
             items.into_par_iter().for_each_init(|| self.lane(), |lane, item| work(lane, item));

@@ -112,8 +112,8 @@ impl<'a> Rings<'a> {
                 let left = slopes[field] + debt;
                 if positive[field] > 0.0 {
                     factors[field] = left.max(0.0) / positive[field];
-                    debt = left.min(0.0);
                 }
+                debt = left.min(0.0);
             }
         }
         let scale = |spectrum: &mut [Complex64], factors: &[f64]| {
@@ -183,7 +183,9 @@ impl Torus {
         let phase = |k: usize, n: usize| TAU * signed_index(k, n) / n as f64;
         let (x, y) = (phase(kx, nx), phase(ky, ny));
         let (own, other) = (image(x, y), image(-x, y));
-        let is_shorter = other.0.hypot(other.1) < own.0.hypot(own.1);
+        // Of images of the same length the two opposite wavevectors take opposite ones.
+        let ((own_k, other_k), is_turned) = ((own.0.hypot(own.1), other.0.hypot(other.1)), own.0 * own.1 < 0.0);
+        let is_shorter = other_k < own_k || (other_k == own_k && is_turned);
         if (2 * kx == nx || 2 * ky == ny) && is_shorter { other } else { own }
     }
 
