@@ -368,7 +368,7 @@ fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str)
 }
 
 /// Φ⁻¹(F(x)) of the heights present, in row order.
-fn scores(law: &Marginal, measured: &HeightMap) -> Result<Vec<f64>, ConditionalError> {
+pub(super) fn scores(law: &Marginal, measured: &HeightMap) -> Result<Vec<f64>, ConditionalError> {
     law.check()?;
     let present = measured.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
     let scores = present.map(|((row, column), &height_m)| {

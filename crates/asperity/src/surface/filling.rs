@@ -3,9 +3,9 @@
 use ndarray::Array2;
 use thiserror::Error;
 
-use super::conditional::{ConditionalError, LARGEST_DOMAIN, NeighbourhoodSurface, surrounded};
+use super::RandomSurface;
+use super::conditional::{ConditionalError, LARGEST_DOMAIN, NeighbourhoodSurface, scores, surrounded};
 use super::level::{Level, LevelError, remove_form};
-use super::{Predistorted, RandomSurface};
 use crate::correlation::{
     Autocorrelation, CorrelationFamily, EstimateError, FitError, MeasuredCovariance, MeasuredCovarianceError,
     StationaryCovariance, fit_covariance,
@@ -79,8 +79,9 @@ pub enum FillError {
 
 /// Complete maps that agree with a measured one in every height that is present there.
 ///
-/// The form is removed; the covariance and the law of what is left are estimated with missing heights masked; missing heights
-/// are drawn given those around them ([`NeighbourhoodSurface`]); the form is put back. Heights that are present are handed through
+/// The form is removed; the law and the covariance of what is left are estimated with missing heights masked, the covariance of
+/// the normal scores Φ⁻¹(F(z)) where the law F is not the normal one; missing heights are drawn given those around them
+/// ([`NeighbourhoodSurface`]); the form is put back. Heights that are present are handed through
 /// bit by bit. What is filled in is one possible surface out of many, not a measurement: statistics of a filled map belong
 /// to the model as far as they rest on filled points.
 #[derive(Debug)]
@@ -97,22 +98,21 @@ impl Filling {
     /// A form, covariance or law that is not determined by the heights present; options outside their ranges; cancellation.
     pub fn new(map: &HeightMap, options: FillOptions, monitor: &dyn Monitor) -> Result<Self, FillError> {
         let roughness = remove_form(map, options.level)?.map;
-        let estimate = Autocorrelation::estimate(&roughness)?;
-        let covariance: Box<dyn StationaryCovariance> = match options.covariance {
-            FillCovariance::Measured => Box::new(MeasuredCovariance::of(&roughness)?),
-            FillCovariance::Fitted => Box::new(fit_covariance(&estimate, &CorrelationFamily::ALL)?.best()),
-        };
         let measured = surrounded(map, options.extend_x, options.extend_y)?;
         let levelled = remove_form(&measured, options.level)?;
         let nugget = options.nugget;
         let surface = match options.marginal {
             FillMarginal::Normal => {
-                NeighbourhoodSurface::new(&*covariance, &levelled.map, estimate.mean_m(), nugget, monitor)?
+                let (covariance, mean_m) = covariance_of(&roughness, options.covariance)?;
+                NeighbourhoodSurface::new(&*covariance, &levelled.map, mean_m, nugget, monitor)?
             }
             FillMarginal::Measured => {
                 let law = Marginal::empirical(levelled.map.present_m().collect())?;
-                let gaussian = Predistorted::new(&*covariance, &law)?;
-                NeighbourhoodSurface::with_law(&gaussian, &levelled.map, &law, nugget, monitor)?
+                let mut scores = scores(&law, &levelled.map)?.into_iter();
+                let scores =
+                    roughness.heights_m().mapv(|z| if z.is_nan() { z } else { scores.next().unwrap_or(f64::NAN) });
+                let (covariance, _) = covariance_of(&HeightMap::new(map.grid(), scores)?, options.covariance)?;
+                NeighbourhoodSurface::with_law(&*covariance, &levelled.map, &law, nugget, monitor)?
             }
         };
         // Beyond the map the form goes on as it is at the edge: a polynomial would run away.
@@ -183,6 +183,19 @@ impl RandomSurface for Filling {
 
 /// Maps that are best drawn together: each takes memory, and all share the factors of the neighbourhoods.
 pub const FILLED_AT_ONCE: usize = 8;
+
+/// The covariance of a map as it is asked for, and the mean of its heights in metre.
+fn covariance_of(
+    map: &HeightMap,
+    covariance: FillCovariance,
+) -> Result<(Box<dyn StationaryCovariance>, f64), FillError> {
+    let estimate = Autocorrelation::estimate(map)?;
+    let mean_m = estimate.mean_m();
+    Ok(match covariance {
+        FillCovariance::Measured => (Box::new(MeasuredCovariance::of(map)?), mean_m),
+        FillCovariance::Fitted => (Box::new(fit_covariance(&estimate, &CorrelationFamily::ALL)?.best()), mean_m),
+    })
+}
 
 /// Memory in byte that filling a map of this grid needs, roughly: the modes of the domain of the unconditional field, and up
 /// to [`FILLED_AT_ONCE`] maps with what they miss of the measured heights.

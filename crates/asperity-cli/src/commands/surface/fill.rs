@@ -73,7 +73,8 @@ enum Marginal {
 
 impl Fill {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let maps = self.target.open(self.count, &[&self.input])?;
+        // Refused now rather than after the work, during some of which Ctrl-C leaves no time to clear a folder away.
+        drop(self.target.open(self.count, &[&self.input])?);
         let map = input::map(&self.input, &self.options, monitor)?;
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
@@ -84,13 +85,14 @@ impl Fill {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
         }
         self.doubt(&filling, monitor);
+        let maps = self.target.open(self.count, &[&self.input])?;
         let germ = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
             random::standard_normal(&mut stream, filling.germ_len())
         };
         for first in (0..self.count).step_by(FILLED_AT_ONCE) {
             let some = first..(first + FILLED_AT_ONCE).min(self.count);
-            let drawn = monitor.at_once(|| filling.draw(some.clone().map(germ), monitor))??;
+            let drawn = filling.draw(some.clone().map(germ), monitor)?;
             for (index, map) in some.zip(&drawn) {
                 monitor.check()?;
                 maps.keep(index, map)?;
@@ -136,8 +138,7 @@ impl Fill {
         }
         if clipped > DOUBTFUL_CLIPPING {
             monitor.warn(&format!(
-                "the covariance beneath the law of the heights is none: {:.1} % of its variance was changed to make it one; \
-                 --marginal normal needs no such change",
+                "the correlation reaches too far for a map of this size: {:.1} % of the variance was changed to draw it",
                 100.0 * clipped
             ));
         }
