@@ -98,6 +98,8 @@ impl Filling {
     /// A form, covariance or law that is not determined by the heights present; options outside their ranges; cancellation.
     pub fn new(map: &HeightMap, options: FillOptions, monitor: &dyn Monitor) -> Result<Self, FillError> {
         let roughness = remove_form(map, options.level)?.map;
+        // Equal heights have neither a covariance nor a law.
+        Autocorrelation::within(&roughness, 0, 0)?;
         let measured = surrounded(map, options.extend_x, options.extend_y)?;
         let levelled = remove_form(&measured, options.level)?;
         let nugget = options.nugget;
