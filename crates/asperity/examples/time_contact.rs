@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
@@ -100,9 +101,17 @@ fn main() -> Result<()> {
         .iter()
         .map(|heights_m| Problem::new(&half_space, heights_m, control, hardness_pa))
         .collect::<std::result::Result<Vec<_>, _>>()?;
+    // Scratch memory is kept between solves, as the peers do; side by side every thread has its own.
+    let workspaces: Vec<_> = (0..threads.min(maps)).map(|_| Mutex::new(half_space.workspace())).collect();
+    let chunk = maps.div_ceil(workspaces.len().max(1));
     let solve = || {
-        let solve = |workspace: &mut _, problem| solver.solve_with(problem, workspace);
-        problems.par_iter().map_init(|| half_space.workspace(), solve).collect::<std::result::Result<Vec<_>, _>>()
+        let shares = problems.par_chunks(chunk).zip(&workspaces);
+        let solved = shares.map(|(problems, workspace)| {
+            let mut workspace = workspace.lock().unwrap_or_else(PoisonError::into_inner);
+            problems.iter().map(|problem| solver.solve_with(problem, &mut workspace)).collect()
+        });
+        let solved: std::result::Result<Vec<Vec<Solution>>, _> = solved.collect();
+        solved.map(|solutions| solutions.into_iter().flatten().collect::<Vec<_>>())
     };
     let mut solutions = Vec::new();
     let mut seconds = Vec::new();

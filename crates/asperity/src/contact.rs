@@ -38,10 +38,10 @@ mod load_start;
 mod mean_gap;
 mod problem;
 mod projection;
+mod pyramid;
 mod slab;
 mod solution;
 mod solver;
-mod vectors;
 
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};

@@ -18,26 +18,35 @@ pub const PERIMETER_WEIGHT: f64 = (std::f64::consts::PI - 1.0 + std::f64::consts
 /// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, *Tribology International* **114** (2017) 161,
 /// <https://doi.org/10.1016/j.triboint.2017.04.023>.
 pub fn corrected_contact_cells(pressure_pa: &Array2<f64>, hardness_pa: Option<f64>, wrap_x: bool, wrap_y: bool) -> f64 {
-    let (ny, nx) = pressure_pa.dim();
     let upper = hardness_pa.unwrap_or(f64::INFINITY);
+    corrected_cells(pressure_pa, |cell| pressure_pa[cell] >= upper, wrap_x, wrap_y)
+}
+
+/// As [`corrected_contact_cells`], where `is_plastic` tells which cells are at their hardness.
+fn corrected_cells(
+    pressure_pa: &Array2<f64>,
+    is_plastic: impl Fn((usize, usize)) -> bool,
+    wrap_x: bool,
+    wrap_y: bool,
+) -> f64 {
+    let (ny, nx) = pressure_pa.dim();
     let touches = |p: f64| p > 0.0;
     let mut cells = 0_usize;
     let mut edges = 0_usize;
-    let mut edge = |p: f64, q: f64| {
-        let contact_side = p.max(q);
-        if touches(p) != touches(q) && contact_side < upper {
+    let mut edge = |cell: (usize, usize), other: (usize, usize)| {
+        let (in_contact, other_too) = (touches(pressure_pa[cell]), touches(pressure_pa[other]));
+        if in_contact != other_too && !is_plastic(if in_contact { cell } else { other }) {
             edges += 1;
         }
     };
     for row in 0..ny {
         for column in 0..nx {
-            let p = pressure_pa[[row, column]];
-            cells += usize::from(touches(p));
+            cells += usize::from(touches(pressure_pa[[row, column]]));
             if column + 1 < nx || wrap_x {
-                edge(p, pressure_pa[[row, (column + 1) % nx]]);
+                edge((row, column), (row, (column + 1) % nx));
             }
             if row + 1 < ny || wrap_y {
-                edge(p, pressure_pa[[(row + 1) % ny, column]]);
+                edge((row, column), ((row + 1) % ny, column));
             }
         }
     }
@@ -48,7 +57,7 @@ impl Solution {
     /// Contact area over nominal area, corrected for the perimeter; see [`corrected_contact_cells`].
     pub fn corrected_contact_fraction(&self) -> f64 {
         let wrap = matches!(self.boundary, Boundary::Periodic { .. });
-        corrected_contact_cells(&self.pressure_pa, self.hardness_pa, wrap, wrap) / self.grid.points() as f64
+        corrected_cells(&self.pressure_pa, |cell| self.is_plastic(cell), wrap, wrap) / self.grid.points() as f64
     }
 }
 

@@ -1,6 +1,8 @@
 //! The compliance of a half-space: pressure on a grid in, normal displacement out.
 
 use crate::contact::ContactError;
+use crate::contact::pyramid::{Pyramid, PyramidWork};
+use crate::contact::slab::Slabs;
 use crate::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
 use crate::map::Grid;
 
@@ -36,12 +38,25 @@ pub struct HalfSpace {
     unit_m_per_pa: f64,
     /// Response to the mean pressure, and its inverse.
     mean: MeanMode,
-    /// The preconditioner: E*|q|/2, the inverse of the compliance up to the boundary, over `unit_pa_per_m`.
-    stiffness_plan: Convolution<f32>,
-    stiffness: Vec<f32>,
+    stiffness: Stiffness,
     unit_pa_per_m: f64,
     /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
     coarse: Option<Box<HalfSpace>>,
+}
+
+/// The preconditioner: E*|q|/2, the inverse of the compliance up to the boundary, over some unit.
+#[derive(Debug, Clone)]
+enum Stiffness {
+    /// About, where the cells are square and can be halved.
+    Pyramid(Pyramid),
+    Spectral(Convolution<f32>, Vec<f32>),
+}
+
+/// Scratch memory for a [`Stiffness`].
+#[derive(Debug, Clone)]
+enum StiffnessWork {
+    Pyramid(PyramidWork),
+    Spectral(ConvolutionWork<f32>),
 }
 
 /// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m. On the free boundary
@@ -63,11 +78,22 @@ impl MeanMode {
 const COARSEST: usize = 8;
 
 /// Scratch memory of one thread for one [`HalfSpace`].
+///
+/// What a solver keeps here serves the next solve: without, much of the time of small problems would go into finding memory.
 #[derive(Debug, Clone)]
 pub struct Workspace {
+    pub(super) transforms: Transforms,
+    pub(super) near: Slabs,
+    /// That of the half-space on cells twice as wide, once it is used.
+    pub(super) coarse: Option<Box<Workspace>>,
+}
+
+/// Scratch memory for applying compliance and preconditioner.
+#[derive(Debug, Clone)]
+pub(super) struct Transforms {
     exact: ConvolutionWork<f64>,
     quick: ConvolutionWork<f32>,
-    stiffness: ConvolutionWork<f32>,
+    stiffness: StiffnessWork,
 }
 
 impl HalfSpace {
@@ -124,11 +150,18 @@ impl HalfSpace {
         let scale = |c: &f64| if c.is_finite() { (c / unit_m_per_pa) as f32 } else { 0.0 };
         let quick_compliance = compliance.iter().map(scale).collect();
 
-        let stiffness_plan = Convolution::<f32>::new((ny, nx), stiffness_torus);
-        let q = wavenumber_rad_per_m(grid, stiffness_torus);
-        let shortest = q(nx / 2, (ny / 2) as f64);
-        let unit_pa_per_m = 0.5 * modulus_pa * if shortest > 0.0 { shortest } else { 1.0 };
-        let stiffness = stiffness_plan.symbol(|kx, ky| 0.5 * modulus_pa * q(kx, ky) / unit_pa_per_m);
+        let square = (grid.dx_m() / grid.dy_m() - 1.0).abs() < 1e-9;
+        let pyramid = if square { Pyramid::new(ny, nx, boundary != Boundary::Free) } else { None };
+        let (stiffness, unit_pa_per_m) = if let Some(pyramid) = pyramid {
+            (Stiffness::Pyramid(pyramid), 0.5 * modulus_pa / grid.dx_m())
+        } else {
+            let plan = Convolution::<f32>::new((ny, nx), stiffness_torus);
+            let q = wavenumber_rad_per_m(grid, stiffness_torus);
+            let shortest = q(nx / 2, (ny / 2) as f64);
+            let unit_pa_per_m = 0.5 * modulus_pa * if shortest > 0.0 { shortest } else { 1.0 };
+            let symbol = plan.symbol(|kx, ky| 0.5 * modulus_pa * q(kx, ky) / unit_pa_per_m);
+            (Stiffness::Spectral(plan, symbol), unit_pa_per_m)
+        };
 
         let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
         let coarse = if halved(nx) && halved(ny) {
@@ -147,7 +180,6 @@ impl HalfSpace {
             quick_compliance,
             unit_m_per_pa,
             mean,
-            stiffness_plan,
             stiffness,
             unit_pa_per_m,
             coarse,
@@ -182,7 +214,12 @@ impl HalfSpace {
 
     /// Scratch memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        Workspace { exact: self.exact.work(), quick: self.quick.work(), stiffness: self.stiffness_plan.work() }
+        let stiffness = match &self.stiffness {
+            Stiffness::Pyramid(pyramid) => StiffnessWork::Pyramid(pyramid.work()),
+            Stiffness::Spectral(plan, _) => StiffnessWork::Spectral(plan.work()),
+        };
+        let transforms = Transforms { exact: self.exact.work(), quick: self.quick.work(), stiffness };
+        Workspace { transforms, near: Slabs::default(), coarse: None }
     }
 
     /// Displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
@@ -191,6 +228,38 @@ impl HalfSpace {
     /// If a slice or the workspace does not fit the grid.
     pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
         self.displace_as(self.mean, pressure_pa, displacement_m, workspace);
+    }
+
+    /// As [`HalfSpace::displace`] with the response `mean` to the mean pressure.
+    fn displace_as(&self, mean: MeanMode, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+        let columns = self.grid.nx();
+        let points = self.grid.points();
+        assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");
+        let chunk = ROWS_OF_SLAB * columns;
+        let mut slabs: Vec<_> = pressure_pa.chunks(chunk).zip(displacement_m.chunks_mut(chunk)).collect();
+        let fill = |(pressure_pa, _): &mut (&[f64], &mut [f64]), row: usize, out: &mut [f64]| {
+            out.copy_from_slice(&pressure_pa[row % ROWS_OF_SLAB * columns..][..columns]);
+            out.iter().any(|p| *p != 0.0)
+        };
+        let take = |(_, displacement_m): &mut (&[f64], &mut [f64]), row: usize, values: &[f64]| {
+            displacement_m[row % ROWS_OF_SLAB * columns..][..columns].copy_from_slice(values);
+        };
+        self.displace_by(mean, &mut slabs, fill, take, &mut workspace.transforms);
+    }
+
+    /// Moves the surface with the response `mean` to the mean pressure: `fill` writes the rows of pressures of a slab
+    /// of rows into zeros, or returns false if there are none, and `take` gets the displacements.
+    pub(super) fn displace_by<S: Send>(
+        &self,
+        mean: MeanMode,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [f64]) -> bool + Sync,
+        take: impl Fn(&mut S, usize, &[f64]) + Sync,
+        transforms: &mut Transforms,
+    ) {
+        let constant = self.exact.factor(mean.compliance);
+        self.exact.forward(&self.compliance, constant, slabs, fill, &mut transforms.exact);
+        self.exact.backward(slabs, take, &mut transforms.exact);
     }
 
     /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic
@@ -204,51 +273,28 @@ impl HalfSpace {
         }
     }
 
-    /// As [`HalfSpace::displace`] with the response `mean` to the mean pressure.
-    pub(super) fn displace_as(
-        &self,
-        mean: MeanMode,
-        pressure_pa: &[f64],
-        displacement_m: &mut [f64],
-        workspace: &mut Workspace,
-    ) {
-        let columns = self.grid.nx();
-        let points = self.grid.points();
-        assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");
-        let fill = |row: usize, out: &mut [f64]| {
-            out.copy_from_slice(&pressure_pa[row * columns..(row + 1) * columns]);
-            out.iter().any(|p| *p != 0.0)
-        };
-        let constant = self.exact.factor(mean.compliance);
-        self.exact.forward(&self.compliance, constant, fill, &mut workspace.exact);
-        let slabs = displacement_m.chunks_mut(ROWS_OF_SLAB * columns).collect();
-        let take = |slab: &mut &mut [f64], row: usize, values: &[f64]| {
-            slab[row % ROWS_OF_SLAB * columns..][..columns].copy_from_slice(values);
-        };
-        self.exact.backward(slabs, take, &mut workspace.exact);
-    }
-
     /// Takes up pressures over some unit, in single precision, and returns Σ p·S p over that unit squared and
     /// [`HalfSpace::compliance_unit_m_per_pa`]; see [`Convolution::forward`]. [`HalfSpace::compliance_backward`] then gives S p.
-    pub(super) fn compliance_forward(
+    pub(super) fn compliance_forward<S: Send>(
         &self,
         mean: MeanMode,
-        fill: impl Fn(usize, &mut [f32]) -> bool + Sync,
-        workspace: &mut Workspace,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [f32]) -> bool + Sync,
+        transforms: &mut Transforms,
     ) -> f64 {
         let constant = self.quick.factor(mean.compliance / self.unit_m_per_pa);
-        self.quick.forward(&self.quick_compliance, constant, fill, &mut workspace.quick)
+        self.quick.forward(&self.quick_compliance, constant, slabs, fill, &mut transforms.quick)
     }
 
     /// Hands out the displacement, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`]; see
     /// [`Convolution::backward`].
-    pub(super) fn compliance_backward<O: Send>(
+    pub(super) fn compliance_backward<S: Send>(
         &self,
-        outputs: Vec<O>,
-        take: impl Fn(&mut O, usize, &[f32]) + Sync,
-        workspace: &mut Workspace,
+        slabs: &mut [S],
+        take: impl Fn(&mut S, usize, &[f32]) + Sync,
+        transforms: &mut Transforms,
     ) {
-        self.quick.backward(outputs, take, &mut workspace.quick);
+        self.quick.backward(slabs, take, &mut transforms.quick);
     }
 
     /// The largest compliance.
@@ -256,27 +302,28 @@ impl HalfSpace {
         self.unit_m_per_pa
     }
 
-    /// Takes up displacements over some unit, in single precision. [`HalfSpace::stiffness_backward`] then gives E*|q|/2 times
-    /// these: the preconditioner.
-    pub(super) fn stiffness_forward(
+    /// Multiplies displacements over some unit, in single precision, by E*|q|/2: the preconditioner. What `take` gets is over
+    /// the unit of the displacements and [`HalfSpace::stiffness_unit_pa_per_m`].
+    pub(super) fn stiffen<S: Send>(
         &self,
         mean: MeanMode,
-        fill: impl Fn(usize, &mut [f32]) -> bool + Sync,
-        workspace: &mut Workspace,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [f32]) -> bool + Sync,
+        take: impl Fn(&mut S, usize, &[f32]) + Sync,
+        transforms: &mut Transforms,
     ) {
         // A mean that hardly yields would drown the rest in its rounding.
-        let constant = self.stiffness_plan.factor((mean.stiffness / self.unit_pa_per_m).min(1.0));
-        self.stiffness_plan.forward(&self.stiffness, constant, fill, &mut workspace.stiffness);
-    }
-
-    /// Hands out the product, over the unit of the displacements and [`HalfSpace::stiffness_unit_pa_per_m`].
-    pub(super) fn stiffness_backward<O: Send>(
-        &self,
-        outputs: Vec<O>,
-        take: impl Fn(&mut O, usize, &[f32]) + Sync,
-        workspace: &mut Workspace,
-    ) {
-        self.stiffness_plan.backward(outputs, take, &mut workspace.stiffness);
+        let mean = (mean.stiffness / self.unit_pa_per_m).min(1.0);
+        match (&self.stiffness, &mut transforms.stiffness) {
+            (Stiffness::Pyramid(pyramid), StiffnessWork::Pyramid(work)) => {
+                pyramid.apply(mean, slabs, fill, take, work);
+            }
+            (Stiffness::Spectral(plan, symbol), StiffnessWork::Spectral(work)) => {
+                plan.forward(symbol, plan.factor(mean), slabs, fill, work);
+                plan.backward(slabs, take, work);
+            }
+            _ => panic!("the workspace is that of another half-space"),
+        }
     }
 
     /// The largest stiffness, about.
@@ -444,17 +491,17 @@ mod tests {
         let p = random::standard_normal(&mut random::stream(1, "stiffness", 0), grid.points());
         let (mut u, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
         half_space.displace(&p, &mut u, &mut workspace);
-        let fill = |row: usize, out: &mut [f32]| {
+        let mut back = vec![0.0; p.len()];
+        let fill = |_: &mut &mut [f64], row: usize, out: &mut [f32]| {
             out.iter_mut().zip(&u[9 * row..]).for_each(|(out, u)| *out = *u as f32);
             true
         };
-        half_space.stiffness_forward(half_space.mean_mode(None), fill, &mut workspace);
-        let mut back = vec![0.0; p.len()];
         let unit = half_space.stiffness_unit_pa_per_m();
         let take = |out: &mut &mut [f64], row: usize, values: &[f32]| {
             out[9 * row..].iter_mut().zip(values).for_each(|(out, value)| *out = unit * f64::from(*value));
         };
-        half_space.stiffness_backward(vec![back.as_mut_slice()], take, &mut workspace);
+        let mut slabs = [back.as_mut_slice()];
+        half_space.stiffen(half_space.mean_mode(None), &mut slabs, fill, take, &mut workspace.transforms);
         assert!(p.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-5));
     }
 
@@ -473,21 +520,22 @@ mod tests {
             half_space.displace(&p, &mut wanted, &mut workspace);
             let largest = wanted.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
 
-            let fill = |row: usize, out: &mut [f32]| {
+            let fill = |_: &mut &mut [f64], row: usize, out: &mut [f32]| {
                 out.iter_mut().zip(&p[row * nx..]).for_each(|(out, p)| *out = *p as f32);
                 row % 5 < 3
             };
-            let unit_m = half_space.compliance_unit_m_per_pa();
-            let energy = unit_m * half_space.compliance_forward(half_space.mean_mode(None), fill, &mut workspace);
+            let (unit_m, mean) = (half_space.compliance_unit_m_per_pa(), half_space.mean_mode(None));
+            let mut found = vec![0.0; p.len()];
+            let mut slabs: Vec<_> = found.chunks_mut(ROWS_OF_SLAB * nx).collect();
+            let transforms = &mut workspace.transforms;
+            let energy = unit_m * half_space.compliance_forward(mean, &mut slabs, fill, transforms);
             let work: f64 = p.iter().zip(&wanted).map(|(p, u)| p * u).sum();
             assert!((energy / work - 1.0).abs() < 1e-5, "{energy:e} {work:e}");
-            let mut found = vec![0.0; p.len()];
-            let slabs = found.chunks_mut(ROWS_OF_SLAB * nx).collect();
             let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
                 let out = &mut slab[row % ROWS_OF_SLAB * nx..][..nx];
                 out.iter_mut().zip(values).for_each(|(out, value)| *out = unit_m * f64::from(*value));
             };
-            half_space.compliance_backward(slabs, take, &mut workspace);
+            half_space.compliance_backward(&mut slabs, take, transforms);
             let error = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(error < 1e-6 * largest, "{error:e} of {largest:e}");
         }

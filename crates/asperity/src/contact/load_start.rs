@@ -20,9 +20,11 @@ const ABOVE: f64 = 64.0;
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
 pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
     let heights_m = problem.heights_m();
-    let uniform = || vec![pascal; heights_m.len()];
+    let upper = problem.hardness_by_cell();
+    let ceiling = |place: usize| upper.as_ref().map_or(f64::INFINITY, |upper| CEILING * upper(place));
+    let uniform = || (0..heights_m.len()).map(|place| if upper.is_some() { pascal.min(ceiling(place) / CEILING) } else { pascal }).collect();
     let slope = rms_slope(problem);
-    let least = problem.hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
+    let least = problem.mean_hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
     let modulus_pa = problem.half_space().modulus_pa();
     let share = MARGIN * persson_contact_fraction(pascal, modulus_pa, slope).max(least);
     if !(share > 0.0 && share < NEARLY_ALL) {
@@ -37,10 +39,12 @@ pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
     let scale = pascal * p.len() as f64 / p.iter().sum::<f64>();
     p.iter_mut().for_each(|p| *p *= scale);
     // What is cut off here, the solver's projection adds again to the cells that are pressed, if they can carry it.
-    let ceiling = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| CEILING * hardness_pa);
-    p.iter_mut().for_each(|p| *p = p.min(ceiling));
-    let pressed = p.iter().filter(|p| **p > 0.0).count() as f64;
-    if p.iter().all(|p| p.is_finite()) && pressed * ceiling > pascal * p.len() as f64 { p } else { uniform() }
+    let mut capacity = 0.0;
+    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
+        *p = p.min(ceiling(place));
+        capacity += ceiling(place);
+    }
+    if p.iter().all(|p| p.is_finite()) && capacity > pascal * p.len() as f64 { p } else { uniform() }
 }
 
 /// A stride through a map that leaves about [`SAMPLE`] points, from all of its columns.

@@ -7,6 +7,7 @@
 use crate::contact::descent::Descent;
 use crate::contact::solver::{Closure, rigid_mean};
 use crate::contact::{Boundary, HalfSpace, Problem, Solution, Solver, StopReason, Workspace};
+use crate::monitor::Monitor;
 
 /// Planes tried before giving up.
 const MOST_PLANES: usize = 200;
@@ -18,15 +19,21 @@ const CLEAR_MISS: f64 = 30.0;
 const TIGHTENING: f64 = 0.03;
 
 /// Solves `problem` for the mean gap `gap_m`.
-pub(super) fn solve(solver: &Solver, problem: &Problem<'_>, gap_m: f64, workspace: &mut Workspace) -> Solution {
+pub(super) fn solve(
+    solver: &Solver,
+    problem: &Problem<'_>,
+    gap_m: f64,
+    workspace: &mut Workspace,
+    monitor: &dyn Monitor,
+) -> Solution {
     let points = problem.heights_m().len();
     let untouched = gap_m >= problem.highest_m() - problem.mean_height_m();
     let periodic = matches!(problem.half_space().boundary(), Boundary::Periodic { .. });
-    if untouched || (periodic && problem.hardness_pa().is_none()) {
+    if untouched || (periodic && !problem.yields()) {
         let closure = Closure::Gap { metre: gap_m };
-        return Descent::new(problem, closure, vec![0.0; points], rigid_mean(problem), workspace).run(solver);
+        return Descent::new(problem, closure, &vec![0.0; points], rigid_mean(problem), workspace).run(solver, monitor);
     }
-    let mut search = Search::new(solver, problem, gap_m, workspace);
+    let mut search = Search::new(solver, problem, gap_m, workspace, monitor);
     if periodic {
         // Where nothing yields, the hardness does not matter.
         let usual = search.mean_compliance.replace(0.0);
@@ -56,17 +63,24 @@ struct Search<'a> {
     problem: &'a Problem<'a>,
     gap_m: f64,
     workspace: &'a mut Workspace,
+    monitor: &'a dyn Monitor,
     /// How a periodic half-space yields to the mean pressure is free here; the usual value is well conditioned.
     mean_compliance: Option<f64>,
     iterations: usize,
 }
 
 impl<'a> Search<'a> {
-    fn new(solver: &'a Solver, problem: &'a Problem<'a>, gap_m: f64, workspace: &'a mut Workspace) -> Self {
+    fn new(
+        solver: &'a Solver,
+        problem: &'a Problem<'a>,
+        gap_m: f64,
+        workspace: &'a mut Workspace,
+        monitor: &'a dyn Monitor,
+    ) -> Self {
         let half_space = problem.half_space();
         let usual = HalfSpace::default_mean_compliance_m_per_pa(half_space.grid(), half_space.modulus_pa());
         let mean_compliance = matches!(half_space.boundary(), Boundary::Periodic { .. }).then_some(usual);
-        Self { solver, problem, gap_m, workspace, mean_compliance, iterations: 0 }
+        Self { solver, problem, gap_m, workspace, monitor, mean_compliance, iterations: 0 }
     }
 
     /// Closes in on the plane, looking at first with fields of the tolerance `coarsest`.
@@ -95,7 +109,7 @@ impl<'a> Search<'a> {
                 }
             };
             let exhausted = low.is_some_and(|low| height_m <= low.height_m) || height_m >= high.height_m;
-            if exhausted || self.iterations >= self.solver.max_iterations {
+            if exhausted || self.iterations >= self.solver.max_iterations || self.monitor.cancelled() {
                 break;
             }
             let (trial, solution) = self.at(height_m, best.pressure_pa.iter().copied().collect(), coarsest);
@@ -130,8 +144,8 @@ impl<'a> Search<'a> {
         loop {
             let max_iterations = self.solver.max_iterations.saturating_sub(self.iterations);
             let closure = Closure::Plane { height_m };
-            let descent = Descent::new(self.problem, closure, pressure_pa, self.mean_compliance, self.workspace);
-            let mut solution = descent.run(&Solver { tolerance, max_iterations });
+            let descent = Descent::new(self.problem, closure, &pressure_pa, self.mean_compliance, self.workspace);
+            let mut solution = descent.run(&Solver { tolerance, max_iterations }, self.monitor);
             self.iterations += solution.iterations;
             // Cells that are about to lose contact still have a gap, which the solution's counts as zero.
             let mean_gap_m = solution.signed_gap_m.iter().map(|g| g.max(0.0)).sum::<f64>() / self.points();
@@ -144,7 +158,7 @@ impl<'a> Search<'a> {
                 return (Trial { height_m, miss_m }, solution);
             }
             tolerance = (TIGHTENING * tolerance).max(if tolerance > finest { finest } else { least });
-            pressure_pa = solution.pressure_pa.into_iter().collect();
+            pressure_pa = solution.pressure_pa.iter().copied().collect();
         }
     }
 
@@ -160,6 +174,8 @@ impl<'a> Search<'a> {
         solution.iterations = self.iterations;
         solution.stop_reason = if self.is_met(&solution) {
             StopReason::Converged
+        } else if self.monitor.cancelled() {
+            StopReason::Cancelled
         } else if self.iterations >= self.solver.max_iterations {
             StopReason::IterationLimit
         } else {

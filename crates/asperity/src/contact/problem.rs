@@ -55,6 +55,7 @@ pub struct Problem<'a> {
     heights_m: &'a Array2<f64>,
     control: Control,
     hardness_pa: Option<f64>,
+    hardness_field_pa: Option<&'a Array2<f64>>,
     mean_height_m: f64,
     rms_height_m: f64,
     highest_m: f64,
@@ -95,11 +96,29 @@ impl<'a> Problem<'a> {
             heights_m,
             control,
             hardness_pa,
+            hardness_field_pa: None,
             mean_height_m,
             rms_height_m: variance.sqrt(),
             highest_m,
         };
         problem.validated()
+    }
+
+    /// The same with a hardness of its own for every cell, of shape `[ny, nx]` in pascal: a coating worn through in places, or
+    /// grains of several phases. It replaces a hardness given before.
+    ///
+    /// # Errors
+    /// The field does not fit the map, a hardness is not positive, or their mean is not above the mean pressure.
+    pub fn with_hardness_field(mut self, hardness_pa: &'a Array2<f64>) -> Result<Self, ContactError> {
+        let ((rows, columns), (ny, nx)) = (hardness_pa.dim(), self.half_space.grid().shape());
+        if (rows, columns) != (ny, nx) {
+            return Err(ContactError::Shape { rows, columns, ny, nx });
+        }
+        if let Some(value) = hardness_pa.iter().copied().find(|h| !(h.is_finite() && *h > 0.0)) {
+            return Err(ContactError::Parameter { parameter: "hardness", value, unit: "Pa", wanted: "positive" });
+        }
+        (self.hardness_pa, self.hardness_field_pa) = (None, Some(hardness_pa));
+        self.validated()
     }
 
     fn validated(self) -> Result<Self, ContactError> {
@@ -131,7 +150,7 @@ impl<'a> Problem<'a> {
             Control::MeanGap { metre } => positive("mean gap", metre, "m")?,
             _ => {}
         }
-        if let (Some(mean_pressure_pa), Some(hardness_pa)) = (self.mean_pressure_pa(), self.hardness_pa)
+        if let (Some(mean_pressure_pa), Some(hardness_pa)) = (self.mean_pressure_pa(), self.mean_hardness_pa())
             && mean_pressure_pa >= hardness_pa
         {
             return Err(ContactError::Overloaded { mean_pressure_pa, hardness_pa });
@@ -158,9 +177,35 @@ impl<'a> Problem<'a> {
         self.control
     }
 
-    /// Upper bound of the pressure in pascal, if any.
+    /// Upper bound of the pressure in pascal, if there is one for all cells.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
+    }
+
+    /// Upper bounds of the pressure in pascal, if every cell has its own.
+    pub fn hardness_field_pa(&self) -> Option<&'a Array2<f64>> {
+        self.hardness_field_pa
+    }
+
+    /// Whether the pressure has an upper bound.
+    pub fn yields(&self) -> bool {
+        self.hardness_pa.is_some() || self.hardness_field_pa.is_some()
+    }
+
+    /// The pressure that all cells carry at most, if they yield, in pascal.
+    pub(super) fn mean_hardness_pa(&self) -> Option<f64> {
+        let mean = |field: &Array2<f64>| field.sum() / field.len() as f64;
+        self.hardness_pa.or_else(|| self.hardness_field_pa.map(mean))
+    }
+
+    /// The largest pressure of a cell by its place in row-major order, if they yield.
+    pub(super) fn hardness_by_cell(&self) -> Option<impl Fn(usize) -> f64 + use<'a>> {
+        let (columns, hardness_pa, field) = (self.heights_m.ncols(), self.hardness_pa, self.hardness_field_pa);
+        let at = move |place: usize| match field {
+            Some(field) => field[[place / columns, place % columns]],
+            None => hardness_pa.unwrap_or(f64::INFINITY),
+        };
+        self.yields().then_some(at)
     }
 
     /// Mean of the heights in metre.

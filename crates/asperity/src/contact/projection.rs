@@ -59,11 +59,6 @@ impl Shift {
         Self { low: value, high: value, share: 0.0 }
     }
 
-    /// Whether a bound cuts trial values of this extent after the shift.
-    pub(super) fn cuts(self, extent: Extent, upper: f64) -> bool {
-        extent.least + self.low < 0.0 || extent.largest + self.high > upper
-    }
-
     /// The larger of the two, infinite where the bounds alone decide.
     pub(super) fn largest(self) -> f64 {
         self.high
@@ -85,7 +80,7 @@ impl Shift {
     }
 }
 
-/// The shift of trial values after which they sum to `target` within [0, `upper`]: the Euclidean projection on the box and
+/// The shift of trial values after which they sum to `target` within their bounds: the Euclidean projection on the box and
 /// the plane of the prescribed sum.
 ///
 /// `sums` evaluates the sum within the bounds at a shift and the number of values that follow it; values that stay on their
@@ -98,19 +93,18 @@ impl Shift {
 pub(super) fn project_to_sum(
     extent: Extent,
     held: f64,
-    upper: f64,
     target: f64,
     sums: impl Fn(f64) -> [f64; 2],
 ) -> Shift {
-    let Extent { least, largest, members, .. } = extent;
+    let Extent { least, largest, members, capacity, ceiling } = extent;
     if members == 0 {
         return Shift::NONE;
     }
     let own = target - held;
-    if own <= 0.0 || own >= members as f64 * upper {
+    if own <= 0.0 || own >= capacity {
         return Shift::by(if own > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY });
     }
-    let ceiling = upper.min(own);
+    let ceiling = ceiling.min(own);
     let (mut low, mut high) = (-largest, ceiling - least);
     // Far below the trial values, the bound is lost in the rounding of this difference.
     while least + high < ceiling {
@@ -148,29 +142,33 @@ pub(super) fn project_to_sum(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::vectors::sums;
     use crate::random;
+
+    fn sums(terms: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+        terms.fold([0.0; 2], |sums, terms| [sums[0] + terms[0], sums[1] + terms[1]])
+    }
 
     fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
         let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let extent = Extent { least, largest, members: trial.len() };
-        let shift = super::project_to_sum(extent, 0.0, upper, target, |shift| {
-            sums(trial, trial, |t, _| {
+        let capacity = upper * trial.len() as f64;
+        let extent = Extent { least, largest, members: trial.len(), capacity, ceiling: upper };
+        let shift = super::project_to_sum(extent, 0.0, target, |shift| {
+            sums(trial.iter().map(|t| {
                 let value = t + shift;
                 [within(value, upper), if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 }]
-            })
+            }))
         });
         trial.iter_mut().for_each(|t| *t = shift.applied(*t, upper));
     }
 
     fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -> f64 {
         super::tangent_multiplier(start, 1e-15, |lambda| {
-            sums(p, v, |p, v| {
+            sums(p.iter().zip(v).map(|(p, v)| {
                 let g = v - lambda;
-                let counts = may_move(p, g, upper);
+                let counts = may_move(*p, g, upper);
                 [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
-            })
+            }))
         })
     }
 

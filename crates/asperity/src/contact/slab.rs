@@ -1,8 +1,9 @@
 //! Cells near contact, slab of rows by slab of rows.
 //!
 //! Most cells of a rough contact are out of contact and stay so. What concerns the others is kept in lists over them alone,
-//! one set for each slab of [`ROWS_OF_SLAB`] rows, so that slabs can be shared among threads; sums are added slab by slab in
-//! order, whoever made them.
+//! one set for each slab of [`ROWS_OF_SLAB`] rows, so that a slab's lists stay in the cache for all that is done to them at a
+//! time and slabs can be shared among threads; sums are added slab by slab in order, whoever made them. Of the cells far from
+//! contact only v is known, in single precision, to see when they come near.
 
 mod kernels;
 
@@ -10,81 +11,231 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use self::kernels::{Add, Cut, Propose, Span, TakeUp};
-use crate::contact::projection::{Shift, may_move};
-use crate::contact::vectors::{least, sums, sums_of};
+pub(super) use self::kernels::Step;
+use self::kernels::{Below, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Shifted, Span, Summarise};
+use crate::contact::projection::Shift;
+use crate::contact::solution::Part;
 use crate::fourier::ROWS_OF_SLAB;
 use crate::wide::wide;
 
 /// Cells of a grid from which its slabs are worth sharing among threads.
 const SHARED_FROM: usize = 1 << 16;
+/// Cells far from contact stay in the lists until they are more than one in so many.
+const IDLE_ONE_IN: f64 = 8.0;
 
-/// The cells of a slab that carry pressure or may soon do, in row order.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Slab {
-    /// Where the cells of a row begin in the lists, with the end of the last row.
-    starts: [u32; ROWS_OF_SLAB + 1],
-    columns: Vec<u32>,
-    /// Pressure.
-    pub(super) p: Vec<f64>,
-    /// S p − z.
-    pub(super) v: Vec<f64>,
-    /// The last step and its image under S; zero for cells that were not near contact then.
-    pub(super) step: Vec<f64>,
-    pub(super) image: Vec<f64>,
-    /// The preconditioned gradient.
-    pub(super) preconditioned: Vec<f64>,
-    /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
-    /// are on. After [`Slab::restrict`] the step to it.
-    pub(super) trial: Vec<f64>,
-    /// Of the cells on the lower and on the upper bound: v.
-    open: Vec<f64>,
-    full: Vec<f64>,
-    /// Sum of v over the cells between the bounds, and their number.
-    between: [f64; 2],
-    /// The next lists, in the making.
-    next: Lists,
-    /// Scratch: the step in a row of the grid.
-    row: Vec<f64>,
+/// The largest pressures of listed cells.
+pub(super) trait Caps: Copy + Send + Sync {
+    /// Whether any is finite.
+    const YIELD: bool;
+    /// Those of the first n cells.
+    fn head(self, n: usize) -> Self;
+    /// That of a cell.
+    fn at(self, i: usize) -> f64;
 }
 
-/// Lists in the making.
+/// Nothing yields.
+#[derive(Clone, Copy)]
+struct Elastic;
+
+impl Caps for Elastic {
+    const YIELD: bool = false;
+
+    #[inline(always)]
+    fn head(self, _n: usize) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn at(self, _i: usize) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// The hardness of every cell.
+#[derive(Clone, Copy)]
+struct Yielding<'a>(&'a [f64]);
+
+impl Caps for Yielding<'_> {
+    const YIELD: bool = true;
+
+    #[inline(always)]
+    fn head(self, n: usize) -> Self {
+        Self(&self.0[..n])
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> f64 {
+        self.0[i]
+    }
+}
+
+/// Evaluates an expression with the caps of a slab's cells, compiled for elastic cells apart.
+macro_rules! capped {
+    ($upper:expr, |$caps:ident| $work:expr) => {
+        if let Some(upper) = $upper.as_deref() {
+            let $caps = Yielding(upper);
+            $work
+        } else {
+            let $caps = Elastic;
+            $work
+        }
+    };
+}
+
+/// The cells of a slab that carry pressure or may soon do, row by row.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Slab {
+    width: usize,
+    lists: Lists,
+    /// Lists in the making.
+    next: Lists,
+    entrants: Vec<Entrant>,
+    /// The gradient of the cells that may move, zero for others, and 1 for these cells, 0 for others.
+    gradient: Vec<f32>,
+    moves: Vec<f32>,
+    /// The preconditioned gradient.
+    preconditioned: Vec<f32>,
+    /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
+    /// are on. After [`Slab::restrict`] the step to it.
+    trial: Vec<f64>,
+    /// The v of the cells on the lower and on the upper bound.
+    open: Vec<f64>,
+    full: Vec<f64>,
+    /// v of the other cells of the slab's rows as `origin_m` + `unit_m` times this; infinite at the cells in the lists.
+    far: Vec<f32>,
+    origin_m: f64,
+    unit_m: f64,
+    /// The hardness of all cells of the slab's rows, where they yield.
+    hardness_pa: Option<Vec<f64>>,
+    pub(super) summary: Summary,
+    pub(super) products: Products,
+    pub(super) step: Step,
+}
+
+/// One value for each cell near contact.
 #[derive(Debug, Clone, Default)]
 struct Lists {
+    /// Where the cells of a row begin, with the end of the last row.
     starts: [u32; ROWS_OF_SLAB + 1],
     columns: Vec<u32>,
+    /// Pressure and S p − z.
     p: Vec<f64>,
     v: Vec<f64>,
-    step: Vec<f64>,
-    image: Vec<f64>,
+    /// Largest pressure, where cells yield.
+    upper: Option<Vec<f64>>,
+    /// The last step and its image under S, over their units; zero for cells that were not near contact then.
+    step: Vec<f32>,
+    image: Vec<f32>,
 }
 
 impl Lists {
-    fn clear(&mut self) {
+    fn clear(&mut self, yields: bool) {
         self.starts = [0; ROWS_OF_SLAB + 1];
         self.columns.clear();
-        for list in [&mut self.p, &mut self.v, &mut self.step, &mut self.image] {
-            list.clear();
-        }
+        self.p.clear();
+        self.v.clear();
+        self.step.clear();
+        self.image.clear();
+        self.upper = if yields { Some(self.upper.take().map_or_else(Vec::new, cleared)) } else { None };
     }
 
-    fn push(&mut self, column: usize, p: f64, v: f64, (step, image): (f64, f64)) {
-        self.columns.push(column as u32);
+    /// Where the cells of a row stand.
+    fn cells(&self, row: usize) -> Range<usize> {
+        self.starts[row] as usize..self.starts[row + 1] as usize
+    }
+
+    fn push(&mut self, column: u32, [p, v]: [f64; 2], upper: f64, [step, image]: [f32; 2]) {
+        self.columns.push(column);
         self.p.push(p);
         self.v.push(v);
         self.step.push(step);
         self.image.push(image);
+        if let Some(list) = &mut self.upper {
+            list.push(upper);
+        }
     }
 
-    /// Takes up those cells of a row that carry pressure or whose v is below `bound`, with their step and its image.
-    fn take_up(&mut self, row: usize, p: &[f64], v: &[f64], bound: f64, history: impl Fn(usize) -> (f64, f64)) {
-        wide::<TakeUp, _>((self, p, v, bound, history));
-        self.starts[row + 1..].fill(self.columns.len() as u32);
+    /// Appends the cells in `cells` of other lists.
+    fn extend(&mut self, other: &Self, cells: Range<usize>) {
+        self.columns.extend_from_slice(&other.columns[cells.clone()]);
+        self.p.extend_from_slice(&other.p[cells.clone()]);
+        self.v.extend_from_slice(&other.v[cells.clone()]);
+        self.step.extend_from_slice(&other.step[cells.clone()]);
+        self.image.extend_from_slice(&other.image[cells.clone()]);
+        if let (Some(list), Some(other)) = (&mut self.upper, &other.upper) {
+            list.extend_from_slice(&other[cells]);
+        }
     }
 }
 
-/// Sums over the cells that may move: their number, and products of pressure p, gradient g, preconditioned gradient z, last
-/// step s and its image w.
+fn cleared(mut list: Vec<f64>) -> Vec<f64> {
+    list.clear();
+    list
+}
+
+/// A cell that comes near contact.
+#[derive(Debug, Clone, Copy)]
+struct Entrant {
+    row: usize,
+    column: u32,
+    v: f64,
+    image: f32,
+}
+
+/// What is known of pressure p and v = S p − z of the cells near contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Summary {
+    /// Σ p, of all and of the cells below the upper bound, and Σ p v of the latter.
+    pub(super) pressure: f64,
+    pub(super) free: f64,
+    pub(super) free_v: f64,
+    /// Σ v and number of the cells between the bounds.
+    between_v: f64,
+    between: f64,
+    /// Cells without pressure that are far from contact.
+    idle: f64,
+    /// The least v below the upper bound.
+    pub(super) least_v: f64,
+    /// Cells at the upper bound.
+    pub(super) full: f64,
+    /// Largest displacement by the last step over its unit.
+    pub(super) largest_image: f64,
+    pub(super) moved: bool,
+}
+
+impl Summary {
+    pub(super) const NONE: Self = Self {
+        pressure: 0.0,
+        free: 0.0,
+        free_v: 0.0,
+        between_v: 0.0,
+        between: 0.0,
+        idle: 0.0,
+        least_v: f64::INFINITY,
+        full: 0.0,
+        largest_image: 0.0,
+        moved: false,
+    };
+
+    /// That of more cells.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self {
+            pressure: self.pressure + other.pressure,
+            free: self.free + other.free,
+            free_v: self.free_v + other.free_v,
+            between_v: self.between_v + other.between_v,
+            between: self.between + other.between,
+            idle: self.idle + other.idle,
+            least_v: self.least_v.min(other.least_v),
+            full: self.full + other.full,
+            largest_image: self.largest_image.max(other.largest_image),
+            moved: self.moved | other.moved,
+        }
+    }
+}
+
+/// Sums over the cells that may move: their number, and products of gradient g, preconditioned gradient z, last step s and
+/// its image w, all over their units.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Products {
     pub(super) members: f64,
@@ -97,10 +248,6 @@ pub(super) struct Products {
     pub(super) gs: f64,
     pub(super) sw: f64,
     pub(super) zw: f64,
-    pub(super) pw: f64,
-    pub(super) pg: f64,
-    /// All cells near contact that are at the upper bound.
-    pub(super) at_upper: f64,
 }
 
 impl Products {
@@ -117,14 +264,11 @@ impl Products {
             gs: self.gs + other.gs,
             sw: self.sw + other.sw,
             zw: self.zw + other.zw,
-            pw: self.pw + other.pw,
-            pg: self.pg + other.pg,
-            at_upper: self.at_upper + other.at_upper,
         }
     }
 }
 
-/// The trial p + `pressure`·p + `step`·s + `preconditioned`·z + `gradient`·g + `constant`.
+/// The trial p + `pressure`·p + `step`·s + `preconditioned`·z + `gradient`·g + `constant`, with s, z and g over their units.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Direction {
     pub(super) pressure: f64,
@@ -140,10 +284,14 @@ pub(super) struct Extent {
     pub(super) least: f64,
     pub(super) largest: f64,
     pub(super) members: usize,
+    /// Sum and largest of the upper bounds.
+    pub(super) capacity: f64,
+    pub(super) ceiling: f64,
 }
 
 impl Extent {
-    pub(super) const NONE: Self = Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0 };
+    pub(super) const NONE: Self =
+        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, ceiling: 0.0 };
 
     /// That of more cells.
     pub(super) fn with(self, other: Self) -> Self {
@@ -151,258 +299,343 @@ impl Extent {
             least: self.least.min(other.least),
             largest: self.largest.max(other.largest),
             members: self.members + other.members,
+            capacity: self.capacity + other.capacity,
+            ceiling: self.ceiling.max(other.ceiling),
         }
     }
 }
 
-/// Where the rows of a slab end up after a step.
-pub(super) struct Rows<'s> {
-    pub(super) slab: &'s mut Slab,
-    pub(super) p: &'s mut [f64],
-    pub(super) v: &'s mut [f64],
-    pub(super) moved: bool,
+/// How far a step is gone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Advance {
+    /// Multiple of the step.
+    pub(super) length: f64,
+    /// Unit of the step, and of its image.
+    pub(super) unit_pa: f64,
+    pub(super) unit_m: f64,
+    /// Cells whose v is below this come near contact.
+    pub(super) bound: f64,
 }
 
 impl Slab {
-    /// Where the cells of a row of the grid stand in the lists.
-    fn cells(&self, row: usize) -> Range<usize> {
+    /// Begins with the pressures `p` of its rows; v is not yet known.
+    fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<Vec<f64>>, unit_m: f64) {
+        self.width = width;
+        (self.origin_m, self.unit_m) = (0.0, unit_m);
+        self.far.clear();
+        self.far.resize(p.len(), f32::INFINITY);
+        self.hardness_pa = hardness_pa;
+        self.entrants.clear();
+        self.summary = Summary::NONE;
+        self.lists.clear(self.hardness_pa.is_some());
+        for (row, p) in p.chunks_exact(width).enumerate() {
+            for (column, p) in p.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+                let upper = self.hardness_pa.as_ref().map_or(f64::INFINITY, |upper| upper[row * width + column]);
+                self.lists.push(column as u32, [*p, 0.0], upper, [0.0; 2]);
+            }
+            self.lists.starts[row + 1..].fill(self.lists.columns.len() as u32);
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.far.len() / self.width
+    }
+
+    /// The bound on [`Slab::far`] that leaves no v below `bound` out.
+    fn far_bound(&self, bound: f64) -> f32 {
+        let over = (bound - self.origin_m) / self.unit_m;
+        if over.is_finite() { (over + 1e-6 * over.abs()) as f32 } else { over as f32 }
+    }
+
+    /// Writes the pressures of a row of the grid; false if there are none.
+    pub(super) fn write_pressure(&self, row: usize, out: &mut [f64]) -> bool {
+        let cells = self.lists.cells(row % ROWS_OF_SLAB);
+        for (column, p) in self.lists.columns[cells.clone()].iter().zip(&self.lists.p[cells.clone()]) {
+            out[*column as usize] = *p;
+        }
+        !cells.is_empty()
+    }
+
+    /// Takes v of a row of the grid, and after the last row all cells that are near contact.
+    pub(super) fn settle(&mut self, row: usize, v: &[f64], origin_m: f64, bound: f64) {
         let row = row % ROWS_OF_SLAB;
-        self.starts[row] as usize..self.starts[row + 1] as usize
-    }
-
-    /// Replaces the lists by those in the making.
-    fn turn(&mut self) {
-        let Self { starts, columns, p, v, step, image, next, .. } = self;
-        *starts = next.starts;
-        std::mem::swap(columns, &mut next.columns);
-        std::mem::swap(p, &mut next.p);
-        std::mem::swap(v, &mut next.v);
-        std::mem::swap(step, &mut next.step);
-        std::mem::swap(image, &mut next.image);
-    }
-
-    /// Looks for the cells near contact among all: those with pressure, and those whose v is below `bound`.
-    fn look(&mut self, p: &[f64], v: &[f64], bound: f64) {
-        self.next.clear();
-        let width = self.row.len();
-        for (row, (p, v)) in p.chunks_exact(width).zip(v.chunks_exact(width)).enumerate() {
-            let known = self.cells(row);
-            let Self { columns, step, image, next, .. } = self;
-            next.take_up(row, p, v, bound, |column| {
-                let found = columns[known.clone()].binary_search(&(column as u32));
-                found.map_or((0.0, 0.0), |i| (step[known.start + i], image[known.start + i]))
-            });
+        self.origin_m = origin_m;
+        let factor = 1.0 / self.unit_m;
+        let far = &mut self.far[row * self.width..][..self.width];
+        far.iter_mut().zip(v).for_each(|(far, v)| *far = (factor * (v - origin_m)) as f32);
+        let cells = self.lists.cells(row);
+        for (column, list_v) in self.lists.columns[cells.clone()].iter().zip(&mut self.lists.v[cells]) {
+            *list_v = v[*column as usize];
+            far[*column as usize] = f32::INFINITY;
         }
-        self.turn();
+        self.find(row, bound, None, Some(v));
+        if row + 1 == self.rows() {
+            self.merge(bound);
+        }
     }
 
-    /// Sorts the cells by the bound they are on, for [`Slab::tangent_sums`].
-    pub(super) fn sort_by_bound(&mut self, upper: f64) {
-        let Self { p, v, open, full, .. } = self;
-        open.clear();
+    /// Notes the cells of a row whose v is below `bound`, from the displacements of the last step and all v where these are
+    /// known.
+    fn find(&mut self, row: usize, bound: f64, image: Option<&[f32]>, exact: Option<&[f64]>) {
+        let far_bound = self.far_bound(bound);
+        let Self { far, entrants, origin_m, unit_m, .. } = self;
+        let far = &far[row * self.width..][..self.width];
+        if wide::<Below, _>((far, far_bound)) == 0 {
+            return;
+        }
+        for (column, value) in far.iter().enumerate().filter(|(_, far)| **far < far_bound) {
+            let v = exact.map_or_else(|| *origin_m + *unit_m * f64::from(*value), |v| v[column]);
+            if v < bound || exact.is_none() {
+                let image = image.map_or(0.0, |image| image[column]);
+                entrants.push(Entrant { row, column: column as u32, v, image });
+            }
+        }
+    }
+
+    /// Looks for the cells whose v is below `bound` among all, of which v is given where it is known.
+    fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
+        for row in 0..self.rows() {
+            let exact = exact.map(|v| &v[row * self.width..][..self.width]);
+            self.find(row, bound, None, exact);
+        }
+        self.merge(bound);
+    }
+
+    /// Takes those who come near contact into the lists, in passing dismisses those who left it, and sums up.
+    fn merge(&mut self, bound: f64) {
+        // How many there were the last time tells when it is worth while.
+        let dismisses = IDLE_ONE_IN * self.summary.idle > self.lists.p.len() as f64;
+        if self.entrants.is_empty() && !dismisses {
+            self.summarise(bound);
+            return;
+        }
+        let width = self.width;
+        let Self { lists, next, entrants, far, hardness_pa, origin_m, unit_m, .. } = self;
+        next.clear(hardness_pa.is_some());
+        let upper = |place: usize| hardness_pa.as_ref().map_or(f64::INFINITY, |upper| upper[place]);
+        let mut waiting = entrants.iter().peekable();
+        for row in 0..far.len() / width {
+            let cells = lists.cells(row);
+            if dismisses {
+                for i in cells {
+                    let (column, p, v) = (lists.columns[i], lists.p[i], lists.v[i]);
+                    let place = row * width + column as usize;
+                    if p > 0.0 || v < bound {
+                        next.push(column, [p, v], upper(place), [lists.step[i], lists.image[i]]);
+                    } else {
+                        far[place] = ((v - *origin_m) / *unit_m) as f32;
+                    }
+                }
+            } else {
+                next.extend(lists, cells);
+            }
+            while let Some(entrant) = waiting.next_if(|entrant| entrant.row == row) {
+                let place = row * width + entrant.column as usize;
+                next.push(entrant.column, [0.0, entrant.v], upper(place), [0.0, entrant.image]);
+                far[place] = f32::INFINITY;
+            }
+            next.starts[row + 1..].fill(next.columns.len() as u32);
+        }
+        entrants.clear();
+        std::mem::swap(lists, next);
+        self.summarise(bound);
+    }
+
+    /// Sums up the lists.
+    fn summarise(&mut self, bound: f64) {
+        let Self { lists, open, full, summary, .. } = self;
+        let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
+        *summary = capped!(lists.upper, |caps| wide::<Summarise, _>((p, v, bound, caps)));
+        open.resize(p.len(), 0.0);
+        let count = wide::<OnBound<false>, _>((open.as_mut_slice(), p, v, Elastic));
+        open.truncate(count);
         full.clear();
-        open.extend(p.iter().zip(&*v).filter(|(p, _)| **p <= 0.0).map(|(_, v)| *v));
-        if upper < f64::INFINITY {
-            full.extend(p.iter().zip(&*v).filter(|(p, _)| **p >= upper).map(|(_, v)| *v));
+        if let Some(upper) = &lists.upper {
+            full.resize(p.len(), 0.0);
+            let count = wide::<OnBound<true>, _>((full.as_mut_slice(), p, v, Yielding(upper)));
+            full.truncate(count);
         }
-        self.between = sums(p, v, |p, v| {
-            let between = (p > 0.0) & (p < upper);
-            [if between { v } else { 0.0 }, if between { 1.0 } else { 0.0 }]
-        });
+        summary.full = full.len() as f64;
+    }
+
+    /// Pressure, v and largest pressure of the cells near contact.
+    pub(super) fn part(&self) -> Part<'_> {
+        Part { p: &self.lists.p, v: &self.lists.v, upper: self.lists.upper.as_deref() }
     }
 
     /// Sum of the gradients v − λ of the cells that may move, and their number.
     pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 2] {
-        let Self { open, full, between: [v, count], .. } = self;
-        let count_if = |counts: bool, g: f64| [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }];
-        let below = sums(open, open, |v, _| count_if(v < lambda, v - lambda));
-        let above = sums(full, full, |v, _| count_if(v > lambda, v - lambda));
-        [v - count * lambda + below[0] + above[0], count + below[1] + above[1]]
-    }
-
-    /// Writes the gradient v − λ, over `unit`, of the cells of a row that may move into it; false if there are none.
-    pub(super) fn scatter_gradient(&self, row: usize, lambda: f64, upper: f64, unit: f64, out: &mut [f32]) -> bool {
-        let mut any = false;
-        let factor = 1.0 / unit;
-        for i in self.cells(row) {
-            let gradient = self.v[i] - lambda;
-            if may_move(self.p[i], gradient, upper) {
-                out[self.columns[i] as usize] = (factor * gradient) as f32;
-                any = true;
-            }
+        let Self { open, full, summary: Summary { between_v, between, .. }, .. } = self;
+        let mut sums = [between_v - between * lambda, *between];
+        for v in open.iter().filter(|v| **v < lambda).chain(full.iter().filter(|v| **v > lambda)) {
+            sums[0] += v - lambda;
+            sums[1] += 1.0;
         }
-        any
+        sums
     }
 
-    /// Takes the preconditioned gradient of a row, `unit` times `values`.
-    pub(super) fn take_preconditioned(&mut self, row: usize, values: &[f32], unit: f64) {
-        let cells = self.cells(row);
-        if cells.start == 0 {
-            self.preconditioned.clear();
+    /// Computes the gradient v − λ, over `unit_m`, of the cells that may move, or of all.
+    pub(super) fn differentiate(&mut self, lambda: f64, unit_m: f64, all: bool) {
+        let Self { lists, gradient, moves, .. } = self;
+        let n = lists.p.len();
+        gradient.resize(n, 0.0);
+        moves.resize(n, 0.0);
+        let terms = [lambda, 1.0 / unit_m];
+        let fields = [lists.p.as_slice(), lists.v.as_slice()];
+        let (gradient, moves) = (gradient.as_mut_slice(), moves.as_mut_slice());
+        capped!(lists.upper, |caps| wide::<Gradient, _>((gradient, moves, fields, terms, all, caps)));
+    }
+
+    /// Writes the gradient of a row into it; false if it has none.
+    pub(super) fn scatter_gradient(&self, row: usize, out: &mut [f32]) -> bool {
+        let cells = self.lists.cells(row % ROWS_OF_SLAB);
+        for (column, gradient) in self.lists.columns[cells.clone()].iter().zip(&self.gradient[cells.clone()]) {
+            out[*column as usize] = *gradient;
         }
-        self.preconditioned.truncate(cells.start);
-        let columns = &self.columns[cells];
-        self.preconditioned.extend(columns.iter().map(|column| unit * f64::from(values[*column as usize])));
+        !cells.is_empty()
     }
 
-    /// Forgets the preconditioned gradient.
-    pub(super) fn forget_preconditioned(&mut self) {
-        self.preconditioned.clear();
-        self.preconditioned.resize(self.p.len(), 0.0);
+    /// Takes the preconditioned gradient of a row, and after the last row makes the products.
+    pub(super) fn take_preconditioned(&mut self, row: usize, values: &[f32]) {
+        let row = row % ROWS_OF_SLAB;
+        self.preconditioned.resize(self.lists.p.len(), 0.0);
+        let cells = self.lists.cells(row);
+        for (z, column) in self.preconditioned[cells.clone()].iter_mut().zip(&self.lists.columns[cells]) {
+            *z = values[*column as usize];
+        }
+        if row + 1 == self.rows() {
+            let Self { lists, moves, gradient, preconditioned, .. } = self;
+            self.products = wide::<Multiply, _>(
+                [moves, gradient, preconditioned, &lists.step, &lists.image].map(|list: &Vec<f32>| list.as_slice()),
+            );
+        }
     }
 
-    /// Largest pressure of the step.
-    pub(super) fn largest_step(&self) -> f64 {
-        let s = &self.trial;
-        -least(s, s, |s, _| -s.abs()).min(0.0)
-    }
-
-    /// Largest displacement by the last step.
-    pub(super) fn largest_image(&self) -> f64 {
-        let w = &self.image;
-        -least(w, w, |w, _| -w.abs()).min(0.0)
-    }
-
-    /// The sums over the cells that may move.
-    pub(super) fn products(&self, lambda: f64, upper: f64) -> Products {
-        let lists = [&self.p, &self.v, &self.step, &self.image, &self.preconditioned].map(Vec::as_slice);
-        let [members, g, z, s, w, gg, gz, gs, sw, zw, pw, pg, at_upper] = sums_of(lists, |[p, v, s, w, z]| {
-            let g = v - lambda;
-            let member = may_move(p, g, upper);
-            let masked = |value: f64| if member { value } else { 0.0 };
-            let (g, s, w, z) = (masked(g), masked(s), masked(w), masked(z));
-            let at_upper = if p >= upper { 1.0 } else { 0.0 };
-            [masked(1.0), g, z, s, w, g * g, g * z, g * s, s * w, z * w, p * w, p * g, at_upper]
-        });
-        Products { members, g, z, s, w, gg, gz, gs, sw, zw, pw, pg, at_upper }
-    }
-
-    /// Σ p u of the cells that may move, u = v + z, from the heights of the slab's rows.
-    pub(super) fn work(&self, heights_m: &[f64], mean_height_m: f64, lambda: f64, upper: f64) -> f64 {
-        let width = self.row.len();
-        let mut sum = 0.0;
-        for (row, heights_m) in heights_m.chunks_exact(width).enumerate() {
-            for i in self.cells(row) {
-                if may_move(self.p[i], self.v[i] - lambda, upper) {
-                    sum += self.p[i] * (self.v[i] + heights_m[self.columns[i] as usize] - mean_height_m);
+    /// [Σ p w, Σ p g, Σ p u] of the cells that may move, u = v + z, from the heights of the slab's rows; w and g over their
+    /// units.
+    pub(super) fn level(&self, heights_m: &[f64], mean_height_m: f64) -> [f64; 3] {
+        let Lists { columns, p, v, image, .. } = &self.lists;
+        let mut sums = [0.0; 3];
+        for (row, heights_m) in heights_m.chunks_exact(self.width).enumerate() {
+            for i in self.lists.cells(row) {
+                if self.moves[i] > 0.0 {
+                    sums[0] += p[i] * f64::from(image[i]);
+                    sums[1] += p[i] * f64::from(self.gradient[i]);
+                    sums[2] += p[i] * (v[i] + heights_m[columns[i] as usize] - mean_height_m);
                 }
             }
         }
-        sum
+        sums
     }
 
-    /// Puts the pressure on trial in `direction` into `trial`, for the cells that may move or for all.
-    pub(super) fn propose(&mut self, direction: Direction, lambda: f64, upper: f64, all: bool) -> Extent {
-        let Self { p, v, step: s, preconditioned: z, trial, .. } = self;
-        trial.resize(p.len(), 0.0);
-        wide::<Propose, _>((
-            trial.as_mut_slice(),
-            [&*p, &*v, &*s, &*z].map(Vec::as_slice),
-            direction,
-            lambda,
-            upper,
-            all,
-        ));
+    /// Puts the pressure on trial in `direction` into `trial`, for the cells that may move.
+    pub(super) fn propose(&mut self, direction: Direction) -> Extent {
+        let Self { lists, moves, gradient, preconditioned, trial, .. } = self;
+        trial.resize(lists.p.len(), 0.0);
+        preconditioned.resize(lists.p.len(), 0.0);
+        let fields = [moves, gradient, preconditioned, &lists.step].map(|list: &Vec<f32>| list.as_slice());
+        wide::<Propose, _>((trial.as_mut_slice(), lists.p.as_slice(), fields, direction));
         self.extent()
     }
 
     /// That of the trial.
     fn extent(&self) -> Extent {
-        wide::<Span, _>(self.trial.as_slice())
+        capped!(self.lists.upper, |caps| wide::<Span, _>((self.trial.as_slice(), caps)))
     }
 
     /// Puts the pressure itself into `trial` where it is between the bounds.
-    pub(super) fn propose_itself(&mut self, upper: f64) -> Extent {
-        self.trial.clear();
+    pub(super) fn propose_itself(&mut self) -> Extent {
+        let Self { lists, trial, .. } = self;
+        trial.clear();
         let held = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-        self.trial.extend(self.p.iter().map(|p| if (*p > 0.0) & (*p < upper) { *p } else { held(*p) }));
+        let itself = |p: f64, upper: f64| if (p > 0.0) & (p < upper) { p } else { held(p) };
+        capped!(lists.upper, |caps| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, caps.at(i)))));
+        self.gradient.clear();
+        self.gradient.resize(self.lists.p.len(), 0.0);
         self.extent()
     }
 
     /// Pressure of the cells that the trial holds on the upper bound.
-    pub(super) fn held(&self, upper: f64) -> f64 {
-        let held = self.trial.iter().filter(|t| **t == f64::INFINITY).count();
-        if held > 0 { held as f64 * upper } else { 0.0 }
+    pub(super) fn held(&self) -> f64 {
+        let Some(upper) = &self.lists.upper else { return 0.0 };
+        self.trial.iter().zip(upper).map(|(t, upper)| if *t == f64::INFINITY { *upper } else { 0.0 }).sum()
     }
 
     /// Sum of the trial pressures, shifted and within the bounds, and the number of them that follow a shift.
-    pub(super) fn shifted_sum(&self, shift: f64, upper: f64) -> [f64; 2] {
-        sums(&self.trial, &self.trial, |t, _| {
-            let value = t + shift;
-            [within(value, upper), if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 }]
-        })
+    pub(super) fn shifted_sum(&self, shift: f64) -> [f64; 2] {
+        capped!(self.lists.upper, |caps| wide::<Shifted, _>((self.trial.as_slice(), shift, caps)))
     }
 
-    /// Makes `trial` the step to the trial pressure, shifted and within the bounds; returns its slope and its squared norm.
-    pub(super) fn restrict(&mut self, shift: Shift, lambda: f64, upper: f64) -> [f64; 2] {
-        let Self { p, v, trial, .. } = self;
-        if let Some(shift) = shift.common() {
-            wide::<Cut, _>((trial.as_mut_slice(), p.as_slice(), shift, upper));
+    /// Makes `trial` the step to the trial pressure, shifted and within the bounds.
+    pub(super) fn restrict(&mut self, shift: Shift) {
+        let Self { lists, gradient, trial, step, .. } = self;
+        let (trial, p, gradient) = (trial.as_mut_slice(), lists.p.as_slice(), gradient.as_slice());
+        *step = if let Some(by) = shift.common() {
+            let shifted = |t: f64, upper: f64| within(t + by, upper);
+            capped!(lists.upper, |caps| wide::<Cut, _>((trial, p, gradient, by, shifted, caps)))
         } else {
-            trial.iter_mut().zip(&*p).for_each(|(t, p)| *t = shift.applied(*t, upper) - p);
-        }
-        sums(trial, v, |s, v| [(v - lambda) * s, s * s])
+            let shifted = |t: f64, upper: f64| shift.applied(t, upper);
+            capped!(lists.upper, |caps| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, caps)))
+        };
     }
 
     /// The largest multiple of the step that stays within the bounds.
-    pub(super) fn longest_feasible(&self, upper: f64) -> f64 {
-        let room = |(p, s): (&f64, &f64)| match *s {
+    pub(super) fn longest_feasible(&self) -> f64 {
+        let room = |p: f64, s: f64, upper: f64| match s {
             s if s < 0.0 => -p / s,
             s if s > 0.0 => (upper - p) / s,
             _ => f64::INFINITY,
         };
-        self.p.iter().zip(&self.trial).map(room).fold(f64::INFINITY, f64::min)
+        let Self { lists, trial, .. } = self;
+        let steps = lists.p.iter().zip(trial).enumerate();
+        capped!(lists.upper, |caps| steps.map(|(i, (p, s))| room(*p, *s, caps.at(i))).fold(f64::INFINITY, f64::min))
     }
 
     /// Writes the step, over `unit`, into a row; false if it has none.
     pub(super) fn scatter_step(&self, row: usize, unit: f64, out: &mut [f32]) -> bool {
-        let cells = self.cells(row);
+        let cells = self.lists.cells(row % ROWS_OF_SLAB);
         let factor = 1.0 / unit;
-        for (column, step) in self.columns[cells.clone()].iter().zip(&self.trial[cells.clone()]) {
+        for (column, step) in self.lists.columns[cells.clone()].iter().zip(&self.trial[cells.clone()]) {
             out[*column as usize] = (factor * step) as f32;
         }
         !cells.is_empty()
     }
 
-    /// Writes the pressure, the trial being a step of it, into the rows of the grid.
-    fn write_stepped(&self, p: &mut [f64], upper: f64) {
-        let width = self.row.len();
-        for (row, out) in p.chunks_exact_mut(width).enumerate() {
-            for i in self.cells(row) {
-                out[self.columns[i] as usize] = within(self.p[i] + self.trial[i], upper);
-            }
+    /// Takes the displacements of a row by the whole step, over their unit, and after the last row goes along the step and
+    /// takes up the cells that are near contact then.
+    pub(super) fn advance(&mut self, row: usize, advance: Advance, values: &[f32]) {
+        let row = row % ROWS_OF_SLAB;
+        let factor = (advance.length * advance.unit_m / self.unit_m) as f32;
+        let bound = self.far_bound(advance.bound);
+        let far = &mut self.far[row * self.width..][..self.width];
+        if wide::<Drift, _>((far, values, factor, bound)) > 0 {
+            self.find(row, advance.bound, Some(values), None);
+        }
+        let cells = self.lists.cells(row);
+        for (image, column) in self.lists.image[cells.clone()].iter_mut().zip(&self.lists.columns[cells]) {
+            *image = values[*column as usize];
+        }
+        if row + 1 == self.rows() {
+            let moved = self.go(advance);
+            let largest_image = f64::from(wide::<Largest, _>(self.lists.image.as_slice()));
+            self.merge(advance.bound);
+            (self.summary.moved, self.summary.largest_image) = (moved, largest_image);
         }
     }
-}
 
-impl Rows<'_> {
-    /// Goes `length` times the step in a row, which moves the surface by so many times `unit_m` times `values`, and takes up
-    /// the cells that are near contact then.
-    pub(super) fn advance(&mut self, row: usize, length: f64, unit_m: f64, values: &[f32], bound: f64, upper: f64) {
-        let cells = self.slab.cells(row);
-        let Slab { columns, p, trial, next, row: steps, .. } = &mut *self.slab;
-        let row = row % ROWS_OF_SLAB;
-        if row == 0 {
-            next.clear();
-        }
-        let piece = row * steps.len()..(row + 1) * steps.len();
-        let (row_p, row_v) = (&mut self.p[piece.clone()], &mut self.v[piece]);
-        for ((column, before), step) in columns[cells.clone()].iter().zip(&p[cells.clone()]).zip(&trial[cells.clone()])
-        {
-            // The step was formed as (bound − p), so a whole step lands on the bound exactly up to rounding.
-            let mut after = (before + length * step).clamp(0.0, upper);
-            if length >= 1.0 && *step == -before {
-                after = 0.0;
-            } else if length >= 1.0 && *step == upper - before {
-                after = upper;
-            }
-            self.moved |= after != *before;
-            row_p[*column as usize] = after;
-            steps[*column as usize] = *step;
-        }
-        wide::<Add, _>((row_v, values, length, unit_m));
-        next.take_up(row, row_p, row_v, bound, |i| (steps[i], unit_m * f64::from(values[i])));
-        columns[cells].iter().for_each(|column| steps[*column as usize] = 0.0);
+    /// Goes along the step on trial; whether a pressure changed.
+    fn go(&mut self, advance: Advance) -> bool {
+        let Self { lists, trial, .. } = self;
+        let Lists { p, v, step, image, upper, .. } = lists;
+        let (p, v, step) = (p.as_mut_slice(), v.as_mut_slice(), step.as_mut_slice());
+        capped!(upper, |caps| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, caps)))
+    }
+
+    /// Goes the whole step on trial in the pressures alone.
+    pub(super) fn step_pressure(&mut self) {
+        let Lists { p, upper, .. } = &mut self.lists;
+        let steps = p.iter_mut().zip(&self.trial).enumerate();
+        capped!(upper, |caps| steps.for_each(|(i, (p, s))| *p = within(*p + s, caps.at(i))));
     }
 }
 
@@ -414,18 +647,34 @@ pub(super) fn within(value: f64, upper: f64) -> f64 {
 }
 
 /// All slabs of a grid.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Slabs {
     slabs: Vec<Slab>,
-    width: usize,
     shared: bool,
 }
 
 impl Slabs {
-    /// Of a grid of `rows` × `columns` cells.
-    pub(super) fn new(rows: usize, columns: usize) -> Self {
-        let slab = Slab { row: vec![0.0; columns], ..Slab::default() };
-        Self { slabs: vec![slab; rows.div_ceil(ROWS_OF_SLAB)], width: columns, shared: rows * columns >= SHARED_FROM }
+    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. `hardness_pa` gives the hardness of every
+    /// cell in row-major order, if they yield.
+    pub(super) fn begin(
+        &mut self,
+        width: usize,
+        p: &[f64],
+        hardness_pa: Option<impl Fn(usize) -> f64>,
+        unit_m: f64,
+    ) {
+        let chunk = width * ROWS_OF_SLAB;
+        self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
+        self.shared = p.len() >= SHARED_FROM && rayon::current_num_threads() > 1;
+        for (number, (slab, p)) in self.slabs.iter_mut().zip(p.chunks(chunk)).enumerate() {
+            let places = number * chunk..number * chunk + p.len();
+            let hardness_pa = hardness_pa.as_ref().map(|hardness_pa| places.map(hardness_pa).collect());
+            slab.begin(width, p, hardness_pa, unit_m);
+        }
+    }
+
+    pub(super) fn as_mut_slice(&mut self) -> &mut [Slab] {
+        &mut self.slabs
     }
 
     /// The slab of a row of the grid.
@@ -437,16 +686,22 @@ impl Slabs {
         self.slabs.iter()
     }
 
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Slab> {
-        self.slabs.iter_mut()
+    /// Does `work` on every slab.
+    pub(super) fn each(&mut self, work: impl Fn(&mut Slab) + Sync + Send) {
+        if self.shared { self.slabs.par_iter_mut().for_each(work) } else { self.slabs.iter_mut().for_each(work) }
     }
 
-    /// Does `work` on every slab.
-    pub(super) fn map<R: Send>(&mut self, work: impl Fn(&mut Slab) -> R + Sync + Send) -> Vec<R> {
+    /// Does `work` on every slab and joins what it gives, in order.
+    pub(super) fn fold<R: Send>(
+        &mut self,
+        first: R,
+        work: impl Fn(&mut Slab) -> R + Sync + Send,
+        join: impl Fn(R, R) -> R,
+    ) -> R {
         if self.shared {
-            self.slabs.par_iter_mut().map(work).collect()
+            self.slabs.par_iter_mut().map(work).collect::<Vec<_>>().into_iter().fold(first, join)
         } else {
-            self.slabs.iter_mut().map(work).collect()
+            self.slabs.iter_mut().map(work).fold(first, join)
         }
     }
 
@@ -460,32 +715,14 @@ impl Slabs {
         }
     }
 
-    /// Looks for the cells near contact all over the grid.
-    pub(super) fn look(&mut self, p: &[f64], v: &[f64], bound: f64) {
-        let chunk = self.width * ROWS_OF_SLAB;
-        let fields = self.slabs.iter_mut().zip(p.chunks(chunk).zip(v.chunks(chunk)));
+    /// Looks for the cells whose v is below `bound` all over the grid, of which all v are given where they are known.
+    pub(super) fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
+        let chunk = self.slabs.first().map_or(0, |slab| slab.width * ROWS_OF_SLAB);
+        let rows = |number: usize| exact.map(|v| &v[number * chunk..v.len().min((number + 1) * chunk)]);
         if self.shared {
-            fields.collect::<Vec<_>>().into_par_iter().for_each(|(slab, (p, v))| slab.look(p, v, bound));
+            self.slabs.par_iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
         } else {
-            fields.for_each(|(slab, (p, v))| slab.look(p, v, bound));
+            self.slabs.iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
         }
-    }
-
-    /// Every slab with its rows of the fields.
-    pub(super) fn rows<'s>(&'s mut self, p: &'s mut [f64], v: &'s mut [f64]) -> Vec<Rows<'s>> {
-        let chunk = self.width * ROWS_OF_SLAB;
-        let fields = p.chunks_mut(chunk).zip(v.chunks_mut(chunk));
-        self.slabs.iter_mut().zip(fields).map(|(slab, (p, v))| Rows { slab, p, v, moved: false }).collect()
-    }
-
-    /// Replaces the lists by those in the making.
-    pub(super) fn turn(&mut self) {
-        self.slabs.iter_mut().for_each(Slab::turn);
-    }
-
-    /// Writes the pressure, the trial being a step of it, into the grid.
-    pub(super) fn write_stepped(&self, p: &mut [f64], upper: f64) {
-        let chunks = p.chunks_mut(self.width * ROWS_OF_SLAB);
-        self.slabs.iter().zip(chunks).for_each(|(slab, p)| slab.write_stepped(p, upper));
     }
 }

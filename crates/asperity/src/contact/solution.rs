@@ -3,7 +3,6 @@
 use ndarray::Array2;
 
 use crate::contact::solver::Closure;
-use crate::contact::vectors::{least_below, sums};
 use crate::contact::{Boundary, Problem};
 use crate::map::Grid;
 
@@ -16,6 +15,8 @@ pub enum StopReason {
     PrecisionLimit,
     /// The iteration limit was reached.
     IterationLimit,
+    /// The [`Monitor`](crate::monitor::Monitor) asked to stop.
+    Cancelled,
 }
 
 /// Normalised violations of the optimality conditions, evaluated from the pressure alone.
@@ -46,6 +47,7 @@ pub struct Solution {
     pub(super) grid: Grid,
     pub(super) boundary: Boundary,
     pub(super) hardness_pa: Option<f64>,
+    pub(super) hardness_field_pa: Option<Array2<f64>>,
     pub(super) pressure_pa: Array2<f64>,
     pub(super) displacement_m: Array2<f64>,
     pub(super) signed_gap_m: Array2<f64>,
@@ -68,9 +70,14 @@ impl Solution {
         self.boundary
     }
 
-    /// Upper bound of the pressure in pascal, if any.
+    /// Upper bound of the pressure in pascal, if there is one for all cells.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
+    }
+
+    /// Upper bounds of the pressure in pascal, if every cell has its own.
+    pub fn hardness_field_pa(&self) -> Option<&Array2<f64>> {
+        self.hardness_field_pa.as_ref()
     }
 
     /// Normal pressure in pascal, ≥ 0 in compression.
@@ -92,13 +99,14 @@ impl Solution {
 
     /// Plastic displacement in metre: by how much elastic deformation alone would overlap where p = H; 0 elsewhere.
     pub fn plastic_displacement_m(&self) -> Array2<f64> {
-        ndarray::Zip::from(&self.signed_gap_m)
-            .and(&self.pressure_pa)
-            .map_collect(|gap, pressure| if self.is_plastic(*pressure) { (-gap).max(0.0) } else { 0.0 })
+        let depth = |cell, gap: &f64| if self.is_plastic(cell) { (-gap).max(0.0) } else { 0.0 };
+        ndarray::Zip::indexed(&self.signed_gap_m).map_collect(depth)
     }
 
-    fn is_plastic(&self, pressure_pa: f64) -> bool {
-        self.hardness_pa.is_some_and(|hardness_pa| pressure_pa >= hardness_pa)
+    /// Whether p = H in the cell (row, column).
+    pub fn is_plastic(&self, cell: (usize, usize)) -> bool {
+        let hardness_pa = self.hardness_pa.or_else(|| self.hardness_field_pa.as_ref().map(|field| field[cell]));
+        hardness_pa.is_some_and(|hardness_pa| self.pressure_pa[cell] >= hardness_pa)
     }
 
     /// Share of all cells with p > 0. Counting cells overestimates the area; see [`Solution::corrected_contact_fraction`].
@@ -108,7 +116,8 @@ impl Solution {
 
     /// Share of all cells with p = H.
     pub fn plastic_fraction(&self) -> f64 {
-        self.pressure_pa.iter().filter(|p| self.is_plastic(**p)).count() as f64 / self.grid.points() as f64
+        let plastic = self.pressure_pa.indexed_iter().filter(|(cell, _)| self.is_plastic(*cell)).count();
+        plastic as f64 / self.grid.points() as f64
     }
 
     /// Mean pressure over all cells in pascal.
@@ -177,10 +186,10 @@ pub(super) fn certify(
     parts: &[Part<'_>],
     gap_sum_m: Option<f64>,
 ) -> (f64, Residual) {
-    let upper = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let rms_height_m = problem.rms_height_m();
-    let least_v = parts.iter().map(|part| least_below(part.p, part.v, upper)).fold(f64::INFINITY, f64::min);
-    let [sum_p, sum_free, sum_free_v] = sums_of_parts(parts, |p, v| {
+    let least = |part: &Part<'_>| part.cells().filter(|(p, _, upper)| p < upper).map(|(_, v, _)| v).fold(f64::INFINITY, f64::min);
+    let least_v = parts.iter().map(least).fold(f64::INFINITY, f64::min);
+    let [sum_p, sum_free, sum_free_v] = sums_of_parts(parts, |p, v, upper| {
         let free = if p < upper { p } else { 0.0 };
         [p, free, free * v]
     });
@@ -188,7 +197,7 @@ pub(super) fn certify(
     let resting_m = if sum_free > 0.0 { -sum_free_v / sum_free } else { -least_v };
     let plane_m = closure.plane_m().unwrap_or(resting_m);
     let lambda = if matches!(closure, Closure::Plane { .. }) { -plane_m } else { least_v };
-    let [work, gap_sum] = sums_of_parts(parts, |p, v| {
+    let [work, gap_sum] = sums_of_parts(parts, |p, v, _| {
         let (apart, gap) = (v - lambda, v + plane_m);
         [if apart > 0.0 { p * apart } else { 0.0 }, if (p <= 0.0) & (gap > 0.0) { gap } else { 0.0 }]
     });
@@ -206,16 +215,24 @@ pub(super) fn certify(
     (plane_m, Residual { frank_wolfe, overlap, load })
 }
 
-/// Pressure and v of some cells.
+/// Pressure, v and largest pressure, if any, of some cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part<'a> {
     pub(super) p: &'a [f64],
     pub(super) v: &'a [f64],
+    pub(super) upper: Option<&'a [f64]>,
 }
 
-fn sums_of_parts<const K: usize>(parts: &[Part<'_>], term: impl Fn(f64, f64) -> [f64; K]) -> [f64; K] {
-    parts.iter().map(|part| sums(part.p, part.v, &term)).fold([0.0; K], |mut total, terms| {
-        total.iter_mut().zip(terms).for_each(|(total, term)| *total += term);
+impl Part<'_> {
+    fn cells(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+        let upper = |i: usize| self.upper.map_or(f64::INFINITY, |upper| upper[i]);
+        self.p.iter().zip(self.v).enumerate().map(move |(i, (p, v))| (*p, *v, upper(i)))
+    }
+}
+
+fn sums_of_parts<const K: usize>(parts: &[Part<'_>], term: impl Fn(f64, f64, f64) -> [f64; K]) -> [f64; K] {
+    parts.iter().flat_map(Part::cells).fold([0.0; K], |mut total, (p, v, upper)| {
+        total.iter_mut().zip(term(p, v, upper)).for_each(|(total, term)| *total += term);
         total
     })
 }
@@ -231,6 +248,7 @@ mod tests {
             grid: Grid::new(3, 2, 2.0, 0.5).unwrap(),
             boundary: Boundary::Free,
             hardness_pa: Some(4.0),
+            hardness_field_pa: None,
             pressure_pa: array![[4.0, 1.0, 0.0], [0.0, 4.0, 0.0]],
             displacement_m: Array2::zeros((2, 3)),
             // Overlaps within the tolerance are no gap.
@@ -287,7 +305,7 @@ mod tests {
         certify(
             &Problem::new(&half_space, &heights, control, hardness_pa).unwrap(),
             closure,
-            &[Part { p: &p, v: &v }],
+            &[Part { p: &p, v: &v, upper: hardness_pa.map(|upper| [upper; 4]).as_ref().map(<[f64; 4]>::as_slice) }],
             None,
         )
     }

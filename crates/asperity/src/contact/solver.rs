@@ -17,10 +17,13 @@
 //! <https://doi.org/10.1016/S0043-1648(99)00113-1>.
 //! D. G. Luenberger and Y. Ye, *Linear and Nonlinear Programming*, §7.10 (spacer steps).
 
+use ndarray::Array2;
+
 use crate::contact::descent::Descent;
 use crate::contact::{
     Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap,
 };
+use crate::monitor::{Monitor, Silent};
 
 /// Solves contact problems to a relative tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,26 +83,73 @@ impl Solver {
     ///
     /// # Errors
     /// The tolerance is not positive.
+    ///
+    /// # Panics
+    /// If the workspace is that of a half-space on another grid.
     pub fn solve_with(&self, problem: &Problem<'_>, workspace: &mut Workspace) -> Result<Solution, ContactError> {
+        self.solve_from(problem, None, workspace, &Silent)
+    }
+
+    /// As [`Solver::solve_with`], beginning with the pressure `start` in pascal of shape `[ny, nx]` if there is one, and
+    /// stopping with [`StopReason::Cancelled`](crate::contact::StopReason::Cancelled) when the monitor asks for it.
+    ///
+    /// The pressure of a similar problem saves some iterations where the load differs by a few percent; it is cut at the
+    /// bounds and brought to the prescribed load. It does not change the solution beyond the tolerance.
+    ///
+    /// # Errors
+    /// The tolerance is not positive, or the start does not fit the map.
+    ///
+    /// # Panics
+    /// If the workspace is that of a half-space on another grid.
+    pub fn solve_from(
+        &self,
+        problem: &Problem<'_>,
+        start: Option<&Array2<f64>>,
+        workspace: &mut Workspace,
+        monitor: &dyn Monitor,
+    ) -> Result<Solution, ContactError> {
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             let (parameter, unit, wanted) = ("tolerance", "(relative)", "positive");
             return Err(ContactError::Parameter { parameter, value: self.tolerance, unit, wanted });
         }
         let points = problem.heights_m().len();
+        let start = start.map(|start| warm_start(problem, start)).transpose()?.flatten();
         if let Some(plane_m) = problem.plane_m() {
             let closure = Closure::Plane { height_m: plane_m - problem.mean_height_m() };
-            let start = coarse_start::under_plane(problem, plane_m);
-            return Ok(Descent::new(problem, closure, start, None, workspace).run(self));
+            let start = start.unwrap_or_else(|| coarse_start::under_plane(problem, plane_m, workspace));
+            return Ok(Descent::new(problem, closure, &start, None, workspace).run(self, monitor));
         }
         if let Control::MeanGap { metre } = problem.control() {
-            return Ok(mean_gap::solve(self, problem, metre, workspace));
+            return Ok(mean_gap::solve(self, problem, metre, workspace, monitor));
         }
         // The mean displacement shifts the plane alone: without it, nothing large cancels.
         let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
         let closure = Closure::Sum { pascal: pascal * points as f64 };
-        let start = load_start::under_load(problem, pascal);
-        Ok(Descent::new(problem, closure, start, rigid_mean(problem), workspace).run(self))
+        let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
+        Ok(Descent::new(problem, closure, &start, rigid_mean(problem), workspace).run(self, monitor))
     }
+}
+
+/// The pressure `start` within the bounds, in proportion to the prescribed load; none where there is nothing to begin with.
+fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f64>>, ContactError> {
+    let ((rows, columns), (ny, nx)) = (start.dim(), problem.heights_m().dim());
+    if (rows, columns) != (ny, nx) {
+        return Err(ContactError::Shape { rows, columns, ny, nx });
+    }
+    let pressed = |p: f64| if p > 0.0 && p.is_finite() { p } else { 0.0 };
+    let mut p: Vec<f64> = start.iter().map(|p| pressed(*p)).collect();
+    let sum: f64 = p.iter().sum();
+    let wanted = problem.mean_pressure_pa().map_or(sum, |pascal| pascal * p.len() as f64);
+    let upper = problem.hardness_by_cell();
+    let mut capacity = 0.0;
+    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
+        let ceiling = upper.as_ref().map_or(f64::INFINITY, |upper| upper(place));
+        *p = (*p * (wanted / sum)).min(ceiling);
+        capacity += ceiling;
+    }
+    // What has to carry the load needs to be able to.
+    let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;
+    Ok(serves.then_some(p))
 }
 
 /// A mean compliance of zero on the periodic boundary; the free one has no mean mode of its own.

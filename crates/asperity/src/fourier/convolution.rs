@@ -152,10 +152,16 @@ impl<T: Real> Convolution<T> {
     }
 
     /// Does `work` on the items, shared among threads where the map is large.
-    fn share<I: Send>(&self, lane: &mut Lane<T>, items: Vec<I>, work: impl Fn(&mut Lane<T>, I) + Sync) {
+    fn share<I: Send>(
+        &self,
+        lane: &mut Lane<T>,
+        items: impl Iterator<Item = I>,
+        work: impl Fn(&mut Lane<T>, I) + Sync,
+    ) {
         if self.nx * self.ny < SHARED_FROM || rayon::current_num_threads() == 1 {
-            items.into_iter().for_each(|item| work(lane, item));
+            items.for_each(|item| work(lane, item));
         } else {
+            let items: Vec<I> = items.collect();
             items.into_par_iter().for_each_init(|| self.lane(), |lane, item| work(lane, item));
         }
     }
@@ -163,31 +169,38 @@ impl<T: Real> Convolution<T> {
     /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], but its constant by `constant`, and
     /// returns Σ z·(S z), S being the convolution. [`Convolution::backward`] then gives S z itself.
     ///
-    /// `fill` writes a row of the map into zeros, or says that it is zero by returning false.
+    /// There is one of `slabs` for each slab of rows, from which `fill` writes the rows in order into zeros, or says that a
+    /// row is zero by returning false.
     ///
     /// # Panics
-    /// If the symbol or the scratch memory is that of another convolution.
-    pub(crate) fn forward(
+    /// If the symbol or the scratch memory is that of another convolution, or there is not one of `slabs` for each slab.
+    pub(crate) fn forward<S: Send>(
         &self,
         symbol: &[T],
         constant: T,
-        fill: impl Fn(usize, &mut [T]) -> bool + Sync,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [T]) -> bool + Sync,
         work: &mut ConvolutionWork<T>,
     ) -> f64 {
         assert_eq!(symbol.len(), self.stored_kx() * self.ny, "the symbol has the wrong length");
+        assert_eq!(slabs.len(), self.slabs(), "there must be one input for each slab of rows");
         let ConvolutionWork { pairs, columns, lane } = work;
         let (nx, ny) = (self.nx, self.ny);
-        self.share(lane, pairs.chunks_exact_mut(nx + PAD).enumerate().collect(), |lane, (pair, out)| {
+        let items = slabs.iter_mut().zip(pairs.chunks_mut(ROWS_OF_SLAB / 2 * (nx + PAD))).enumerate();
+        self.share(lane, items, |lane, (slab, (input, pairs))| {
             let [even, odd] = &mut lane.rows;
-            even.fill(T::zero());
-            odd.fill(T::zero());
-            let present = fill(2 * pair, even);
-            let present = (2 * pair + 1 < self.rows && fill(2 * pair + 1, odd)) || present;
-            let out = &mut out[..nx];
-            out[self.columns..].fill(Complex::default());
-            wide::<Join, _>((out, even.as_slice(), odd.as_slice()));
-            if present {
-                self.along_rows[0].process_with_scratch(out, &mut lane.scratch);
+            for (pair, out) in pairs.chunks_exact_mut(nx + PAD).enumerate() {
+                let row = slab * ROWS_OF_SLAB + 2 * pair;
+                even.fill(T::zero());
+                odd.fill(T::zero());
+                let present = fill(input, row, even);
+                let present = (row + 1 < self.rows && fill(input, row + 1, odd)) || present;
+                let out = &mut out[..nx];
+                out[self.columns..].fill(Complex::default());
+                wide::<Join, _>((out, even.as_slice(), odd.as_slice()));
+                if present {
+                    self.along_rows[0].process_with_scratch(out, &mut lane.scratch);
+                }
             }
         });
 
@@ -195,7 +208,7 @@ impl<T: Real> Convolution<T> {
         let blocks = columns.chunks_mut(BLOCK * (ny + PAD)).zip(symbol.chunks(BLOCK * ny));
         let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
         let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
-        self.share(lane, items.collect(), |lane, (block, columns, symbol, energy)| {
+        self.share(lane, items, |lane, (block, columns, symbol, energy)| {
             wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
             for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
@@ -212,22 +225,21 @@ impl<T: Real> Convolution<T> {
         energies.into_iter().sum()
     }
 
-    /// Transforms what [`Convolution::forward`] left back and hands it over row by row. Of `outputs`, one for each slab of
-    /// rows, the rows of a slab get the same, in order.
+    /// Transforms what [`Convolution::forward`] left back and hands it over row by row: `take` gets those of a slab in order.
     ///
     /// # Panics
-    /// If there is not one output for each slab.
-    pub(crate) fn backward<O: Send>(
+    /// If there is not one of `slabs` for each slab of rows.
+    pub(crate) fn backward<S: Send>(
         &self,
-        outputs: Vec<O>,
-        take: impl Fn(&mut O, usize, &[T]) + Sync,
+        slabs: &mut [S],
+        take: impl Fn(&mut S, usize, &[T]) + Sync,
         work: &mut ConvolutionWork<T>,
     ) {
-        assert_eq!(outputs.len(), self.slabs(), "there must be one output for each slab of rows");
+        assert_eq!(slabs.len(), self.slabs(), "there must be one output for each slab of rows");
         let ConvolutionWork { columns, lane, .. } = work;
         let columns = &*columns;
         let nx = self.nx;
-        self.share(lane, outputs.into_iter().enumerate().collect(), |lane, (slab, mut output)| {
+        self.share(lane, slabs.iter_mut().enumerate(), |lane, (slab, output)| {
             let Lane { rows: [even, odd], slab: pairs, scratch } = lane;
             let first = slab * ROWS_OF_SLAB;
             let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
@@ -236,9 +248,9 @@ impl<T: Real> Convolution<T> {
                 self.along_rows[1].process_with_scratch(&mut row[..nx], scratch);
                 wide::<Part, _>((&*row, even.as_mut_slice(), odd.as_mut_slice()));
                 let row = first + 2 * pair;
-                take(&mut output, row, even);
+                take(output, row, even);
                 if row + 1 < self.rows {
-                    take(&mut output, row + 1, odd);
+                    take(output, row + 1, odd);
                 }
             }
         });
@@ -389,19 +401,20 @@ mod tests {
     fn apply<T: Real>(plan: &Convolution<T>, symbol: &[T], constant: T, map: &[f64]) -> (f64, Vec<f64>) {
         let mut work = plan.work();
         let columns = plan.columns;
-        let fill = |row: usize, out: &mut [T]| {
-            let values = &map[row * columns..(row + 1) * columns];
+        let fill = |slab: &mut &[f64], row: usize, out: &mut [T]| {
+            let values = &slab[row % ROWS_OF_SLAB * columns..][..columns];
             out.iter_mut().zip(values).for_each(|(out, z)| *out = T::of(*z));
             values.iter().any(|z| *z != 0.0)
         };
-        let energy = plan.forward(symbol, constant, fill, &mut work);
+        let mut slabs: Vec<&[f64]> = map.chunks(ROWS_OF_SLAB * columns).collect();
+        let energy = plan.forward(symbol, constant, &mut slabs, fill, &mut work);
         let mut result = vec![0.0; map.len()];
-        let slabs = result.chunks_mut(ROWS_OF_SLAB * columns).collect();
+        let mut slabs: Vec<&mut [f64]> = result.chunks_mut(ROWS_OF_SLAB * columns).collect();
         let take = |out: &mut &mut [f64], row: usize, values: &[T]| {
             let out = &mut out[row % ROWS_OF_SLAB * columns..][..columns];
             out.iter_mut().zip(values).for_each(|(out, value)| *out = value.double());
         };
-        plan.backward(slabs, take, &mut work);
+        plan.backward(&mut slabs, take, &mut work);
         (energy, result)
     }
 
