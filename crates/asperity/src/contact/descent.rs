@@ -261,15 +261,20 @@ impl<'a> Descent<'a> {
             }
             self.find_multiplier();
             let projection_turn = iterations % GRADIENT_PROJECTION_PERIOD == GRADIENT_PROJECTION_PERIOD - 1;
+            let was_fresh = self.is_fresh;
             let descended = self.descend(projection_turn);
             self.rescale();
             if descended {
                 iterations += 1;
-            } else if self.is_fresh {
-                break (StopReason::PrecisionLimit, self.certified(f64::INFINITY));
-            } else {
-                self.has_history = false;
+                continue;
+            }
+            // A step too small for any pressure to change may have moved v.
+            self.has_history = false;
+            if !self.is_fresh {
                 self.refresh(None);
+            }
+            if was_fresh {
+                break (StopReason::PrecisionLimit, self.certified(f64::INFINITY));
             }
         };
         self.finish(iterations, stop_reason, residual)

@@ -12,7 +12,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 pub(super) use self::kernels::Step;
-use self::kernels::{Below, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Shifted, Span, Summarise};
+use self::kernels::{
+    Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Shifted, Span, Summarise, load,
+};
 use crate::contact::projection::Shift;
 use crate::contact::solution::Part;
 use crate::fourier::ROWS_OF_SLAB;
@@ -31,6 +33,8 @@ pub(super) trait Caps: Copy + Send + Sync {
     fn head(self, n: usize) -> Self;
     /// That of a cell.
     fn at(self, i: usize) -> f64;
+    /// Those of a chunk of cells.
+    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L];
 }
 
 /// Nothing yields.
@@ -49,6 +53,11 @@ impl Caps for Elastic {
     fn at(self, _i: usize) -> f64 {
         f64::INFINITY
     }
+
+    #[inline(always)]
+    fn chunk<const L: usize>(self, _chunk: usize) -> [f64; L] {
+        [f64::INFINITY; L]
+    }
 }
 
 /// The hardness of every cell.
@@ -66,6 +75,11 @@ impl Caps for Yielding<'_> {
     #[inline(always)]
     fn at(self, i: usize) -> f64 {
         self.0[i]
+    }
+
+    #[inline(always)]
+    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L] {
+        load(self.0, chunk, f64::INFINITY)
     }
 }
 
@@ -466,12 +480,9 @@ impl Slab {
     /// Sum of the gradients v − λ of the cells that may move, and their number.
     pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 2] {
         let Self { open, full, summary: Summary { between_v, between, .. }, .. } = self;
-        let mut sums = [between_v - between * lambda, *between];
-        for v in open.iter().filter(|v| **v < lambda).chain(full.iter().filter(|v| **v > lambda)) {
-            sums[0] += v - lambda;
-            sums[1] += 1.0;
-        }
-        sums
+        let below = wide::<Beyond<false>, _>((open.as_slice(), lambda));
+        let above = wide::<Beyond<true>, _>((full.as_slice(), lambda));
+        [between_v - between * lambda + below[0] + above[0], between + below[1] + above[1]]
     }
 
     /// Computes the gradient v − λ, over `unit_m`, of the cells that may move, or of all.

@@ -4,10 +4,37 @@ use super::{Advance, Caps, Direction, Extent, Products, Summary, within};
 use crate::contact::projection::may_move;
 use crate::wide::Kernel;
 
-/// Partial sums kept side by side.
-const LANES: usize = 8;
+/// Partial sums kept side by side: of few terms as many as hide the time that an addition takes.
+const LANES: usize = 16;
+const FEW_LANES: usize = 8;
 /// Chunks of cells that are summed in single precision before they are added in double.
 const CHUNKS_OF_BLOCK: usize = 64;
+
+// Sums go through the lists chunk by chunk with arrays as accumulators: loops of this form, without any branch, are what the
+// compiler turns into vector instructions.
+
+/// The chunk of that number, continued with `fill` where the list ends.
+#[inline(always)]
+pub(super) fn load<T: Copy, const L: usize>(list: &[T], chunk: usize, fill: T) -> [T; L] {
+    let (chunks, rest) = list.as_chunks::<L>();
+    if let Some(chunk) = chunks.get(chunk) {
+        return *chunk;
+    }
+    let mut out = [fill; L];
+    out[..rest.len()].copy_from_slice(rest);
+    out
+}
+
+/// Puts the chunk of that number back.
+#[inline(always)]
+fn store<T: Copy, const L: usize>(list: &mut [T], chunk: usize, values: [T; L]) {
+    let (chunks, rest) = list.as_chunks_mut::<L>();
+    if let Some(chunk) = chunks.get_mut(chunk) {
+        *chunk = values;
+    } else {
+        rest.copy_from_slice(&values[..rest.len()]);
+    }
+}
 
 /// Adds to `far` a multiple of the displacements of a row, and counts what is below `bound` then.
 pub(super) struct Drift;
@@ -17,11 +44,11 @@ impl<'a> Kernel<(&'a mut [f32], &'a [f32], f32, f32)> for Drift {
 
     #[inline(always)]
     fn run((far, values, factor, bound): (&'a mut [f32], &'a [f32], f32, f32)) -> u32 {
-        let mut below = [0_u32; 2 * LANES];
+        let mut below = [0_u32; LANES];
         let ((far, rest), (values, rest_of_values)) =
-            (far.as_chunks_mut::<{ 2 * LANES }>(), values.as_chunks::<{ 2 * LANES }>());
+            (far.as_chunks_mut::<LANES>(), values.as_chunks::<LANES>());
         for (far, values) in far.iter_mut().zip(values) {
-            for lane in 0..2 * LANES {
+            for lane in 0..LANES {
                 far[lane] += factor * values[lane];
                 below[lane] += u32::from(far[lane] < bound);
             }
@@ -92,34 +119,63 @@ impl<'a, C: Caps> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
 
     #[inline(always)]
     fn run((p, v, bound, caps): (&'a [f64], &'a [f64], f64, C)) -> Summary {
-        let n = p.len();
-        let (v, caps) = (&v[..n], caps.head(n));
-        let mut sums = [[0.0; LANES]; 6];
-        let mut least = [f64::INFINITY; LANES];
-        let mut add = |lane: usize, p: f64, v: f64, upper: f64| {
-            let (below, loaded) = (p < upper, p > 0.0);
-            let free = if below { p } else { 0.0 };
-            let between = below & loaded;
-            sums[0][lane] += p;
-            sums[1][lane] += free;
-            sums[2][lane] += free * v;
-            sums[3][lane] += if between { v } else { 0.0 };
-            sums[4][lane] += if between { 1.0 } else { 0.0 };
-            sums[5][lane] += if !loaded & (v >= bound) { 1.0 } else { 0.0 };
-            least[lane] = if below & (v < least[lane]) { v } else { least[lane] };
-        };
-        for chunk in 0..n / LANES {
-            for lane in 0..LANES {
-                let i = chunk * LANES + lane;
-                add(lane, p[i], v[i], caps.at(i));
+        const L: usize = LANES;
+        let (mut pressure, mut free, mut free_v) = ([0.0; L], [0.0; L], [0.0; L]);
+        let (mut between_v, mut between, mut idle, mut least) = ([0.0; L], [0.0; L], [0.0; L], [f64::INFINITY; L]);
+        for chunk in 0..p.len().div_ceil(L) {
+            let (p, v, upper): ([f64; L], [f64; L], [f64; L]) =
+                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), caps.chunk(chunk));
+            for i in 0..L {
+                let below = !C::YIELD || p[i] < upper[i];
+                let own = if below { p[i] } else { 0.0 };
+                let one = if own > 0.0 { 1.0 } else { 0.0 };
+                if C::YIELD {
+                    pressure[i] += p[i];
+                }
+                free[i] += own;
+                free_v[i] += own * v[i];
+                between_v[i] += one * v[i];
+                between[i] += one;
+                idle[i] += if (p[i] <= 0.0) & (v[i] >= bound) { 1.0 } else { 0.0 };
+                let own = if below { v[i] } else { f64::INFINITY };
+                least[i] = if own < least[i] { own } else { least[i] };
             }
         }
-        for i in n - n % LANES..n {
-            add(i % LANES, p[i], v[i], caps.at(i));
-        }
-        let [pressure, free, free_v, between_v, between, idle] = sums.map(|lanes| lanes.iter().sum());
+        let sum = |lanes: [f64; L]| lanes.iter().sum::<f64>();
+        let free = sum(free);
         let least_v = least.into_iter().fold(f64::INFINITY, f64::min);
-        Summary { pressure, free, free_v, between_v, between, idle, least_v, ..Summary::default() }
+        Summary {
+            pressure: if C::YIELD { sum(pressure) } else { free },
+            free,
+            free_v: sum(free_v),
+            between_v: sum(between_v),
+            between: sum(between),
+            idle: sum(idle),
+            least_v: if least_v < f64::MAX { least_v } else { f64::INFINITY },
+            ..Summary::default()
+        }
+    }
+}
+
+/// Sum of v − λ over the v below λ, or above it, and their number.
+pub(super) struct Beyond<const ABOVE: bool>;
+
+impl<'a, const ABOVE: bool> Kernel<(&'a [f64], f64)> for Beyond<ABOVE> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn run((list, lambda): (&'a [f64], f64)) -> [f64; 2] {
+        let (mut sums, mut count) = ([0.0; LANES], [0.0; LANES]);
+        for chunk in 0..list.len().div_ceil(LANES) {
+            let v: [f64; LANES] = load(list, chunk, lambda);
+            for i in 0..LANES {
+                let g = v[i] - lambda;
+                let counts = if ABOVE { g > 0.0 } else { g < 0.0 };
+                sums[i] += if counts { g } else { 0.0 };
+                count[i] += if counts { 1.0 } else { 0.0 };
+            }
+        }
+        [sums.iter().sum(), count.iter().sum()]
     }
 }
 
@@ -177,39 +233,39 @@ impl<'a> Kernel<[&'a [f32]; 5]> for Multiply {
     type Output = Products;
 
     #[inline(always)]
-    fn run([moves, gradient, preconditioned, step, image]: [&'a [f32]; 5]) -> Products {
+    fn run(lists: [&'a [f32]; 5]) -> Products {
+        const L: usize = FEW_LANES;
         const TERMS: usize = 10;
-        let n = moves.len();
-        let lists = [moves, &gradient[..n], &preconditioned[..n], &step[..n], &image[..n]];
+        let chunks = lists[0].len().div_ceil(L);
         let mut totals = [0.0_f64; TERMS];
-        let term = |[m, g, z, s, w]: [f32; 5]| {
-            let (z, s, w) = (m * z, m * s, m * w);
-            [m, g, z, s, w, g * g, g * z, g * s, s * w, z * w]
-        };
-        let chunks = n / LANES;
         let mut first = 0;
         while first < chunks {
             let last = (first + CHUNKS_OF_BLOCK).min(chunks);
-            let mut lanes = [[0.0_f32; LANES]; TERMS];
+            let [mut members, mut g1, mut z1, mut s1, mut w1] = [[0.0_f32; L]; 5];
+            let [mut gg, mut gz, mut gs, mut sw, mut zw] = [[0.0_f32; L]; 5];
             for chunk in first..last {
-                let heads = lists.map(|list| &list[chunk * LANES..][..LANES]);
-                for lane in 0..LANES {
-                    let terms = term(heads.map(|head| head[lane]));
-                    for k in 0..TERMS {
-                        lanes[k][lane] += terms[k];
-                    }
+                let [moves, gradient, preconditioned, step, image]: [[f32; L]; 5] =
+                    lists.map(|list| load(list, chunk, 0.0));
+                for i in 0..L {
+                    let (m, g) = (moves[i], gradient[i]);
+                    let (z, s, w) = (m * preconditioned[i], m * step[i], m * image[i]);
+                    members[i] += m;
+                    g1[i] += g;
+                    z1[i] += z;
+                    s1[i] += s;
+                    w1[i] += w;
+                    gg[i] += g * g;
+                    gz[i] += g * z;
+                    gs[i] += g * s;
+                    sw[i] += s * w;
+                    zw[i] += z * w;
                 }
             }
-            for k in 0..TERMS {
-                totals[k] += lanes[k].iter().map(|sum| f64::from(*sum)).sum::<f64>();
+            let sums = [members, g1, z1, s1, w1, gg, gz, gs, sw, zw];
+            for (total, lanes) in totals.iter_mut().zip(sums) {
+                *total += lanes.iter().map(|sum| f64::from(*sum)).sum::<f64>();
             }
             first = last;
-        }
-        for i in chunks * LANES..n {
-            let terms = term(lists.map(|list| list[i]));
-            for k in 0..TERMS {
-                totals[k] += f64::from(terms[k]);
-            }
         }
         let [members, g, z, s, w, gg, gz, gs, sw, zw] = totals;
         Products { members, g, z, s, w, gg, gz, gs, sw, zw }
@@ -252,28 +308,23 @@ impl<'a, C: Caps> Kernel<(&'a [f64], C)> for Span {
 
     #[inline(always)]
     fn run((trial, caps): (&'a [f64], C)) -> Extent {
-        let n = trial.len();
-        let caps = caps.head(n);
-        let (mut least, mut largest) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-        let (mut members, mut capacity, mut ceiling) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let mut count = |lane: usize, t: f64, upper: f64| {
-            let moves = t.abs() < f64::INFINITY;
-            least[lane] = if moves & (t < least[lane]) { t } else { least[lane] };
-            largest[lane] = if moves & (t > largest[lane]) { t } else { largest[lane] };
-            members[lane] += if moves { 1.0 } else { 0.0 };
-            if C::YIELD {
-                capacity[lane] += if moves { upper } else { 0.0 };
-                ceiling[lane] = if moves & (upper > ceiling[lane]) { upper } else { ceiling[lane] };
+        const L: usize = LANES;
+        let (mut least, mut largest, mut members) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L], [0.0; L]);
+        let (mut capacity, mut ceiling) = ([0.0; L], [0.0; L]);
+        for chunk in 0..trial.len().div_ceil(L) {
+            let (t, upper): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), caps.chunk(chunk));
+            for i in 0..L {
+                let moves = t[i].abs() < f64::INFINITY;
+                let (low, high) = if moves { (t[i], t[i]) } else { (f64::INFINITY, f64::NEG_INFINITY) };
+                least[i] = if low < least[i] { low } else { least[i] };
+                largest[i] = if high > largest[i] { high } else { largest[i] };
+                members[i] += if moves { 1.0 } else { 0.0 };
+                if C::YIELD {
+                    let own = if moves { upper[i] } else { 0.0 };
+                    capacity[i] += own;
+                    ceiling[i] = if own > ceiling[i] { own } else { ceiling[i] };
+                }
             }
-        };
-        for chunk in 0..n / LANES {
-            for lane in 0..LANES {
-                let i = chunk * LANES + lane;
-                count(lane, trial[i], caps.at(i));
-            }
-        }
-        for i in n - n % LANES..n {
-            count(i % LANES, trial[i], caps.at(i));
         }
         Extent {
             least: least.into_iter().fold(f64::INFINITY, f64::min),
@@ -293,22 +344,15 @@ impl<'a, C: Caps> Kernel<(&'a [f64], f64, C)> for Shifted {
 
     #[inline(always)]
     fn run((trial, shift, caps): (&'a [f64], f64, C)) -> [f64; 2] {
-        let n = trial.len();
-        let caps = caps.head(n);
-        let (mut sums, mut follow) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
-        let mut add = |lane: usize, t: f64, upper: f64| {
-            let value = t + shift;
-            sums[lane] += within(value, upper);
-            follow[lane] += if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 };
-        };
-        for chunk in 0..n / (2 * LANES) {
-            for lane in 0..2 * LANES {
-                let i = chunk * 2 * LANES + lane;
-                add(lane, trial[i], caps.at(i));
+        const L: usize = LANES;
+        let (mut sums, mut follow) = ([0.0; L], [0.0; L]);
+        for chunk in 0..trial.len().div_ceil(L) {
+            let (t, upper): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), caps.chunk(chunk));
+            for i in 0..L {
+                let value = t[i] + shift;
+                sums[i] += within(value, upper[i]);
+                follow[i] += if (value > 0.0) & (value < upper[i]) { 1.0 } else { 0.0 };
             }
-        }
-        for i in n - n % (2 * LANES)..n {
-            add(i % (2 * LANES), trial[i], caps.at(i));
         }
         [sums.iter().sum(), follow.iter().sum()]
     }
@@ -343,34 +387,28 @@ impl<'a, C: Caps, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], &'a 
     type Output = Step;
 
     #[inline(always)]
-    fn run(
-        (trial, p, gradient, shift, shifted, caps): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C),
-    ) -> Step {
-        let n = trial.len();
-        let (p, gradient, caps) = (&p[..n], &gradient[..n], caps.head(n));
-        let mut sums = [[0.0; LANES]; 3];
-        let mut largest = [0.0; LANES];
-        let mut cut = |lane: usize, t: &mut f64, p: f64, g: f32, upper: f64| {
-            let value = *t + shift;
-            let outside = (t.abs() < f64::INFINITY) & ((value < 0.0) | (value > upper));
-            let step = shifted(*t, upper) - p;
-            sums[0][lane] += f64::from(g) * step;
-            sums[1][lane] += step * step;
-            sums[2][lane] += if outside { 1.0 } else { 0.0 };
-            largest[lane] = if step.abs() > largest[lane] { step.abs() } else { largest[lane] };
-            *t = step;
-        };
-        for chunk in 0..n / LANES {
-            for lane in 0..LANES {
-                let i = chunk * LANES + lane;
-                cut(lane, &mut trial[i], p[i], gradient[i], caps.at(i));
+    fn run((trial, p, gradient, shift, shifted, caps): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
+        const L: usize = LANES;
+        let (mut slope, mut square, mut cut, mut largest) = ([0.0; L], [0.0; L], [0.0; L], [0.0; L]);
+        for chunk in 0..trial.len().div_ceil(L) {
+            let mut t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
+            let (p, g): ([f64; L], [f32; L]) = (load(p, chunk, 0.0), load(gradient, chunk, 0.0));
+            let upper: [f64; L] = caps.chunk(chunk);
+            for i in 0..L {
+                let value = t[i] + shift;
+                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > upper[i]));
+                let step = shifted(t[i], upper[i]) - p[i];
+                slope[i] += f64::from(g[i]) * step;
+                square[i] += step * step;
+                cut[i] += if outside { 1.0 } else { 0.0 };
+                largest[i] = if step.abs() > largest[i] { step.abs() } else { largest[i] };
+                t[i] = step;
             }
+            store(trial, chunk, t);
         }
-        for i in n - n % LANES..n {
-            cut(i % LANES, &mut trial[i], p[i], gradient[i], caps.at(i));
-        }
-        let [slope, square, cut] = sums.map(|lanes| lanes.iter().sum());
-        Step { slope, square, largest: largest.into_iter().fold(0.0, f64::max), cut }
+        let sum = |lanes: [f64; L]| lanes.iter().sum::<f64>();
+        let largest = largest.into_iter().fold(0.0, f64::max);
+        Step { slope: sum(slope), square: sum(square), largest, cut: sum(cut) }
     }
 }
 
@@ -382,13 +420,13 @@ impl<'a> Kernel<&'a [f32]> for Largest {
 
     #[inline(always)]
     fn run(values: &'a [f32]) -> f32 {
-        let mut lanes = [0.0_f32; 2 * LANES];
-        let (chunks, rest) = values.as_chunks::<{ 2 * LANES }>();
-        for chunk in chunks {
-            for lane in 0..2 * LANES {
-                lanes[lane] = if chunk[lane].abs() > lanes[lane] { chunk[lane].abs() } else { lanes[lane] };
+        let mut largest = [0.0_f32; LANES];
+        for chunk in 0..values.len().div_ceil(LANES) {
+            let values: [f32; LANES] = load(values, chunk, 0.0);
+            for i in 0..LANES {
+                largest[i] = if values[i].abs() > largest[i] { values[i].abs() } else { largest[i] };
             }
         }
-        rest.iter().chain(&lanes).fold(0.0, |largest: f32, value| largest.max(value.abs()))
+        largest.into_iter().fold(0.0, f32::max)
     }
 }
