@@ -31,6 +31,7 @@ use thiserror::Error;
 
 pub mod area;
 mod coarse_start;
+mod cycle;
 mod descent;
 pub mod exact;
 mod half_space;
@@ -43,6 +44,7 @@ mod solution;
 mod solver;
 mod vectors;
 
+pub use cycle::{LoadPath, LoadStep, Shakedown, work_of_flat_j};
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
