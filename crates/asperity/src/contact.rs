@@ -42,6 +42,7 @@ mod projection;
 mod slab;
 mod solution;
 mod solver;
+mod substrate;
 mod vectors;
 
 pub use cycle::{LoadPath, LoadStep, Shakedown, work_of_flat_j};
@@ -49,6 +50,7 @@ pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
 pub use solver::Solver;
+pub use substrate::{Base, Elastic, Layer, Substrate};
 
 /// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
 /// pascal and Poisson's ratio ν.
