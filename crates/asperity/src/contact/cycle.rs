@@ -5,10 +5,10 @@
 //! left, so that
 //!
 //! - a load that is reached again, or from above, is carried elastically;
-//! - a load that rises step by step ends where one step to it does, provided that no cell at the hardness is relieved
-//!   on the way. On a half-space none is: the pressure a further approach adds is that of a flat punch in the shape of the
-//!   cells below the hardness, nowhere negative. (A substrate whose surface bulges beside a load, such as a nearly incompressible layer,
-//!   may relieve cells; then the path matters.)
+//! - a load that rises step by step ends where one step to it does, provided that no cell at the hardness is relieved on the
+//!   way. On a half-space none is: the pressure that a further approach adds is that of a flat punch in the shape of the contact below
+//!   the hardness, nowhere negative. (A substrate that bulges beside a load, such as a nearly incompressible layer, may relieve
+//!   cells; then the path matters.)
 //!
 //! So repeated equal cycles shake down after the first. Over a path that ends unloaded the work of the flat ∮F dδ is
 //! what plastic flow dissipates, Σ H Δu_pl dA: the elastic energy ½ Σ p u dA is that of the current pressure alone.
@@ -213,6 +213,22 @@ impl<'a> LoadPath<'a> {
     fn in_coordinates_of_the_map(&self, control: Control) -> Result<Control, ContactError> {
         let original = Problem::new(self.half_space, self.original_heights_m, control, self.hardness_pa)?;
         Ok(original.plane_m().map_or(control, |height_m| Control::Plane { height_m }))
+    }
+}
+
+impl Solution {
+    /// Work in joule that plastic flow dissipated under this load, Σ p u_pl dA, the surface not having been loaded before.
+    pub fn plastic_work_j(&self) -> f64 {
+        let work: f64 = self.pressure_pa().iter().zip(&self.plastic_displacement_m()).map(|(p, u)| p * u).sum();
+        work * self.grid().cell_area_m2()
+    }
+
+    /// The heights z − u_pl in metre that are left of `heights_m` after complete unloading.
+    ///
+    /// # Panics
+    /// If the heights do not fit the grid.
+    pub fn residual_heights_m(&self, heights_m: &Array2<f64>) -> Array2<f64> {
+        heights_m - &self.plastic_displacement_m()
     }
 }
 

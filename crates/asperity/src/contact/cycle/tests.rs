@@ -87,6 +87,8 @@ fn what_was_carried_once_is_carried_elastically_again() {
         let top = path.press(load(newton), &SOLVER).unwrap().solution.unwrap();
         let left = path.residual_heights_m().clone();
         let dissipated = path.plastic_work_j();
+        assert!((top.plastic_work_j() / dissipated - 1.0).abs() < 1e-6);
+        assert!(largest_difference(&top.residual_heights_m(&heights), &left) <= 2e-10 * heights.std(0.0));
         for share in [0.8, 0.3, 0.0, 0.05, 0.5, 1.0] {
             let step = path.press(load(share * newton), &SOLVER).unwrap();
             assert!(step.converged() && step.largest_increment_m < 1e-8 * heights.std(0.0), "{share}: {step:?}");
