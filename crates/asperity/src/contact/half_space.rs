@@ -348,6 +348,7 @@ fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64, layer: Opti
     let (rows, columns) = (plan.ny(), plan.nx());
     let mut kernel = vec![0.0; rows * columns];
     let (nx, ny) = (grid.nx() as f64, grid.ny() as f64);
+    let added = layer.map(|layer| layer.coefficients_m_per_pa(grid));
     for row in 0..rows {
         let cells_y = signed_index(row, rows).abs();
         for column in 0..columns {
@@ -355,9 +356,9 @@ fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64, layer: Opti
             // Lags beyond the patch are never read by the cropped convolution.
             if cells_x < nx && cells_y < ny {
                 let (x_m, y_m) = (cells_x * grid.dx_m(), cells_y * grid.dy_m());
-                let (dx_m, dy_m) = (grid.dx_m(), grid.dy_m());
-                let added = layer.map_or(0.0, |layer| layer.coefficient_m_per_pa(x_m, y_m, dx_m, dy_m));
-                kernel[row * columns + column] = love_coefficient(x_m, y_m, dx_m, dy_m, modulus_pa) + added;
+                let added = added.as_ref().map_or(0.0, |added| added[cells_y as usize * grid.nx() + cells_x as usize]);
+                kernel[row * columns + column] =
+                    love_coefficient(x_m, y_m, grid.dx_m(), grid.dy_m(), modulus_pa) + added;
             }
         }
     }

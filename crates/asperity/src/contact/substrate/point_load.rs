@@ -9,9 +9,11 @@
 
 use std::f64::consts::PI;
 
+use rayon::prelude::*;
 use statrs::function::erf::erfc;
 
 use super::{Base, Layer};
+use crate::map::Grid;
 
 /// Chebyshev points of a piece: the nearest singularity, a load mirrored at the depth 2h, leaves 6⁻¹⁶.
 const NODES: usize = 16;
@@ -20,7 +22,8 @@ const END: f64 = 22.0;
 /// ρδ of the window, and the windows' end over δ.
 const WINDOW: f64 = 13.0;
 const WINDOW_END: f64 = 12.0;
-/// Sides of a cell over its distance from what matters, up to which 3 and 5 points in either direction are enough.
+/// Sides of a cell over its distance from what matters, up to which 2, 3 and 5 points in either direction are enough.
+const TINY: f64 = 0.006;
 const SMALL: f64 = 0.05;
 const LARGE: f64 = 0.25;
 
@@ -33,8 +36,9 @@ pub(in crate::contact) struct PointLoad {
     /// Chebyshev coefficients of Φ on [0, 1], [1, 2], [2, 4], …
     pieces: Vec<[f64; NODES]>,
     /// Gauss' rules for cells.
-    few: [(f64, f64); 3],
-    many: [(f64, f64); 5],
+    two: [(f64, f64); 2],
+    three: [(f64, f64); 3],
+    five: [(f64, f64); 5],
 }
 
 impl PointLoad {
@@ -48,7 +52,14 @@ impl PointLoad {
             end *= 2.0;
         }
         let unit = 1.0 / (PI * layer.material.contact_modulus_pa() * layer.thickness_m);
-        Self { thickness_m: layer.thickness_m, unit, pieces, few: gauss_legendre(), many: gauss_legendre() }
+        Self {
+            thickness_m: layer.thickness_m,
+            unit,
+            pieces,
+            two: gauss_legendre(),
+            three: gauss_legendre(),
+            five: gauss_legendre(),
+        }
     }
 
     /// Φ at the distance ρ over the thickness, within reach.
@@ -59,9 +70,22 @@ impl PointLoad {
         clenshaw(&self.pieces[index], (2.0 * rho - start - end) / (end - start))
     }
 
+    /// What the layer adds to the influence coefficients of a grid in m/Pa: row-major by the cells between source and target, along
+    /// either axis.
+    pub(in crate::contact) fn coefficients_m_per_pa(&self, grid: Grid) -> Vec<f64> {
+        let (nx, dx_m, dy_m) = (grid.nx(), grid.dx_m(), grid.dy_m());
+        let mut coefficients = vec![0.0; grid.points()];
+        coefficients.par_chunks_mut(nx).enumerate().for_each(|(row, coefficients)| {
+            for (column, coefficient) in coefficients.iter_mut().enumerate() {
+                *coefficient = self.coefficient_m_per_pa(column as f64 * dx_m, row as f64 * dy_m, dx_m, dy_m);
+            }
+        });
+        coefficients
+    }
+
     /// What the layer adds to the displacement at (x, y) by a unit pressure on the rectangle `dx_m` × `dy_m` about the origin, in
     /// m/Pa.
-    pub(in crate::contact) fn coefficient_m_per_pa(&self, x_m: f64, y_m: f64, dx_m: f64, dy_m: f64) -> f64 {
+    fn coefficient_m_per_pa(&self, x_m: f64, y_m: f64, dx_m: f64, dy_m: f64) -> f64 {
         self.unit * self.over_rectangle([x_m, y_m], [dx_m, dy_m])
     }
 
@@ -79,7 +103,11 @@ impl PointLoad {
             second[larger] += 0.5 * half[larger];
             return self.over_rectangle(first, half) + self.over_rectangle(second, half);
         }
-        let rule = if sides[larger] > SMALL * distance { self.many.as_slice() } else { self.few.as_slice() };
+        let rule = match sides[larger] / distance {
+            share if share > SMALL => self.five.as_slice(),
+            share if share > TINY => self.three.as_slice(),
+            _ => self.two.as_slice(),
+        };
         let mut sum = 0.0;
         for (u, weight_x) in rule {
             for (v, weight_y) in rule {
