@@ -6,9 +6,9 @@
 //!
 //! - a load that is reached again, or from above, is carried elastically;
 //! - a load that rises step by step ends where one step to it does, provided that no cell at the hardness is relieved on the
-//!   way. On a half-space none is: the pressure that a further approach adds is that of a flat punch in the shape of the contact below
-//!   the hardness, nowhere negative. (A substrate that bulges beside a load, such as a nearly incompressible layer, may relieve
-//!   cells; then the path matters.)
+//!   way. On a half-space none is: the pressure that a further approach Δδ adds is that of a flat punch in the shape of the contact
+//!   below the hardness, nowhere negative, and its displacement nowhere exceeds Δδ. (Both follow from the maximum principle of the
+//!   potential 1/r, which the response of a layer need not have; on layers the path may matter.)
 //!
 //! So repeated equal cycles shake down after the first. Over a path that ends unloaded the work of the flat ∮F dδ is
 //! what plastic flow dissipates, Σ H Δu_pl dA: the elastic energy ½ Σ p u dA is that of the current pressure alone.

@@ -22,7 +22,7 @@ pub(super) struct Layering {
     base_youngs_modulus: Option<Pressure>,
     /// Poisson's ratio of an elastic base; 0.3 when left out.
     #[arg(long, value_name = "X", value_parser = args::poisson_ratio, allow_hyphen_values = true,
-          requires = "base_youngs_modulus")]
+          requires = "base_youngs_modulus", conflicts_with = "rigid_base")]
     base_poisson_ratio: Option<f64>,
 }
 
@@ -53,9 +53,8 @@ impl Layering {
     /// A warning where the layer is thinner than the surface is high.
     pub(super) fn doubt(&self, heights_span_m: f64) -> Option<String> {
         let thickness = self.layer_thickness.filter(|thickness| thickness.0 < heights_span_m)?;
-        let span = Length(heights_span_m);
         Some(format!(
-            "the heights span {span}, more than the layer's thickness {thickness}, which is taken as the same everywhere"
+            "the heights span {heights_span_m:.1e} m, more than the layer's thickness {thickness}, which is taken as the same everywhere"
         ))
     }
 }
