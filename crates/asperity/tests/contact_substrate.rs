@@ -113,7 +113,8 @@ fn the_middle_of_a_wide_pressed_patch_of_a_layer_moves_as_the_layer_confined() {
         let wanted = substrate.mean_compliance_m_per_pa().unwrap();
         let found = u[80 * 161 + 80];
         assert!((found - wanted).abs() < 1e-9, "{thickness_m} {nu}: {found:e} {wanted:e}");
-        // A wave under a window that is smooth over many thicknesses moves it by the compliance of the waves it is made of.
+        // A wave under a window that is smooth over many thicknesses moves it by the compliance of the waves it is made
+        // of.
         let (q, width) = (TAU / 16.0, 14.0);
         let window = |i: f64| (-0.5 * ((i - 80.0) / width).powi(2)).exp();
         let wave = |i: usize| {
@@ -193,12 +194,14 @@ fn rough_contacts_on_layers_carry_their_certificates() {
                     (Control::Percentile { percent: 10.0 }, None),
                     (Control::MeanGap { metre: 0.5 * heights.std(0.0) }, None),
                 ] {
-                    // A free patch of a stiff coating on a soft base bends away from the flat: no load brings the gap down.
+                    // A free patch of a stiff coating on a soft base bends away from the flat: no load brings the gap
+                    // down.
                     if matches!((control, boundary), (Control::MeanGap { .. }, Boundary::Free)) {
                         continue;
                     }
                     if let Err(error) = Problem::new(&half_space, &heights, control, hardness) {
-                        // A layer that cannot be compressed on the whole, and a base whose mean compliance is not given.
+                        // A layer that cannot be compressed on the whole, and a base whose mean compliance is not
+                        // given.
                         assert!(control.prescribes_plane() && half_space.boundary() == PERIODIC, "{error}");
                         continue;
                     }
@@ -241,7 +244,8 @@ fn a_thick_layer_has_the_contact_of_hertz() {
         None,
     );
     let hertz = Hertz::new(1.0 / 0.91, 1.0, load_n);
-    // What the base takes away is about that of the load at the depth 2h: of the order a/h, and its curvature of (a/h)³.
+    // What the base takes away is about that of the load at the depth 2h: of the order a/h, and its curvature of
+    // (a/h)³.
     for (ratio, pressure) in [(10.0, 2e-3), (100.0, 2e-6), (1000.0, 1e-7)] {
         let half_space = HalfSpace::on(layer(ratio * radius, 0.3, Base::Rigid), grid, Boundary::Free).unwrap();
         let found = solve(&heights, &half_space, Control::Load { newton: load_n }, None);

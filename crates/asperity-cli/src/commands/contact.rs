@@ -39,9 +39,9 @@ pub(crate) struct Contact {
     /// What lies beyond the edge of the map.
     #[arg(long, value_enum)]
     boundary: Edge,
-    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*), or what the longest
-    /// wave has on a layer, where the position of the flat is prescribed; 0, so that displacements have mean zero, elsewhere.
-    /// A layer on a rigid base has its own.
+    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*), or what the
+    /// longest wave has on a layer, where the position of the flat is prescribed; 0, so that displacements have mean
+    /// zero, elsewhere. A layer on a rigid base has its own.
     #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
     mean_compliance: Option<Compliance>,
     #[command(flatten)]
@@ -49,14 +49,15 @@ pub(crate) struct Contact {
     /// Upper bound of the pressure; elastic when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     hardness: Option<Pressure>,
-    /// Tell what is left after unloading: the work of plastic flow and the residual heights, with --out residual_height_m.
+    /// Tell what is left after unloading: the work of plastic flow and the residual heights, with --out
+    /// residual_height_m.
     #[arg(long, requires = "hardness")]
     unload: bool,
     /// Bound on the relative residuals, below 1.
     #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, and with --unload
-    /// residual_height_m.
+    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, and with
+    /// --unload residual_height_m.
     #[arg(long, value_name = "F.npz")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table.

@@ -1,20 +1,21 @@
 //! Unloading, re-loading and load cycles of an elasto-plastic contact.
 //!
-//! A contact with hardness H leaves the plastic displacement u_pl where p = H (see [`Problem`]). The surface keeps it: the next
-//! load meets the heights z − u_pl. At the same load the pressure p still solves the problem on these heights, with no overlap
-//! left, so that
+//! A contact with hardness H leaves the plastic displacement u_pl where p = H (see [`Problem`]). The surface keeps it:
+//! the next load meets the heights z − u_pl. At the same load the pressure p still solves the problem on these heights,
+//! with no overlap left, so that
 //!
 //! - a load that is reached again, or from above, is carried elastically;
-//! - a load that rises step by step ends where one step to it does, provided that no cell at the hardness is relieved on the
-//!   way. On a half-space none is: the pressure that a further approach Δδ adds is that of a flat punch in the shape of the contact
-//!   below the hardness, nowhere negative, and its displacement nowhere exceeds Δδ. (Both follow from the maximum principle of the
-//!   potential 1/r, which the response of a layer need not have; on layers the path may matter.)
+//! - a load that rises step by step ends where one step to it does, provided that no cell at the hardness is relieved
+//!   on the way. On a half-space none is: the pressure that a further approach Δδ adds is that of a flat punch in the
+//!   shape of the contact below the hardness, nowhere negative, and its displacement nowhere exceeds Δδ. (Both follow
+//!   from the maximum principle of the potential 1/r, which the response of a layer need not have; on layers the path
+//!   may matter.)
 //!
 //! So repeated equal cycles shake down after the first. Over a path that ends unloaded the work of the flat ∮F dδ is
 //! what plastic flow dissipates, Σ H Δu_pl dA: the elastic energy ½ Σ p u dA is that of the current pressure alone.
 //!
-//! Heights stay in the coordinates of the map as it was: a penetration counts from *its* highest point, a percentile from *its*
-//! heights, whatever has been flattened since.
+//! Heights stay in the coordinates of the map as it was: a penetration counts from *its* highest point, a percentile
+//! from *its* heights, whatever has been flattened since.
 //!
 //! # References
 //! A. Almqvist, F. Sahlin, R. Larsson and S. Glavatskih, *Tribology International* **40** (2007) 574,
@@ -41,9 +42,11 @@ pub struct LoadPath<'a> {
 pub struct LoadStep {
     /// What was asked for.
     pub control: Control,
-    /// The contact on the heights that the loads before had left; `None` after complete unloading, where nothing touches.
+    /// The contact on the heights that the loads before had left; `None` after complete unloading, where nothing
+    /// touches.
     pub solution: Option<Solution>,
-    /// Height of the flat in metre, in the coordinates of the map; without load, where it touches the highest point left.
+    /// Height of the flat in metre, in the coordinates of the map; without load, where it touches the highest point
+    /// left.
     pub plane_m: f64,
     /// Load in newton.
     pub load_n: f64,
@@ -59,7 +62,8 @@ impl LoadStep {
         self.solution.as_ref().is_none_or(Solution::converged)
     }
 
-    /// Elastic energy ½ Σ p u dA in joule. Under a prescribed load on a periodic half-space it contains the mean compliance's share.
+    /// Elastic energy ½ Σ p u dA in joule. Under a prescribed load on a periodic half-space it contains the mean
+    /// compliance's share.
     pub fn elastic_energy_j(&self) -> f64 {
         self.solution.as_ref().map_or(0.0, |solution| {
             let work: f64 = solution.pressure_pa().iter().zip(solution.displacement_m()).map(|(p, u)| p * u).sum();
@@ -102,8 +106,8 @@ impl<'a> LoadPath<'a> {
         })
     }
 
-    /// Presses as `control` says, on the heights left by the loads before, and keeps the imprint. A load or mean pressure of zero
-    /// is complete unloading.
+    /// Presses as `control` says, on the heights left by the loads before, and keeps the imprint. A load or mean
+    /// pressure of zero is complete unloading.
     ///
     /// Plastic displacements below the tolerance of the solution are not taken for true; where they are, the next load
     /// meets them again. A solution that is not converged leaves no imprint.
@@ -163,8 +167,8 @@ impl<'a> LoadPath<'a> {
         Ok(steps)
     }
 
-    /// Repeats the cycle `controls` until one adds no more plastic displacement than `tolerance` times the rms height of the map,
-    /// at most `most_cycles` times. A tolerance below the solver's cannot be told from its errors.
+    /// Repeats the cycle `controls` until one adds no more plastic displacement than `tolerance` times the rms height
+    /// of the map, at most `most_cycles` times. A tolerance below the solver's cannot be told from its errors.
     ///
     /// # Errors
     /// As [`LoadPath::press`]; the tolerance is not positive.
@@ -217,7 +221,8 @@ impl<'a> LoadPath<'a> {
 }
 
 impl Solution {
-    /// Work in joule that plastic flow dissipated under this load, Σ p u_pl dA, the surface not having been loaded before.
+    /// Work in joule that plastic flow dissipated under this load, Σ p u_pl dA, the surface not having been loaded
+    /// before.
     pub fn plastic_work_j(&self) -> f64 {
         let work: f64 = self.pressure_pa().iter().zip(&self.plastic_displacement_m()).map(|(p, u)| p * u).sum();
         work * self.grid().cell_area_m2()
@@ -232,8 +237,9 @@ impl Solution {
     }
 }
 
-/// Work −∫F dd in joule that the flat does along `steps`, d being its height, by the trapezoidal rule. With equal steps of the load
-/// from first touch on, where the approach rises as F^{2/3}, its error falls with their number to the power 5/3.
+/// Work −∫F dd in joule that the flat does along `steps`, d being its height, by the trapezoidal rule. With equal steps
+/// of the load from first touch on, where the approach rises as F^{2/3}, its error falls with their number to the power
+/// 5/3.
 pub fn work_of_flat_j(steps: &[LoadStep]) -> f64 {
     steps.windows(2).map(|pair| 0.5 * (pair[0].load_n + pair[1].load_n) * (pair[0].plane_m - pair[1].plane_m)).sum()
 }

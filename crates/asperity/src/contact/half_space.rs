@@ -20,7 +20,8 @@ pub enum Boundary {
     },
 }
 
-/// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant pressure.
+/// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
+/// pressure.
 ///
 /// Shared by any number of threads; each brings its own [`Workspace`].
 #[derive(Debug, Clone)]
@@ -90,8 +91,10 @@ impl HalfSpace {
 
     /// As [`HalfSpace::new`] on any substrate.
     ///
-    /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is added to
-    /// them. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces the given one.
+    /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is
+    /// added to them, to 10⁻¹⁰ of the largest: all that is left on a rigid base of a layer thinner than some 10⁻⁷ of a
+    /// cell is that error. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which
+    /// replaces the given one.
     ///
     /// # Errors
     /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative.

@@ -1,21 +1,22 @@
 //! What carries the surface: a half-space, or a layer on a rigid or an elastic base.
 //!
-//! A pressure wave p̂ e^{iqx} without shear moves the surface by û = C(q) p̂, and C(q) = R(qh)·2/(E*q) with the contact modulus
-//! E* and the thickness h of the layer. The stresses of such a wave follow from Airy's function (A + Bz) e^{−qz} + (C + Dz) e^{qz}
-//! in the layer and (P + Qz) e^{−qz} in the base, with 2Gw = (1−ν)φ‴/q² − (2−ν)φ′ and 2Gu = (1−ν)φ″/q + νqφ, and the six
-//! conditions: pressure and no shear on top, and both stresses and displacements continuous where layer and base are bonded. Eliminating
-//! them gives, with y = 2qh, k = 3 − 4ν, μ = G₁/G₂, a = (1+μk₂)(μ+k₁), b = (μk₂−k₁)(μ−1),
+//! A pressure wave p̂ e^{iqx} without shear moves the surface by û = C(q) p̂, and C(q) = R(qh)·2/(E*q) with the contact
+//! modulus E* and the thickness h of the layer. The stresses of such a wave follow from Airy's function (A + Bz)
+//! e^{−qz} + (C + Dz) e^{qz} in the layer and (P + Qz) e^{−qz} in the base, with 2Gw = (1−ν)φ‴/q² − (2−ν)φ′ and 2Gu =
+//! (1−ν)φ″/q + νqφ, and the six conditions: pressure and no shear on top, and both stresses and displacements
+//! continuous where layer and base are bonded. Eliminating them gives, with y = 2qh, k = 3 − 4ν, μ = G₁/G₂, a =
+//! (1+μk₂)(μ+k₁), b = (μk₂−k₁)(μ−1),
 //!
 //! R = [2a(sinh y − y) + 2y(1+μk₂)(2μ+k₁−1) + (a−b)e^{−y}]
 //!   / [(a−b) sinh y + (a+b)(cosh y − 1 − y²/2) + (1+k₁)² + (1+k₁)(1+μ(k₂−1)/2)y²],
 //!
-//! in which no term is negative, so that none cancels. A rigid base is μ = 0; one without friction has no shear at the base instead of
-//! a displacement along it, and R = (cosh y − 1)/(sinh y + y).
+//! in which no term is negative, so that none cancels. A rigid base is μ = 0; one without friction has no shear at the
+//! base instead of a displacement along it, and R = (cosh y − 1)/(sinh y + y).
 //!
 //! # References
-//! D. M. Burmister, *J. Appl. Phys.* **16** (1945) 89, <https://doi.org/10.1063/1.1707558>.
-//! T. C. O'Sullivan and R. B. King, *J. Tribology* **110** (1988) 235, <https://doi.org/10.1115/1.3261591>.
-//! G. Carbone and L. Mangialardi, *J. Mech. Phys. Solids* **56** (2008) 684, <https://doi.org/10.1016/j.jmps.2007.05.009>.
+//! D. M. Burmister, *J. Appl. Phys.* **16** (1945) 89, <https://doi.org/10.1063/1.1707558>. T. C. O'Sullivan and R. B.
+//! King, *J. Tribology* **110** (1988) 235, <https://doi.org/10.1115/1.3261591>. G. Carbone and L. Mangialardi, *J.
+//! Mech. Phys. Solids* **56** (2008) 684, <https://doi.org/10.1016/j.jmps.2007.05.009>.
 
 use std::f64::consts::TAU;
 
@@ -102,7 +103,8 @@ impl Substrate {
         }
     }
 
-    /// C(q) = û/p̂ in m/Pa at the wavenumber q > 0 in rad/m. At q = 0 it is the limit, which without a rigid base is infinite.
+    /// C(q) = û/p̂ in m/Pa at the wavenumber q > 0 in rad/m. At q = 0 it is the limit, which without a rigid base is
+    /// infinite.
     pub fn compliance_m_per_pa(&self, q_rad_per_m: f64) -> f64 {
         match self {
             Self::HalfSpace { modulus_pa } => 2.0 / (modulus_pa * q_rad_per_m),
@@ -113,8 +115,9 @@ impl Substrate {
         }
     }
 
-    /// The limit of C(q) for long waves in m/Pa: on a rigid base h(1+ν)(1−2ν)/(E(1−ν)) where the layer is bonded, and h/E* where it
-    /// slips (it then widens along the wave; laterally confined layers are stiffer); `None` where it is infinite.
+    /// The limit of C(q) for long waves in m/Pa: on a rigid base h(1+ν)(1−2ν)/(E(1−ν)) where the layer is bonded, and
+    /// h/E* where it slips (it then widens along the wave; laterally confined layers are stiffer); `None` where it is
+    /// infinite.
     pub fn mean_compliance_m_per_pa(&self) -> Option<f64> {
         let Self::Layer(Layer { thickness_m, material, base }) = self else {
             return None;
@@ -129,7 +132,8 @@ impl Substrate {
         }
     }
 
-    /// The mean compliance of a periodic surface in m/Pa: its own on a rigid base, elsewhere customarily that of the longest wave.
+    /// The mean compliance of a periodic surface in m/Pa: its own on a rigid base, elsewhere customarily that of the
+    /// longest wave.
     pub fn usual_mean_compliance_m_per_pa(&self, grid: Grid) -> f64 {
         let longest_m = grid.width_m().max(grid.height_m());
         self.mean_compliance_m_per_pa().unwrap_or_else(|| self.compliance_m_per_pa(TAU / longest_m))
@@ -219,7 +223,8 @@ fn cosh_less_parabola(y: f64) -> f64 {
     }
 }
 
-/// Σ y^{2j}/n! over j ≥ `first`, with n = 2j + 1 when `first` is 1 (sinh y/y) and n = 2j when it is 2 (cosh y), for y < 1.
+/// Σ y^{2j}/n! over j ≥ `first`, with n = 2j + 1 when `first` is 1 (sinh y/y) and n = 2j when it is 2 (cosh y), for y <
+/// 1.
 fn series_of_cosh(y: f64, first: u32) -> f64 {
     let shift = if first == 1 { 1.0 } else { 0.0 };
     let (mut sum, mut term) = (0.0, 1.0);

@@ -54,7 +54,8 @@ impl Layering {
     pub(super) fn doubt(&self, heights_span_m: f64) -> Option<String> {
         let thickness = self.layer_thickness.filter(|thickness| thickness.0 < heights_span_m)?;
         Some(format!(
-            "the heights span {heights_span_m:.1e} m, more than the layer's thickness {thickness}, which is taken as the same everywhere"
+            "the heights span {heights_span_m:.1e} m, more than the layer's thickness {thickness}, \
+             which is taken as the same everywhere"
         ))
     }
 }

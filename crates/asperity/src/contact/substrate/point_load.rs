@@ -1,11 +1,12 @@
 //! What a layer changes in the displacement about a load on the free boundary.
 //!
-//! A point load F moves the surface of a half-space by F/(πE*r). A layer of thickness h adds F/(πE*h)·Φ(r/h) with
-//! Φ(ρ) = ∫₀^∞ (R(s) − 1) J₀(sρ) ds, R being the ratio of the compliances. R − 1 falls off as s²e^{−2s}, so that Φ is smooth on the
-//! scale of the layer, and far off on that of the distance: it is integrated by Gauss' rule at the Chebyshev points of [0, 1], [1, 2],
-//! [2, 4], …. Far off only waves as long as the distance contribute: a window ½ erfc((s − 6δ)/δ) takes the others away, which leaves
-//! e^{−(ρδ)²/4}. Cells are integrated over by Gauss' rule, split where they are large against their distance and the layer. The result errs
-//! by less than 10⁻¹⁰ of what the cell's own pressure does to a half-space.
+//! A point load F moves the surface of a half-space by F/(πE*r). A layer of thickness h adds F/(πE*h)·Φ(r/h) with Φ(ρ)
+//! = ∫₀^∞ (R(s) − 1) J₀(sρ) ds, R being the ratio of the compliances. R − 1 falls off as s²e^{−2s}, so that Φ is smooth
+//! on the scale of the layer, and far off on that of the distance: it is integrated by Gauss' rule at the Chebyshev
+//! points of [0, 1], [1, 2], [2, 4], …. Far off only waves as long as the distance contribute: a window ½ erfc((s −
+//! 6δ)/δ) takes the others away, which leaves e^{−(ρδ)²/4}. Cells are integrated over by Gauss' rule, split where they
+//! are large against their distance and the layer. The result errs by less than 10⁻¹⁰ of what the cell's own pressure
+//! does to a half-space.
 
 use std::f64::consts::PI;
 
@@ -70,8 +71,8 @@ impl PointLoad {
         clenshaw(&self.pieces[index], (2.0 * rho - start - end) / (end - start))
     }
 
-    /// What the layer adds to the influence coefficients of a grid in m/Pa: row-major by the cells between source and target, along
-    /// either axis.
+    /// What the layer adds to the influence coefficients of a grid in m/Pa: row-major by the cells between source and
+    /// target, along either axis.
     pub(in crate::contact) fn coefficients_m_per_pa(&self, grid: Grid) -> Vec<f64> {
         let (nx, dx_m, dy_m) = (grid.nx(), grid.dx_m(), grid.dy_m());
         let mut coefficients = vec![0.0; grid.points()];
@@ -83,8 +84,8 @@ impl PointLoad {
         coefficients
     }
 
-    /// What the layer adds to the displacement at (x, y) by a unit pressure on the rectangle `dx_m` × `dy_m` about the origin, in
-    /// m/Pa.
+    /// What the layer adds to the displacement at (x, y) by a unit pressure on the rectangle `dx_m` × `dy_m` about the
+    /// origin, in m/Pa.
     fn coefficient_m_per_pa(&self, x_m: f64, y_m: f64, dx_m: f64, dy_m: f64) -> f64 {
         self.unit * self.over_rectangle([x_m, y_m], [dx_m, dy_m])
     }
@@ -133,7 +134,8 @@ fn piece(layer: &Layer, start: f64, end: f64) -> [f64; NODES] {
     })
 }
 
-/// Nodes s of the integral over (R(s) − 1) J₀(sρ), windowed by `delta`, for ρ up to `longest`; with them weight·(R − 1).
+/// Nodes s of the integral over (R(s) − 1) J₀(sρ), windowed by `delta`, for ρ up to `longest`; with them weight·(R −
+/// 1).
 fn nodes(layer: &Layer, delta: f64, longest: f64) -> Vec<(f64, f64)> {
     let rule = gauss_legendre::<16>();
     // R changes at s = 1 and, on a base that is softer, from the ratio of the moduli on.
@@ -205,8 +207,8 @@ const SINES: [f64; 16] = [
     0.998_795_456_205_172_4,
 ];
 
-/// Bessel's J₀ for x ≥ 0 to 10⁻¹⁵: the mean of cos(x sin t) over equidistant t, which 32 points know up to J₆₄(x), and Hankel's
-/// expansion from x = 25 on.
+/// Bessel's J₀ for x ≥ 0 to 10⁻¹⁵: the mean of cos(x sin t) over equidistant t, which 32 points know up to J₆₄(x), and
+/// Hankel's expansion from x = 25 on.
 ///
 /// # References
 /// M. Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions* (1964), 9.1.18 and 9.2.5.
