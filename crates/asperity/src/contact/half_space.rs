@@ -92,9 +92,9 @@ impl HalfSpace {
     /// As [`HalfSpace::new`] on any substrate.
     ///
     /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is
-    /// added to them, to 10⁻¹⁰ of the largest: all that is left on a rigid base of a layer thinner than some 10⁻⁷ of a
-    /// cell is that error. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which
-    /// replaces the given one.
+    /// added to them, to 10⁻¹⁰ of the largest; a layer on a rigid base that is thinner than some 10⁻⁷ of a cell is lost
+    /// in that error. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces
+    /// the given one.
     ///
     /// # Errors
     /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative.
