@@ -31,6 +31,7 @@ use thiserror::Error;
 
 pub mod area;
 mod coarse_start;
+mod cycle;
 mod descent;
 pub mod exact;
 mod half_space;
@@ -42,11 +43,14 @@ mod pyramid;
 mod slab;
 mod solution;
 mod solver;
+mod substrate;
 
+pub use cycle::{LoadPath, LoadStep, Shakedown, work_of_flat_j};
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
 pub use solver::Solver;
+pub use substrate::{Base, Elastic, Layer, Substrate};
 
 /// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
 /// pascal and Poisson's ratio ν.

@@ -1,9 +1,12 @@
 //! Contact of a rough surface with a rigid flat.
 
+mod layering;
+mod unloading;
+
 use std::path::PathBuf;
 
 use asperity::contact::{
-    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, contact_modulus_pa, memory_bytes,
+    Boundary, ContactError, Control, Elastic, HalfSpace, Problem, Solution, Solver, StopReason, Substrate, memory_bytes,
 };
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
@@ -15,6 +18,8 @@ use crate::monitor::Terminal;
 use crate::output::{Answer, check_target};
 use crate::resources::require_memory;
 use crate::{args, npz};
+use layering::Layering;
+use unloading::Unloaded;
 
 /// Presses a rough surface against a rigid flat.
 #[derive(Debug, Args)]
@@ -29,11 +34,14 @@ pub(crate) struct Contact {
     /// Poisson's ratio of the surface.
     #[arg(long, value_name = "X", default_value = "0.3", value_parser = args::poisson_ratio, allow_hyphen_values = true)]
     poisson_ratio: f64,
+    #[command(flatten)]
+    layering: Layering,
     /// What lies beyond the edge of the map.
     #[arg(long, value_enum)]
     boundary: Edge,
-    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*) where the
-    /// position of the flat is prescribed; 0, so that displacements have mean zero, elsewhere.
+    /// Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*), or what the
+    /// longest wave has on a layer, where the position of the flat is prescribed; 0, so that displacements have mean
+    /// zero, elsewhere. A layer on a rigid base has its own.
     #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
     mean_compliance: Option<Compliance>,
     #[command(flatten)]
@@ -41,10 +49,15 @@ pub(crate) struct Contact {
     /// Upper bound of the pressure; elastic when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     hardness: Option<Pressure>,
+    /// Tell what is left after unloading: the work of plastic flow and the residual heights, with --out
+    /// residual_height_m.
+    #[arg(long, requires = "hardness")]
+    unload: bool,
     /// Bound on the relative residuals, below 1.
     #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m.
+    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, and with
+    /// --unload residual_height_m.
     #[arg(long, value_name = "F.npz")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table.
@@ -103,10 +116,14 @@ impl Contact {
         }
         let map = input::map(&self.file, &self.options, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
-        let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
-        let boundary = self.boundary(map.grid(), modulus_pa, control)?;
+        let material = Elastic { youngs_modulus_pa: self.youngs_modulus.0, poisson_ratio: self.poisson_ratio };
+        let substrate = self.layering.substrate(material)?;
+        let boundary = self.boundary(map.grid(), &substrate, control)?;
+        if let Some(doubt) = self.layering.doubt(unloading::span(map.heights_m())) {
+            monitor.warn(&doubt);
+        }
         let refused = |e: ContactError| self.refused(&e);
-        let half_space = HalfSpace::new(map.grid(), modulus_pa, boundary).map_err(refused)?;
+        let half_space = HalfSpace::on(substrate, map.grid(), boundary).map_err(refused)?;
         let hardness_pa = self.hardness.map(|q| q.0);
         let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(refused)?;
         let mut solver = Solver::default();
@@ -114,18 +131,25 @@ impl Contact {
             solver.tolerance = tolerance;
         }
         let solution = monitor.at_once(|| solver.solve(&problem))?.map_err(refused)?;
+        let unloaded = self.unload.then(|| Unloaded::after(&solution, map.heights_m()));
         if let Some(out) = &self.out {
-            npz::write(
-                out,
-                &[
-                    ("pressure_pa", solution.pressure_pa()),
-                    ("displacement_m", solution.displacement_m()),
-                    ("gap_m", &solution.gap_m()),
-                    ("plastic_displacement_m", &solution.plastic_displacement_m()),
-                ],
-            )?;
+            let (gap_m, plastic_m) = (solution.gap_m(), solution.plastic_displacement_m());
+            let mut fields = vec![
+                ("pressure_pa", solution.pressure_pa()),
+                ("displacement_m", solution.displacement_m()),
+                ("gap_m", &gap_m),
+                ("plastic_displacement_m", &plastic_m),
+            ];
+            if let Some(Some(unloaded)) = &unloaded {
+                fields.push(("residual_height_m", &unloaded.residual_height_m));
+            }
+            npz::write(out, &fields)?;
         }
-        answer(&solution).print(self.json)?;
+        let mut answer = answer(&solution);
+        if let Some(unloaded) = &unloaded {
+            answer = Unloaded::add_to(unloaded.as_ref(), answer);
+        }
+        answer.print(self.json)?;
         let why = match solution.stop_reason() {
             StopReason::Converged => return Ok(()),
             StopReason::PrecisionLimit => "double precision allows no better",
@@ -142,16 +166,19 @@ impl Contact {
         ))
     }
 
-    fn boundary(&self, grid: Grid, modulus_pa: f64, control: Control) -> Result<Boundary, Failure> {
+    fn boundary(&self, grid: Grid, substrate: &Substrate, control: Control) -> Result<Boundary, Failure> {
         match (self.boundary, self.mean_compliance) {
             (Edge::Free, None) => Ok(Boundary::Free),
             (Edge::Free, Some(_)) => {
                 Err(Failure::usage("--mean-compliance belongs to --boundary periodic; a free surface has its own"))
             }
+            (Edge::Periodic, Some(_)) if substrate.mean_compliance_m_per_pa().is_some() => {
+                Err(Failure::usage("--mean-compliance belongs to a surface without rigid base, which has its own"))
+            }
             (Edge::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
-            (Edge::Periodic, None) if control.prescribes_plane() => Ok(Boundary::Periodic {
-                mean_compliance_m_per_pa: HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa),
-            }),
+            (Edge::Periodic, None) if control.prescribes_plane() => {
+                Ok(Boundary::Periodic { mean_compliance_m_per_pa: substrate.usual_mean_compliance_m_per_pa(grid) })
+            }
             (Edge::Periodic, None) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }),
         }
     }

@@ -147,6 +147,91 @@ fn the_archive_holds_the_fields_of_the_answer_and_replaces_the_old_one() {
 }
 
 #[test]
+fn unloading_leaves_the_heights_less_the_plastic_displacement() {
+    let folder = folder_with(rough());
+    let line = "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --json";
+    let plain = press(folder.path(), line).json(0);
+    let json = press(folder.path(), &format!("{line} --unload --out fields.npz")).json(0);
+    for key in KEYS {
+        assert_eq!(json[key], plain[key], "{key}");
+    }
+    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
+    let mut field = |name: &str| {
+        let mut bytes = Vec::new();
+        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+        read_bytes(&bytes).unwrap().heights_m
+    };
+    let (plastic_m, residual_m) = (field("plastic_displacement_m"), field("residual_height_m"));
+    assert!(residual_m.iter().zip(&(rough() - &plastic_m)).all(|(a, b)| (a - b).abs() < 1e-20));
+    // Every cell of 1 µm² that flows does so at the hardness.
+    close(number(&json, "plastic_work_j"), 2e9 * 1e-12 * plastic_m.sum(), 1e-12);
+    close(number(&json, "max_plastic_displacement_m"), plastic_m.iter().copied().fold(0.0, f64::max), 1e-12);
+    close(number(&json, "residual_rms_height_m"), residual_m.std(0.0), 1e-9);
+    let (low, high) = residual_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
+    close(number(&json, "residual_peak_to_valley_m"), high - low, 1e-12);
+    // What is left carries the load it has carried, without flowing again.
+    npy(folder.path(), "map.npy", residual_m);
+    let line = format!(
+        "--youngs-modulus 210GPa --boundary free --hardness 2GPa --unload --load {:e}N --json",
+        number(&json, "load_n")
+    );
+    let again = press(folder.path(), &line).json(0);
+    close(number(&again, "max_pressure_pa"), 2e9, 1e-6);
+    close(number(&again, "contact_fraction"), number(&json, "contact_fraction"), 1e-12);
+    assert!(number(&again, "max_plastic_displacement_m") < 1e-7 * number(&json, "max_plastic_displacement_m"));
+    // Without convergence nothing is known.
+    let line =
+        "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --tolerance 1e-30 --unload --json";
+    let json = press(folder.path(), line).json(4);
+    assert!(json["plastic_work_j"].is_null() && json["residual_rms_height_m"].is_null());
+}
+
+#[test]
+fn layers_are_those_of_the_flags() {
+    let folder = folder_with(wave());
+    let base = "--youngs-modulus 1GPa --poisson-ratio 0.25 --boundary periodic --json";
+    let run = |line: &str| press(folder.path(), &format!("{base} {line}")).json(0);
+    let same = |one: &Value, other: &Value| {
+        for key in ["contact_fraction", "max_pressure_pa", "mean_gap_m", "separation_m", "mean_compliance_m_per_pa"] {
+            close(number(one, key), number(other, key), 1e-7);
+        }
+    };
+    // A layer on its own material is none.
+    let plain = run("--percentile 20");
+    same(&run("--percentile 20 --layer-thickness 10um --base-youngs-modulus 1GPa --base-poisson-ratio 0.25"), &plain);
+    // A bonded layer yields on the whole by h(1+ν)(1−2ν)/((1−ν)E), one on a softer base more than a half-space.
+    let rigid = run("--percentile 20 --layer-thickness 10um --rigid-base");
+    close(number(&rigid, "mean_compliance_m_per_pa"), 1e-5 * 1.25 * 0.5 / (0.75 * 1e9), 1e-12);
+    let soft = run("--percentile 20 --layer-thickness 10um --base-youngs-modulus 0.1GPa");
+    assert!(number(&rigid, "mean_pressure_pa") > number(&plain, "mean_pressure_pa"));
+    assert!(number(&soft, "mean_pressure_pa") < number(&plain, "mean_pressure_pa"));
+    // Pressed flat, a wave needs its amplitude over the compliance: here that of a thin layer, 1 − O(qh)², on top of the mean.
+    let flat = run("--mean-pressure 0.7GPa --layer-thickness 2um --rigid-base");
+    assert_eq!(number(&flat, "contact_fraction"), 1.0);
+    close(number(&flat, "max_pressure_pa"), 0.7e9 + 1e-6 * 0.75e9 / (2e-6 * 1.25 * 0.5), 0.01);
+    for (line, words) in [
+        ("--percentile 20 --layer-thickness 10um", vec!["--rigid-base", "--base-youngs-modulus"]),
+        ("--percentile 20 --rigid-base", vec!["--layer-thickness"]),
+        ("--percentile 20 --base-youngs-modulus 1GPa", vec!["--layer-thickness"]),
+        ("--percentile 20 --layer-thickness 1um --rigid-base --base-poisson-ratio 0.2", vec!["cannot be used with"]),
+        ("--percentile 20 --layer-thickness 1um --base-poisson-ratio 0.2", vec!["--base-youngs-modulus"]),
+        ("--percentile 20 --layer-thickness 1um --rigid-base --base-youngs-modulus 1GPa", vec!["cannot be used with"]),
+        ("--percentile 20 --layer-thickness 0um --rigid-base", vec!["--layer-thickness", "above 0"]),
+        ("--percentile 20 --layer-thickness 10um --rigid-base --mean-compliance 1um/MPa", vec!["--mean-compliance"]),
+        ("--percentile 20 --unload", vec!["--hardness"]),
+    ] {
+        press(folder.path(), &format!("{base} {line}")).refuses(2, &words);
+    }
+    // A layer thinner than the surface is high cannot be of one thickness.
+    let doubtful = press(folder.path(), &format!("{base} --percentile 20 --layer-thickness 1um --rigid-base"));
+    assert!(
+        doubtful.code == 0
+            && doubtful.stderr.contains("the heights span 2.0e-6 m, more than the layer's thickness 1 um"),
+        "{doubtful:?}"
+    );
+}
+
+#[test]
 fn equal_commands_give_equal_bytes_for_any_number_of_threads() {
     let folder = folder_with(rough());
     let run = |threads: &str, out: &str| {

@@ -1,8 +1,9 @@
 //! The compliance of a half-space: pressure on a grid in, normal displacement out.
 
-use crate::contact::ContactError;
 use crate::contact::pyramid::{Pyramid, PyramidWork};
 use crate::contact::slab::Slabs;
+use crate::contact::substrate::PointLoad;
+use crate::contact::{ContactError, Substrate};
 use crate::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
 use crate::map::Grid;
 
@@ -21,13 +22,14 @@ pub enum Boundary {
     },
 }
 
-/// A linear elastic half-space of contact modulus E* = E/(1−ν²), discretised in cells of constant pressure.
+/// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
+/// pressure.
 ///
 /// Shared by any number of threads; each brings its own [`Workspace`].
 #[derive(Debug, Clone)]
 pub struct HalfSpace {
     grid: Grid,
-    modulus_pa: f64,
+    substrate: Substrate,
     boundary: Boundary,
     /// The compliance in m/Pa; its symbol is real, because the kernel is even.
     exact: Convolution<f64>,
@@ -110,11 +112,44 @@ impl HalfSpace {
     /// A. E. H. Love, *Phil. Trans. R. Soc. A* **228** (1929) 377, <https://doi.org/10.1098/rsta.1929.0009>.
     /// H. M. Stanley and T. Kato, *J. Tribology* **119** (1997) 481, <https://doi.org/10.1115/1.2833523>.
     pub fn new(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Result<Self, ContactError> {
-        let parameter =
-            |parameter, value, unit, wanted| Err(ContactError::Parameter { parameter, value, unit, wanted });
-        if !(modulus_pa.is_finite() && modulus_pa > 0.0) {
-            return parameter("contact modulus", modulus_pa, "Pa", "positive");
-        }
+        Self::on(Substrate::HalfSpace { modulus_pa }, grid, boundary)
+    }
+
+    /// As [`HalfSpace::new`] on any substrate.
+    ///
+    /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is
+    /// added to them, to 10⁻¹⁰ of the largest; a layer on a rigid base that is thinner than some 10⁻⁷ of a cell is lost
+    /// in that error. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces
+    /// the given one.
+    ///
+    /// # Errors
+    /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative.
+    pub fn on(substrate: Substrate, grid: Grid, boundary: Boundary) -> Result<Self, ContactError> {
+        substrate.validate()?;
+        let (boundary, point_load) = match (boundary, &substrate) {
+            (Boundary::Periodic { mean_compliance_m_per_pa: value }, _) if !(value.is_finite() && value >= 0.0) => {
+                let (parameter, unit, wanted) = ("mean compliance", "m/Pa", "zero or positive");
+                return Err(ContactError::Parameter { parameter, value, unit, wanted });
+            }
+            (Boundary::Periodic { mean_compliance_m_per_pa }, _) => {
+                let own = substrate.mean_compliance_m_per_pa();
+                let mean_compliance_m_per_pa = own.unwrap_or(mean_compliance_m_per_pa);
+                (Boundary::Periodic { mean_compliance_m_per_pa }, None)
+            }
+            (Boundary::Free, Substrate::HalfSpace { .. }) => (boundary, None),
+            (Boundary::Free, Substrate::Layer(layer)) => {
+                (boundary, Some(PointLoad::new(layer, grid.width_m().hypot(grid.height_m()))))
+            }
+        };
+        Self::build(substrate, point_load.as_ref(), grid, boundary)
+    }
+
+    fn build(
+        substrate: Substrate,
+        point_load: Option<&PointLoad>,
+        grid: Grid,
+        boundary: Boundary,
+    ) -> Result<Self, ContactError> {
         let (nx, ny) = (grid.nx(), grid.ny());
         let longest_m = grid.width_m().max(grid.height_m());
         let padded = |length: &dyn Fn(usize) -> usize| (length(ny), length(nx));
@@ -126,20 +161,17 @@ impl HalfSpace {
         let exact = Convolution::<f64>::new((ny, nx), torus);
         let (compliance, mean) = match boundary {
             Boundary::Free => {
-                let compliance = love_symbol(&exact, grid, modulus_pa);
+                let compliance = love_symbol(&exact, grid, substrate.modulus_pa(), point_load);
                 let mean = MeanMode {
                     compliance: compliance[0] * (exact.nx() * exact.ny()) as f64,
-                    stiffness: 0.5 * std::f64::consts::PI * modulus_pa / longest_m,
+                    stiffness: substrate.stiffness_pa_per_m(std::f64::consts::PI / longest_m),
                 };
                 (compliance, mean)
             }
             Boundary::Periodic { mean_compliance_m_per_pa } => {
-                if !(mean_compliance_m_per_pa.is_finite() && mean_compliance_m_per_pa >= 0.0) {
-                    return parameter("mean compliance", mean_compliance_m_per_pa, "m/Pa", "zero or positive");
-                }
                 let q = wavenumber_rad_per_m(grid, torus);
-                let compliance = exact.symbol(|kx, ky| 2.0 / (modulus_pa * q(kx, ky)));
-                let stiffness = mean_stiffness_pa_per_m(grid, modulus_pa, mean_compliance_m_per_pa);
+                let compliance = exact.symbol(|kx, ky| substrate.compliance_m_per_pa(q(kx, ky)));
+                let stiffness = mean_stiffness_pa_per_m(grid, &substrate, mean_compliance_m_per_pa);
                 (compliance, MeanMode { compliance: mean_compliance_m_per_pa, stiffness })
             }
         };
@@ -151,28 +183,37 @@ impl HalfSpace {
         let quick_compliance = compliance.iter().map(scale).collect();
 
         let square = (grid.dx_m() / grid.dy_m() - 1.0).abs() < 1e-9;
-        let pyramid = if square { Pyramid::new(ny, nx, boundary != Boundary::Free) } else { None };
+        let pyramid = match substrate {
+            Substrate::HalfSpace { .. } if square => Pyramid::new(ny, nx, boundary != Boundary::Free),
+            _ => None,
+        };
         let (stiffness, unit_pa_per_m) = if let Some(pyramid) = pyramid {
-            (Stiffness::Pyramid(pyramid), 0.5 * modulus_pa / grid.dx_m())
+            (Stiffness::Pyramid(pyramid), 0.5 * substrate.modulus_pa() / grid.dx_m())
         } else {
             let plan = Convolution::<f32>::new((ny, nx), stiffness_torus);
             let q = wavenumber_rad_per_m(grid, stiffness_torus);
             let shortest = q(nx / 2, (ny / 2) as f64);
-            let unit_pa_per_m = 0.5 * modulus_pa * if shortest > 0.0 { shortest } else { 1.0 };
-            let symbol = plan.symbol(|kx, ky| 0.5 * modulus_pa * q(kx, ky) / unit_pa_per_m);
+            let shortest = if shortest > 0.0 { shortest } else { 1.0 };
+            // Long waves are the stiffest where a thin layer hardly yields to them.
+            let longest = std::f64::consts::TAU / longest_m;
+            let unit_pa_per_m = substrate.stiffness_pa_per_m(shortest).max(substrate.stiffness_pa_per_m(longest));
+            let symbol = plan.symbol(|kx, ky| match q(kx, ky) {
+                q if q > 0.0 => substrate.stiffness_pa_per_m(q) / unit_pa_per_m,
+                _ => 0.0,
+            });
             (Stiffness::Spectral(plan, symbol), unit_pa_per_m)
         };
 
         let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
         let coarse = if halved(nx) && halved(ny) {
             let grid = Grid::new(nx / 2, ny / 2, 2.0 * grid.dx_m(), 2.0 * grid.dy_m()).ok();
-            grid.map(|grid| Self::new(grid, modulus_pa, boundary).map(Box::new)).transpose()?
+            grid.map(|grid| Self::build(substrate, point_load, grid, boundary).map(Box::new)).transpose()?
         } else {
             None
         };
         Ok(Self {
             grid,
-            modulus_pa,
+            substrate,
             boundary,
             exact,
             compliance,
@@ -197,9 +238,14 @@ impl HalfSpace {
         self.grid
     }
 
-    /// Contact modulus E* in pascal.
+    /// Contact modulus E* in pascal of the body at the surface.
     pub fn modulus_pa(&self) -> f64 {
-        self.modulus_pa
+        self.substrate.modulus_pa()
+    }
+
+    /// What carries the surface.
+    pub fn substrate(&self) -> Substrate {
+        self.substrate
     }
 
     /// What lies beyond the edge of the grid.
@@ -267,7 +313,7 @@ impl HalfSpace {
     pub(super) fn mean_mode(&self, mean_compliance_m_per_pa: Option<f64>) -> MeanMode {
         match (self.boundary, mean_compliance_m_per_pa) {
             (Boundary::Periodic { .. }, Some(compliance)) => {
-                MeanMode { compliance, stiffness: mean_stiffness_pa_per_m(self.grid, self.modulus_pa, compliance) }
+                MeanMode { compliance, stiffness: mean_stiffness_pa_per_m(self.grid, &self.substrate, compliance) }
             }
             _ => self.mean,
         }
@@ -334,11 +380,12 @@ impl HalfSpace {
 
 /// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
 /// about three times the stiffness of the longest wave serves.
-fn mean_stiffness_pa_per_m(grid: Grid, modulus_pa: f64, mean_compliance_m_per_pa: f64) -> f64 {
+fn mean_stiffness_pa_per_m(grid: Grid, substrate: &Substrate, mean_compliance_m_per_pa: f64) -> f64 {
     if mean_compliance_m_per_pa > 0.0 {
         1.0 / mean_compliance_m_per_pa
     } else {
-        10.0 * modulus_pa / grid.width_m().max(grid.height_m())
+        let longest_m = grid.width_m().max(grid.height_m());
+        10.0 / std::f64::consts::PI * substrate.stiffness_pa_per_m(std::f64::consts::TAU / longest_m)
     }
 }
 
@@ -349,11 +396,12 @@ fn wavenumber_rad_per_m(grid: Grid, (ny, nx): (usize, usize)) -> impl Fn(usize, 
     move |kx, ky| (kx as f64 * step_x).hypot(ky * step_y)
 }
 
-/// Symbol of Love's influence coefficients, wrapped around the padded grid.
-fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64) -> Vec<f64> {
+/// Symbol of Love's influence coefficients, and of what a layer adds to them, wrapped around the padded grid.
+fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64, layer: Option<&PointLoad>) -> Vec<f64> {
     let (rows, columns) = (plan.ny(), plan.nx());
     let mut kernel = vec![0.0; rows * columns];
     let (nx, ny) = (grid.nx() as f64, grid.ny() as f64);
+    let added = layer.map(|layer| layer.coefficients_m_per_pa(grid));
     for row in 0..rows {
         let cells_y = signed_index(row, rows).abs();
         for column in 0..columns {
@@ -361,7 +409,9 @@ fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64) -> Vec<f64>
             // Lags beyond the patch are never read by the cropped convolution.
             if cells_x < nx && cells_y < ny {
                 let (x_m, y_m) = (cells_x * grid.dx_m(), cells_y * grid.dy_m());
-                kernel[row * columns + column] = love_coefficient(x_m, y_m, grid.dx_m(), grid.dy_m(), modulus_pa);
+                let added = added.as_ref().map_or(0.0, |added| added[cells_y as usize * grid.nx() + cells_x as usize]);
+                kernel[row * columns + column] =
+                    love_coefficient(x_m, y_m, grid.dx_m(), grid.dy_m(), modulus_pa) + added;
             }
         }
     }

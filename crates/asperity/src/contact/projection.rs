@@ -15,12 +15,13 @@ pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
 /// The multiplier λ for which the projection of λ − v on the tangent cone of the box at `p` has zero sum:
 /// Σ_free (v−λ) + Σ_{p=0} min(v−λ, 0) + Σ_{p=H} max(v−λ, 0) = 0.
 ///
-/// `sums` evaluates that sum and the number of its terms at a λ. It falls monotonically and is
-/// piecewise linear in λ, so a bracketed Newton iteration ends after a few steps, at the latest when they are `negligible`. Where it vanishes on an interval (no free
-/// cell), any root serves: the optimality conditions hold for each.
+/// `sums` evaluates that sum and the number of its terms at a λ. It falls monotonically and is piecewise linear in λ, so a
+/// bracketed Newton iteration ends after a few steps: when the terms are as many as before, or the step is `negligible`. Where it
+/// vanishes on an interval (no free cell), any root serves: the optimality conditions hold for each.
 pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64) -> [f64; 2]) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut lambda = start;
+    let mut last_slope = 0.0;
     for evaluation in 0..200 {
         let [sum, slope] = sums(lambda);
         if slope == 0.0 {
@@ -35,10 +36,12 @@ pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64)
         let bracketed = low.is_finite() && high.is_finite();
         let trusted = newton > low && newton < high && evaluation < NEWTON_STEPS;
         let next = if trusted || !bracketed { newton } else { 0.5 * (low + high) };
-        if (next - lambda).abs() <= negligible || next == low || next == high {
+        // The same terms make the same line, whose root this is already, up to rounding.
+        let linear = trusted && slope == last_slope;
+        if linear || (next - lambda).abs() <= negligible || next == low || next == high {
             return next;
         }
-        lambda = next;
+        (lambda, last_slope) = (next, slope);
     }
     lambda
 }
