@@ -29,10 +29,17 @@
 
 use thiserror::Error;
 
+use crate::map::Grid;
+
 pub mod area;
+mod bodies;
+mod clusters;
 mod coarse_start;
 mod descent;
+mod distribution;
+mod energy;
 pub mod exact;
+mod gradient;
 mod half_space;
 mod load_start;
 mod mean_gap;
@@ -41,12 +48,18 @@ mod projection;
 mod slab;
 mod solution;
 mod solver;
+mod stiffness;
 mod vectors;
 
+pub use bodies::{Body, Elastic, Laid, Pair, composite};
+pub use clusters::{Clusters, Neighbours};
+pub use distribution::Distribution;
+pub use gradient::{rms_gradient, spectral_rms_gradient};
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
 pub use solver::Solver;
+pub use stiffness::{ContactStiffness, StiffnessSolver};
 
 /// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
 /// pascal and Poisson's ratio ν.
@@ -97,6 +110,17 @@ pub enum ContactError {
         ny: usize,
         /// Columns of the half-space.
         nx: usize,
+    },
+    /// Two maps do not lie on the same grid.
+    #[error(
+        "the lower map has {} × {} points at {:e} m × {:e} m, the upper {} × {} at {:e} m × {:e} m; both must be equal",
+        lower.nx(), lower.ny(), lower.dx_m(), lower.dy_m(), upper.nx(), upper.ny(), upper.dx_m(), upper.dy_m()
+    )]
+    Grids {
+        /// Grid of the lower map.
+        lower: Grid,
+        /// Grid of the upper map.
+        upper: Grid,
     },
     /// A periodic half-space without mean compliance cannot be overlapped.
     #[error(

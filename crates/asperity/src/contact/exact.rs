@@ -67,6 +67,68 @@ pub fn persson_contact_fraction(mean_pressure_pa: f64, modulus_pa: f64, rms_grad
     statrs::function::erf::erf(std::f64::consts::SQRT_2 * mean_pressure_pa / (modulus_pa * rms_gradient))
 }
 
+/// Contact fraction A/A₀ = √(2π) p̄/(E* h'_rms) of Bush, Gibson and Thomas at light loads, in their limit of many scales.
+///
+/// It bounds numerical results from above, as [`persson_contact_fraction`] does from below, whose slope √(8/π) is 1.57 times
+/// smaller. It is a straight line, and meaningless where it comes near one.
+///
+/// # References
+/// A. W. Bush, R. D. Gibson and T. R. Thomas, *Wear* **35** (1975) 87, <https://doi.org/10.1016/0043-1648(75)90145-3>.
+pub fn bush_gibson_thomas_contact_fraction(mean_pressure_pa: f64, modulus_pa: f64, rms_gradient: f64) -> f64 {
+    (2.0 * PI).sqrt() * mean_pressure_pa / (modulus_pa * rms_gradient)
+}
+
+/// Persson's law of the pressure of a rough elastic contact.
+///
+/// In complete contact the pressure has the mean p̄ and the variance V = (E* h'_rms/2)², the sum of (E*|q|/2)²|ẑ|² over all
+/// waves. Added wave by wave, with pressures that reach zero taken out, it diffuses to
+/// P(p) = [exp(−(p−p̄)²/2V) − exp(−(p+p̄)²/2V)]/√(2πV) for p > 0, per area of the whole surface. Its integral is
+/// [`persson_contact_fraction`]; the rest of the surface is an atom at zero. Without roughness (V = 0) there is no density.
+///
+/// # References
+/// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>. W. Manners and
+/// J. A. Greenwood, *Wear* **261** (2006) 600, <https://doi.org/10.1016/j.wear.2006.01.007>.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PerssonPressure {
+    /// Mean pressure p̄ over the whole surface in pascal.
+    pub mean_pressure_pa: f64,
+    /// Standard deviation √V of the pressure in complete contact in pascal.
+    pub full_contact_std_pa: f64,
+}
+
+impl PerssonPressure {
+    /// The law under the mean pressure p̄ with contact modulus E* and rms gradient h'_rms.
+    pub fn new(mean_pressure_pa: f64, modulus_pa: f64, rms_gradient: f64) -> Self {
+        Self { mean_pressure_pa, full_contact_std_pa: 0.5 * modulus_pa * rms_gradient }
+    }
+
+    /// Share of the surface in contact, [`persson_contact_fraction`].
+    pub fn contact_fraction(&self) -> f64 {
+        persson_contact_fraction(self.mean_pressure_pa, 2.0 * self.full_contact_std_pa, 1.0)
+    }
+
+    /// Density P(p) at a pressure p in pascal, per pascal and area of the whole surface; 0 for p ≤ 0.
+    pub fn density_per_pa(&self, pressure_pa: f64) -> f64 {
+        if pressure_pa <= 0.0 {
+            return 0.0;
+        }
+        let std = self.full_contact_std_pa;
+        let (p, mean) = (pressure_pa / std, self.mean_pressure_pa / std);
+        // The difference of both exponentials, exact to rounding where they nearly cancel.
+        -(-2.0 * p * mean).exp_m1() * (-0.5 * (p - mean).powi(2)).exp() / ((2.0 * PI).sqrt() * std)
+    }
+
+    /// Share of the surface, out of contact or in, whose pressure is at most `pressure_pa`.
+    pub fn cumulative(&self, pressure_pa: f64) -> f64 {
+        if pressure_pa < 0.0 {
+            return 0.0;
+        }
+        let scale = std::f64::consts::SQRT_2 * self.full_contact_std_pa;
+        let erf = |p: f64| statrs::function::erf::erf(p / scale);
+        1.0 - 0.5 * (erf(pressure_pa + self.mean_pressure_pa) - erf(pressure_pa - self.mean_pressure_pa))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,5 +160,43 @@ mod tests {
         for (load, wanted) in [(0.01, 0.0159566), (0.05, 0.0796557), (0.1, 0.1585194)] {
             assert!((persson_contact_fraction(load, 1.0, 1.0) - wanted).abs() < 5e-8);
         }
+    }
+
+    #[test]
+    fn asperity_models_touch_half_pi_times_as_much_as_persson_at_light_loads() {
+        assert!((bush_gibson_thomas_contact_fraction(0.01, 2.0, 0.5) - 0.025066282746310002).abs() < 1e-16);
+        let slope = persson_contact_fraction(1e-6, 1.0, 1.0) / 1e-6;
+        assert!((slope / (8.0 / PI).sqrt() - 1.0).abs() < 1e-11, "{slope}");
+        let ratio = bush_gibson_thomas_contact_fraction(1e-6, 1.0, 1.0) / persson_contact_fraction(1e-6, 1.0, 1.0);
+        assert!((ratio / (0.5 * PI) - 1.0).abs() < 1e-11);
+    }
+
+    /// ∫ f over (0, top) by Simpson's rule.
+    fn integral(top: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let steps = 4000;
+        let weight = |i: usize| if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+        (0..=steps).map(|i| weight(i) * f(top * i as f64 / steps as f64)).sum::<f64>() * top / (3.0 * steps as f64)
+    }
+
+    #[test]
+    fn the_pressures_in_contact_carry_the_load_on_the_contact_area() {
+        let (modulus, gradient) = (2.0, 0.3);
+        for mean in [1e-4, 0.05, 0.3, 2.0] {
+            let law = PerssonPressure::new(mean, modulus, gradient);
+            let top = mean + 12.0 * law.full_contact_std_pa;
+            let area = integral(top, |p| law.density_per_pa(p));
+            assert!((area / persson_contact_fraction(mean, modulus, gradient) - 1.0).abs() < 1e-9, "{mean}: {area}");
+            assert!((area / law.contact_fraction() - 1.0).abs() < 1e-9);
+            let load = integral(top, |p| p * law.density_per_pa(p));
+            assert!((load / mean - 1.0).abs() < 1e-9, "{mean}: {load}");
+            for p in [0.01, 0.2, 0.7] {
+                let cumulative = 1.0 - law.contact_fraction() + integral(p, |p| law.density_per_pa(p));
+                assert!((law.cumulative(p) - cumulative).abs() < 1e-9);
+            }
+            assert_eq!((law.density_per_pa(0.0), law.density_per_pa(-1.0), law.cumulative(-1.0)), (0.0, 0.0, 0.0));
+        }
+        // Deep in complete contact it is the normal law of mean p̄ and standard deviation E* h'rms/2.
+        let law = PerssonPressure::new(30.0, 2.0, 3.0);
+        assert!((law.density_per_pa(33.0) * 3.0 * (2.0 * PI).sqrt() - (-0.5_f64).exp()).abs() < 1e-12);
     }
 }
