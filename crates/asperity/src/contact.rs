@@ -59,7 +59,7 @@ pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
 pub use solver::Solver;
-pub use stiffness::{ContactStiffness, StiffnessSolver};
+pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
 
 /// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
 /// pascal and Poisson's ratio ν.

@@ -7,10 +7,10 @@ use crate::fourier::ROWS_OF_SLAB;
 
 /// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane, δ growing as it comes down.
 ///
-/// The set in contact is held: where 0 < p < H the surface moves with the plane, where p = H the pressure stays, and elsewhere
-/// it stays zero. With x the pressure per approach, S_cc x = 1 over the cells of the first kind, and K = Σ x ΔA. This is the
-/// slope of the load in the discretised problem, which is a piecewise linear function of the approach; cells that enter make K
-/// grow in steps. Contact without elastic cells has none.
+/// The set in contact is held: where 0 < p < H the surface moves with the plane, where p = H the pressure stays (on the way
+/// back it falls, [`Motion`]), and elsewhere it stays zero. With x the pressure per approach, S_cc x = 1 over the cells that
+/// move, and K = Σ x ΔA. This is the slope of the load in the discretised problem, which is a piecewise linear function of the
+/// approach; cells that enter make K grow in steps. Where no cell moves, K is zero.
 ///
 /// On a periodic half-space δ is the approach of the mean planes, with the mean compliance left out: that belongs to the bulk,
 /// in series with the interface (1/K + c/A₀ of both), and has no finite value. As displacements of the interface have mean zero,
@@ -29,6 +29,16 @@ pub struct ContactStiffness {
     pub converged: bool,
 }
 
+/// Which way the plane moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Motion {
+    /// Further down: plastic cells keep flowing at p = H.
+    #[default]
+    Loading,
+    /// Back up: plastic flow stays as it is, and all cells in contact move with the plane.
+    Unloading,
+}
+
 /// Computes a [`ContactStiffness`] by conjugate gradients, preconditioned by E*|q|/2 on the cells in contact.
 ///
 /// # References
@@ -36,7 +46,9 @@ pub struct ContactStiffness {
 /// rounds to single precision), <https://doi.org/10.1137/S1064827597323415>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StiffnessSolver {
-    /// Bound on the residual. The error of K is of the order of its square.
+    /// Which way the plane moves; it matters where cells are plastic.
+    pub motion: Motion,
+    /// Bound on the residual r. K errs by r·S_cc⁻¹r ΔA alone.
     pub tolerance: f64,
     /// Iterations, each with one operator application, before giving up.
     pub max_iterations: usize,
@@ -44,7 +56,7 @@ pub struct StiffnessSolver {
 
 impl Default for StiffnessSolver {
     fn default() -> Self {
-        Self { tolerance: 1e-6, max_iterations: 500 }
+        Self { motion: Motion::Loading, tolerance: 1e-8, max_iterations: 500 }
     }
 }
 
@@ -63,7 +75,10 @@ impl StiffnessSolver {
         if (rows, columns) != (ny, nx) {
             return Err(ContactError::Shape { rows, columns, ny, nx });
         }
-        let upper = solution.hardness_pa().unwrap_or(f64::INFINITY);
+        let upper = match self.motion {
+            Motion::Loading => solution.hardness_pa().unwrap_or(f64::INFINITY),
+            Motion::Unloading => f64::INFINITY,
+        };
         let moves = |p: f64| p > 0.0 && p < upper;
         let cells: Vec<usize> =
             solution.pressure_pa().iter().enumerate().filter(|(_, p)| moves(**p)).map(|(cell, _)| cell).collect();
@@ -90,19 +105,19 @@ impl StiffnessSolver {
             field: vec![0.0; half_space.grid().points()],
             image: vec![0.0; half_space.grid().points()],
         };
-        let (pressure_per_m, iterations, residual) = self.descend(&mut system);
-        let newton_per_m = pressure_per_m.iter().sum::<f64>() * half_space.grid().cell_area_m2();
+        let found = self.descend(&mut system);
+        let newton_per_m = found.sum_pa_per_m * half_space.grid().cell_area_m2();
         Ok(ContactStiffness {
             newton_per_m,
             pascal_per_m: newton_per_m / area_m2,
-            iterations,
-            residual,
-            converged: residual <= self.tolerance,
+            iterations: found.iterations,
+            residual: found.residual,
+            converged: found.residual <= self.tolerance,
         })
     }
 
-    /// Solves S_cc x = 1; returns x in Pa/m with the iterations and the residual.
-    fn descend(&self, system: &mut System<'_>) -> (Vec<f64>, usize, f64) {
+    /// Solves S_cc x = 1.
+    fn descend(&self, system: &mut System<'_>) -> Descended {
         let n = system.cells.len();
         let (mut x, mut rest) = (vec![0.0; n], vec![1.0; n]);
         let (mut step, mut image, mut steepest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -127,8 +142,17 @@ impl StiffnessSolver {
             rest.iter_mut().zip(&image).for_each(|(rest, image)| *rest = 1.0 - image);
             residual = rms(&rest);
         }
-        (x, iterations, residual)
+        let [sum_pa_per_m] = sums(&x, &rest, |x, rest| [x + x * rest]);
+        Descended { sum_pa_per_m, iterations, residual }
     }
+}
+
+/// What a descent came to.
+struct Descended {
+    /// 2 Σ x − x·S_cc x = Σ x (1 + r) with the residual r = 1 − S_cc x: the sum of the exact x less r·S_cc⁻¹r.
+    sum_pa_per_m: f64,
+    iterations: usize,
+    residual: f64,
 }
 
 /// The compliance between the cells that move with the plane, and its preconditioner.
