@@ -1,9 +1,9 @@
 //! Contact of a rough surface with a rigid flat.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use asperity::contact::{
-    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, contact_modulus_pa, memory_bytes,
+    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, memory_bytes,
 };
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
@@ -16,7 +16,13 @@ use crate::output::{Answer, check_target};
 use crate::resources::require_memory;
 use crate::{args, npz};
 
-/// Presses a rough surface against a rigid flat.
+mod analysis;
+mod counterface;
+
+use analysis::Analysis;
+use counterface::Counterface;
+
+/// Presses a rough surface against a rigid flat, or against a counterface.
 #[derive(Debug, Args)]
 pub(crate) struct Contact {
     /// Measured or generated heights: X3P, SUR, NPY or text.
@@ -37,6 +43,8 @@ pub(crate) struct Contact {
     #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
     mean_compliance: Option<Compliance>,
     #[command(flatten)]
+    counterface: Counterface,
+    #[command(flatten)]
     press: Press,
     /// Upper bound of the pressure; elastic when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
@@ -44,7 +52,11 @@ pub(crate) struct Contact {
     /// Bound on the relative residuals, below 1.
     #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m.
+    /// Also compute the contact stiffness: load per approach of the mean planes, the set in contact held.
+    #[arg(long)]
+    stiffness: bool,
+    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, clusters (numbered from
+    /// 1; 0 out of contact).
     #[arg(long, value_name = "F.npz")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table.
@@ -99,11 +111,13 @@ impl Contact {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let control = self.press.control()?;
         if let Some(out) = &self.out {
-            check_target("--out", out, &[&self.file])?;
+            let inputs: Vec<&Path> = std::iter::once(self.file.as_path()).chain(self.counterface.file()).collect();
+            check_target("--out", out, &inputs)?;
         }
         let map = input::map(&self.file, &self.options, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
-        let modulus_pa = contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio);
+        let map = self.counterface.laid_on(map, &self.options, monitor)?;
+        let modulus_pa = self.counterface.contact_modulus_pa(self.youngs_modulus.0, self.poisson_ratio)?;
         let boundary = self.boundary(map.grid(), modulus_pa, control)?;
         let refused = |e: ContactError| self.refused(&e);
         let half_space = HalfSpace::new(map.grid(), modulus_pa, boundary).map_err(refused)?;
@@ -114,6 +128,7 @@ impl Contact {
             solver.tolerance = tolerance;
         }
         let solution = monitor.at_once(|| solver.solve(&problem))?.map_err(refused)?;
+        let analysis = monitor.at_once(|| Analysis::of(&problem, &solution, self.stiffness))?.map_err(refused)?;
         if let Some(out) = &self.out {
             npz::write(
                 out,
@@ -122,12 +137,13 @@ impl Contact {
                     ("displacement_m", solution.displacement_m()),
                     ("gap_m", &solution.gap_m()),
                     ("plastic_displacement_m", &solution.plastic_displacement_m()),
+                    ("clusters", &analysis.clusters.labels().mapv(f64::from)),
                 ],
             )?;
         }
-        answer(&solution).print(self.json)?;
+        answer(&solution, &analysis).print(self.json)?;
         let why = match solution.stop_reason() {
-            StopReason::Converged => return Ok(()),
+            StopReason::Converged => return analysis.checked(),
             StopReason::PrecisionLimit => "double precision allows no better",
             StopReason::IterationLimit => "the iteration limit",
         };
@@ -159,18 +175,20 @@ impl Contact {
     /// A map that cannot be pressed is unusable data; everything else lies in the flags.
     fn refused(&self, error: &ContactError) -> Failure {
         match error {
-            ContactError::Flat | ContactError::Missing { .. } => Failure::data(self.file.display(), error),
+            ContactError::Flat | ContactError::Missing { .. } => {
+                Failure::data(self.counterface.beside(&self.file), error)
+            }
             _ => Failure::usage(error),
         }
     }
 }
 
-fn answer(solution: &Solution) -> Answer {
+fn answer(solution: &Solution, analysis: &Analysis) -> Answer {
     let mean_compliance_m_per_pa = match solution.boundary() {
         Boundary::Free => None,
         Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
     };
-    Answer::default()
+    let answer = Answer::default()
         .with("contact_fraction", solution.contact_fraction())
         .with("contact_fraction_corrected", solution.corrected_contact_fraction())
         .with("plastic_fraction", solution.plastic_fraction())
@@ -180,7 +198,9 @@ fn answer(solution: &Solution) -> Answer {
         .with("mean_gap_m", solution.mean_gap_m())
         .with("separation_m", solution.separation_m())
         .with("penetration_m", solution.penetration_m())
-        .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa)
+        .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa);
+    analysis
+        .told(answer)
         .with("iterations", solution.iterations())
         .with("residual", solution.residual().worst())
         .with("converged", solution.converged())

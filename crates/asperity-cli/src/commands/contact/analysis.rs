@@ -1,0 +1,72 @@
+//! What is told of a solved contact beside its fields.
+
+use asperity::contact::exact::{bush_gibson_thomas_contact_fraction, persson_contact_fraction};
+use asperity::contact::{
+    Clusters, ContactError, ContactStiffness, Neighbours, Problem, Solution, StiffnessSolver, rms_gradient,
+};
+
+use crate::failure::{Failure, Kind};
+use crate::output::Answer;
+
+/// Clusters, energies, theories of the contact area, and the stiffness if asked for.
+pub(super) struct Analysis {
+    pub(super) clusters: Clusters,
+    elastic_energy_j: f64,
+    plastic_work_j: f64,
+    modulus_pa: f64,
+    rms_gradient: f64,
+    mean_pressure_pa: f64,
+    stiffness: Option<ContactStiffness>,
+}
+
+impl Analysis {
+    pub(super) fn of(problem: &Problem<'_>, solution: &Solution, stiffness: bool) -> Result<Self, ContactError> {
+        let half_space = problem.half_space();
+        let solved = || StiffnessSolver::default().solve(half_space, solution);
+        Ok(Self {
+            clusters: solution.clusters(Neighbours::Edges),
+            elastic_energy_j: solution.elastic_energy_j(),
+            plastic_work_j: solution.plastic_work_j(),
+            modulus_pa: half_space.modulus_pa(),
+            rms_gradient: rms_gradient(problem.heights_m(), half_space.grid(), half_space.boundary()),
+            mean_pressure_pa: solution.mean_pressure_pa(),
+            stiffness: stiffness.then(solved).transpose()?,
+        })
+    }
+
+    /// The answer with its results.
+    pub(super) fn told(&self, answer: Answer) -> Answer {
+        let theory =
+            |fraction: fn(f64, f64, f64) -> f64| fraction(self.mean_pressure_pa, self.modulus_pa, self.rms_gradient);
+        let answer = answer
+            .with("clusters", self.clusters.count())
+            .with("largest_cluster_fraction", self.clusters.largest_fraction())
+            .with("largest_cluster_m2", self.clusters.largest_m2())
+            .with("elastic_energy_j", self.elastic_energy_j)
+            .with("plastic_work_j", self.plastic_work_j)
+            .with("contact_modulus_pa", self.modulus_pa)
+            .with("rms_gradient", self.rms_gradient)
+            .with("persson_contact_fraction", theory(persson_contact_fraction))
+            .with("bgt_contact_fraction", theory(bush_gibson_thomas_contact_fraction));
+        match self.stiffness {
+            None => answer,
+            Some(stiffness) => answer
+                .with("contact_stiffness_n_per_m", stiffness.newton_per_m)
+                .with("contact_stiffness_pa_per_m", stiffness.pascal_per_m),
+        }
+    }
+
+    /// An error if the stiffness was asked for and not found.
+    pub(super) fn checked(&self) -> Result<(), Failure> {
+        match self.stiffness {
+            Some(stiffness) if !stiffness.converged => Err(Failure::new(
+                Kind::NotConverged,
+                format!(
+                    "the contact stiffness did not converge in {} iterations: residual {:.1e}",
+                    stiffness.iterations, stiffness.residual
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
