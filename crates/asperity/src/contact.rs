@@ -118,9 +118,9 @@ pub enum ContactError {
     )]
     Grids {
         /// Grid of the lower map.
-        lower: Grid,
+        lower: Box<Grid>,
         /// Grid of the upper map.
-        upper: Grid,
+        upper: Box<Grid>,
     },
     /// A periodic half-space without mean compliance cannot be overlapped.
     #[error(

@@ -206,7 +206,7 @@ fn a_hertz_contact_has_the_stiffness_of_its_circle() {
         assert!(found.iterations < 100);
         errors.push(error);
     }
-    assert!(errors[2].abs() < 0.01, "{errors:?}");
+    assert!(errors[2].abs() < 3e-3, "{errors:?}");
 }
 
 /// A punch of height 1 on the cells that `inside` holds of (x, y), counted from the centre.
@@ -334,6 +334,23 @@ fn the_stiffness_is_the_slope_of_load_over_approach() {
         println!("{boundary:?} {hardness_pa:?}: {found:.6} for {slope:.6}");
         // The same cells but for a few of 4096 whose pressure is next to zero.
         assert!((found / slope - 1.0).abs() < 2e-3, "{found} for {slope}");
+    }
+}
+
+#[test]
+fn the_stiffness_of_a_rough_contact_grows_with_its_load() {
+    // No identity: K ≈ F/(γ h_rms) with γ near one half at light loads (Akarapu, Sharp and Robbins, Phys. Rev. Lett. 106 (2011)
+    // 204301, https://doi.org/10.1103/PhysRevLett.106.204301), to the scatter of one small map.
+    let n = 256;
+    let half_space = HalfSpace::new(Grid::covering(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
+    let heights = rough(n, 1);
+    let rms_height_m = heights.mapv(|z| z * z).mean().unwrap().sqrt();
+    for pascal in [0.002, 0.008, 0.03] {
+        let solution = solved(&heights, &half_space, Control::MeanPressure { pascal }, None);
+        let found = stiffness(&half_space, &solution);
+        let ratio = found.newton_per_m * rms_height_m / solution.load_n();
+        println!("p̄ = {pascal}: K h_rms/F = {ratio:.3}, {} iterations", found.iterations);
+        assert!((1.5..3.0).contains(&ratio) && found.iterations < 50, "{ratio}");
     }
 }
 

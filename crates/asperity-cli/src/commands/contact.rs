@@ -23,6 +23,11 @@ use analysis::Analysis;
 use counterface::Counterface;
 
 /// Presses a rough surface against a rigid flat, or against a counterface.
+///
+/// Clusters are cells in contact that share edges, around the border of a periodic map too. The elastic energy ½ Σ p u holds what
+/// the stated mean compliance adds; plastic work is the hardness times the volume displaced. The contact fractions of Persson,
+/// erf(√2 p/(E* h')), and of Bush, Gibson and Thomas, √(2π) p/(E* h'), are theories of elastic contact under the mean pressure p,
+/// with the rms gradient h' by forward differences.
 #[derive(Debug, Args)]
 pub(crate) struct Contact {
     /// Measured or generated heights: X3P, SUR, NPY or text.
@@ -52,7 +57,8 @@ pub(crate) struct Contact {
     /// Bound on the relative residuals, below 1.
     #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Also compute the contact stiffness: load per approach of the mean planes, the set in contact held.
+    /// Also compute the contact stiffness: load per approach as the surfaces are pressed further. On a periodic map it is that of
+    /// the mean planes, without the mean compliance; infinite (null) in complete contact.
     #[arg(long)]
     stiffness: bool,
     /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, clusters (numbered from

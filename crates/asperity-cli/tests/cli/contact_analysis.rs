@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use crate::support::{Ended, asperity_in, close, listing, npy, number};
+use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number};
 use asperity_formats::read_bytes;
 use ndarray::{Array2, s};
 use serde_json::Value;
@@ -161,4 +161,12 @@ fn a_counterface_that_does_not_fit_is_refused() {
         press(folder.path(), &format!("{base} {line}")).refuses(code, &words);
     }
     assert_eq!(listing(folder.path()), ["cast.npy", "holed.npy", "map.npy", "note.txt", "small.npy"]);
+}
+
+#[test]
+fn the_help_says_what_the_results_are() {
+    let help = asperity("contact --help").stdout;
+    for words in ["share edges", "mean compliance adds", "forward differences", "turned over", "approach"] {
+        assert!(help.contains(words), "{words}: {help}");
+    }
 }

@@ -123,7 +123,7 @@ const SAME_PITCH_CELLS: f64 = 0.01;
 pub fn composite(lower: &HeightMap, upper: &HeightMap, laid: Laid) -> Result<HeightMap, ContactError> {
     let grid = lower.grid();
     if !same(grid, upper.grid()) {
-        return Err(ContactError::Grids { lower: grid, upper: upper.grid() });
+        return Err(ContactError::Grids { lower: grid.into(), upper: upper.grid().into() });
     }
     let facing = match laid {
         Laid::Mirrored => upper.heights_m().slice(s![.., ..;-1]),
@@ -196,7 +196,7 @@ mod tests {
         assert!(composite(&lower, &map(100, 1.00005e-6), Laid::AsLaid).is_ok());
         for upper in [map(101, 1e-6), map(100, 1.0002e-6)] {
             let error = composite(&lower, &upper, Laid::AsLaid).unwrap_err();
-            assert_eq!(error, ContactError::Grids { lower: lower.grid(), upper: upper.grid() });
+            assert_eq!(error, ContactError::Grids { lower: lower.grid().into(), upper: upper.grid().into() });
         }
         let error = composite(&lower, &map(99, 3e-6), Laid::AsLaid).unwrap_err().to_string();
         assert!(error.contains("100 × 4 points at 1e-6 m × 2e-6 m") && error.contains("99 × 4 at 3e-6 m"), "{error}");
