@@ -156,6 +156,7 @@ const LABELS: &[(&str, &str)] = &[
     ("covariance_decay_length_x_m", "covariance length x (1/e)"),
     ("covariance_decay_length_y_m", "covariance length y (1/e)"),
     ("largest_cluster_fraction", "largest cluster (of the contact)"),
+    ("contact_stiffness_pa_per_m", "contact stiffness over area"),
     ("persson_contact_fraction", "contact fraction (Persson)"),
     ("bgt_contact_fraction", "contact fraction (Bush, Gibson, Thomas)"),
 ];

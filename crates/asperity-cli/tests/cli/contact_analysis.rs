@@ -77,6 +77,18 @@ fn a_pressed_wave_has_its_energy_its_stiffness_and_its_place_among_theories() {
 }
 
 #[test]
+fn the_answer_does_not_depend_on_the_number_of_threads() {
+    let folder = folder_with(&[("map.npy", rough())]);
+    let run = |threads: &str| {
+        let line = "--youngs-modulus 210GPa --boundary periodic --percentile 20 --hardness 9GPa --stiffness --json";
+        press(folder.path(), &format!("{line} --threads {threads}")).stdout
+    };
+    let one = run("1");
+    assert!(one.contains("contact_stiffness_n_per_m"), "{one}");
+    assert_eq!(one, run("2"));
+}
+
+#[test]
 fn the_archive_numbers_the_clusters() {
     let folder = folder_with(&[("map.npy", rough())]);
     let line = "--youngs-modulus 210GPa --boundary free --percentile 20 --hardness 2GPa --out fields.npz --json";

@@ -36,7 +36,7 @@ pub struct Clusters {
 
 impl Clusters {
     /// The clusters of the cells with p > 0 of `pressure_pa`, shape `[ny, nx]`; on the periodic boundary opposite borders are
-    /// neighbours. Time is linear in the cells.
+    /// neighbours. Time grows in proportion to the cells, but for a factor that is next to constant.
     ///
     /// # References
     /// R. E. Tarjan, *J. ACM* **22** (1975) 215 (union and find), <https://doi.org/10.1145/321879.321884>. J. Hoshen and
