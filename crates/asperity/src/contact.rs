@@ -11,7 +11,7 @@
 //! S is positive definite, so the solution is unique.
 //!
 //! ```
-//! use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, exact};
+//! use asperity::contact::{Boundary, Control, HalfSpace, Neighbours, Problem, Solver, StiffnessSolver, exact};
 //! use asperity::map::{Grid, HeightMap};
 //!
 //! let (radius_m, modulus_pa, load_n) = (10e-3, 230e9, 10.0);
@@ -24,6 +24,12 @@
 //! let solution = Solver::default().solve(&problem)?;
 //! let hertz = exact::Hertz::new(modulus_pa, radius_m, load_n);
 //! assert!((solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.02);
+//!
+//! // One spot of contact, the energy ⅖ F δ and the stiffness 2 E* a.
+//! assert_eq!(solution.clusters(Neighbours::Edges).count(), 1);
+//! assert!((solution.elastic_energy_j() / (0.4 * load_n * hertz.approach_m) - 1.0).abs() < 0.02);
+//! let stiffness = StiffnessSolver::default().solve(&half_space, &solution)?;
+//! assert!((stiffness.newton_per_m / (2.0 * modulus_pa * hertz.contact_radius_m) - 1.0).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -77,6 +77,14 @@ fn a_pressed_wave_has_its_energy_its_stiffness_and_its_place_among_theories() {
 }
 
 #[test]
+fn the_gradient_of_a_free_map_is_its_sdq() {
+    let folder = folder_with(&[("map.npy", rough())]);
+    let json = press(folder.path(), "--youngs-modulus 210GPa --boundary free --percentile 20 --json").json(0);
+    let line = ["surface", "stats", "map.npy", "--pixel-size", "1um", "--level", "none", "--json"];
+    close(number(&json, "rms_gradient"), number(&asperity_in(folder.path(), &line).json(0), "Sdq"), 1e-12);
+}
+
+#[test]
 fn the_answer_does_not_depend_on_the_number_of_threads() {
     let folder = folder_with(&[("map.npy", rough())]);
     let run = |threads: &str| {
