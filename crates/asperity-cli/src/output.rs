@@ -158,6 +158,7 @@ const LABELS: &[(&str, &str)] = &[
     ("largest_cluster_fraction", "largest cluster (of the contact)"),
     ("contact_stiffness_pa_per_m", "contact stiffness over area"),
     ("persson_contact_fraction", "contact fraction (Persson)"),
+    ("persson_plastic_fraction", "plastic fraction (Persson)"),
     ("bgt_contact_fraction", "contact fraction (Bush, Gibson, Thomas)"),
 ];
 

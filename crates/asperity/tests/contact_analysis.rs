@@ -112,7 +112,7 @@ fn in_complete_contact_persson_is_exact() {
     let heights = rough(n, 0);
     let solution = solved(&heights, &half_space, Control::MeanPressure { pascal: 6.0 }, None);
     assert_eq!(solution.contact_fraction(), 1.0);
-    let law = PerssonPressure::new(6.0, 2.0, 1.0);
+    let law = PerssonPressure::new(6.0, 2.0, 1.0, None);
     let variance = solution.pressure_pa().mapv(|p| (p - 6.0).powi(2)).mean().unwrap();
     assert!((variance.sqrt() / law.full_contact_std_pa - 1.0).abs() < 1e-6, "{variance}");
     // A normal law: the distance of the empirical law is at most 2 % for some 500 independent cells (half a wave of 4 cells).
@@ -128,17 +128,22 @@ fn pressures_in_partial_contact_lie_near_perssons_law() {
     // No identity: the theory is approximate in partial contact, where it gives too little area.
     let n = 256;
     let half_space = HalfSpace::new(Grid::covering(n, n, 1.0, 1.0).unwrap(), 1.0, PERIODIC).unwrap();
-    for mean_pressure in [0.1, 0.4] {
+    for (mean_pressure, hardness_pa) in [(0.1, None), (0.4, None), (0.1, Some(1.0)), (0.4, Some(1.0))] {
         let control = Control::MeanPressure { pascal: mean_pressure };
-        let solution = solved(&rough(n, 20), &half_space, control, None);
-        let (found, law) = (solution.pressure_distribution(), PerssonPressure::new(mean_pressure, 1.0, 1.0));
+        let solution = solved(&rough(n, 20), &half_space, control, hardness_pa);
+        let law = PerssonPressure::new(mean_pressure, 1.0, 1.0, hardness_pa);
+        let found = solution.pressure_distribution();
+        assert_eq!(found.upper_fraction(), solution.plastic_fraction());
         let distance = (0..100).map(|i| 0.03 * f64::from(i)).map(|p| (found.cumulative(p) - law.cumulative(p)).abs());
         let distance = distance.fold(0.0, f64::max);
         let clusters = solution.clusters(Neighbours::Edges);
         println!(
-            "p̄ = {mean_pressure}: contact {:.4} (Persson {:.4}), distance {distance:.4}, {} clusters, largest {:.3}",
+            "p̄ = {mean_pressure}, {hardness_pa:?}: contact {:.4} ({:.4} in theory), plastic {:.4} ({:.4}), distance \
+             {distance:.4}, {} clusters, largest {:.3}",
             solution.contact_fraction(),
             law.contact_fraction(),
+            solution.plastic_fraction(),
+            law.plastic_fraction(),
             clusters.count(),
             clusters.largest_fraction().unwrap()
         );

@@ -25,9 +25,9 @@ use counterface::Counterface;
 /// Presses a rough surface against a rigid flat, or against a counterface.
 ///
 /// Clusters are cells in contact that share edges, around the border of a periodic map too. The elastic energy ½ Σ p u holds what
-/// the stated mean compliance adds; plastic work is the hardness times the volume displaced. The contact fractions of Persson,
-/// erf(√2 p/(E* h')), and of Bush, Gibson and Thomas, √(2π) p/(E* h'), are theories of elastic contact under the mean pressure p,
-/// with the rms gradient h' by forward differences.
+/// the stated mean compliance adds; plastic work is the hardness times the volume displaced. Contact fractions of two theories
+/// stand beside that of the map, for its rms gradient h' by forward differences and the mean pressure p: Persson's, which is
+/// erf(√2 p/(E* h')) without a hardness, and √(2π) p/(E* h') of Bush, Gibson and Thomas, which is for light elastic contact.
 #[derive(Debug, Args)]
 pub(crate) struct Contact {
     /// Measured or generated heights: X3P, SUR, NPY or text.

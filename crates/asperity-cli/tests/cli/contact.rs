@@ -15,7 +15,7 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-const KEYS: [&str; 22] = [
+const KEYS: [&str; 23] = [
     "bgt_contact_fraction",
     "clusters",
     "contact_fraction",
@@ -33,6 +33,7 @@ const KEYS: [&str; 22] = [
     "mean_pressure_pa",
     "penetration_m",
     "persson_contact_fraction",
+    "persson_plastic_fraction",
     "plastic_fraction",
     "plastic_work_j",
     "residual",

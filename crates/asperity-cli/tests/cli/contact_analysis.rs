@@ -59,6 +59,7 @@ fn a_pressed_wave_has_its_energy_its_stiffness_and_its_place_among_theories() {
     close(number(&json, "rms_gradient"), SQRT_2 * PI / 256.0, 1e-4);
     // √2 p̄/(E* h'rms) = 1/4.
     close(number(&json, "persson_contact_fraction"), 0.276_326_390_168, 1e-4);
+    assert_eq!(number(&json, "persson_plastic_fraction"), 0.0);
     close(number(&json, "bgt_contact_fraction"), PI.sqrt() / 4.0, 1e-4);
     // The crest lies on the border, and the ridge reaches around the map.
     assert_eq!(json["clusters"], Value::from(1));
@@ -111,6 +112,7 @@ fn the_archive_numbers_the_clusters() {
     assert!(pressure_pa.iter().zip(&clusters).all(|(p, label)| (*p > 0.0) == (*label > 0.0)));
     assert_eq!(clusters.iter().copied().fold(0.0, f64::max), number(&json, "clusters"));
     assert!(number(&json, "clusters") > 1.0 && number(&json, "plastic_work_j") > 0.0);
+    assert!(number(&json, "persson_plastic_fraction") > 0.0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What is told of a solved contact beside its fields.
 
-use asperity::contact::exact::{bush_gibson_thomas_contact_fraction, persson_contact_fraction};
+use asperity::contact::exact::{PerssonPressure, bush_gibson_thomas_contact_fraction};
 use asperity::contact::{
     Clusters, ContactError, ContactStiffness, Neighbours, Problem, Solution, StiffnessSolver, rms_gradient,
 };
@@ -15,29 +15,32 @@ pub(super) struct Analysis {
     plastic_work_j: f64,
     modulus_pa: f64,
     rms_gradient: f64,
-    mean_pressure_pa: f64,
+    persson: PerssonPressure,
     stiffness: Option<ContactStiffness>,
 }
 
 impl Analysis {
     pub(super) fn of(problem: &Problem<'_>, solution: &Solution, stiffness: bool) -> Result<Self, ContactError> {
         let half_space = problem.half_space();
+        let (grid, boundary) = (half_space.grid(), half_space.boundary());
+        let (mean_pressure_pa, modulus_pa) = (solution.mean_pressure_pa(), half_space.modulus_pa());
+        let rms_gradient = rms_gradient(problem.heights_m(), grid, boundary);
         let solved = || StiffnessSolver::default().solve(half_space, solution);
         Ok(Self {
             clusters: solution.clusters(Neighbours::Edges),
             elastic_energy_j: solution.elastic_energy_j(),
             plastic_work_j: solution.plastic_work_j(),
-            modulus_pa: half_space.modulus_pa(),
-            rms_gradient: rms_gradient(problem.heights_m(), half_space.grid(), half_space.boundary()),
-            mean_pressure_pa: solution.mean_pressure_pa(),
+            modulus_pa,
+            rms_gradient,
+            persson: PerssonPressure::new(mean_pressure_pa, modulus_pa, rms_gradient, problem.hardness_pa()),
             stiffness: stiffness.then(solved).transpose()?,
         })
     }
 
     /// The answer with its results.
     pub(super) fn told(&self, answer: Answer) -> Answer {
-        let theory =
-            |fraction: fn(f64, f64, f64) -> f64| fraction(self.mean_pressure_pa, self.modulus_pa, self.rms_gradient);
+        let mean_pressure_pa = self.persson.mean_pressure_pa;
+        let bush = bush_gibson_thomas_contact_fraction(mean_pressure_pa, self.modulus_pa, self.rms_gradient);
         let answer = answer
             .with("clusters", self.clusters.count())
             .with("largest_cluster_fraction", self.clusters.largest_fraction())
@@ -46,8 +49,9 @@ impl Analysis {
             .with("plastic_work_j", self.plastic_work_j)
             .with("contact_modulus_pa", self.modulus_pa)
             .with("rms_gradient", self.rms_gradient)
-            .with("persson_contact_fraction", theory(persson_contact_fraction))
-            .with("bgt_contact_fraction", theory(bush_gibson_thomas_contact_fraction));
+            .with("persson_contact_fraction", self.persson.contact_fraction())
+            .with("persson_plastic_fraction", self.persson.plastic_fraction())
+            .with("bgt_contact_fraction", bush);
         match self.stiffness {
             None => answer,
             Some(stiffness) => answer
