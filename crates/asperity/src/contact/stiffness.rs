@@ -1,9 +1,9 @@
 //! The stiffness of a contact against further approach.
 
-use crate::contact::half_space::MeanMode;
-use crate::contact::vectors::sums;
+use std::f64::consts::{PI, TAU};
+
 use crate::contact::{Boundary, ContactError, HalfSpace, Solution, Workspace};
-use crate::fourier::ROWS_OF_SLAB;
+use crate::fourier::{self, Complex64, RealFft2, good_length, signed_index};
 
 /// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane, δ growing as it comes down.
 ///
@@ -40,10 +40,6 @@ pub enum Motion {
 }
 
 /// Computes a [`ContactStiffness`] by conjugate gradients, preconditioned by E*|q|/2 on the cells in contact.
-///
-/// # References
-/// G. H. Golub and Q. Ye, *SIAM J. Sci. Comput.* **21** (1999) 1305 (conjugate gradients whose preconditioner varies: it
-/// rounds to single precision), <https://doi.org/10.1137/S1064827597323415>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StiffnessSolver {
     /// Which way the plane moves; it matters where cells are plastic.
@@ -75,13 +71,15 @@ impl StiffnessSolver {
         if (rows, columns) != (ny, nx) {
             return Err(ContactError::Shape { rows, columns, ny, nx });
         }
-        let upper = match self.motion {
-            Motion::Loading => solution.hardness_pa().unwrap_or(f64::INFINITY),
-            Motion::Unloading => f64::INFINITY,
+        // A cell whose elastic deformation overlaps is plastic under any hardness.
+        let upper = solution.hardness_pa().unwrap_or(f64::INFINITY);
+        let fields = solution.pressure_pa().iter().zip(solution.plastic_displacement_m());
+        let moves = |p: f64, plastic_m: f64| match self.motion {
+            Motion::Loading => p > 0.0 && p < upper && plastic_m == 0.0,
+            Motion::Unloading => p > 0.0,
         };
-        let moves = |p: f64| p > 0.0 && p < upper;
         let cells: Vec<usize> =
-            solution.pressure_pa().iter().enumerate().filter(|(_, p)| moves(**p)).map(|(cell, _)| cell).collect();
+            fields.enumerate().filter(|(_, (p, plastic_m))| moves(**p, *plastic_m)).map(|(cell, _)| cell).collect();
         let area_m2 = half_space.grid().area_m2();
         let exactly = |newton_per_m: f64| ContactStiffness {
             newton_per_m,
@@ -93,18 +91,11 @@ impl StiffnessSolver {
         if cells.is_empty() {
             return Ok(exactly(0.0));
         }
-        let periodic = matches!(half_space.boundary(), Boundary::Periodic { .. });
+        let periodic = half_space.boundary() != Boundary::Free;
         if cells.len() == half_space.grid().points() && periodic {
             return Ok(exactly(f64::INFINITY));
         }
-        let mut system = System {
-            half_space,
-            mean: half_space.mean_mode(periodic.then_some(0.0)),
-            workspace: half_space.workspace(),
-            cells,
-            field: vec![0.0; half_space.grid().points()],
-            image: vec![0.0; half_space.grid().points()],
-        };
+        let mut system = System::new(half_space, cells);
         let found = self.descend(&mut system);
         let newton_per_m = found.sum_pa_per_m * half_space.grid().cell_area_m2();
         Ok(ContactStiffness {
@@ -124,25 +115,24 @@ impl StiffnessSolver {
         let (mut iterations, mut residual) = (0, 1.0);
         // Anew from the true residual, should the recurrence have drifted away from it.
         while residual > self.tolerance && iterations < self.max_iterations {
-            let (mut updated, mut length, mut slope_before) = (residual, 0.0, 1.0);
+            let (mut updated, mut slope_before) = (residual, f64::INFINITY);
             while updated > 0.5 * self.tolerance && iterations < self.max_iterations {
                 system.precondition(&rest, &mut steepest);
-                // The residual last changed by −length·image.
-                let share = -length * dot(&steepest, &image) / slope_before;
+                let slope = dot(&rest, &steepest);
+                let share = slope / slope_before;
                 step.iter_mut().zip(&steepest).for_each(|(step, steepest)| *step = steepest + share * *step);
-                slope_before = dot(&steepest, &rest);
                 system.displace(&step, &mut image);
-                length = dot(&step, &rest) / dot(&step, &image);
+                let length = slope / dot(&step, &image);
                 x.iter_mut().zip(&step).for_each(|(x, step)| *x += length * step);
                 rest.iter_mut().zip(&image).for_each(|(rest, image)| *rest -= length * image);
-                updated = rms(&rest);
+                (updated, slope_before) = (rms(&rest), slope);
                 iterations += 1;
             }
             system.displace(&x, &mut image);
             rest.iter_mut().zip(&image).for_each(|(rest, image)| *rest = 1.0 - image);
             residual = rms(&rest);
         }
-        let [sum_pa_per_m] = sums(&x, &rest, |x, rest| [x + x * rest]);
+        let sum_pa_per_m = x.iter().zip(&rest).map(|(x, rest)| x + x * rest).sum();
         Descended { sum_pa_per_m, iterations, residual }
     }
 }
@@ -158,48 +148,82 @@ struct Descended {
 /// The compliance between the cells that move with the plane, and its preconditioner.
 struct System<'a> {
     half_space: &'a HalfSpace,
-    mean: MeanMode,
     workspace: Workspace,
     cells: Vec<usize>,
     /// Zero but on the cells.
     field: Vec<f64>,
     image: Vec<f64>,
+    fft: RealFft2,
+    fft_work: fourier::Workspace,
+    spectrum: Vec<Complex64>,
 }
 
-impl System<'_> {
+impl<'a> System<'a> {
+    fn new(half_space: &'a HalfSpace, cells: Vec<usize>) -> Self {
+        let grid = half_space.grid();
+        // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
+        let padded = |n: usize| match half_space.boundary() {
+            Boundary::Free => good_length(n + (n / 16).max(2)),
+            Boundary::Periodic { .. } => n,
+        };
+        let fft = RealFft2::new(padded(grid.nx()), padded(grid.ny()));
+        Self {
+            half_space,
+            workspace: half_space.workspace(),
+            cells,
+            field: vec![0.0; grid.points()],
+            image: vec![0.0; grid.points()],
+            fft_work: fft.workspace(),
+            spectrum: fft.spectrum(),
+            fft,
+        }
+    }
+
     fn spread(&mut self, values: &[f64]) {
         self.cells.iter().zip(values).for_each(|(cell, value)| self.field[*cell] = *value);
     }
 
-    fn displace(&mut self, pressure_pa: &[f64], displacement_m: &mut [f64]) {
-        self.spread(pressure_pa);
-        self.half_space.displace_as(self.mean, &self.field, &mut self.image, &mut self.workspace);
-        displacement_m.iter_mut().zip(&self.cells).for_each(|(out, cell)| *out = self.image[*cell]);
+    fn gather(&self, out: &mut [f64]) {
+        out.iter_mut().zip(&self.cells).for_each(|(out, cell)| *out = self.image[*cell]);
     }
 
+    /// The displacement by pressures on the cells, counted from its mean on the periodic boundary.
+    fn displace(&mut self, pressure_pa: &[f64], displacement_m: &mut [f64]) {
+        self.spread(pressure_pa);
+        self.half_space.displace(&self.field, &mut self.image, &mut self.workspace);
+        self.gather(displacement_m);
+        if let Boundary::Periodic { mean_compliance_m_per_pa } = self.half_space.boundary() {
+            let mean_m = mean_compliance_m_per_pa * pressure_pa.iter().sum::<f64>() / self.field.len() as f64;
+            displacement_m.iter_mut().for_each(|u| *u -= mean_m);
+        }
+    }
+
+    /// E*|q|/2 times displacements of the cells, on the cells. For the mean, |q| is half that of the longest wave, or three times
+    /// it on the periodic boundary, where the mean does not yield.
     fn precondition(&mut self, displacement_m: &[f64], pressure_pa: &mut [f64]) {
         self.spread(displacement_m);
-        let columns = self.half_space.grid().nx();
-        let fill = |row: usize, out: &mut [f32]| {
-            let values = &self.field[row * columns..][..columns];
-            out.iter_mut().zip(values).for_each(|(out, value)| *out = *value as f32);
-            values.iter().any(|value| *value != 0.0)
-        };
-        self.half_space.stiffness_forward(self.mean, fill, &mut self.workspace);
-        let slabs = self.image.chunks_mut(ROWS_OF_SLAB * columns).collect();
-        let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
-            let out = &mut slab[row % ROWS_OF_SLAB * columns..][..columns];
-            out.iter_mut().zip(values).for_each(|(out, value)| *out = f64::from(*value));
-        };
-        self.half_space.stiffness_backward(slabs, take, &mut self.workspace);
-        let unit = self.half_space.stiffness_unit_pa_per_m();
-        pressure_pa.iter_mut().zip(&self.cells).for_each(|(out, cell)| *out = unit * self.image[*cell]);
+        let grid = self.half_space.grid();
+        let (nx, ny) = (self.fft.nx(), self.fft.ny());
+        self.fft.forward_padded(&self.field, grid.ny(), grid.nx(), &mut self.spectrum, &mut self.fft_work);
+        let step_x = TAU / (nx as f64 * grid.dx_m());
+        let step_y = TAU / (ny as f64 * grid.dy_m());
+        let of_mean = match self.half_space.boundary() {
+            Boundary::Free => PI,
+            Boundary::Periodic { .. } => 3.0 * TAU,
+        } / grid.width_m().max(grid.height_m());
+        for (kx, waves) in self.spectrum.chunks_mut(ny).enumerate() {
+            for (ky, wave) in waves.iter_mut().enumerate() {
+                let q = (step_x * kx as f64).hypot(step_y * signed_index(ky, ny));
+                *wave *= 0.5 * self.half_space.modulus_pa() * if q > 0.0 { q } else { of_mean };
+            }
+        }
+        self.fft.inverse_cropped(&mut self.spectrum, &mut self.image, grid.ny(), grid.nx(), &mut self.fft_work);
+        self.gather(pressure_pa);
     }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let [product] = sums(a, b, |a, b| [a * b]);
-    product
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn rms(values: &[f64]) -> f64 {
