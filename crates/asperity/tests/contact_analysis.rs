@@ -230,8 +230,9 @@ fn a_flat_punch_carries_its_stiffness_times_its_depth() {
     assert_eq!(solution.contact_fraction() * 128.0 * 128.0, cells);
     let found = stiffness(&half_space, &solution);
     println!("circle: K/2E*a = {:.5}, {} iterations", found.newton_per_m / 2.0, found.iterations);
+    // The tolerance of the solution is relative to the rms height, some 450 times the depth.
     let rest = found.newton_per_m * 1e-3 / solution.load_n() - 1.0;
-    assert!(rest.abs() < 1e-8, "{rest:e}");
+    assert!(rest.abs() < 1e-6, "{rest:e}");
     // The circle of equal area; the pressure at the edge is infinite, so the order is low.
     let radius = (cells * half_space.grid().cell_area_m2() / PI).sqrt();
     assert!((found.newton_per_m / (2.0 * radius) - 1.0).abs() < 0.01);
