@@ -24,6 +24,13 @@ pub(crate) struct ScanOptions {
     pixel_size: Option<OneOrTwo<Length>>,
 }
 
+impl ScanOptions {
+    /// The options for another file: the pixel size alone, as a channel belongs to one file.
+    pub(crate) fn of_another_file(&self) -> Self {
+        Self { channel: None, pixel_size: self.pixel_size }
+    }
+}
+
 /// Reads a scan, tells its warnings, and applies the pixel size.
 pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Result<Scan, Failure> {
     let choice = ReadOptions { channel: options.channel.clone() };

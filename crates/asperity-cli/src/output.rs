@@ -137,10 +137,14 @@ pub(crate) fn columns<const N: usize>(rows: &[[String; N]]) -> String {
 const UNITS: &[(&str, &str, bool)] = &[
     ("_rad_per_m", "rad/m", false),
     ("_m_per_pa", "m/Pa", false),
+    ("_pa_per_m", "Pa/m", true),
+    ("_n_per_m", "N/m", true),
     ("_rad", "rad", false),
     ("_pa", "Pa", true),
+    ("_m2", "m²", false),
     ("_m", "m", true),
     ("_n", "N", true),
+    ("_j", "J", true),
 ];
 
 /// Results whose key does not say which of several alike they are.
@@ -151,6 +155,11 @@ const LABELS: &[(&str, &str)] = &[
     ("covariance_length_y_m", "covariance length y (of the model)"),
     ("covariance_decay_length_x_m", "covariance length x (1/e)"),
     ("covariance_decay_length_y_m", "covariance length y (1/e)"),
+    ("largest_cluster_fraction", "largest cluster (of the contact)"),
+    ("contact_stiffness_pa_per_m", "contact stiffness over area"),
+    ("persson_contact_fraction", "contact fraction (Persson)"),
+    ("persson_plastic_fraction", "plastic fraction (Persson)"),
+    ("bgt_contact_fraction", "contact fraction (Bush, Gibson, Thomas)"),
 ];
 
 /// Name and value of a result as a table shows them.
@@ -295,6 +304,8 @@ mod tests {
         assert_eq!(show("mean_pressure_pa", 20e6), ("mean pressure".into(), "20 MPa".into()));
         assert_eq!(show("load_n", -2500.0), ("load".into(), "-2.5 kN".into()));
         assert_eq!(show("mean_compliance_m_per_pa", 5e-15), ("mean compliance".into(), "5.00000e-15 m/Pa".into()));
+        assert_eq!(show("contact_stiffness_n_per_m", 2e7), ("contact stiffness".into(), "20 MN/m".into()));
+        assert_eq!(show("elastic_energy_j", 3e-6), ("elastic energy".into(), "3 µJ".into()));
         assert_eq!(show("gap_m", 0.0), ("gap".into(), "0 m".into()));
         assert_eq!(show("Ssk", -1.0 / 3.0), ("Ssk".into(), "-0.333333".into()));
         assert_eq!(row("nx", &Value::from(128)), ("nx".into(), "128".into()));

@@ -1,7 +1,8 @@
 //! NumPy archives: a zip archive of NPY files.
 //!
 //! Two-dimensional arrays of numbers are the maps, under their names. A name that ends in a unit of length (`height_um`,
-//! `gap_m`) states the unit, others are in metre; arrays whose name ends in another unit (`pressure_pa`) are no maps.
+//! `gap_m`) states the unit, others are in metre; arrays whose name ends in another unit (`pressure_pa`) are no maps, nor are
+//! those that number regions (`clusters`, `labels`).
 //!
 //! A short array states the distance between points: `pixel_size`, `pitch` or `spacing` with one number or with two for
 //! (x, y), or `dx` and `dy`; again in metre, or in the unit at the end (`pixel_size_um`). Other short arrays are
@@ -57,6 +58,8 @@ const LENGTHS: [&str; 7] = ["m", "cm", "mm", "um", "µm", "nm", "pm"];
 /// Units that names of other quantities end in.
 const OTHERS: [&str; 19] =
     ["pa", "kpa", "mpa", "gpa", "n", "kn", "mn", "v", "mv", "k", "degc", "deg", "rad", "s", "ms", "hz", "w", "j", "kg"];
+/// Names of arrays that number regions.
+const NUMBERS: [&str; 2] = ["clusters", "labels"];
 
 /// Whether the first file of a zip archive is an array.
 fn detect(bytes: &[u8]) -> bool {
@@ -76,6 +79,9 @@ enum Quantity {
 /// The name without its unit in lower case, and what the unit says.
 fn quantity(name: &str) -> (String, Quantity) {
     let name = name.to_lowercase();
+    if NUMBERS.contains(&name.as_str()) {
+        return (name, Quantity::Other);
+    }
     let Some((stem, unit)) = name.rsplit_once('_') else { return (name, Quantity::Length(1.0)) };
     // A quotient is no length, whatever its denominator.
     if OTHERS.contains(&unit) || (LENGTHS.contains(&unit) && stem.ends_with("_per")) {

@@ -11,7 +11,7 @@
 //! S is positive definite, so the solution is unique.
 //!
 //! ```
-//! use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solver, exact};
+//! use asperity::contact::{Boundary, Control, HalfSpace, Neighbours, Problem, Solver, StiffnessSolver, exact};
 //! use asperity::map::{Grid, HeightMap};
 //!
 //! let (radius_m, modulus_pa, load_n) = (10e-3, 230e9, 10.0);
@@ -24,16 +24,29 @@
 //! let solution = Solver::default().solve(&problem)?;
 //! let hertz = exact::Hertz::new(modulus_pa, radius_m, load_n);
 //! assert!((solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.02);
+//!
+//! // One spot of contact, the energy ⅖ F δ and the stiffness 2 E* a.
+//! assert_eq!(solution.clusters(Neighbours::Edges).count(), 1);
+//! assert!((solution.elastic_energy_j() / (0.4 * load_n * hertz.approach_m) - 1.0).abs() < 0.02);
+//! let stiffness = StiffnessSolver::default().solve(&half_space, &solution)?;
+//! assert!((stiffness.newton_per_m / (2.0 * modulus_pa * hertz.contact_radius_m) - 1.0).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use thiserror::Error;
 
+use crate::map::Grid;
+
 pub mod area;
+mod bodies;
+mod clusters;
 mod coarse_start;
 mod cycle;
 mod descent;
+mod distribution;
+mod energy;
 pub mod exact;
+mod gradient;
 mod half_space;
 mod load_start;
 mod mean_gap;
@@ -43,14 +56,20 @@ mod pyramid;
 mod slab;
 mod solution;
 mod solver;
+mod stiffness;
 mod substrate;
 
+pub use bodies::{Body, Elastic, Laid, Pair, composite};
+pub use clusters::{Clusters, Neighbours};
 pub use cycle::{LoadPath, LoadStep, Shakedown, work_of_flat_j};
+pub use distribution::Distribution;
+pub use gradient::{rms_gradient, spectral_rms_gradient};
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};
 pub use solution::{Residual, Solution, StopReason};
 pub use solver::Solver;
-pub use substrate::{Base, Elastic, Layer, Substrate};
+pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
+pub use substrate::{Base, Layer, Substrate};
 
 /// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
 /// pascal and Poisson's ratio ν.
@@ -101,6 +120,17 @@ pub enum ContactError {
         ny: usize,
         /// Columns of the half-space.
         nx: usize,
+    },
+    /// Two maps do not lie on the same grid.
+    #[error(
+        "the lower map has {} × {} points at {:e} m × {:e} m, the upper {} × {} at {:e} m × {:e} m; both must be equal",
+        lower.nx(), lower.ny(), lower.dx_m(), lower.dy_m(), upper.nx(), upper.ny(), upper.dx_m(), upper.dy_m()
+    )]
+    Grids {
+        /// Grid of the lower map.
+        lower: Box<Grid>,
+        /// Grid of the upper map.
+        upper: Box<Grid>,
     },
     /// A periodic half-space without mean compliance cannot be overlapped.
     #[error(

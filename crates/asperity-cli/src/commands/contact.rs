@@ -1,9 +1,11 @@
 //! Contact of a rough surface with a rigid flat.
 
+mod analysis;
+mod counterface;
 mod layering;
 mod unloading;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use asperity::contact::{
     Boundary, ContactError, Control, Elastic, HalfSpace, Problem, Solution, Solver, StopReason, Substrate, memory_bytes,
@@ -12,16 +14,24 @@ use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
 use clap::{Args, ValueEnum};
 
+use analysis::Analysis;
+use counterface::Counterface;
+use layering::Layering;
+use unloading::Unloaded;
+
 use crate::failure::{Failure, Kind};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target};
 use crate::resources::require_memory;
 use crate::{args, npz};
-use layering::Layering;
-use unloading::Unloaded;
 
-/// Presses a rough surface against a rigid flat.
+/// Presses a rough surface against a rigid flat, or against a counterface.
+///
+/// Clusters are cells in contact that share edges, around the border of a periodic map too. The elastic energy ½ Σ p u holds what
+/// the stated mean compliance adds; plastic work is the hardness times the volume displaced. Contact fractions of two theories
+/// stand beside that of the map, for its rms gradient h' by forward differences and the mean pressure p: Persson's, which is
+/// erf(√2 p/(E* h')) without a hardness, and √(2π) p/(E* h') of Bush, Gibson and Thomas, which is for light elastic contact.
 #[derive(Debug, Args)]
 pub(crate) struct Contact {
     /// Measured or generated heights: X3P, SUR, NPY or text.
@@ -45,6 +55,8 @@ pub(crate) struct Contact {
     #[arg(long, value_name = "Q", value_parser = args::non_negative_quantity::<Compliance>, allow_hyphen_values = true)]
     mean_compliance: Option<Compliance>,
     #[command(flatten)]
+    counterface: Counterface,
+    #[command(flatten)]
     press: Press,
     /// Upper bound of the pressure; elastic when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
@@ -56,8 +68,12 @@ pub(crate) struct Contact {
     /// Bound on the relative residuals, below 1.
     #[arg(long, value_name = "X", value_parser = args::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, and with
-    /// --unload residual_height_m.
+    /// Also compute the contact stiffness: load per approach as the surfaces are pressed further. On a periodic map it is that of
+    /// the mean planes, without the mean compliance; infinite (null) in complete contact.
+    #[arg(long)]
+    stiffness: bool,
+    /// Write the fields to a NumPy archive: pressure_pa, displacement_m, gap_m, plastic_displacement_m, clusters (numbered from
+    /// 1; 0 out of contact), and with --unload residual_height_m.
     #[arg(long, value_name = "F.npz")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table.
@@ -112,12 +128,13 @@ impl Contact {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let control = self.press.control()?;
         if let Some(out) = &self.out {
-            check_target("--out", out, &[&self.file])?;
+            let inputs: Vec<&Path> = std::iter::once(self.file.as_path()).chain(self.counterface.file()).collect();
+            check_target("--out", out, &inputs)?;
         }
         let map = input::map(&self.file, &self.options, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
-        let material = Elastic { youngs_modulus_pa: self.youngs_modulus.0, poisson_ratio: self.poisson_ratio };
-        let substrate = self.layering.substrate(material)?;
+        let map = self.counterface.laid_on(map, &self.options, monitor)?;
+        let substrate = self.substrate()?;
         let boundary = self.boundary(map.grid(), &substrate, control)?;
         if let Some(doubt) = self.layering.doubt(unloading::span(map.heights_m())) {
             monitor.warn(&doubt);
@@ -132,28 +149,32 @@ impl Contact {
         }
         let solution = monitor.at_once(|| solver.solve(&problem))?.map_err(refused)?;
         let unloaded = self.unload.then(|| Unloaded::after(&solution, map.heights_m()));
+        let analysis = monitor.at_once(|| Analysis::of(&problem, &solution, self.stiffness))?.map_err(refused)?;
         if let Some(out) = &self.out {
             let (gap_m, plastic_m) = (solution.gap_m(), solution.plastic_displacement_m());
+            let clusters = analysis.clusters.labels().mapv(f64::from);
             let mut fields = vec![
                 ("pressure_pa", solution.pressure_pa()),
                 ("displacement_m", solution.displacement_m()),
                 ("gap_m", &gap_m),
                 ("plastic_displacement_m", &plastic_m),
+                ("clusters", &clusters),
             ];
             if let Some(Some(unloaded)) = &unloaded {
                 fields.push(("residual_height_m", &unloaded.residual_height_m));
             }
             npz::write(out, &fields)?;
         }
-        let mut answer = answer(&solution);
+        let mut answer = answer(&solution, &analysis);
         if let Some(unloaded) = &unloaded {
             answer = Unloaded::add_to(unloaded.as_ref(), answer);
         }
         answer.print(self.json)?;
         let why = match solution.stop_reason() {
-            StopReason::Converged => return Ok(()),
+            StopReason::Converged => return analysis.checked(),
             StopReason::PrecisionLimit => "double precision allows no better",
             StopReason::IterationLimit => "the iteration limit",
+            StopReason::Cancelled => "cancelled",
         };
         Err(Failure::new(
             Kind::NotConverged,
@@ -164,6 +185,18 @@ impl Contact {
                 solver.tolerance
             ),
         ))
+    }
+
+    /// The body under the composite roughness.
+    fn substrate(&self) -> Result<Substrate, Failure> {
+        let surface = Elastic::new(self.youngs_modulus.0, self.poisson_ratio).map_err(Failure::usage)?;
+        match self.layering.layer(surface)? {
+            Some(_) if self.counterface.is_elastic() => {
+                Err(Failure::usage("a layer is pressed against a rigid counterface; leave --counterface-youngs-modulus out"))
+            }
+            Some(layer) => Ok(Substrate::Layer(layer)),
+            None => Ok(Substrate::HalfSpace { modulus_pa: self.counterface.contact_modulus_pa(surface)? }),
+        }
     }
 
     fn boundary(&self, grid: Grid, substrate: &Substrate, control: Control) -> Result<Boundary, Failure> {
@@ -186,18 +219,20 @@ impl Contact {
     /// A map that cannot be pressed is unusable data; everything else lies in the flags.
     fn refused(&self, error: &ContactError) -> Failure {
         match error {
-            ContactError::Flat | ContactError::Missing { .. } => Failure::data(self.file.display(), error),
+            ContactError::Flat | ContactError::Missing { .. } => {
+                Failure::data(self.counterface.beside(&self.file), error)
+            }
             _ => Failure::usage(error),
         }
     }
 }
 
-fn answer(solution: &Solution) -> Answer {
+fn answer(solution: &Solution, analysis: &Analysis) -> Answer {
     let mean_compliance_m_per_pa = match solution.boundary() {
         Boundary::Free => None,
         Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
     };
-    Answer::default()
+    let answer = Answer::default()
         .with("contact_fraction", solution.contact_fraction())
         .with("contact_fraction_corrected", solution.corrected_contact_fraction())
         .with("plastic_fraction", solution.plastic_fraction())
@@ -207,7 +242,9 @@ fn answer(solution: &Solution) -> Answer {
         .with("mean_gap_m", solution.mean_gap_m())
         .with("separation_m", solution.separation_m())
         .with("penetration_m", solution.penetration_m())
-        .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa)
+        .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa);
+    analysis
+        .told(answer)
         .with("iterations", solution.iterations())
         .with("residual", solution.residual().worst())
         .with("converged", solution.converged())

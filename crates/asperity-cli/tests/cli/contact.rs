@@ -15,19 +15,29 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 23] = [
+    "bgt_contact_fraction",
+    "clusters",
     "contact_fraction",
     "contact_fraction_corrected",
+    "contact_modulus_pa",
     "converged",
+    "elastic_energy_j",
     "iterations",
+    "largest_cluster_fraction",
+    "largest_cluster_m2",
     "load_n",
     "max_pressure_pa",
     "mean_compliance_m_per_pa",
     "mean_gap_m",
     "mean_pressure_pa",
     "penetration_m",
+    "persson_contact_fraction",
+    "persson_plastic_fraction",
     "plastic_fraction",
+    "plastic_work_j",
     "residual",
+    "rms_gradient",
     "separation_m",
 ];
 

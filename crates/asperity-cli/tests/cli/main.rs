@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot run the program has failed")]
 
 mod contact;
+mod contact_analysis;
 mod formats;
 mod outputs;
 mod study;

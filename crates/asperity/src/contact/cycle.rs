@@ -221,13 +221,6 @@ impl<'a> LoadPath<'a> {
 }
 
 impl Solution {
-    /// Work in joule that plastic flow dissipated under this load, Σ p u_pl dA, the surface not having been loaded
-    /// before.
-    pub fn plastic_work_j(&self) -> f64 {
-        let work: f64 = self.pressure_pa().iter().zip(&self.plastic_displacement_m()).map(|(p, u)| p * u).sum();
-        work * self.grid().cell_area_m2()
-    }
-
     /// The heights z − u_pl in metre that are left of `heights_m` after complete unloading.
     ///
     /// # Panics

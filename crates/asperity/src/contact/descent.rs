@@ -298,8 +298,9 @@ impl<'a> Descent<'a> {
             }
             self.look(self.lambda);
         }
-        // Where the multiplier may well be next time.
-        self.next_bound = self.lambda + 2.0 * (self.lambda - last_lambda).abs();
+        // Where the multiplier may well be next time, once it has been anywhere.
+        let margin = if self.has_history { 2.0 * (self.lambda - last_lambda).abs() } else { 0.0 };
+        self.next_bound = self.lambda + margin;
     }
 
     /// Takes one step that lowers the energy, or returns false if none can be represented.

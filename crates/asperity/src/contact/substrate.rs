@@ -20,45 +20,12 @@
 
 use std::f64::consts::TAU;
 
-use crate::contact::{ContactError, contact_modulus_pa};
+use crate::contact::{ContactError, Elastic};
 use crate::map::Grid;
 
 mod point_load;
 
 pub(super) use point_load::PointLoad;
-
-/// An isotropic elastic material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Elastic {
-    /// Young's modulus in pascal, > 0.
-    pub youngs_modulus_pa: f64,
-    /// Poisson's ratio, above −1 and at most ½.
-    pub poisson_ratio: f64,
-}
-
-impl Elastic {
-    /// Contact modulus E* = E/(1−ν²) in pascal.
-    pub fn contact_modulus_pa(&self) -> f64 {
-        contact_modulus_pa(self.youngs_modulus_pa, self.poisson_ratio)
-    }
-
-    fn shear_modulus_pa(&self) -> f64 {
-        0.5 * self.youngs_modulus_pa / (1.0 + self.poisson_ratio)
-    }
-
-    /// 3 − 4ν.
-    fn kolosov(&self) -> f64 {
-        3.0 - 4.0 * self.poisson_ratio
-    }
-
-    fn validate(&self, modulus: &'static str, ratio: &'static str) -> Result<(), ContactError> {
-        positive(modulus, self.youngs_modulus_pa, "Pa")?;
-        let value = self.poisson_ratio;
-        let fits = value > -1.0 && value <= 0.5;
-        let error = ContactError::Parameter { parameter: ratio, value, unit: "", wanted: "above -1 and at most 0.5" };
-        if fits { Ok(()) } else { Err(error) }
-    }
-}
 
 /// What a layer lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! What lies under the surface.
 
-use asperity::contact::{Base, Elastic, Layer, Substrate};
+use asperity::contact::{Base, Elastic, Layer};
 use asperity::quantity::{Length, Pressure};
 use clap::Args;
 
@@ -30,16 +30,14 @@ pub(super) struct Layering {
 const POISSON_RATIO: f64 = 0.3;
 
 impl Layering {
-    /// The body whose surface is of `material`.
-    pub(super) fn substrate(&self, material: Elastic) -> Result<Substrate, Failure> {
-        let Some(thickness) = self.layer_thickness else {
-            return Ok(Substrate::HalfSpace { modulus_pa: material.contact_modulus_pa() });
-        };
+    /// The layer of `material`, if there is one.
+    pub(super) fn layer(&self, material: Elastic) -> Result<Option<Layer>, Failure> {
+        let Some(thickness) = self.layer_thickness else { return Ok(None) };
         let base = match self.base_youngs_modulus {
-            Some(modulus) => Base::Elastic(Elastic {
-                youngs_modulus_pa: modulus.0,
-                poisson_ratio: self.base_poisson_ratio.unwrap_or(POISSON_RATIO),
-            }),
+            Some(modulus) => {
+                let poisson_ratio = self.base_poisson_ratio.unwrap_or(POISSON_RATIO);
+                Base::Elastic(Elastic::new(modulus.0, poisson_ratio).map_err(Failure::usage)?)
+            }
             None if self.rigid_base => Base::Rigid,
             None => {
                 return Err(Failure::usage(
@@ -47,7 +45,7 @@ impl Layering {
                 ));
             }
         };
-        Ok(Substrate::Layer(Layer { thickness_m: thickness.0, material, base }))
+        Ok(Some(Layer { thickness_m: thickness.0, material, base }))
     }
 
     /// A warning where the layer is thinner than the surface is high.

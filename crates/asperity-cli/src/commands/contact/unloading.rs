@@ -9,7 +9,6 @@ use crate::output::Answer;
 /// A surface without load after the one of a solution.
 pub(super) struct Unloaded {
     pub(super) residual_height_m: Array2<f64>,
-    plastic_work_j: f64,
     max_plastic_displacement_m: f64,
 }
 
@@ -18,7 +17,6 @@ impl Unloaded {
     pub(super) fn after(solution: &Solution, heights_m: &Array2<f64>) -> Option<Self> {
         solution.converged().then(|| Self {
             residual_height_m: solution.residual_heights_m(heights_m),
-            plastic_work_j: solution.plastic_work_j(),
             max_plastic_displacement_m: largest(&solution.plastic_displacement_m()),
         })
     }
@@ -28,7 +26,6 @@ impl Unloaded {
         let rms_m = this.map(|left| Moments::of(&values(&left.residual_height_m)).std);
         let span_m = this.map(|left| span(&left.residual_height_m));
         answer
-            .with("plastic_work_j", this.map(|left| left.plastic_work_j))
             .with("max_plastic_displacement_m", this.map(|left| left.max_plastic_displacement_m))
             .with("residual_rms_height_m", rms_m)
             .with("residual_peak_to_valley_m", span_m)
