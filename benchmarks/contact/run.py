@@ -137,7 +137,7 @@ class Asperity:
 
     def ask(self, job):
         words = {key: job[key] for key in ("points", "boundary", "mean_pressure", "tolerance", "repeats", "warm_up", "pressure")}
-        words |= {"maps": job["maps"], "threads": self.threads}
+        words |= {"maps": job["maps"], "threads": self.threads, "transforms": job.get("transforms", "true")}
         if job["hardness"] is not None:
             words["hardness"] = job["hardness"]
         command = [TARGET / "release" / "examples" / "time_contact", job["heights"], *(f"{key}={value}" for key, value in words.items())]
@@ -388,7 +388,7 @@ def alone(bench, points, load):
     case = Case(points, PERIODIC, load)
     maps, path = bench.heights(case)
     own = Asperity()
-    answer = own.ask(bench.job(case, path, WANTED, 1, 0))
+    answer = own.ask(bench.job(case, path, WANTED, 1, 0) | {"transforms": "false"})
     residual = bench.residual(case, maps)
     line = (f"asperity, {points}² periodic, {100 * answer['contact_fraction']:.1f} % contact, one thread: {told(answer['seconds'][0])}, "
             f"{answer['iterations'][0]} iterations, residual {residual:.0e}, peak memory {answer['memory_bytes'] / 2**30:.2f} GiB "

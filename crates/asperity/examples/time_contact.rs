@@ -13,6 +13,7 @@
 //! | `tolerance` | 1e-6 | of the solver |
 //! | `repeats`, `warm_up` | 5, 1 | solves of everything that are timed, and that are not and come first |
 //! | `threads` | 1 | of the pool |
+//! | `transforms` | true | whether transforms and applications of the compliance are timed too |
 //! | `pressure` | | file for the pressures |
 //!
 //! HEIGHTS holds `maps` × `points` × `points` little-endian doubles in metre, the pressures likewise in pascal. Planning of
@@ -88,6 +89,7 @@ fn main() -> Result<()> {
     let solver = Solver { tolerance: words.or("tolerance", 1e-6)?, ..Solver::default() };
     let (repeats, warm_up): (usize, usize) = (words.or("repeats", 5)?, words.or("warm_up", 1)?);
     let threads: usize = words.or("threads", 1)?;
+    let transforms: bool = words.or("transforms", true)?;
     let pressure: Option<PathBuf> = words.optional("pressure")?;
     words.finish()?;
 
@@ -124,8 +126,8 @@ fn main() -> Result<()> {
             seconds.push(start.elapsed().as_secs_f64());
         }
     }
-    let transform_s = pool.install(|| transform_s(points, boundary));
-    let application_s = pool.install(|| application_s(&half_space, points));
+    let transform_s = transforms.then(|| pool.install(|| transform_s(points, boundary)));
+    let application_s = transforms.then(|| pool.install(|| application_s(&half_space, points)));
     if let Some(path) = pressure {
         write(&path, &solutions)?;
     }

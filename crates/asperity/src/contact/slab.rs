@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 pub(super) use self::kernels::Step;
 use self::kernels::{
-    Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Shifted, Span, Summarise, load,
+    Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Room, Shifted, Span, Summarise, load,
 };
 use crate::contact::projection::Shift;
 use crate::contact::solution::Part;
@@ -24,6 +24,8 @@ use crate::wide::wide;
 const SHARED_FROM: usize = 1 << 16;
 /// Cells far from contact stay in the lists until they are more than one in so many.
 const IDLE_ONE_IN: f64 = 8.0;
+/// Cells for which the memory of lists no longer in use is kept.
+const MOST_KEPT: usize = 1 << 11;
 
 /// The largest pressures of listed cells.
 pub(super) trait Caps: Copy + Send + Sync {
@@ -151,6 +153,18 @@ impl Lists {
         self.step.clear();
         self.image.clear();
         self.upper = if yields { Some(self.upper.take().map_or_else(Vec::new, cleared)) } else { None };
+    }
+
+    /// Makes room for that many cells and no more.
+    fn reserve(&mut self, cells: usize) {
+        self.columns.reserve_exact(cells);
+        self.p.reserve_exact(cells);
+        self.v.reserve_exact(cells);
+        self.step.reserve_exact(cells);
+        self.image.reserve_exact(cells);
+        if let Some(list) = &mut self.upper {
+            list.reserve_exact(cells);
+        }
     }
 
     /// Where the cells of a row stand.
@@ -342,6 +356,7 @@ impl Slab {
         self.entrants.clear();
         self.summary = Summary::NONE;
         self.lists.clear(self.hardness_pa.is_some());
+        self.lists.reserve(p.iter().filter(|p| **p > 0.0).count());
         for (row, p) in p.chunks_exact(width).enumerate() {
             for (column, p) in p.iter().enumerate().filter(|(_, p)| **p > 0.0) {
                 let upper = self.hardness_pa.as_ref().map_or(f64::INFINITY, |upper| upper[row * width + column]);
@@ -426,6 +441,7 @@ impl Slab {
         let width = self.width;
         let Self { lists, next, entrants, far, hardness_pa, origin_m, unit_m, .. } = self;
         next.clear(hardness_pa.is_some());
+        next.reserve(lists.p.len() + entrants.len());
         let upper = |place: usize| hardness_pa.as_ref().map_or(f64::INFINITY, |upper| upper[place]);
         let mut waiting = entrants.iter().peekable();
         for row in 0..far.len() / width {
@@ -452,6 +468,10 @@ impl Slab {
         }
         entrants.clear();
         std::mem::swap(lists, next);
+        // Where problems are large, memory is scarcer than the time to ask for it.
+        if next.p.capacity() > MOST_KEPT {
+            *next = Lists::default();
+        }
         self.summarise(bound);
     }
 
@@ -592,14 +612,8 @@ impl Slab {
 
     /// The largest multiple of the step that stays within the bounds.
     pub(super) fn longest_feasible(&self) -> f64 {
-        let room = |p: f64, s: f64, upper: f64| match s {
-            s if s < 0.0 => -p / s,
-            s if s > 0.0 => (upper - p) / s,
-            _ => f64::INFINITY,
-        };
-        let Self { lists, trial, .. } = self;
-        let steps = lists.p.iter().zip(trial).enumerate();
-        capped!(lists.upper, |caps| steps.map(|(i, (p, s))| room(*p, *s, caps.at(i))).fold(f64::INFINITY, f64::min))
+        let (p, step) = (self.lists.p.as_slice(), self.trial.as_slice());
+        capped!(self.lists.upper, |caps| wide::<Room, _>((p, step, caps)))
     }
 
     /// Writes the step, over `unit`, into a row; false if it has none.

@@ -117,7 +117,7 @@ impl Solver {
         if let Some(plane_m) = problem.plane_m() {
             let closure = Closure::Plane { height_m: plane_m - problem.mean_height_m() };
             let start = start.unwrap_or_else(|| coarse_start::under_plane(problem, plane_m, workspace));
-            return Ok(Descent::new(problem, closure, &start, None, workspace).run(self, monitor));
+            return Ok(self.run(Descent::new(problem, closure, &start, None, workspace), start, monitor));
         }
         if let Control::MeanGap { metre } = problem.control() {
             return Ok(mean_gap::solve(self, problem, metre, workspace, monitor));
@@ -126,7 +126,13 @@ impl Solver {
         let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
         let closure = Closure::Sum { pascal: pascal * points as f64 };
         let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
-        Ok(Descent::new(problem, closure, &start, rigid_mean(problem), workspace).run(self, monitor))
+        Ok(self.run(Descent::new(problem, closure, &start, rigid_mean(problem), workspace), start, monitor))
+    }
+
+    /// Runs a descent, whose start is needed no more.
+    fn run(&self, descent: Descent<'_>, start: Vec<f64>, monitor: &dyn Monitor) -> Solution {
+        drop(start);
+        descent.run(self, monitor)
     }
 }
 

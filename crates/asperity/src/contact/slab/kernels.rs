@@ -244,8 +244,12 @@ impl<'a> Kernel<[&'a [f32]; 5]> for Multiply {
             let [mut members, mut g1, mut z1, mut s1, mut w1] = [[0.0_f32; L]; 5];
             let [mut gg, mut gz, mut gs, mut sw, mut zw] = [[0.0_f32; L]; 5];
             for chunk in first..last {
-                let [moves, gradient, preconditioned, step, image]: [[f32; L]; 5] =
-                    lists.map(|list| load(list, chunk, 0.0));
+                // Each on its own: the closure of a map over the lists would not be inlined.
+                let moves: [f32; L] = load(lists[0], chunk, 0.0);
+                let gradient: [f32; L] = load(lists[1], chunk, 0.0);
+                let preconditioned: [f32; L] = load(lists[2], chunk, 0.0);
+                let step: [f32; L] = load(lists[3], chunk, 0.0);
+                let image: [f32; L] = load(lists[4], chunk, 0.0);
                 for i in 0..L {
                     let (m, g) = (moves[i], gradient[i]);
                     let (z, s, w) = (m * preconditioned[i], m * step[i], m * image[i]);
@@ -409,6 +413,29 @@ impl<'a, C: Caps, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], &'a 
         let sum = |lanes: [f64; L]| lanes.iter().sum::<f64>();
         let largest = largest.into_iter().fold(0.0, f64::max);
         Step { slope: sum(slope), square: sum(square), largest, cut: sum(cut) }
+    }
+}
+
+/// The largest multiple of the step from `p` that stays within the bounds.
+pub(super) struct Room;
+
+impl<'a, C: Caps> Kernel<(&'a [f64], &'a [f64], C)> for Room {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run((p, step, caps): (&'a [f64], &'a [f64], C)) -> f64 {
+        const L: usize = LANES;
+        let mut least = [f64::INFINITY; L];
+        for chunk in 0..p.len().div_ceil(L) {
+            let (p, step): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(step, chunk, 0.0));
+            let upper: [f64; L] = caps.chunk(chunk);
+            for i in 0..L {
+                let way = if step[i] > 0.0 { upper[i] - p[i] } else { p[i] };
+                let room = if step[i] == 0.0 { f64::INFINITY } else { way / step[i].abs() };
+                least[i] = if room < least[i] { room } else { least[i] };
+            }
+        }
+        least.into_iter().fold(f64::INFINITY, f64::min)
     }
 }
 
