@@ -76,6 +76,8 @@ impl MeanMode {
     }
 }
 
+/// Cells up to which scratch memory in double precision is kept.
+const MOST_KEPT: usize = 1 << 21;
 /// Cells along either side of the coarsest grid.
 const COARSEST: usize = 8;
 
@@ -93,7 +95,8 @@ pub struct Workspace {
 /// Scratch memory for applying compliance and preconditioner.
 #[derive(Debug, Clone)]
 pub(super) struct Transforms {
-    exact: ConvolutionWork<f64>,
+    /// Made when it is needed, which is seldom.
+    exact: Option<ConvolutionWork<f64>>,
     quick: ConvolutionWork<f32>,
     stiffness: StiffnessWork,
 }
@@ -264,7 +267,7 @@ impl HalfSpace {
             Stiffness::Pyramid(pyramid) => StiffnessWork::Pyramid(pyramid.work()),
             Stiffness::Spectral(plan, _) => StiffnessWork::Spectral(plan.work()),
         };
-        let transforms = Transforms { exact: self.exact.work(), quick: self.quick.work(), stiffness };
+        let transforms = Transforms { exact: None, quick: self.quick.work(), stiffness };
         Workspace { transforms, near: Slabs::default(), coarse: None }
     }
 
@@ -304,8 +307,12 @@ impl HalfSpace {
         transforms: &mut Transforms,
     ) {
         let constant = self.exact.factor(mean.compliance);
-        self.exact.forward(&self.compliance, constant, slabs, fill, &mut transforms.exact);
-        self.exact.backward(slabs, take, &mut transforms.exact);
+        let work = transforms.exact.get_or_insert_with(|| self.exact.work());
+        self.exact.forward(&self.compliance, constant, slabs, fill, work);
+        self.exact.backward(slabs, take, work);
+        if self.grid.points() > MOST_KEPT {
+            transforms.exact = None;
+        }
     }
 
     /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic

@@ -15,15 +15,16 @@ pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
 /// The multiplier λ for which the projection of λ − v on the tangent cone of the box at `p` has zero sum:
 /// Σ_free (v−λ) + Σ_{p=0} min(v−λ, 0) + Σ_{p=H} max(v−λ, 0) = 0.
 ///
-/// `sums` evaluates that sum and the number of its terms at a λ. It falls monotonically and is piecewise linear in λ, so a
+/// `sums` evaluates that sum at a λ, and the number of its terms below the upper bound and on it. It falls monotonically and is piecewise linear in λ, so a
 /// bracketed Newton iteration ends after a few steps: when the terms are as many as before, or the step is `negligible`. Where it
 /// vanishes on an interval (no free cell), any root serves: the optimality conditions hold for each.
-pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64) -> [f64; 2]) -> f64 {
+pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64) -> [f64; 3]) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut lambda = start;
-    let mut last_slope = 0.0;
+    let mut last_terms = [0.0; 2];
     for evaluation in 0..200 {
-        let [sum, slope] = sums(lambda);
+        let [sum, below, on] = sums(lambda);
+        let slope = below + on;
         if slope == 0.0 {
             return lambda;
         }
@@ -37,11 +38,11 @@ pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64)
         let trusted = newton > low && newton < high && evaluation < NEWTON_STEPS;
         let next = if trusted || !bracketed { newton } else { 0.5 * (low + high) };
         // The same terms make the same line, whose root this is already, up to rounding.
-        let linear = trusted && slope == last_slope;
+        let linear = trusted && [below, on] == last_terms;
         if linear || (next - lambda).abs() <= negligible || next == low || next == high {
             return next;
         }
-        (lambda, last_slope) = (next, slope);
+        (lambda, last_terms) = (next, [below, on]);
     }
     lambda
 }
@@ -147,8 +148,8 @@ mod tests {
     use super::*;
     use crate::random;
 
-    fn sums(terms: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
-        terms.fold([0.0; 2], |sums, terms| [sums[0] + terms[0], sums[1] + terms[1]])
+    fn sums<const K: usize>(terms: impl Iterator<Item = [f64; K]>) -> [f64; K] {
+        terms.fold([0.0; K], |sums, terms| std::array::from_fn(|k| sums[k] + terms[k]))
     }
 
     fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
@@ -169,8 +170,8 @@ mod tests {
         super::tangent_multiplier(start, 1e-15, |lambda| {
             sums(p.iter().zip(v).map(|(p, v)| {
                 let g = v - lambda;
-                let counts = may_move(*p, g, upper);
-                [if counts { g } else { 0.0 }, if counts { 1.0 } else { 0.0 }]
+                let counts = |on: bool| if may_move(*p, g, upper) && on == (*p >= upper) { 1.0 } else { 0.0 };
+                [if may_move(*p, g, upper) { g } else { 0.0 }, counts(false), counts(true)]
             }))
         })
     }

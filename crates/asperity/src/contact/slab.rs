@@ -497,12 +497,12 @@ impl Slab {
         Part { p: &self.lists.p, v: &self.lists.v, upper: self.lists.upper.as_deref() }
     }
 
-    /// Sum of the gradients v − λ of the cells that may move, and their number.
-    pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 2] {
+    /// Sum of the gradients v − λ of the cells that may move, and their number below the upper bound and on it.
+    pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 3] {
         let Self { open, full, summary: Summary { between_v, between, .. }, .. } = self;
         let below = wide::<Beyond<false>, _>((open.as_slice(), lambda));
         let above = wide::<Beyond<true>, _>((full.as_slice(), lambda));
-        [between_v - between * lambda + below[0] + above[0], between + below[1] + above[1]]
+        [between_v - between * lambda + below[0] + above[0], between + below[1], above[1]]
     }
 
     /// Computes the gradient v − λ, over `unit_m`, of the cells that may move, or of all.
