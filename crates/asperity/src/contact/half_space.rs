@@ -76,7 +76,7 @@ impl MeanMode {
     }
 }
 
-/// Cells up to which scratch memory in double precision is kept.
+/// Cells up to which the scratch memory of both precisions is kept at the same time.
 const MOST_KEPT: usize = 1 << 21;
 /// Cells along either side of the coarsest grid.
 const COARSEST: usize = 8;
@@ -84,7 +84,7 @@ const COARSEST: usize = 8;
 /// Scratch memory of one thread for one [`HalfSpace`].
 ///
 /// What a solver keeps here serves the next solve: without, much of the time of small problems would go into finding memory.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Workspace {
     pub(super) transforms: Transforms,
     pub(super) near: Slabs,
@@ -92,13 +92,12 @@ pub struct Workspace {
     pub(super) coarse: Option<Box<Workspace>>,
 }
 
-/// Scratch memory for applying compliance and preconditioner.
-#[derive(Debug, Clone)]
+/// Scratch memory for applying compliance and preconditioner, made when it is needed.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Transforms {
-    /// Made when it is needed, which is seldom.
     exact: Option<ConvolutionWork<f64>>,
-    quick: ConvolutionWork<f32>,
-    stiffness: StiffnessWork,
+    quick: Option<ConvolutionWork<f32>>,
+    stiffness: Option<StiffnessWork>,
 }
 
 impl HalfSpace {
@@ -263,12 +262,7 @@ impl HalfSpace {
 
     /// Scratch memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        let stiffness = match &self.stiffness {
-            Stiffness::Pyramid(pyramid) => StiffnessWork::Pyramid(pyramid.work()),
-            Stiffness::Spectral(plan, _) => StiffnessWork::Spectral(plan.work()),
-        };
-        let transforms = Transforms { exact: None, quick: self.quick.work(), stiffness };
-        Workspace { transforms, near: Slabs::default(), coarse: None }
+        Workspace::default()
     }
 
     /// Displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
@@ -307,10 +301,14 @@ impl HalfSpace {
         transforms: &mut Transforms,
     ) {
         let constant = self.exact.factor(mean.compliance);
+        let is_large = self.grid.points() > MOST_KEPT;
+        if is_large {
+            *transforms = Transforms::default();
+        }
         let work = transforms.exact.get_or_insert_with(|| self.exact.work());
         self.exact.forward(&self.compliance, constant, slabs, fill, work);
         self.exact.backward(slabs, take, work);
-        if self.grid.points() > MOST_KEPT {
+        if is_large {
             transforms.exact = None;
         }
     }
@@ -336,7 +334,8 @@ impl HalfSpace {
         transforms: &mut Transforms,
     ) -> f64 {
         let constant = self.quick.factor(mean.compliance / self.unit_m_per_pa);
-        self.quick.forward(&self.quick_compliance, constant, slabs, fill, &mut transforms.quick)
+        let work = transforms.quick.get_or_insert_with(|| self.quick.work());
+        self.quick.forward(&self.quick_compliance, constant, slabs, fill, work)
     }
 
     /// Hands out the displacement, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`]; see
@@ -347,7 +346,8 @@ impl HalfSpace {
         take: impl Fn(&mut S, usize, &[f32]) + Sync,
         transforms: &mut Transforms,
     ) {
-        self.quick.backward(slabs, take, &mut transforms.quick);
+        let work = transforms.quick.get_or_insert_with(|| self.quick.work());
+        self.quick.backward(slabs, take, work);
     }
 
     /// The largest compliance.
@@ -367,7 +367,11 @@ impl HalfSpace {
     ) {
         // A mean that hardly yields would drown the rest in its rounding.
         let mean = (mean.stiffness / self.unit_pa_per_m).min(1.0);
-        match (&self.stiffness, &mut transforms.stiffness) {
+        let work = transforms.stiffness.get_or_insert_with(|| match &self.stiffness {
+            Stiffness::Pyramid(pyramid) => StiffnessWork::Pyramid(pyramid.work()),
+            Stiffness::Spectral(plan, _) => StiffnessWork::Spectral(plan.work()),
+        });
+        match (&self.stiffness, work) {
             (Stiffness::Pyramid(pyramid), StiffnessWork::Pyramid(work)) => {
                 pyramid.apply(mean, slabs, fill, take, work);
             }
