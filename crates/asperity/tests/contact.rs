@@ -3,11 +3,15 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
 
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asperity::contact::exact::{Hertz, Westergaard, persson_contact_fraction};
-use asperity::contact::{Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, love_coefficient};
+use asperity::contact::{
+    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, love_coefficient,
+};
 use asperity::fourier::{RealFft2, signed_index};
 use asperity::map::{Grid, HeightMap};
+use asperity::monitor::{Monitor, Silent};
 use asperity::random;
 use ndarray::Array2;
 
@@ -274,6 +278,183 @@ fn check_by_definition(compliance: &[Vec<f64>], problem: &Problem<'_>, solution:
         _ => {
             let above = z.iter().filter(|z| **z > solution.plane_m()).count();
             assert_eq!(above, (0.3 * p.len() as f64).round() as usize);
+        }
+    }
+}
+
+#[test]
+fn a_hardness_of_every_cell_bounds_its_pressure() {
+    let grid = Grid::new(24, 20, 1.0, 1.0).unwrap();
+    let heights = random::standard_normal(&mut random::stream(7, "hardness", 0), grid.points());
+    let heights = Array2::from_shape_vec(grid.shape(), heights).unwrap();
+    // Soft grains in a hard matrix.
+    let soft = |row: usize, column: usize| (row / 5 + column / 6).is_multiple_of(2);
+    let hardness = Array2::from_shape_fn(grid.shape(), |(row, column)| if soft(row, column) { 0.05 } else { 0.6 });
+    for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 1.0 }] {
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        let compliance = dense_compliance(grid, 1.0, boundary);
+        for control in [
+            Control::MeanPressure { pascal: 0.03 },
+            Control::Percentile { percent: 30.0 },
+            Control::MeanGap { metre: 1.5 },
+        ] {
+            let problem = Problem::new(&half_space, &heights, control, None).unwrap();
+            let problem = problem.with_hardness_field(&hardness).unwrap();
+            let tolerance = 1e-10;
+            let solution = Solver { tolerance, ..Solver::default() }.solve(&problem).unwrap();
+            assert!(solution.converged(), "{control:?} {:?}", solution.residual());
+            let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
+            let (mut plastic, mut elastic) = ([0, 0], 0);
+            for (row, compliance) in compliance.iter().enumerate() {
+                let u: f64 = compliance.iter().zip(&p).map(|(c, p)| c * p).sum();
+                let cell = (row / grid.nx(), row % grid.nx());
+                let gap = u - heights[cell] + solution.plane_m();
+                let upper = hardness[cell];
+                assert!((0.0..=upper).contains(&p[row]));
+                if p[row] == upper {
+                    plastic[usize::from(soft(cell.0, cell.1))] += 1;
+                    assert!(gap < 1e-8 && solution.is_plastic(cell));
+                    assert!((solution.plastic_displacement_m()[cell] - (-gap).max(0.0)).abs() < 1e-8);
+                } else if p[row] > 0.0 {
+                    elastic += 1;
+                    assert!(gap.abs() < 1e-7, "{control:?}: {gap:e}");
+                } else {
+                    assert!(gap > -1e-8);
+                }
+            }
+            assert!(plastic[1] > 0 && elastic > 0, "{control:?}: {plastic:?} {elastic}");
+            let share = (plastic[0] + plastic[1]) as f64 / p.len() as f64;
+            assert!((solution.plastic_fraction() - share).abs() < 1e-12);
+        }
+        // The same hardness everywhere is that hardness.
+        let control = Control::MeanPressure { pascal: 0.03 };
+        let even = Array2::from_elem(grid.shape(), 0.3);
+        let problem = Problem::new(&half_space, &heights, control, None).unwrap();
+        let field = Solver::default().solve(&problem.with_hardness_field(&even).unwrap()).unwrap();
+        let uniform = solve(&heights, &half_space, control, Some(0.3));
+        assert_eq!(field.pressure_pa(), uniform.pressure_pa());
+        assert_eq!(field.corrected_contact_fraction(), uniform.corrected_contact_fraction());
+        let refused = |hardness: &Array2<f64>| problem.with_hardness_field(hardness).map(|_| ()).unwrap_err();
+        assert!(matches!(refused(&Array2::from_elem((20, 23), 1.0)), ContactError::Shape { .. }));
+        assert!(matches!(refused(&Array2::from_elem(grid.shape(), 0.0)), ContactError::Parameter { .. }));
+        assert!(matches!(refused(&Array2::from_elem(grid.shape(), 0.02)), ContactError::Overloaded { .. }));
+    }
+}
+
+#[test]
+fn a_start_changes_the_way_and_not_the_answer() {
+    let n = 64;
+    let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
+    let heights = rough(n, 30);
+    for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 5.0 }] {
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        let mut workspace = half_space.workspace();
+        let slope = rms_slope(&heights);
+        for (control, next) in [
+            (Control::MeanPressure { pascal: 0.05 * slope }, Control::MeanPressure { pascal: 0.051 * slope }),
+            (Control::Percentile { percent: 20.0 }, Control::Percentile { percent: 20.5 }),
+        ] {
+            for hardness in [None, Some(slope)] {
+                let solver = Solver { tolerance: 1e-9, ..Solver::default() };
+                let problem = Problem::new(&half_space, &heights, control, hardness).unwrap();
+                let cold = solver.solve_with(&problem, &mut workspace).unwrap();
+                let again = solver.solve_from(&problem, Some(cold.pressure_pa()), &mut workspace, &Silent).unwrap();
+                assert!(again.converged() && again.iterations() <= 2, "{control:?}: {}", again.iterations());
+                let next = Problem::new(&half_space, &heights, next, hardness).unwrap();
+                let warm = solver.solve_from(&next, Some(cold.pressure_pa()), &mut workspace, &Silent).unwrap();
+                let cold = solver.solve_with(&next, &mut workspace).unwrap();
+                let difference =
+                    warm.pressure_pa().iter().zip(cold.pressure_pa()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(warm.converged() && difference < 1e-6 * cold.max_pressure_pa(), "{difference:e}");
+                // Nothing, nonsense and another shape.
+                for start in [0.0, f64::NAN, f64::INFINITY] {
+                    let start = Array2::from_elem(grid.shape(), start);
+                    assert!(solver.solve_from(&next, Some(&start), &mut workspace, &Silent).unwrap().converged());
+                }
+                let start = Array2::zeros((n, n - 1));
+                let refused = solver.solve_from(&next, Some(&start), &mut workspace, &Silent);
+                assert!(matches!(refused, Err(ContactError::Shape { .. })));
+            }
+        }
+    }
+}
+
+/// Root mean square of the slope by forward differences on a periodic map.
+fn rms_slope(heights: &Array2<f64>) -> f64 {
+    let (ny, nx) = heights.dim();
+    let mut sum = 0.0;
+    for ((i, j), z) in heights.indexed_iter() {
+        sum += (heights[[i, (j + 1) % nx]] - z).powi(2) + (heights[[(i + 1) % ny, j]] - z).powi(2);
+    }
+    (sum / heights.len() as f64).sqrt()
+}
+
+/// Cancels when it is asked for the nth time, and counts what is done.
+struct Impatient {
+    patience: AtomicUsize,
+    done: AtomicUsize,
+}
+
+impl Impatient {
+    fn after(patience: usize) -> Self {
+        Self { patience: AtomicUsize::new(patience), done: AtomicUsize::new(0) }
+    }
+}
+
+impl Monitor for Impatient {
+    fn progress(&self, _what: &str, _done: usize, _total: usize) {
+        self.done.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        let left = self.patience.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_sub(1)));
+        left == Ok(0)
+    }
+}
+
+#[test]
+fn a_cancelled_solve_says_so_and_keeps_what_it_has() {
+    let n = 64;
+    let half_space = HalfSpace::new(Grid::new(n, n, 1.0, 1.0).unwrap(), 1.0, Boundary::Free).unwrap();
+    let heights = rough(n, 31);
+    let pascal = 0.05 * rms_slope(&heights);
+    let metre = 0.5 * heights.std(0.0);
+    for control in [Control::MeanPressure { pascal }, Control::Percentile { percent: 10.0 }, Control::MeanGap { metre }]
+    {
+        let problem = Problem::new(&half_space, &heights, control, None).unwrap();
+        let solution =
+            Solver::default().solve_from(&problem, None, &mut half_space.workspace(), &Impatient::after(3)).unwrap();
+        assert_eq!(solution.stop_reason(), StopReason::Cancelled, "{control:?}");
+        assert!(!solution.converged() && solution.pressure_pa().iter().all(|p| *p >= 0.0 && p.is_finite()));
+        if control == (Control::MeanPressure { pascal }) {
+            assert_eq!(solution.iterations(), 3);
+            assert!((solution.mean_pressure_pa() / pascal - 1.0).abs() < 1e-12);
+            assert!(solution.residual().worst() > 1e-8 && solution.residual().worst().is_finite());
+        }
+    }
+}
+
+#[test]
+fn many_problems_are_solved_as_each_alone() {
+    let n = 48;
+    let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
+    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
+    let half_spaces = [Boundary::Free, periodic].map(|boundary| HalfSpace::new(grid, 1.0, boundary).unwrap());
+    let maps: Vec<_> = (0..6).map(|sample| rough(n, 40 + sample)).collect();
+    let control = Control::Percentile { percent: 15.0 };
+    let problems: Vec<_> = half_spaces
+        .iter()
+        .flat_map(|half_space| maps.iter().map(move |map| Problem::new(half_space, map, control, Some(0.5)).unwrap()))
+        .collect();
+    let alone: Vec<_> = problems.iter().map(|problem| Solver::default().solve(problem).unwrap()).collect();
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let watch = Impatient::after(usize::MAX);
+        let together = pool.install(|| Solver::default().solve_many(&problems, &watch)).unwrap();
+        assert_eq!(watch.done.load(Ordering::Relaxed), problems.len());
+        for (alone, together) in alone.iter().zip(&together) {
+            assert!(together.converged());
+            assert_eq!(alone.pressure_pa(), together.pressure_pa());
         }
     }
 }

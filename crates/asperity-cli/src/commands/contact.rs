@@ -191,9 +191,9 @@ impl Contact {
     fn substrate(&self) -> Result<Substrate, Failure> {
         let surface = Elastic::new(self.youngs_modulus.0, self.poisson_ratio).map_err(Failure::usage)?;
         match self.layering.layer(surface)? {
-            Some(_) if self.counterface.is_elastic() => {
-                Err(Failure::usage("a layer is pressed against a rigid counterface; leave --counterface-youngs-modulus out"))
-            }
+            Some(_) if self.counterface.is_elastic() => Err(Failure::usage(
+                "a layer is pressed against a rigid counterface; leave --counterface-youngs-modulus out",
+            )),
             Some(layer) => Ok(Substrate::Layer(layer)),
             None => Ok(Substrate::HalfSpace { modulus_pa: self.counterface.contact_modulus_pa(surface)? }),
         }

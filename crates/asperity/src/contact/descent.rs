@@ -156,8 +156,7 @@ impl<'a> Descent<'a> {
                 }
             }
             _ => {
-                let fill =
-                    |(slab, _): &mut Fields<'_>, row: usize, out: &mut [f64]| slab.write_pressure(row, out);
+                let fill = |(slab, _): &mut Fields<'_>, row: usize, out: &mut [f64]| slab.write_pressure(row, out);
                 self.problem.half_space().displace_by(self.mean, &mut slabs, fill, take, transforms);
             }
         }

@@ -22,7 +22,11 @@ pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
     let heights_m = problem.heights_m();
     let upper = problem.hardness_by_cell();
     let ceiling = |place: usize| upper.as_ref().map_or(f64::INFINITY, |upper| CEILING * upper(place));
-    let uniform = || (0..heights_m.len()).map(|place| if upper.is_some() { pascal.min(ceiling(place) / CEILING) } else { pascal }).collect();
+    let uniform = || {
+        (0..heights_m.len())
+            .map(|place| if upper.is_some() { pascal.min(ceiling(place) / CEILING) } else { pascal })
+            .collect()
+    };
     let slope = rms_slope(problem);
     let least = problem.mean_hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
     let modulus_pa = problem.half_space().modulus_pa();

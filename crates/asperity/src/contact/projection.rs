@@ -34,12 +34,15 @@ pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64)
             high = lambda;
         }
         let newton = lambda + sum / slope;
+        if (newton - lambda).abs() <= negligible {
+            return newton;
+        }
         let bracketed = low.is_finite() && high.is_finite();
         let trusted = newton > low && newton < high && evaluation < NEWTON_STEPS;
         let next = if trusted || !bracketed { newton } else { 0.5 * (low + high) };
         // The same terms make the same line, whose root this is already, up to rounding.
         let linear = trusted && [below, on] == last_terms;
-        if linear || (next - lambda).abs() <= negligible || next == low || next == high {
+        if linear || next == low || next == high {
             return next;
         }
         (lambda, last_terms) = (next, [below, on]);
@@ -94,12 +97,7 @@ impl Shift {
 /// the trial values); the result is then mixed of both, which meets the sum within the bounds. A target beyond what the
 /// bounds allow, as rounding of sums makes it when all values are about to reach a bound, is replaced by the nearest that
 /// they do allow.
-pub(super) fn project_to_sum(
-    extent: Extent,
-    held: f64,
-    target: f64,
-    sums: impl Fn(f64) -> [f64; 2],
-) -> Shift {
+pub(super) fn project_to_sum(extent: Extent, held: f64, target: f64, sums: impl Fn(f64) -> [f64; 2]) -> Shift {
     let Extent { least, largest, members, capacity, ceiling } = extent;
     if members == 0 {
         return Shift::NONE;

@@ -501,7 +501,7 @@ impl Slab {
     pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 3] {
         let Self { open, full, summary: Summary { between_v, between, .. }, .. } = self;
         let below = wide::<Beyond<false>, _>((open.as_slice(), lambda));
-        let above = wide::<Beyond<true>, _>((full.as_slice(), lambda));
+        let above = if full.is_empty() { [0.0; 2] } else { wide::<Beyond<true>, _>((full.as_slice(), lambda)) };
         [between_v - between * lambda + below[0] + above[0], between + below[1], above[1]]
     }
 
@@ -681,13 +681,7 @@ pub(super) struct Slabs {
 impl Slabs {
     /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. `hardness_pa` gives the hardness of every
     /// cell in row-major order, if they yield.
-    pub(super) fn begin(
-        &mut self,
-        width: usize,
-        p: &[f64],
-        hardness_pa: Option<impl Fn(usize) -> f64>,
-        unit_m: f64,
-    ) {
+    pub(super) fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<impl Fn(usize) -> f64>, unit_m: f64) {
         let chunk = width * ROWS_OF_SLAB;
         self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
         self.shared = p.len() >= SHARED_FROM && rayon::current_num_threads() > 1;

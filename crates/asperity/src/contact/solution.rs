@@ -187,7 +187,9 @@ pub(super) fn certify(
     gap_sum_m: Option<f64>,
 ) -> (f64, Residual) {
     let rms_height_m = problem.rms_height_m();
-    let least = |part: &Part<'_>| part.cells().filter(|(p, _, upper)| p < upper).map(|(_, v, _)| v).fold(f64::INFINITY, f64::min);
+    let least = |part: &Part<'_>| {
+        part.cells().filter(|(p, _, upper)| p < upper).map(|(_, v, _)| v).fold(f64::INFINITY, f64::min)
+    };
     let least_v = parts.iter().map(least).fold(f64::INFINITY, f64::min);
     let [sum_p, sum_free, sum_free_v] = sums_of_parts(parts, |p, v, upper| {
         let free = if p < upper { p } else { 0.0 };

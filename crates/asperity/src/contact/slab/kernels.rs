@@ -45,8 +45,7 @@ impl<'a> Kernel<(&'a mut [f32], &'a [f32], f32, f32)> for Drift {
     #[inline(always)]
     fn run((far, values, factor, bound): (&'a mut [f32], &'a [f32], f32, f32)) -> u32 {
         let mut below = [0_u32; LANES];
-        let ((far, rest), (values, rest_of_values)) =
-            (far.as_chunks_mut::<LANES>(), values.as_chunks::<LANES>());
+        let ((far, rest), (values, rest_of_values)) = (far.as_chunks_mut::<LANES>(), values.as_chunks::<LANES>());
         for (far, values) in far.iter_mut().zip(values) {
             for lane in 0..LANES {
                 far[lane] += factor * values[lane];
