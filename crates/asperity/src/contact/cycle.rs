@@ -31,6 +31,7 @@ pub struct LoadPath<'a> {
     half_space: &'a HalfSpace,
     original_heights_m: &'a Array2<f64>,
     hardness_pa: Option<f64>,
+    hardness_field_pa: Option<&'a Array2<f64>>,
     rms_height_m: f64,
     residual_heights_m: Array2<f64>,
     plastic_work_j: f64,
@@ -99,11 +100,29 @@ impl<'a> LoadPath<'a> {
             half_space,
             original_heights_m: heights_m,
             hardness_pa,
+            hardness_field_pa: None,
             rms_height_m: problem.rms_height_m(),
             residual_heights_m: heights_m.clone(),
             plastic_work_j: 0.0,
             workspace: half_space.workspace(),
         })
+    }
+
+    /// The same with a hardness of its own for every cell, of shape `[ny, nx]` in pascal.
+    ///
+    /// # Errors
+    /// As [`Problem::with_hardness_field`].
+    pub fn with_hardness_field(mut self, hardness_pa: &'a Array2<f64>) -> Result<Self, ContactError> {
+        self.problem(self.original_heights_m, Control::Penetration { metre: 0.0 })?.with_hardness_field(hardness_pa)?;
+        self.hardness_field_pa = Some(hardness_pa);
+        Ok(self)
+    }
+
+    /// The problem of pressing on `heights_m`.
+    fn problem<'p>(&'p self, heights_m: &'p Array2<f64>, control: Control) -> Result<Problem<'p>, ContactError> {
+        let hardness_pa = if self.hardness_field_pa.is_some() { None } else { self.hardness_pa };
+        let problem = Problem::new(self.half_space, heights_m, control, hardness_pa)?;
+        self.hardness_field_pa.map_or(Ok(problem), |field| problem.with_hardness_field(field))
     }
 
     /// Presses as `control` says, on the heights left by the loads before, and keeps the imprint. A load or mean
@@ -128,9 +147,11 @@ impl<'a> LoadPath<'a> {
             });
         }
         let fixed = self.in_coordinates_of_the_map(control)?;
-        let problem = Problem::new(self.half_space, &self.residual_heights_m, fixed, self.hardness_pa)?;
+        let mut workspace = std::mem::take(&mut self.workspace);
+        let problem = self.problem(&self.residual_heights_m, fixed)?;
         let least_m = solver.tolerance * problem.rms_height_m();
-        let solution = solver.solve_with(&problem, &mut self.workspace)?;
+        let solution = solver.solve_with(&problem, &mut workspace)?;
+        self.workspace = workspace;
         let (mut largest_increment_m, mut plastic_work_j) = (0.0_f64, 0.0);
         if solution.converged() {
             let increment_m = solution.plastic_displacement_m();
@@ -215,7 +236,7 @@ impl<'a> LoadPath<'a> {
 
     /// The control with a plane that depends on the heights fixed in the coordinates of the map as it was.
     fn in_coordinates_of_the_map(&self, control: Control) -> Result<Control, ContactError> {
-        let original = Problem::new(self.half_space, self.original_heights_m, control, self.hardness_pa)?;
+        let original = self.problem(self.original_heights_m, control)?;
         Ok(original.plane_m().map_or(control, |height_m| Control::Plane { height_m }))
     }
 }
