@@ -1,12 +1,12 @@
 //! A bound-constrained preconditioned conjugate gradient method with one operator application per iteration.
 //!
-//! Each iteration forms a trial direction, preconditioned by E*|q|/2 and made conjugate to the step that was *realised*
-//! last; projects the trial point on the bounds; and applies the compliance to the projected step alone. The exact step
-//! length along that feasible step is then known, as is the correction that the next trial point needs if this step
-//! was not of optimal length. Whatever the preconditioner and the history were, a step is taken only along a feasible
-//! descent direction with a length that lowers the energy, and every 32nd step is a full gradient projection, so the
-//! iteration converges to the unique solution; once the contact area no longer changes it is the preconditioned
-//! conjugate gradient method.
+//! Each iteration forms a trial direction, preconditioned by about E*|q|/2 (a pyramid of stencils where cells are square and
+//! can be halved, a transform elsewhere) and made conjugate to the step that was *realised* last; projects the trial point on
+//! the bounds; and applies the compliance to the projected step alone. The exact step length along that feasible step is
+//! then known, as is the correction that the next trial point needs if this step was not of optimal length. Whatever the
+//! preconditioner and the history were, a step is taken only along a feasible descent direction with a length that lowers
+//! the energy, and every 32nd step is a full gradient projection, so the iteration converges to the unique solution; once
+//! the contact area no longer changes it is the preconditioned conjugate gradient method.
 //!
 //! Operator and preconditioner are applied to steps in single precision, as in iterative refinement: the displacement of a
 //! step errs by some 10⁻⁷ of it, and the displacement of the pressure is computed afresh in double precision before these errors
