@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asperity::contact::exact::{Hertz, Westergaard, persson_contact_fraction};
 use asperity::contact::{
-    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Solver, StopReason, love_coefficient,
+    Base, Boundary, ContactError, Control, Elastic, HalfSpace, Layer, Problem, Solution, Solver, StopReason, Substrate,
+    Workspace, love_coefficient,
 };
 use asperity::fourier::{RealFft2, signed_index};
 use asperity::map::{Grid, HeightMap};
@@ -419,6 +420,16 @@ fn a_cancelled_solve_says_so_and_keeps_what_it_has() {
     let heights = rough(n, 31);
     let pascal = 0.05 * rms_slope(&heights);
     let metre = 0.5 * heights.std(0.0);
+    // On a periodic patch that yields the plane of a mean gap has to be sought, from the elastic contact on.
+    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
+    let other = HalfSpace::new(half_space.grid(), 1.0, periodic).unwrap();
+    let problem = Problem::new(&other, &heights, Control::MeanGap { metre }, Some(10.0 * pascal)).unwrap();
+    for patience in [3, 8, 14] {
+        let watch = Impatient::after(patience);
+        let solution = Solver::default().solve_from(&problem, None, &mut other.workspace(), &watch).unwrap();
+        assert_eq!(solution.stop_reason(), StopReason::Cancelled);
+        assert!(solution.load_n() > 0.0, "after {patience} questions");
+    }
     for control in [Control::MeanPressure { pascal }, Control::Percentile { percent: 10.0 }, Control::MeanGap { metre }]
     {
         let problem = Problem::new(&half_space, &heights, control, None).unwrap();
@@ -432,6 +443,60 @@ fn a_cancelled_solve_says_so_and_keeps_what_it_has() {
             assert!(solution.residual().worst() > 1e-8 && solution.residual().worst().is_finite());
         }
     }
+}
+
+#[test]
+fn scratch_memory_of_another_half_space_changes_nothing() {
+    let n = 64;
+    let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
+    let heights = rough(n, 50);
+    let pascal = 0.05 * rms_slope(&heights);
+    let material = Elastic { youngs_modulus_pa: 1.0, poisson_ratio: 0.2 };
+    let layer = Substrate::Layer(Layer { thickness_m: 3.0, material, base: Base::Rigid });
+    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
+    let mut half_spaces = Vec::new();
+    for substrate in [Substrate::HalfSpace { modulus_pa: 1.0 }, layer] {
+        for boundary in [periodic, Boundary::Free] {
+            half_spaces.push(HalfSpace::on(substrate, grid, boundary).unwrap());
+        }
+    }
+    half_spaces.push(HalfSpace::new(Grid::new(n, n, 1.0, 0.5).unwrap(), 1.0, periodic).unwrap());
+    let mut shared = half_spaces[0].workspace();
+    for half_space in half_spaces.iter().chain(half_spaces.iter().rev()) {
+        for control in [Control::MeanPressure { pascal }, Control::Percentile { percent: 10.0 }] {
+            for hardness in [None, Some(8.0 * pascal)] {
+                let problem = Problem::new(half_space, &heights, control, hardness).unwrap();
+                let fresh = Solver::default().solve(&problem).unwrap();
+                let reused = Solver::default().solve_with(&problem, &mut shared).unwrap();
+                assert!(reused.converged());
+                assert_eq!(fresh.pressure_pa(), reused.pressure_pa());
+            }
+        }
+        let p: Vec<f64> = heights.iter().copied().collect();
+        let displaced = |workspace: &mut Workspace| {
+            let mut u = vec![0.0; p.len()];
+            half_space.displace(&p, &mut u, workspace);
+            u
+        };
+        assert_eq!(displaced(&mut shared), displaced(&mut half_space.workspace()));
+    }
+}
+
+#[test]
+fn heights_and_layers_that_no_digit_is_left_of_are_refused() {
+    let grid = Grid::new(8, 8, 1.0, 1.0).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let heights = random::standard_normal(&mut random::stream(7, "huge", 0), 64);
+    let heights = Array2::from_shape_vec((8, 8), heights).unwrap() * 1e155;
+    let problem = Problem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None);
+    assert!(matches!(problem, Err(ContactError::Parameter { parameter: "height", .. })));
+    // An incompressible layer yields with the third power of its thickness, to nothing that Love's coefficients could tell.
+    let layer = |thickness_m: f64, poisson_ratio: f64| {
+        let material = Elastic { youngs_modulus_pa: 1.0, poisson_ratio };
+        HalfSpace::on(Substrate::Layer(Layer { thickness_m, material, base: Base::Rigid }), grid, Boundary::Free)
+    };
+    assert!(layer(0.2, 0.5).is_ok() && layer(0.01, 0.3).is_ok());
+    assert!(matches!(layer(1e-3, 0.5), Err(ContactError::Parameter { .. })));
 }
 
 #[test]

@@ -208,6 +208,14 @@ impl Contact {
             (Edge::Periodic, Some(_)) if substrate.mean_compliance_m_per_pa().is_some() => {
                 Err(Failure::usage("--mean-compliance belongs to a surface without rigid base, which has its own"))
             }
+            (Edge::Periodic, None)
+                if control.prescribes_plane() && substrate.mean_compliance_m_per_pa() == Some(0.0) =>
+            {
+                Err(Failure::usage(
+                    "an incompressible layer bonded to a rigid base does not yield as a whole, so that a periodic one cannot be \
+                     overlapped; control the mean pressure, the load or the mean gap",
+                ))
+            }
             (Edge::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
             (Edge::Periodic, None) if control.prescribes_plane() => {
                 Ok(Boundary::Periodic { mean_compliance_m_per_pa: substrate.usual_mean_compliance_m_per_pa(grid) })

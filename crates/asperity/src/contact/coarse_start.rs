@@ -40,7 +40,8 @@ pub(super) fn under_plane(problem: &Problem<'_>, plane_m: f64, workspace: &mut W
         };
     }
     let closure = Closure::Plane { height_m: plane_m - guess.mean_height_m() };
-    let workspace = &mut **workspace.coarse.get_or_insert_with(|| Box::new(coarse.workspace()));
+    let workspace = &mut **workspace.coarse.get_or_insert_default();
+    coarse.claim(workspace);
     let start = under_plane(&guess, plane_m, workspace);
     let solution = Descent::new(&guess, closure, &start, None, workspace).run(&SOLVER, &Silent);
     let refined = |((row, column), _)| solution.pressure_pa[[row / 2, column / 2]];

@@ -66,10 +66,7 @@ impl LoadStep {
     /// Elastic energy ½ Σ p u dA in joule. Under a prescribed load on a periodic half-space it contains the mean
     /// compliance's share.
     pub fn elastic_energy_j(&self) -> f64 {
-        self.solution.as_ref().map_or(0.0, |solution| {
-            let work: f64 = solution.pressure_pa().iter().zip(solution.displacement_m()).map(|(p, u)| p * u).sum();
-            0.5 * work * solution.grid().cell_area_m2()
-        })
+        self.solution.as_ref().map_or(0.0, Solution::elastic_energy_j)
     }
 }
 

@@ -103,6 +103,7 @@ impl Distribution {
 
 impl Solution {
     /// Distribution of the pressure in pascal, to be compared with [`PerssonPressure`](crate::contact::exact::PerssonPressure).
+    /// Where every cell has a hardness of its own there is no upper value for an atom; plastic cells count like others.
     pub fn pressure_distribution(&self) -> Distribution {
         Distribution::new(self.pressure_pa.iter().copied(), self.hardness_pa)
     }

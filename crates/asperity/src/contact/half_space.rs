@@ -81,11 +81,17 @@ const MOST_KEPT: usize = 1 << 21;
 /// Cells along either side of the coarsest grid.
 const COARSEST: usize = 8;
 
-/// Scratch memory of one thread for one [`HalfSpace`].
+/// What a layer has to leave of Love's coefficient of a cell for itself, whose error is 10⁻¹⁰.
+const LEAST_LEFT: f64 = 1e-8;
+
+/// Scratch memory of one thread.
 ///
-/// What a solver keeps here serves the next solve: without, much of the time of small problems would go into finding memory.
+/// What a solver keeps here serves the next solve on the same half-space: without, much of the time of small problems would go
+/// into finding memory. On another one it begins anew.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
+    /// What the scratch memory fits: the grid, whether its patch is free, and whether what lies under it is homogeneous.
+    fits: Option<(Grid, bool, bool)>,
     pub(super) transforms: Transforms,
     pub(super) near: Slabs,
     /// That of the half-space on cells twice as wide, once it is used.
@@ -120,12 +126,13 @@ impl HalfSpace {
     /// As [`HalfSpace::new`] on any substrate.
     ///
     /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is
-    /// added to them, to 10⁻¹⁰ of the largest; a layer on a rigid base that is thinner than some 10⁻⁷ of a cell is lost
-    /// in that error. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces
+    /// added to them, to 10⁻¹⁰ of the largest. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces
     /// the given one.
     ///
     /// # Errors
-    /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative.
+    /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative; or a layer with a
+    /// free boundary is so much thinner than a cell that hardly anything is left of Love's coefficients, and nothing that can
+    /// be trusted.
     pub fn on(substrate: Substrate, grid: Grid, boundary: Boundary) -> Result<Self, ContactError> {
         substrate.validate()?;
         let (boundary, point_load) = match (boundary, &substrate) {
@@ -163,7 +170,7 @@ impl HalfSpace {
         let exact = Convolution::<f64>::new((ny, nx), torus);
         let (compliance, mean) = match boundary {
             Boundary::Free => {
-                let compliance = love_symbol(&exact, grid, substrate.modulus_pa(), point_load);
+                let compliance = love_symbol(&exact, grid, substrate.modulus_pa(), point_load)?;
                 let mean = MeanMode {
                     compliance: compliance[0] * (exact.nx() * exact.ny()) as f64,
                     stiffness: substrate.stiffness_pa_per_m(std::f64::consts::PI / longest_m),
@@ -209,7 +216,7 @@ impl HalfSpace {
         let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
         let coarse = if halved(nx) && halved(ny) {
             let grid = Grid::new(nx / 2, ny / 2, 2.0 * grid.dx_m(), 2.0 * grid.dy_m()).ok();
-            grid.map(|grid| Self::build(substrate, point_load, grid, boundary).map(Box::new)).transpose()?
+            grid.and_then(|grid| Self::build(substrate, point_load, grid, boundary).ok()).map(Box::new)
         } else {
             None
         };
@@ -265,10 +272,19 @@ impl HalfSpace {
         Workspace::default()
     }
 
+    /// Gives up what the workspace holds of another half-space.
+    pub(super) fn claim(&self, workspace: &mut Workspace) {
+        let homogeneous = matches!(self.substrate, Substrate::HalfSpace { .. });
+        let fits = Some((self.grid, self.boundary == Boundary::Free, homogeneous));
+        if workspace.fits != fits {
+            *workspace = Workspace { fits, ..Workspace::default() };
+        }
+    }
+
     /// Displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
     ///
     /// # Panics
-    /// If a slice or the workspace does not fit the grid.
+    /// If a slice does not fit the grid.
     pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
         self.displace_as(self.mean, pressure_pa, displacement_m, workspace);
     }
@@ -278,6 +294,7 @@ impl HalfSpace {
         let columns = self.grid.nx();
         let points = self.grid.points();
         assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");
+        self.claim(workspace);
         let chunk = ROWS_OF_SLAB * columns;
         let mut slabs: Vec<_> = pressure_pa.chunks(chunk).zip(displacement_m.chunks_mut(chunk)).collect();
         let fill = |(pressure_pa, _): &mut (&[f64], &mut [f64]), row: usize, out: &mut [f64]| {
@@ -408,7 +425,12 @@ fn wavenumber_rad_per_m(grid: Grid, (ny, nx): (usize, usize)) -> impl Fn(usize, 
 }
 
 /// Symbol of Love's influence coefficients, and of what a layer adds to them, wrapped around the padded grid.
-fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64, layer: Option<&PointLoad>) -> Vec<f64> {
+fn love_symbol(
+    plan: &Convolution<f64>,
+    grid: Grid,
+    modulus_pa: f64,
+    layer: Option<&PointLoad>,
+) -> Result<Vec<f64>, ContactError> {
     let (rows, columns) = (plan.ny(), plan.nx());
     let mut kernel = vec![0.0; rows * columns];
     let (nx, ny) = (grid.nx() as f64, grid.ny() as f64);
@@ -426,10 +448,16 @@ fn love_symbol(plan: &Convolution<f64>, grid: Grid, modulus_pa: f64, layer: Opti
             }
         }
     }
+    let left = kernel[0] / love_coefficient(0.0, 0.0, grid.dx_m(), grid.dy_m(), modulus_pa);
+    if left.is_nan() || left < LEAST_LEFT {
+        let (parameter, unit) = ("compliance of a cell on the layer over that on a half-space", "(relative)");
+        let wanted = "above 1e-8: the layer is too thin, or its material too incompressible, for cells of this size";
+        return Err(ContactError::Parameter { parameter, value: left, unit, wanted });
+    }
     let fft = RealFft2::new(columns, rows);
     let mut spectrum = fft.spectrum();
     fft.forward(&kernel, &mut spectrum, &mut fft.workspace());
-    spectrum.iter().map(|value| value.re / (rows * columns) as f64).collect()
+    Ok(spectrum.iter().map(|value| value.re / (rows * columns) as f64).collect())
 }
 
 /// Displacement at (x, y) of a unit pressure on the rectangle of sides `dx_m` × `dy_m` about the origin, in m/Pa.

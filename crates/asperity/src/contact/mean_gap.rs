@@ -38,7 +38,7 @@ pub(super) fn solve(
         // Where nothing yields, the hardness does not matter.
         let usual = search.mean_compliance.replace(0.0);
         let (_, solution) = search.at(gap_m, vec![0.0; points], COARSEST_TOLERANCE);
-        if search.is_met(&solution) {
+        if search.is_met(&solution) || search.is_over() {
             return search.finish(solution);
         }
         search.mean_compliance = usual;
@@ -109,7 +109,7 @@ impl<'a> Search<'a> {
                 }
             };
             let exhausted = low.is_some_and(|low| height_m <= low.height_m) || height_m >= high.height_m;
-            if exhausted || self.iterations >= self.solver.max_iterations || self.monitor.cancelled() {
+            if exhausted || self.is_over() {
                 break;
             }
             let (trial, solution) = self.at(height_m, best.pressure_pa.iter().copied().collect(), coarsest);
@@ -168,6 +168,11 @@ impl<'a> Search<'a> {
 
     fn is_met(&self, solution: &Solution) -> bool {
         solution.residual.worst() <= self.solver.tolerance
+    }
+
+    /// Whether no more iterations are allowed.
+    fn is_over(&self) -> bool {
+        self.iterations >= self.solver.max_iterations || self.monitor.cancelled()
     }
 
     fn finish(&self, mut solution: Solution) -> Solution {

@@ -33,7 +33,8 @@ pub enum Control {
         newton: f64,
     },
     /// The mean gap over the whole patch. A gap too small for the tolerance to be met in double precision, about 10⁻¹⁵ of
-    /// the roughness over the tolerance, ends as [`PrecisionLimit`](crate::contact::StopReason::PrecisionLimit).
+    /// the roughness over the tolerance and on the free boundary more, ends as
+    /// [`PrecisionLimit`](crate::contact::StopReason::PrecisionLimit) or at the iteration limit.
     MeanGap {
         /// Mean gap in metre, > 0.
         metre: f64,
@@ -65,7 +66,7 @@ impl<'a> Problem<'a> {
     /// Poses a problem; `hardness_pa = None` is elastic.
     ///
     /// # Errors
-    /// Heights are missing or all equal, the map does not fit the half-space, a prescribed value is out of range, the
+    /// Heights are missing, all equal or beyond all measure, the map does not fit the half-space, a prescribed value is out of range, the
     /// mean pressure is not below the hardness, or a periodic half-space of zero mean compliance is overlapped.
     pub fn new(
         half_space: &'a HalfSpace,
@@ -90,6 +91,11 @@ impl<'a> Problem<'a> {
         // Equal heights leave nothing but rounding of the mean in the variance, or heights so small that squares vanish.
         if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) || variance <= 0.0 {
             return Err(ContactError::Flat);
+        }
+        // Squares of the heights have to be numbers.
+        if !variance.is_finite() {
+            let (value, wanted) = (highest_m.abs().max(lowest_m.abs()), "below about 1e150");
+            return Err(ContactError::Parameter { parameter: "height", value, unit: "m", wanted });
         }
         let problem = Self {
             half_space,

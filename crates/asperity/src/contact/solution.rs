@@ -24,8 +24,8 @@ pub enum StopReason {
 /// With v = S p − z, plane height d and gap g = v + d:
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed plane g′ is the gap,
-    /// otherwise v counted from its least value over cells with p < H.
+    /// Σ p·max(g′, 0) / (Σ p · h_rms): a bound on the energy gap (Frank–Wolfe). Under a prescribed plane, or one that is sought
+    /// for a mean gap, g′ is the gap, otherwise v counted from its least value over cells with p < H.
     pub frank_wolfe: f64,
     /// Largest overlap −g over cells with p < H, divided by h_rms.
     pub overlap: f64,
@@ -232,11 +232,11 @@ impl Part<'_> {
     }
 }
 
+/// Sums over all cells: part by part, for rounding grows with the number of terms that are added in a row.
 fn sums_of_parts<const K: usize>(parts: &[Part<'_>], term: impl Fn(f64, f64, f64) -> [f64; K]) -> [f64; K] {
-    parts.iter().flat_map(Part::cells).fold([0.0; K], |mut total, (p, v, upper)| {
-        total.iter_mut().zip(term(p, v, upper)).for_each(|(total, term)| *total += term);
-        total
-    })
+    let add = |total: [f64; K], terms: [f64; K]| std::array::from_fn(|k| total[k] + terms[k]);
+    let of_part = |part: &Part<'_>| part.cells().fold([0.0; K], |total, (p, v, upper)| add(total, term(p, v, upper)));
+    parts.iter().map(of_part).fold([0.0; K], add)
 }
 
 #[cfg(test)]

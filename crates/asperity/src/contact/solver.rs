@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 use crate::contact::descent::Descent;
 use crate::contact::{
-    Boundary, ContactError, Control, HalfSpace, Problem, Solution, Workspace, coarse_start, load_start, mean_gap,
+    Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap,
 };
 use crate::monitor::{Monitor, Silent};
 
@@ -86,9 +86,6 @@ impl Solver {
     ///
     /// # Errors
     /// The tolerance is not positive.
-    ///
-    /// # Panics
-    /// If the workspace is that of a half-space on another grid.
     pub fn solve_with(&self, problem: &Problem<'_>, workspace: &mut Workspace) -> Result<Solution, ContactError> {
         self.solve_from(problem, None, workspace, &Silent)
     }
@@ -97,13 +94,11 @@ impl Solver {
     /// stopping with [`StopReason::Cancelled`](crate::contact::StopReason::Cancelled) when the monitor asks for it.
     ///
     /// The pressure of a similar problem saves some iterations where the load differs by a few percent; it is cut at the
-    /// bounds and brought to the prescribed load. It does not change the solution beyond the tolerance.
+    /// bounds and brought to the prescribed load. It does not change the solution beyond the tolerance. Under a prescribed mean
+    /// gap, where the plane is sought, it is not used.
     ///
     /// # Errors
     /// The tolerance is not positive, or the start does not fit the map.
-    ///
-    /// # Panics
-    /// If the workspace is that of a half-space on another grid.
     pub fn solve_from(
         &self,
         problem: &Problem<'_>,
@@ -115,6 +110,7 @@ impl Solver {
             let (parameter, unit, wanted) = ("tolerance", "(relative)", "positive");
             return Err(ContactError::Parameter { parameter, value: self.tolerance, unit, wanted });
         }
+        problem.half_space().claim(workspace);
         let points = problem.heights_m().len();
         let start = start.map(|start| warm_start(problem, start)).transpose()?.flatten();
         if let Some(plane_m) = problem.plane_m() {
@@ -140,15 +136,12 @@ impl Solver {
     /// The tolerance is not positive.
     pub fn solve_many(&self, problems: &[Problem<'_>], monitor: &dyn Monitor) -> Result<Vec<Solution>, ContactError> {
         let done = AtomicUsize::new(0);
-        let solve = |(half_space, workspace): &mut (Option<&HalfSpace>, Workspace), problem: &Problem<'_>| {
-            if !half_space.is_some_and(|last| std::ptr::eq(last, problem.half_space())) {
-                *workspace = problem.half_space().workspace();
-            }
+        let solve = |workspace: &mut Workspace, problem: &Problem<'_>| {
             let solution = self.solve_from(problem, None, workspace, monitor);
             monitor.progress("contact", done.fetch_add(1, Ordering::Relaxed) + 1, problems.len());
             solution
         };
-        problems.par_iter().map_init(|| (None, Workspace::default()), solve).collect()
+        problems.par_iter().map_init(Workspace::default, solve).collect()
     }
 
     /// Runs a descent, whose start is needed no more.

@@ -71,15 +71,12 @@ impl StiffnessSolver {
         if (rows, columns) != (ny, nx) {
             return Err(ContactError::Shape { rows, columns, ny, nx });
         }
-        // A cell whose elastic deformation overlaps is plastic under any hardness.
-        let upper = solution.hardness_pa().unwrap_or(f64::INFINITY);
-        let fields = solution.pressure_pa().iter().zip(solution.plastic_displacement_m());
-        let moves = |p: f64, plastic_m: f64| match self.motion {
-            Motion::Loading => p > 0.0 && p < upper && plastic_m == 0.0,
+        let moves = |cell: (usize, usize), p: f64| match self.motion {
+            Motion::Loading => p > 0.0 && !solution.is_plastic(cell),
             Motion::Unloading => p > 0.0,
         };
-        let cells: Vec<usize> =
-            fields.enumerate().filter(|(_, (p, plastic_m))| moves(**p, *plastic_m)).map(|(cell, _)| cell).collect();
+        let pressures = solution.pressure_pa().indexed_iter().enumerate();
+        let cells: Vec<usize> = pressures.filter(|(_, (cell, p))| moves(*cell, **p)).map(|(place, _)| place).collect();
         let area_m2 = half_space.grid().area_m2();
         let exactly = |newton_per_m: f64| ContactStiffness {
             newton_per_m,
