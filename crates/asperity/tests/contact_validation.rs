@@ -5,10 +5,11 @@
 use asperity::contact::Solver;
 
 #[path = "../examples/validate_contact/check.rs"]
+#[allow(dead_code, reason = "the example's tables need more")]
 mod check;
 mod contact_check;
 #[path = "../examples/validate_contact/problems.rs"]
-#[allow(dead_code, reason = "tables and groups are the example's")]
+#[allow(dead_code, reason = "the example's tables need more")]
 mod problems;
 
 #[test]
