@@ -1,7 +1,5 @@
 //! The first of the random problems that `just validate` solves.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
-
 use asperity::contact::Solver;
 
 #[path = "../examples/validate_contact/check.rs"]

@@ -87,10 +87,10 @@ fn panel(svg: &mut String, members: &[History], most: usize) -> Result<()> {
         }
         writeln!(svg, "<polyline points=\"{}\" {}/>", points.trim_end(), pen(history))?;
     }
-    let (box_left, row) = (right - 222.0, 19.0);
+    let (box_left, row) = (right - 240.0, 19.0);
     writeln!(
         svg,
-        "<rect x=\"{box_left}\" y=\"{}\" width=\"214\" height=\"{}\" fill=\"#ffffff\" stroke=\"#cccccc\"/>",
+        "<rect x=\"{box_left}\" y=\"{}\" width=\"232\" height=\"{}\" fill=\"#ffffff\" stroke=\"#cccccc\"/>",
         top + 8.0,
         row * members.len() as f64 + 8.0
     )?;
@@ -99,7 +99,12 @@ fn panel(svg: &mut String, members: &[History], most: usize) -> Result<()> {
         writeln!(svg, "<path d=\"M{} {at}h30\" {}/>", box_left + 8.0, pen(history))?;
         let body = if history.yields { "elasto-plastic" } else { "elastic" };
         let contact = 100.0 * history.contact;
-        writeln!(svg, "<text x=\"{}\" y=\"{}\">{contact:.0} % contact, {body}</text>", box_left + 46.0, at + 4.5)?;
+        writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{}\" font-size=\"12\">{contact:.0} % contact, {body}</text>",
+            box_left + 46.0,
+            at + 4.5
+        )?;
     }
     Ok(())
 }

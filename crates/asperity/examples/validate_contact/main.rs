@@ -27,6 +27,8 @@ mod tables;
 use check::Checked;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
+/// Names the group that a problem falls into.
+type Group<'a> = dyn Fn(&Checked) -> &'static str + 'a;
 
 fn main() -> Result<()> {
     let argument = std::env::args().nth(1).ok_or("usage: validate_contact FOLDER, or --quick")?;
@@ -161,7 +163,7 @@ also summed up over all pairs of cells.
 out of what follows.\n",
         sought.len()
     );
-    let tables: [(&str, &dyn Fn(&Checked) -> &'static str); 5] = [
+    let tables: [(&str, &Group<'_>); 5] = [
         ("boundary", &boundary),
         ("surface", &|c| c.posed.kind.name()),
         ("cells in contact", &contact),
@@ -195,11 +197,7 @@ const ORDER: [&str; 16] = [
 ];
 
 /// A table of iterations and residuals by group.
-fn grouped<'a>(
-    checked: impl Iterator<Item = &'a Checked>,
-    title: &str,
-    group: &dyn Fn(&Checked) -> &'static str,
-) -> String {
+fn grouped<'a>(checked: impl Iterator<Item = &'a Checked>, title: &str, group: &Group<'_>) -> String {
     let place = |name: &str| ORDER.iter().position(|other| *other == name);
     let mut groups: BTreeMap<(Option<usize>, &str), Vec<&Checked>> = BTreeMap::new();
     for one in checked {

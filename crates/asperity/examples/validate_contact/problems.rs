@@ -128,7 +128,7 @@ pub(crate) fn draw(number: u64) -> Result<Posed, Box<dyn Error>> {
         3 => Control::Percentile { percent: 100.0 * draw.decades(-2.5, -0.05) },
         _ => Control::MeanGap { metre: rms_m * draw.decades(-1.5, 0.3) },
     };
-    let boundary = if number / 5 % 2 == 0 {
+    let boundary = if (number / 5).is_multiple_of(2) {
         Boundary::Free
     } else {
         let usual = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa);
