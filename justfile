@@ -18,6 +18,10 @@ test:
 fuzz COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
 
+# Solves 1,000 contact problems, checks each answer, and writes docs/validation/contact.md with its figure: about a minute.
+validate:
+    cargo run --release -p asperity --example validate_contact -- docs
+
 # Everything but the tests.
 lint: fmt clippy doc typos deny
 
