@@ -87,10 +87,10 @@ fn panel(svg: &mut String, members: &[History], most: usize) -> Result<()> {
         }
         writeln!(svg, "<polyline points=\"{}\" {}/>", points.trim_end(), pen(history))?;
     }
-    let (box_left, row) = (right - 240.0, 19.0);
+    let (box_left, row) = (right - 258.0, 19.0);
     writeln!(
         svg,
-        "<rect x=\"{box_left}\" y=\"{}\" width=\"232\" height=\"{}\" fill=\"#ffffff\" stroke=\"#cccccc\"/>",
+        "<rect x=\"{box_left}\" y=\"{}\" width=\"250\" height=\"{}\" fill=\"#ffffff\" stroke=\"#cccccc\"/>",
         top + 8.0,
         row * members.len() as f64 + 8.0
     )?;
