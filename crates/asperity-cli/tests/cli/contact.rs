@@ -193,7 +193,7 @@ fn unloading_leaves_the_heights_less_the_plastic_displacement() {
     let line =
         "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --tolerance 1e-30 --unload --json";
     let json = press(folder.path(), line).json(4);
-    assert!(json["plastic_work_j"].is_null() && json["residual_rms_height_m"].is_null());
+    assert!(json["max_plastic_displacement_m"].is_null() && json["residual_rms_height_m"].is_null());
 }
 
 #[test]
