@@ -470,7 +470,7 @@ Tamaas by Kato's saturated solver.
 
 One thread, periodic, about 11 % contact; solves per second.
 
-{table(["maps", "asperity", *WAYS], [batch_row])}
+{table(["maps", "asperity", *elastic_codes], [batch_row])}
 ## Transforms
 
 A real map there and back, one thread; the padded ones of FFTW and pocketfft do not skip zeros.
