@@ -5,7 +5,7 @@ use ndarray::Array2;
 use crate::contact::descent::Descent;
 use crate::contact::solver::Closure;
 use crate::contact::{Control, Problem, Solver, Workspace};
-use crate::monitor::Silent;
+use crate::monitor::Monitor;
 
 /// How well the guesses are solved: what is finer than their cells is missing anyway.
 const SOLVER: Solver = Solver { tolerance: 1e-2, max_iterations: 100 };
@@ -14,7 +14,12 @@ const SOLVER: Solver = Solver { tolerance: 1e-2, max_iterations: 100 };
 ///
 /// Under a prescribed plane the load is unknown, and from zero pressure it builds up slowly, wave by long wave; the coarse
 /// grid settles it at a quarter of the cost.
-pub(super) fn under_plane(problem: &Problem<'_>, plane_m: f64, workspace: &mut Workspace) -> Vec<f64> {
+pub(super) fn under_plane(
+    problem: &Problem<'_>,
+    plane_m: f64,
+    workspace: &mut Workspace,
+    monitor: &dyn Monitor,
+) -> Vec<f64> {
     let none = || vec![0.0; problem.heights_m().len()];
     let Some(coarse) = problem.half_space().coarse() else {
         return none();
@@ -42,8 +47,8 @@ pub(super) fn under_plane(problem: &Problem<'_>, plane_m: f64, workspace: &mut W
     let closure = Closure::Plane { height_m: plane_m - guess.mean_height_m() };
     let workspace = &mut **workspace.coarse.get_or_insert_default();
     coarse.claim(workspace);
-    let start = under_plane(&guess, plane_m, workspace);
-    let solution = Descent::new(&guess, closure, &start, None, workspace).run(&SOLVER, &Silent);
+    let start = under_plane(&guess, plane_m, workspace, monitor);
+    let solution = Descent::new(&guess, closure, &start, None, workspace).run(&SOLVER, monitor);
     let refined = |((row, column), _)| solution.pressure_pa[[row / 2, column / 2]];
     let Some(upper) = problem.hardness_by_cell() else {
         return fine.indexed_iter().map(refined).collect();

@@ -198,7 +198,7 @@ impl<'a> Descent<'a> {
     fn least_residual(&self) -> Residual {
         let Summary { pressure, free, free_v, least_v, .. } = self.summary;
         let rms_height_m = self.problem.rms_height_m();
-        let plane_m = self.closure.plane_m().unwrap_or(if free > 0.0 { -free_v / free } else { -least_v });
+        let plane_m = self.closure.plane_m().unwrap_or(self.summary.resting_m());
         let lambda = if matches!(self.closure, Closure::Plane { .. }) { -plane_m } else { least_v };
         let frank_wolfe = if pressure > 0.0 { (free_v - lambda * free) / (pressure * rms_height_m) } else { 0.0 };
         let load = if let Closure::Sum { pascal } = self.closure { (pressure / pascal - 1.0).abs() } else { 0.0 };
@@ -511,10 +511,9 @@ impl<'a> Descent<'a> {
         for (row, out) in pressure_pa.as_slice_mut().unwrap_or(&mut []).chunks_mut(shape.1).enumerate() {
             self.workspace.near.of_row(row).write_pressure(row, out);
         }
-        let Summary { free, free_v, least_v, pressure, .. } = self.summary;
-        let height_m = self.closure.plane_m().unwrap_or(if free > 0.0 { -free_v / free } else { -least_v });
+        let height_m = self.closure.plane_m().unwrap_or(self.summary.resting_m());
         // A mean compliance that was left out moves surface and plane alike.
-        let shift_m = self.missing_compliance_m_per_pa * pressure / self.v.len() as f64;
+        let shift_m = self.missing_compliance_m_per_pa * self.summary.pressure / self.v.len() as f64;
         let mean_height_m = problem.mean_height_m();
         let mut v = self.v;
         let displacement_m = v.iter().zip(&self.heights_m).map(|(v, z)| v + (z - mean_height_m) + shift_m).collect();

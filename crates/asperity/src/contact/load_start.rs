@@ -1,7 +1,7 @@
 //! A first guess under a prescribed load.
 
 use crate::contact::exact::persson_contact_fraction;
-use crate::contact::{Boundary, Problem};
+use crate::contact::{Problem, rms_gradient};
 
 /// Cells pressed at first over those that will be in contact, about.
 const MARGIN: f64 = 2.0;
@@ -27,9 +27,10 @@ pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
             .map(|place| if upper.is_some() { pascal.min(ceiling(place) / CEILING) } else { pascal })
             .collect()
     };
-    let slope = rms_slope(problem);
+    let half_space = problem.half_space();
+    let slope = rms_gradient(heights_m, half_space.grid(), half_space.boundary());
     let least = problem.mean_hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
-    let modulus_pa = problem.half_space().modulus_pa();
+    let modulus_pa = half_space.modulus_pa();
     let share = MARGIN * persson_contact_fraction(pascal, modulus_pa, slope).max(least);
     if !(share > 0.0 && share < NEARLY_ALL) {
         return uniform();
@@ -62,27 +63,10 @@ fn stride(points: usize, columns: usize) -> usize {
     (points.div_ceil(SAMPLE)..).find(|stride| divisor(*stride, columns) == 1).unwrap_or(1)
 }
 
-/// Root mean square of the slope between neighbours.
-fn rms_slope(problem: &Problem<'_>) -> f64 {
-    let (grid, heights_m) = (problem.half_space().grid(), problem.heights_m());
-    let (ny, nx) = grid.shape();
-    let wraps = matches!(problem.half_space().boundary(), Boundary::Periodic { .. });
-    let mut sum = 0.0;
-    for ((row, column), z) in heights_m.indexed_iter() {
-        if column + 1 < nx || wraps {
-            sum += ((heights_m[[row, (column + 1) % nx]] - z) / grid.dx_m()).powi(2);
-        }
-        if row + 1 < ny || wraps {
-            sum += ((heights_m[[(row + 1) % ny, column]] - z) / grid.dy_m()).powi(2);
-        }
-    }
-    (sum / heights_m.len() as f64).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Control, HalfSpace};
+    use crate::contact::{Boundary, Control, HalfSpace};
     use crate::map::{Grid, HeightMap};
 
     /// The start on a map under a mean pressure.

@@ -5,23 +5,23 @@
 //! time and slabs can be shared among threads; sums are added slab by slab in order, whoever made them. Of the cells far from
 //! contact only v is known, in single precision, to see when they come near.
 
+mod grid;
 mod kernels;
+mod sums;
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
+pub(super) use self::grid::Slabs;
 pub(super) use self::kernels::Step;
 use self::kernels::{
     Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Room, Shifted, Span, Summarise, load,
 };
+pub(super) use self::sums::{Direction, Extent, Products, Summary};
 use crate::contact::projection::Shift;
 use crate::contact::solution::Part;
 use crate::fourier::ROWS_OF_SLAB;
 use crate::wide::wide;
 
-/// Cells of a grid from which its slabs are worth sharing among threads.
-const SHARED_FROM: usize = 1 << 16;
 /// Cells far from contact stay in the lists until they are more than one in so many.
 const IDLE_ONE_IN: f64 = 8.0;
 /// Cells for which the memory of lists no longer in use is kept.
@@ -41,9 +41,9 @@ pub(super) trait Caps: Copy + Send + Sync {
 
 /// Nothing yields.
 #[derive(Clone, Copy)]
-struct Elastic;
+struct Unbounded;
 
-impl Caps for Elastic {
+impl Caps for Unbounded {
     const YIELD: bool = false;
 
     #[inline(always)]
@@ -85,14 +85,14 @@ impl Caps for Yielding<'_> {
     }
 }
 
-/// Evaluates an expression with the caps of a slab's cells, compiled for elastic cells apart.
+/// Evaluates an expression with the caps of a slab's cells, compiled for cells that do not yield apart.
 macro_rules! capped {
     ($upper:expr, |$caps:ident| $work:expr) => {
         if let Some(upper) = $upper.as_deref() {
             let $caps = Yielding(upper);
             $work
         } else {
-            let $caps = Elastic;
+            let $caps = Unbounded;
             $work
         }
     };
@@ -208,129 +208,6 @@ struct Entrant {
     column: u32,
     v: f64,
     image: f32,
-}
-
-/// What is known of pressure p and v = S p − z of the cells near contact.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Summary {
-    /// Σ p, of all and of the cells below the upper bound, and Σ p v of the latter.
-    pub(super) pressure: f64,
-    pub(super) free: f64,
-    pub(super) free_v: f64,
-    /// Σ v and number of the cells between the bounds.
-    between_v: f64,
-    between: f64,
-    /// Cells without pressure that are far from contact.
-    idle: f64,
-    /// The least v below the upper bound.
-    pub(super) least_v: f64,
-    /// Cells at the upper bound.
-    pub(super) full: f64,
-    /// Largest displacement by the last step over its unit.
-    pub(super) largest_image: f64,
-    pub(super) moved: bool,
-}
-
-impl Summary {
-    pub(super) const NONE: Self = Self {
-        pressure: 0.0,
-        free: 0.0,
-        free_v: 0.0,
-        between_v: 0.0,
-        between: 0.0,
-        idle: 0.0,
-        least_v: f64::INFINITY,
-        full: 0.0,
-        largest_image: 0.0,
-        moved: false,
-    };
-
-    /// That of more cells.
-    pub(super) fn with(self, other: Self) -> Self {
-        Self {
-            pressure: self.pressure + other.pressure,
-            free: self.free + other.free,
-            free_v: self.free_v + other.free_v,
-            between_v: self.between_v + other.between_v,
-            between: self.between + other.between,
-            idle: self.idle + other.idle,
-            least_v: self.least_v.min(other.least_v),
-            full: self.full + other.full,
-            largest_image: self.largest_image.max(other.largest_image),
-            moved: self.moved | other.moved,
-        }
-    }
-}
-
-/// Sums over the cells that may move: their number, and products of gradient g, preconditioned gradient z, last step s and
-/// its image w, all over their units.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Products {
-    pub(super) members: f64,
-    pub(super) g: f64,
-    pub(super) z: f64,
-    pub(super) s: f64,
-    pub(super) w: f64,
-    pub(super) gg: f64,
-    pub(super) gz: f64,
-    pub(super) gs: f64,
-    pub(super) sw: f64,
-    pub(super) zw: f64,
-}
-
-impl Products {
-    /// The sums over more cells.
-    pub(super) fn with(self, other: Self) -> Self {
-        Self {
-            members: self.members + other.members,
-            g: self.g + other.g,
-            z: self.z + other.z,
-            s: self.s + other.s,
-            w: self.w + other.w,
-            gg: self.gg + other.gg,
-            gz: self.gz + other.gz,
-            gs: self.gs + other.gs,
-            sw: self.sw + other.sw,
-            zw: self.zw + other.zw,
-        }
-    }
-}
-
-/// The trial p + `pressure`·p + `step`·s + `preconditioned`·z + `gradient`·g + `constant`, with s, z and g over their units.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Direction {
-    pub(super) pressure: f64,
-    pub(super) step: f64,
-    pub(super) preconditioned: f64,
-    pub(super) gradient: f64,
-    pub(super) constant: f64,
-}
-
-/// A trial before it is brought within the bounds: over the cells that may move.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Extent {
-    pub(super) least: f64,
-    pub(super) largest: f64,
-    pub(super) members: usize,
-    /// Sum and largest of the upper bounds.
-    pub(super) capacity: f64,
-    pub(super) ceiling: f64,
-}
-
-impl Extent {
-    pub(super) const NONE: Self =
-        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, ceiling: 0.0 };
-
-    /// That of more cells.
-    pub(super) fn with(self, other: Self) -> Self {
-        Self {
-            least: self.least.min(other.least),
-            largest: self.largest.max(other.largest),
-            members: self.members + other.members,
-            capacity: self.capacity + other.capacity,
-            ceiling: self.ceiling.max(other.ceiling),
-        }
-    }
 }
 
 /// How far a step is gone.
@@ -481,7 +358,7 @@ impl Slab {
         let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
         *summary = capped!(lists.upper, |caps| wide::<Summarise, _>((p, v, bound, caps)));
         open.resize(p.len(), 0.0);
-        let count = wide::<OnBound<false>, _>((open.as_mut_slice(), p, v, Elastic));
+        let count = wide::<OnBound<false>, _>((open.as_mut_slice(), p, v, Unbounded));
         open.truncate(count);
         full.clear();
         if let Some(upper) = &lists.upper {
@@ -669,79 +546,4 @@ impl Slab {
 pub(super) fn within(value: f64, upper: f64) -> f64 {
     let value = if value > 0.0 { value } else { 0.0 };
     if value < upper { value } else { upper }
-}
-
-/// All slabs of a grid.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Slabs {
-    slabs: Vec<Slab>,
-    shared: bool,
-}
-
-impl Slabs {
-    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. `hardness_pa` gives the hardness of every
-    /// cell in row-major order, if they yield.
-    pub(super) fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<impl Fn(usize) -> f64>, unit_m: f64) {
-        let chunk = width * ROWS_OF_SLAB;
-        self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
-        self.shared = p.len() >= SHARED_FROM && rayon::current_num_threads() > 1;
-        for (number, (slab, p)) in self.slabs.iter_mut().zip(p.chunks(chunk)).enumerate() {
-            let places = number * chunk..number * chunk + p.len();
-            let hardness_pa = hardness_pa.as_ref().map(|hardness_pa| places.map(hardness_pa).collect());
-            slab.begin(width, p, hardness_pa, unit_m);
-        }
-    }
-
-    pub(super) fn as_mut_slice(&mut self) -> &mut [Slab] {
-        &mut self.slabs
-    }
-
-    /// The slab of a row of the grid.
-    pub(super) fn of_row(&self, row: usize) -> &Slab {
-        &self.slabs[row / ROWS_OF_SLAB]
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Slab> {
-        self.slabs.iter()
-    }
-
-    /// Does `work` on every slab.
-    pub(super) fn each(&mut self, work: impl Fn(&mut Slab) + Sync + Send) {
-        if self.shared { self.slabs.par_iter_mut().for_each(work) } else { self.slabs.iter_mut().for_each(work) }
-    }
-
-    /// Does `work` on every slab and joins what it gives, in order.
-    pub(super) fn fold<R: Send>(
-        &mut self,
-        first: R,
-        work: impl Fn(&mut Slab) -> R + Sync + Send,
-        join: impl Fn(R, R) -> R,
-    ) -> R {
-        if self.shared {
-            self.slabs.par_iter_mut().map(work).collect::<Vec<_>>().into_iter().fold(first, join)
-        } else {
-            self.slabs.iter_mut().map(work).fold(first, join)
-        }
-    }
-
-    /// Sums of K terms of every slab.
-    pub(super) fn sums<const K: usize>(&self, terms: impl Fn(&Slab) -> [f64; K] + Sync + Send) -> [f64; K] {
-        let add = |total: [f64; K], terms: [f64; K]| std::array::from_fn(|k| total[k] + terms[k]);
-        if self.shared {
-            self.slabs.par_iter().map(terms).collect::<Vec<_>>().into_iter().fold([0.0; K], add)
-        } else {
-            self.slabs.iter().map(terms).fold([0.0; K], add)
-        }
-    }
-
-    /// Looks for the cells whose v is below `bound` all over the grid, of which all v are given where they are known.
-    pub(super) fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
-        let chunk = self.slabs.first().map_or(0, |slab| slab.width * ROWS_OF_SLAB);
-        let rows = |number: usize| exact.map(|v| &v[number * chunk..v.len().min((number + 1) * chunk)]);
-        if self.shared {
-            self.slabs.par_iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
-        } else {
-            self.slabs.iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
-        }
-    }
 }

@@ -115,7 +115,7 @@ impl Solver {
         let start = start.map(|start| warm_start(problem, start)).transpose()?.flatten();
         if let Some(plane_m) = problem.plane_m() {
             let closure = Closure::Plane { height_m: plane_m - problem.mean_height_m() };
-            let start = start.unwrap_or_else(|| coarse_start::under_plane(problem, plane_m, workspace));
+            let start = start.unwrap_or_else(|| coarse_start::under_plane(problem, plane_m, workspace, monitor));
             return Ok(self.run(Descent::new(problem, closure, &start, None, workspace), start, monitor));
         }
         if let Control::MeanGap { metre } = problem.control() {

@@ -1,9 +1,7 @@
 //! The stiffness of a contact against further approach.
 
-use std::f64::consts::{PI, TAU};
-
 use crate::contact::{Boundary, ContactError, HalfSpace, Solution, Workspace};
-use crate::fourier::{self, Complex64, RealFft2, good_length, signed_index};
+use crate::fourier::ROWS_OF_SLAB;
 
 /// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane, δ growing as it comes down.
 ///
@@ -39,7 +37,7 @@ pub enum Motion {
     Unloading,
 }
 
-/// Computes a [`ContactStiffness`] by conjugate gradients, preconditioned by E*|q|/2 on the cells in contact.
+/// Computes a [`ContactStiffness`] by conjugate gradients, preconditioned as the contact itself is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StiffnessSolver {
     /// Which way the plane moves; it matters where cells are plastic.
@@ -150,30 +148,13 @@ struct System<'a> {
     /// Zero but on the cells.
     field: Vec<f64>,
     image: Vec<f64>,
-    fft: RealFft2,
-    fft_work: fourier::Workspace,
-    spectrum: Vec<Complex64>,
 }
 
 impl<'a> System<'a> {
     fn new(half_space: &'a HalfSpace, cells: Vec<usize>) -> Self {
-        let grid = half_space.grid();
-        // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
-        let padded = |n: usize| match half_space.boundary() {
-            Boundary::Free => good_length(n + (n / 16).max(2)),
-            Boundary::Periodic { .. } => n,
-        };
-        let fft = RealFft2::new(padded(grid.nx()), padded(grid.ny()));
-        Self {
-            half_space,
-            workspace: half_space.workspace(),
-            cells,
-            field: vec![0.0; grid.points()],
-            image: vec![0.0; grid.points()],
-            fft_work: fft.workspace(),
-            spectrum: fft.spectrum(),
-            fft,
-        }
+        let points = half_space.grid().points();
+        let workspace = half_space.workspace();
+        Self { half_space, workspace, cells, field: vec![0.0; points], image: vec![0.0; points] }
     }
 
     fn spread(&mut self, values: &[f64]) {
@@ -195,26 +176,26 @@ impl<'a> System<'a> {
         }
     }
 
-    /// E*|q|/2 times displacements of the cells, on the cells. For the mean, |q| is half that of the longest wave, or three times
-    /// it on the periodic boundary, where the mean does not yield.
+    /// The solver's preconditioner on the cells, in single precision over the unit of both; the mean does not yield.
     fn precondition(&mut self, displacement_m: &[f64], pressure_pa: &mut [f64]) {
         self.spread(displacement_m);
-        let grid = self.half_space.grid();
-        let (nx, ny) = (self.fft.nx(), self.fft.ny());
-        self.fft.forward_padded(&self.field, grid.ny(), grid.nx(), &mut self.spectrum, &mut self.fft_work);
-        let step_x = TAU / (nx as f64 * grid.dx_m());
-        let step_y = TAU / (ny as f64 * grid.dy_m());
-        let of_mean = match self.half_space.boundary() {
-            Boundary::Free => PI,
-            Boundary::Periodic { .. } => 3.0 * TAU,
-        } / grid.width_m().max(grid.height_m());
-        for (kx, waves) in self.spectrum.chunks_mut(ny).enumerate() {
-            for (ky, wave) in waves.iter_mut().enumerate() {
-                let q = (step_x * kx as f64).hypot(step_y * signed_index(ky, ny));
-                *wave *= 0.5 * self.half_space.modulus_pa() * if q > 0.0 { q } else { of_mean };
-            }
-        }
-        self.fft.inverse_cropped(&mut self.spectrum, &mut self.image, grid.ny(), grid.nx(), &mut self.fft_work);
+        let unit_m = rms(displacement_m);
+        let columns = self.half_space.grid().nx();
+        let unit_pa = self.half_space.stiffness_unit_pa_per_m() * unit_m;
+        let piece = |row: usize| row % ROWS_OF_SLAB * columns..(row % ROWS_OF_SLAB + 1) * columns;
+        type Fields<'s> = (&'s [f64], &'s mut [f64]);
+        let chunk = ROWS_OF_SLAB * columns;
+        let mut slabs: Vec<Fields<'_>> = self.field.chunks(chunk).zip(self.image.chunks_mut(chunk)).collect();
+        let fill = |(field, _): &mut Fields<'_>, row: usize, out: &mut [f32]| {
+            out.iter_mut().zip(&field[piece(row)]).for_each(|(out, u)| *out = (u / unit_m) as f32);
+            true
+        };
+        let take = |(_, image): &mut Fields<'_>, row: usize, values: &[f32]| {
+            image[piece(row)].iter_mut().zip(values).for_each(|(p, value)| *p = unit_pa * f64::from(*value));
+        };
+        self.half_space.claim(&mut self.workspace);
+        let mean = self.half_space.mean_mode(Some(0.0));
+        self.half_space.stiffen(mean, &mut slabs, fill, take, &mut self.workspace.transforms);
         self.gather(pressure_pa);
     }
 }

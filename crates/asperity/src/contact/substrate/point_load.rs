@@ -235,6 +235,7 @@ fn bessel_j0(x: f64) -> f64 {
 mod tests {
     use super::super::tests::{elastic, layer};
     use super::*;
+    use crate::contact::Elastic;
 
     #[test]
     fn bessel_s_function_has_its_tabulated_values() {
@@ -320,12 +321,12 @@ mod tests {
                 }
             }
             // An elastic one is a half-space from afar, to second order.
-            for base in [elastic(0.3, 0.2), elastic(1e-3, 0.5), elastic(1e-5, 0.3), elastic(1e4, 0.3)] {
-                let layer = layer(1.0, nu, base);
-                let Base::Elastic(below) = base else { unreachable!() };
+            for (youngs_modulus_pa, poisson_ratio) in [(0.3, 0.2), (1e-3, 0.5), (1e-5, 0.3), (1e4, 0.3)] {
+                let below = Elastic { youngs_modulus_pa, poisson_ratio };
+                let layer = layer(1.0, nu, Base::Elastic(below));
                 let limit = layer.material.contact_modulus_pa() / below.contact_modulus_pa();
                 let rho = 1e6 * limit.max(1.0);
-                assert!(error(&layer, rho, limit) < 1e-11, "{base:?} {nu}: {:e}", error(&layer, rho, limit));
+                assert!(error(&layer, rho, limit) < 1e-11, "{below:?} {nu}: {:e}", error(&layer, rho, limit));
             }
         }
     }
