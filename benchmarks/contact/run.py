@@ -392,7 +392,7 @@ def alone(bench, points, load):
     answer = own.ask(bench.job(case, path, WANTED, 1, 0) | {"transforms": "false"})
     residual = bench.residual(case, maps)
     line = (f"asperity, {points}² periodic, {100 * answer['contact_fraction']:.1f} % contact, one thread: {told(answer['seconds'][0])}, "
-            f"{answer['iterations'][0]} iterations, residual {residual:.0e}, peak memory {answer['memory_bytes'] / 2**30:.2f} GiB "
+            f"{answer['iterations'][0]} iterations, residual {residual:.0e}, peak memory {answer['memory_bytes'] / 1e6:.0f} MB "
             f"({answer['memory_bytes'] / points**2:.0f} bytes per cell, file and heights included).")
     print(line, flush=True)
     return line

@@ -102,7 +102,9 @@ pub enum ContactError {
     #[error("the map has no roughness (all heights are equal); contact of two flats is not a rough contact")]
     Flat,
     /// A height is missing.
-    #[error("{missing} of {points} heights are missing; contact needs a complete map")]
+    #[error(
+        "{missing} of {points} heights are missing; contact needs a complete map (`asperity surface fill` fills one)"
+    )]
     Missing {
         /// Missing points.
         missing: usize,

@@ -11,6 +11,7 @@ use asperity::contact::{
 };
 use asperity::fourier::{RealFft2, signed_index};
 use asperity::map::{Grid, HeightMap};
+use asperity::monitor::Monitor;
 use asperity::random;
 use ndarray::Array2;
 
@@ -25,6 +26,17 @@ fn solved(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, har
     let solution = Solver { tolerance: 1e-10, ..Solver::default() }.solve(&problem).unwrap();
     assert!(solution.converged(), "{:?} after {}", solution.residual(), solution.iterations());
     solution
+}
+
+/// Cancels at once.
+struct Stop;
+
+impl Monitor for Stop {
+    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+
+    fn cancelled(&self) -> bool {
+        true
+    }
 }
 
 fn stiffness(half_space: &HalfSpace, solution: &Solution) -> ContactStiffness {
@@ -400,6 +412,8 @@ fn complete_contact_is_infinitely_stiff_and_no_contact_not_at_all() {
     assert!(matches!(useless.solve(&free, &complete), Err(ContactError::Parameter { parameter: "tolerance", .. })));
     let hasty = StiffnessSolver { max_iterations: 1, ..StiffnessSolver::default() };
     assert!(!hasty.solve(&free, &complete).unwrap().converged);
+    let stopped = StiffnessSolver::default().solve_with(&free, &complete, &Stop).unwrap();
+    assert!(!stopped.converged && stopped.iterations == 0);
 }
 
 #[test]

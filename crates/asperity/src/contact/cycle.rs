@@ -24,6 +24,7 @@
 use ndarray::{Array2, Zip};
 
 use crate::contact::{ContactError, Control, HalfSpace, Problem, Solution, Solver, Workspace};
+use crate::monitor::{Monitor, Silent};
 
 /// A surface on its way through loads, with the imprint they left.
 #[derive(Debug, Clone)]
@@ -132,6 +133,19 @@ impl<'a> LoadPath<'a> {
     /// As [`Problem::new`], the map being that of the heights left ([`ContactError::Flat`] if nothing of it is), and
     /// [`Solver::solve`].
     pub fn press(&mut self, control: Control, solver: &Solver) -> Result<LoadStep, ContactError> {
+        self.press_with(control, solver, &Silent)
+    }
+
+    /// As [`LoadPath::press`]; when the monitor cancels, the solution is not converged and the surface is as it was.
+    ///
+    /// # Errors
+    /// As [`LoadPath::press`].
+    pub fn press_with(
+        &mut self,
+        control: Control,
+        solver: &Solver,
+        monitor: &dyn Monitor,
+    ) -> Result<LoadStep, ContactError> {
         if let Control::Load { newton: 0.0 } | Control::MeanPressure { pascal: 0.0 } = control {
             let plane_m = self.residual_heights_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             return Ok(LoadStep {
@@ -147,7 +161,7 @@ impl<'a> LoadPath<'a> {
         let mut workspace = std::mem::take(&mut self.workspace);
         let problem = self.problem(&self.residual_heights_m, fixed)?;
         let least_m = solver.tolerance * problem.rms_height_m();
-        let solution = solver.solve_with(&problem, &mut workspace)?;
+        let solution = solver.solve_from(&problem, None, &mut workspace, monitor)?;
         self.workspace = workspace;
         let (mut largest_increment_m, mut plastic_work_j) = (0.0_f64, 0.0);
         if solution.converged() {
@@ -168,16 +182,23 @@ impl<'a> LoadPath<'a> {
         Ok(LoadStep { control, solution: Some(solution), plane_m, load_n, largest_increment_m, plastic_work_j })
     }
 
-    /// Presses as each of `controls` says, in turn; the steps end early with one that is not converged.
+    /// Presses as each of `controls` says, in turn; the steps end early with one that is not converged, as it is when the monitor
+    /// cancels.
     ///
     /// # Errors
     /// As [`LoadPath::press`].
-    pub fn follow(&mut self, controls: &[Control], solver: &Solver) -> Result<Vec<LoadStep>, ContactError> {
+    pub fn follow(
+        &mut self,
+        controls: &[Control],
+        solver: &Solver,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<LoadStep>, ContactError> {
         let mut steps = Vec::with_capacity(controls.len());
         for control in controls {
-            let step = self.press(*control, solver)?;
+            let step = self.press_with(*control, solver, monitor)?;
             let goes_on = step.converged();
             steps.push(step);
+            monitor.progress("load path", steps.len(), controls.len());
             if !goes_on {
                 break;
             }
@@ -196,6 +217,7 @@ impl<'a> LoadPath<'a> {
         solver: &Solver,
         tolerance: f64,
         most_cycles: usize,
+        monitor: &dyn Monitor,
     ) -> Result<Shakedown, ContactError> {
         if !(tolerance.is_finite() && tolerance > 0.0) {
             let (parameter, unit, wanted) = ("tolerance of the shakedown", "(relative)", "positive");
@@ -204,7 +226,7 @@ impl<'a> LoadPath<'a> {
         let mut shakedown = Shakedown { increments_m: Vec::new(), last_cycle: Vec::new(), shaken_down: false };
         while !shakedown.shaken_down && shakedown.increments_m.len() < most_cycles {
             let before_m = self.residual_heights_m.clone();
-            shakedown.last_cycle = self.follow(controls, solver)?;
+            shakedown.last_cycle = self.follow(controls, solver, monitor)?;
             let fall = before_m.iter().zip(&self.residual_heights_m).map(|(before, after)| before - after);
             let increment_m = fall.fold(0.0, f64::max);
             shakedown.increments_m.push(increment_m);

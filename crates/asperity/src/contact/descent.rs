@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, CowArray, Ix2};
 
-use crate::contact::half_space::MeanMode;
+use crate::contact::half_space::{MOST_KEPT, MeanMode};
 use crate::contact::projection::{Shift, project_to_sum, tangent_multiplier};
 use crate::contact::slab::{Advance, Direction, Extent, Products, Slab, Step, Summary};
 use crate::contact::solution::{Part, Residual, certify};
@@ -91,7 +91,7 @@ impl<'a> Descent<'a> {
             _ => 0.0,
         };
         let unit_m = problem.rms_height_m();
-        workspace.near.begin(problem.heights_m().ncols(), p, problem.hardness_by_cell(), unit_m);
+        workspace.near.begin(problem.heights_m().ncols(), p, problem.hardness(), unit_m);
         let mut descent = Self {
             problem,
             closure,
@@ -129,6 +129,9 @@ impl<'a> Descent<'a> {
                 slab.restrict(shift);
                 slab.step_pressure();
             });
+        }
+        if self.v.len() > MOST_KEPT {
+            self.workspace.near.each(Slab::release_scratch);
         }
         let periodic = matches!(self.problem.half_space().boundary(), Boundary::Periodic { .. });
         let columns = self.heights_m.ncols();
@@ -510,6 +513,9 @@ impl<'a> Descent<'a> {
         let mut pressure_pa = Array2::zeros(shape);
         for (row, out) in pressure_pa.as_slice_mut().unwrap_or(&mut []).chunks_mut(shape.1).enumerate() {
             self.workspace.near.of_row(row).write_pressure(row, out);
+        }
+        if self.v.len() > MOST_KEPT {
+            self.workspace.near.release();
         }
         let height_m = self.closure.plane_m().unwrap_or(self.summary.resting_m());
         // A mean compliance that was left out moves surface and plane alike.

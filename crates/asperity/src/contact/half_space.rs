@@ -77,7 +77,7 @@ impl MeanMode {
 }
 
 /// Cells up to which the scratch memory of both precisions is kept at the same time.
-const MOST_KEPT: usize = 1 << 21;
+pub(super) const MOST_KEPT: usize = 1 << 21;
 /// Cells along either side of the coarsest grid.
 const COARSEST: usize = 8;
 

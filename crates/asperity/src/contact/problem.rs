@@ -49,6 +49,18 @@ impl Control {
     }
 }
 
+/// The largest pressures.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Hardness<'a> {
+    /// The same everywhere.
+    Uniform {
+        /// In pascal.
+        pascal: f64,
+    },
+    /// Every cell's in pascal, shape `[ny, nx]`.
+    Field(&'a Array2<f64>),
+}
+
 /// A contact problem: heights, a half-space, what is prescribed, and the hardness.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<'a> {
@@ -206,12 +218,17 @@ impl<'a> Problem<'a> {
 
     /// The largest pressure of a cell by its place in row-major order, if they yield.
     pub(super) fn hardness_by_cell(&self) -> Option<impl Fn(usize) -> f64 + use<'a>> {
-        let (columns, hardness_pa, field) = (self.heights_m.ncols(), self.hardness_pa, self.hardness_field_pa);
-        let at = move |place: usize| match field {
-            Some(field) => field[[place / columns, place % columns]],
-            None => hardness_pa.unwrap_or(f64::INFINITY),
-        };
-        self.yields().then_some(at)
+        let columns = self.heights_m.ncols();
+        let hardness = self.hardness()?;
+        Some(move |place: usize| match hardness {
+            Hardness::Uniform { pascal } => pascal,
+            Hardness::Field(field) => field[[place / columns, place % columns]],
+        })
+    }
+
+    /// The largest pressures, if cells yield.
+    pub(super) fn hardness(&self) -> Option<Hardness<'a>> {
+        self.hardness_field_pa.map(Hardness::Field).or(self.hardness_pa.map(|pascal| Hardness::Uniform { pascal }))
     }
 
     /// Mean of the heights in metre.

@@ -112,20 +112,39 @@ pub(super) struct Slab {
     /// The preconditioned gradient.
     preconditioned: Vec<f32>,
     /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
-    /// are on. After [`Slab::restrict`] the step to it.
+    /// are on. After [`Slab::restrict`] the step to it. Until then, see [`Slab::tangent_sums`], the v of the `open` cells that are on
+    /// the lower bound stand at its front.
     trial: Vec<f64>,
-    /// The v of the cells on the lower and on the upper bound.
-    open: Vec<f64>,
+    open: usize,
+    /// The v of the cells on the upper bound.
     full: Vec<f64>,
     /// v of the other cells of the slab's rows as `origin_m` + `unit_m` times this; infinite at the cells in the lists.
     far: Vec<f32>,
     origin_m: f64,
     unit_m: f64,
-    /// The hardness of all cells of the slab's rows, where they yield.
-    hardness_pa: Option<Vec<f64>>,
+    /// The largest pressures, where cells yield.
+    ceiling: Option<Ceiling>,
     pub(super) summary: Summary,
     pub(super) products: Products,
     pub(super) step: Step,
+}
+
+/// The hardness in pascal of a slab's cells.
+#[derive(Debug, Clone)]
+enum Ceiling {
+    /// That of all.
+    Uniform(f64),
+    /// Those of all cells of the slab's rows.
+    Cells(Vec<f64>),
+}
+
+impl Ceiling {
+    fn at(&self, place: usize) -> f64 {
+        match self {
+            Self::Uniform(pascal) => *pascal,
+            Self::Cells(pascal) => pascal[place],
+        }
+    }
 }
 
 /// One value for each cell near contact.
@@ -224,23 +243,29 @@ pub(super) struct Advance {
 
 impl Slab {
     /// Begins with the pressures `p` of its rows; v is not yet known.
-    fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<Vec<f64>>, unit_m: f64) {
+    fn begin(&mut self, width: usize, p: &[f64], ceiling: Option<Ceiling>, unit_m: f64) {
         self.width = width;
         (self.origin_m, self.unit_m) = (0.0, unit_m);
         self.far.clear();
         self.far.resize(p.len(), f32::INFINITY);
-        self.hardness_pa = hardness_pa;
+        self.ceiling = ceiling;
         self.entrants.clear();
         self.summary = Summary::NONE;
-        self.lists.clear(self.hardness_pa.is_some());
+        self.lists.clear(self.ceiling.is_some());
         self.lists.reserve(p.iter().filter(|p| **p > 0.0).count());
         for (row, p) in p.chunks_exact(width).enumerate() {
             for (column, p) in p.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-                let upper = self.hardness_pa.as_ref().map_or(f64::INFINITY, |upper| upper[row * width + column]);
+                let upper = self.ceiling.as_ref().map_or(f64::INFINITY, |ceiling| ceiling.at(row * width + column));
                 self.lists.push(column as u32, [*p, 0.0], upper, [0.0; 2]);
             }
             self.lists.starts[row + 1..].fill(self.lists.columns.len() as u32);
         }
+    }
+
+    /// Gives back the memory of what the next iteration makes anew.
+    pub(super) fn release_scratch(&mut self) {
+        (self.gradient, self.moves, self.preconditioned) = (Vec::new(), Vec::new(), Vec::new());
+        (self.trial, self.full, self.open) = (Vec::new(), Vec::new(), 0);
     }
 
     fn rows(&self) -> usize {
@@ -316,10 +341,10 @@ impl Slab {
             return;
         }
         let width = self.width;
-        let Self { lists, next, entrants, far, hardness_pa, origin_m, unit_m, .. } = self;
-        next.clear(hardness_pa.is_some());
+        let Self { lists, next, entrants, far, ceiling, origin_m, unit_m, .. } = self;
+        next.clear(ceiling.is_some());
         next.reserve(lists.p.len() + entrants.len());
-        let upper = |place: usize| hardness_pa.as_ref().map_or(f64::INFINITY, |upper| upper[place]);
+        let upper = |place: usize| ceiling.as_ref().map_or(f64::INFINITY, |ceiling| ceiling.at(place));
         let mut waiting = entrants.iter().peekable();
         for row in 0..far.len() / width {
             let cells = lists.cells(row);
@@ -354,12 +379,11 @@ impl Slab {
 
     /// Sums up the lists.
     fn summarise(&mut self, bound: f64) {
-        let Self { lists, open, full, summary, .. } = self;
+        let Self { lists, trial, open, full, summary, .. } = self;
         let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
         *summary = capped!(lists.upper, |caps| wide::<Summarise, _>((p, v, bound, caps)));
-        open.resize(p.len(), 0.0);
-        let count = wide::<OnBound<false>, _>((open.as_mut_slice(), p, v, Unbounded));
-        open.truncate(count);
+        trial.resize(p.len(), 0.0);
+        *open = wide::<OnBound<false>, _>((trial.as_mut_slice(), p, v, Unbounded));
         full.clear();
         if let Some(upper) = &lists.upper {
             full.resize(p.len(), 0.0);
@@ -374,10 +398,11 @@ impl Slab {
         Part { p: &self.lists.p, v: &self.lists.v, upper: self.lists.upper.as_deref() }
     }
 
-    /// Sum of the gradients v − λ of the cells that may move, and their number below the upper bound and on it.
+    /// Sum of the gradients v − λ of the cells that may move, and their number below the upper bound and on it, as long as nothing is on
+    /// trial since the lists were summed up.
     pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 3] {
-        let Self { open, full, summary: Summary { between_v, between, .. }, .. } = self;
-        let below = wide::<Beyond<false>, _>((open.as_slice(), lambda));
+        let Self { trial, open, full, summary: Summary { between_v, between, .. }, .. } = self;
+        let below = wide::<Beyond<false>, _>((&trial[..*open], lambda));
         let above = if full.is_empty() { [0.0; 2] } else { wide::<Beyond<true>, _>((full.as_slice(), lambda)) };
         [between_v - between * lambda + below[0] + above[0], between + below[1], above[1]]
     }

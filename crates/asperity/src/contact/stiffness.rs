@@ -2,6 +2,7 @@
 
 use crate::contact::{Boundary, ContactError, HalfSpace, Solution, Workspace};
 use crate::fourier::ROWS_OF_SLAB;
+use crate::monitor::{Monitor, Silent};
 
 /// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane, δ growing as it comes down.
 ///
@@ -60,6 +61,19 @@ impl StiffnessSolver {
     /// # Errors
     /// The tolerance is not positive, or the solution does not fit the half-space.
     pub fn solve(&self, half_space: &HalfSpace, solution: &Solution) -> Result<ContactStiffness, ContactError> {
+        self.solve_with(half_space, solution, &Silent)
+    }
+
+    /// As [`StiffnessSolver::solve`]; what the monitor cancels is not converged.
+    ///
+    /// # Errors
+    /// As [`StiffnessSolver::solve`].
+    pub fn solve_with(
+        &self,
+        half_space: &HalfSpace,
+        solution: &Solution,
+        monitor: &dyn Monitor,
+    ) -> Result<ContactStiffness, ContactError> {
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             let (parameter, unit, wanted) = ("tolerance", "(relative)", "positive");
             return Err(ContactError::Parameter { parameter, value: self.tolerance, unit, wanted });
@@ -91,7 +105,7 @@ impl StiffnessSolver {
             return Ok(exactly(f64::INFINITY));
         }
         let mut system = System::new(half_space, cells);
-        let found = self.descend(&mut system);
+        let found = self.descend(&mut system, monitor);
         let newton_per_m = found.sum_pa_per_m * half_space.grid().cell_area_m2();
         Ok(ContactStiffness {
             newton_per_m,
@@ -103,15 +117,16 @@ impl StiffnessSolver {
     }
 
     /// Solves S_cc x = 1.
-    fn descend(&self, system: &mut System<'_>) -> Descended {
+    fn descend(&self, system: &mut System<'_>, monitor: &dyn Monitor) -> Descended {
         let n = system.cells.len();
         let (mut x, mut rest) = (vec![0.0; n], vec![1.0; n]);
         let (mut step, mut image, mut steepest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let (mut iterations, mut residual) = (0, 1.0);
         // Anew from the true residual, should the recurrence have drifted away from it.
-        while residual > self.tolerance && iterations < self.max_iterations {
+        let goes_on = |iterations: usize| iterations < self.max_iterations && !monitor.cancelled();
+        while residual > self.tolerance && goes_on(iterations) {
             let (mut updated, mut slope_before) = (residual, f64::INFINITY);
-            while updated > 0.5 * self.tolerance && iterations < self.max_iterations {
+            while updated > 0.5 * self.tolerance && goes_on(iterations) {
                 system.precondition(&rest, &mut steepest);
                 let slope = dot(&rest, &steepest);
                 let share = slope / slope_before;

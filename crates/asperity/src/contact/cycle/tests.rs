@@ -62,7 +62,7 @@ fn a_load_in_many_steps_leaves_what_one_step_leaves() {
         let path = |count: usize| {
             let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
             let controls: Vec<Control> = (1..=count).map(|i| load(newton * i as f64 / count as f64)).collect();
-            let mut steps = path.follow(&controls, &SOLVER).unwrap();
+            let mut steps = path.follow(&controls, &SOLVER, &Silent).unwrap();
             assert!(steps.len() == count && steps.iter().all(LoadStep::converged));
             (path, steps.pop().unwrap())
         };
@@ -90,7 +90,7 @@ fn with_a_hardness_field_the_softer_cells_keep_the_deeper_imprint() {
             let path = LoadPath::new(&half_space, &heights, Some(1e-9 * hardness)).unwrap();
             let mut path = path.with_hardness_field(&field).unwrap();
             let controls: Vec<Control> = (1..=count).map(|i| load(newton * i as f64 / count as f64)).collect();
-            assert!(path.follow(&controls, &SOLVER).unwrap().iter().all(LoadStep::converged));
+            assert!(path.follow(&controls, &SOLVER, &Silent).unwrap().iter().all(LoadStep::converged));
             let again = path.press(load(newton), &SOLVER).unwrap();
             assert_eq!(again.largest_increment_m, 0.0);
             path
@@ -152,7 +152,7 @@ fn the_work_around_a_cycle_is_what_plastic_flow_dissipates() {
         let down = (0..count).rev().map(|i| load(top * f64::from(i) / f64::from(count)));
         let controls: Vec<Control> = up.chain(down).collect();
         let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
-        let steps = path.follow(&controls, &SOLVER).unwrap();
+        let steps = path.follow(&controls, &SOLVER, &Silent).unwrap();
         assert!(steps.iter().all(LoadStep::converged));
         // Half way, the work is stored or dissipated; at the end, dissipated.
         let stored = steps[count as usize].elastic_energy_j();
@@ -232,7 +232,7 @@ fn equal_cycles_shake_down_after_the_first_and_rising_ones_do_not() {
     let (half_space, heights, hardness, newton) = surfaces().remove(1);
     let cycle = [0.5, 1.0, 0.4, 0.0].map(|share| load(share * newton));
     let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
-    let shakedown = path.until_shakedown(&cycle, &SOLVER, 1e-6, 10).unwrap();
+    let shakedown = path.until_shakedown(&cycle, &SOLVER, 1e-6, 10, &Silent).unwrap();
     assert!(shakedown.shaken_down && shakedown.increments_m.len() == 2, "{:?}", shakedown.increments_m);
     assert!(shakedown.increments_m[0] > 0.02 * heights.std(0.0));
     assert_eq!(shakedown.last_cycle.len(), 4);
@@ -240,15 +240,15 @@ fn equal_cycles_shake_down_after_the_first_and_rising_ones_do_not() {
         Control::Load { newton } => load(1.1 * newton),
         other => other,
     });
-    let shakedown = path.until_shakedown(&higher, &SOLVER, 1e-6, 1).unwrap();
+    let shakedown = path.until_shakedown(&higher, &SOLVER, 1e-6, 1, &Silent).unwrap();
     assert!(!shakedown.shaken_down && shakedown.increments_m.len() == 1);
     // Without hardness there is nothing to shake down, and an unfinished step ends the path.
     let mut elastic = LoadPath::new(&half_space, &heights, None).unwrap();
-    let shakedown = elastic.until_shakedown(&cycle, &SOLVER, 1e-6, 10).unwrap();
+    let shakedown = elastic.until_shakedown(&cycle, &SOLVER, 1e-6, 10, &Silent).unwrap();
     assert!(shakedown.shaken_down && shakedown.increments_m == [0.0]);
     let hasty = Solver { max_iterations: 1, ..SOLVER };
     let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
-    let shakedown = path.until_shakedown(&cycle, &hasty, 1e-6, 10).unwrap();
+    let shakedown = path.until_shakedown(&cycle, &hasty, 1e-6, 10, &Silent).unwrap();
     assert!(!shakedown.shaken_down && shakedown.last_cycle.len() == 1 && !shakedown.last_cycle[0].converged());
     assert_eq!((path.plastic_work_j(), path.residual_heights_m()), (0.0, &heights));
 }
@@ -263,9 +263,30 @@ fn paths_that_cannot_be_followed_are_refused() {
     let mut path = LoadPath::new(&half_space, &heights, Some(1e-3)).unwrap();
     assert!(path.press(load(-1.0), &SOLVER).is_err());
     assert!(path.press(load(1e-3), &SOLVER).is_err(), "more than the hardness carries");
-    assert!(path.until_shakedown(&[load(1e-5)], &SOLVER, 0.0, 3).is_err());
+    assert!(path.until_shakedown(&[load(1e-5)], &SOLVER, 0.0, 3, &Silent).is_err());
     // Pressed until all of it flows, nothing is left that is rough.
     let flat = path.press(Control::Plane { height_m: -1.0 }, &SOLVER).unwrap();
     assert_eq!(flat.solution.unwrap().plastic_fraction(), 1.0);
     assert_eq!(path.press(load(1e-5), &SOLVER).unwrap_err(), ContactError::Flat);
+}
+
+#[test]
+fn a_load_that_is_cancelled_leaves_no_imprint() {
+    struct Stop;
+    impl Monitor for Stop {
+        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let (grid, heights) = paraboloid(32, 1.0);
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let mut path = LoadPath::new(&half_space, &heights, Some(0.05)).unwrap();
+    let steps = path.follow(&[load(1e-3), load(2e-3)], &SOLVER, &Stop).unwrap();
+    assert_eq!(steps.len(), 1);
+    assert!(!steps[0].converged());
+    assert_eq!(path.residual_heights_m(), &heights);
+    let shakedown = path.until_shakedown(&[load(1e-3)], &SOLVER, 1e-6, 10, &Stop).unwrap();
+    assert!(!shakedown.shaken_down && shakedown.increments_m.len() == 1);
+    assert!(path.press(load(1e-3), &SOLVER).unwrap().largest_increment_m > 0.0);
 }

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::Slab;
+use super::{Ceiling, Slab};
+use crate::contact::problem::Hardness;
 use crate::fourier::ROWS_OF_SLAB;
 
 /// Cells of a grid from which its slabs are worth sharing among threads.
@@ -16,23 +17,25 @@ pub(in crate::contact) struct Slabs {
 }
 
 impl Slabs {
-    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. `hardness_pa` gives the hardness of every
-    /// cell in row-major order, if they yield.
-    pub(in crate::contact) fn begin(
-        &mut self,
-        width: usize,
-        p: &[f64],
-        hardness_pa: Option<impl Fn(usize) -> f64>,
-        unit_m: f64,
-    ) {
+    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. Cells yield at the `hardness`, if any.
+    pub(in crate::contact) fn begin(&mut self, width: usize, p: &[f64], hardness: Option<Hardness<'_>>, unit_m: f64) {
         let chunk = width * ROWS_OF_SLAB;
         self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
         self.shared = p.len() >= SHARED_FROM && rayon::current_num_threads() > 1;
         for (number, (slab, p)) in self.slabs.iter_mut().zip(p.chunks(chunk)).enumerate() {
-            let places = number * chunk..number * chunk + p.len();
-            let hardness_pa = hardness_pa.as_ref().map(|hardness_pa| places.map(hardness_pa).collect());
-            slab.begin(width, p, hardness_pa, unit_m);
+            let ceiling = hardness.map(|hardness| match hardness {
+                Hardness::Uniform { pascal } => Ceiling::Uniform(pascal),
+                Hardness::Field(field) => {
+                    Ceiling::Cells(field.iter().skip(number * chunk).take(p.len()).copied().collect())
+                }
+            });
+            slab.begin(width, p, ceiling, unit_m);
         }
+    }
+
+    /// Gives the memory back.
+    pub(in crate::contact) fn release(&mut self) {
+        self.slabs = Vec::new();
     }
 
     pub(in crate::contact) fn as_mut_slice(&mut self) -> &mut [Slab] {
