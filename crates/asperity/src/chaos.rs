@@ -20,15 +20,17 @@
 mod basis;
 pub mod distance;
 mod expansion;
+mod horner;
 mod multi_index;
 pub mod polynomial;
 mod regression;
 pub mod sampling;
+mod sensitivity;
 
 pub use basis::{Basis, BasisError};
 pub use distance::{DistanceError, StepLaw};
 pub use expansion::Expansion;
-pub use multi_index::{MAX_TERMS, MultiIndexError, MultiIndexSet, number_of_terms};
+pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;
 pub use regression::{Fit, LeastSquares, LeaveOneOut, RegressionError};
 pub use sampling::{Design, SamplingError, SamplingMethod};
