@@ -15,7 +15,9 @@ const TEST_POINTS: usize = 5;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SourceError {
     /// The function's name is none in C or Python.
-    #[error("{name:?} is no name for a function: letters, digits and _ are, not a digit first, and no reserved word")]
+    #[error(
+        "{name:?} is no name for a function: letters, digits and _ make one, not a digit first, not capitals alone, no reserved word"
+    )]
     Name {
         /// The name.
         name: String,
@@ -32,12 +34,75 @@ pub enum SourceError {
 
 /// Words that one of the languages keeps for itself, and what the written code uses.
 const RESERVED: &[&str] = &[
-    "and", "as", "assert", "async", "auto", "await", "break", "case", "char", "class", "const", "continue", "def",
-    "default", "del", "do", "double", "elif", "else", "enum", "except", "extern", "finally", "float", "for", "from",
-    "global", "goto", "if", "import", "in", "inline", "int", "is", "lambda", "long", "main", "nonlocal", "not", "np",
-    "numpy", "or", "pass", "raise", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct",
-    "switch", "try", "typedef", "union", "unsigned", "void", "volatile", "while", "with", "yield", "printf", "range",
-    "enumerate", "zip", "len", "float", "max", "print", "_",
+    "and",
+    "as",
+    "assert",
+    "async",
+    "auto",
+    "await",
+    "break",
+    "case",
+    "char",
+    "class",
+    "const",
+    "continue",
+    "def",
+    "default",
+    "del",
+    "do",
+    "double",
+    "elif",
+    "else",
+    "enum",
+    "except",
+    "extern",
+    "finally",
+    "float",
+    "for",
+    "from",
+    "global",
+    "goto",
+    "if",
+    "import",
+    "in",
+    "inline",
+    "int",
+    "is",
+    "lambda",
+    "long",
+    "main",
+    "nonlocal",
+    "not",
+    "np",
+    "numpy",
+    "or",
+    "pass",
+    "raise",
+    "register",
+    "restrict",
+    "return",
+    "short",
+    "signed",
+    "sizeof",
+    "static",
+    "struct",
+    "switch",
+    "try",
+    "typedef",
+    "union",
+    "unsigned",
+    "void",
+    "volatile",
+    "while",
+    "with",
+    "yield",
+    "printf",
+    "range",
+    "enumerate",
+    "zip",
+    "len",
+    "print",
+    "_",
 ];
 
 impl Expansion {
@@ -82,7 +147,10 @@ impl Expansion {
              static const double values[{TEST_POINTS}] = {};\n\nint main(void)\n{}#endif\n",
             braces(points),
             braces(parts.test.iter().map(|(_, value)| Number(*value))),
-            C_MAIN.replace("POINTS", &TEST_POINTS.to_string()).replace("FUNCTION", name).replace("SCALE", &parts.scale()),
+            C_MAIN
+                .replace("POINTS", &TEST_POINTS.to_string())
+                .replace("FUNCTION", name)
+                .replace("SCALE", &parts.scale()),
         );
         Ok(text)
     }
@@ -235,7 +303,11 @@ impl<'a> Parts<'a> {
             if named.is_empty() { "none".to_owned() } else { lines.join(&format!("\n{prefix}    ")) }
         };
         [
-            format!("{}(xi): a polynomial chaos expansion, written by asperity {}.", self.name, env!("CARGO_PKG_VERSION")),
+            format!(
+                "{}(xi): a polynomial chaos expansion, written by asperity {}.",
+                self.name,
+                env!("CARGO_PKG_VERSION")
+            ),
             String::new(),
             "f(xi) = sum of coefficient * product of psi_degree(xi[variable]) over all terms.".to_owned(),
             format!("The {} variables xi are independent:", self.families.len()),

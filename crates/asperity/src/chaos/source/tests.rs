@@ -33,7 +33,8 @@ fn runs(command: &str, arguments: &[&str]) -> bool {
 fn compare(expansion: &Expansion, command: &mut Command) {
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let printed: Vec<f64> = String::from_utf8(output.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect();
+    let printed: Vec<f64> =
+        String::from_utf8(output.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect();
     assert_eq!(printed.len(), TEST_POINTS);
     for (point, found) in printed.into_iter().enumerate() {
         let wanted = expansion.evaluate(&test_germ(expansion.basis().families(), point));
@@ -98,7 +99,9 @@ fn the_python_function_has_the_values_of_the_expansion() {
 fn the_heading_says_what_the_variables_are() {
     let text = examples()[0].c_source("pressure").unwrap();
     let heading = text.split("*/").next().unwrap();
-    for line in ["pressure(xi)", "The 4 variables xi are independent", "standard normal", " *     0 2\n", " *     1 3\n"] {
+    for line in
+        ["pressure(xi)", "The 4 variables xi are independent", "standard normal", " *     0 2\n", " *     1 3\n"]
+    {
         assert!(heading.contains(line), "{line} is not in {heading}");
     }
 }
