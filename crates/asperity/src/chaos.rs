@@ -1,8 +1,9 @@
 //! Designs of experiments, orthonormal polynomial expansions, least squares and distances of laws. Knows no tribology.
 //!
 //! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
-//! to evaluate it, [`Basis`] and [`LeastSquares`] turn the values into an [`Expansion`], and [`StepLaw`] compares the
-//! laws that come out.
+//! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
+//! [`Expansion`], and [`StepLaw`] compares the laws that come out. [`Resamples`] says how well indices, distances and laws
+//! are known. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
 //!
 //! ```
 //! use asperity::chaos::{Basis, Design, Expansion, SamplingMethod};

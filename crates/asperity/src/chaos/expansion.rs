@@ -56,7 +56,10 @@ impl Expansion {
     /// # Panics
     /// If the germ is shorter than the number of variables; values beyond them are ignored.
     pub fn evaluate(&self, germ: &[f64]) -> f64 {
-        self.evaluate_many(&[germ])[0]
+        let mut value = [0.0];
+        self.check(&[germ]);
+        self.evaluate_block(&[germ], &mut value, &mut Scratch::default());
+        value[0]
     }
 
     /// f at each germ, in order, by all threads. A germ's value does not depend on the others.
@@ -64,16 +67,21 @@ impl Expansion {
     /// # Panics
     /// As [`Expansion::evaluate`].
     pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, germs: &[G]) -> Vec<f64> {
-        let variables = self.basis.set().variables();
-        if let Some(short) = germs.iter().map(|germ| germ.as_ref().len()).find(|&length| length < variables) {
-            panic!("{short} germ values for {variables} variables");
-        }
+        self.check(germs);
         let mut values = vec![0.0; germs.len()];
         let blocks = germs.par_chunks(BLOCK).zip(values.par_chunks_mut(BLOCK));
-        blocks.for_each_init(Scratch::default, |scratch, (germs, values)| {
-            wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, germs, values, scratch));
-        });
+        blocks.for_each_init(Scratch::default, |scratch, (germs, values)| self.evaluate_block(germs, values, scratch));
         values
+    }
+
+    fn check<G: AsRef<[f64]>>(&self, germs: &[G]) {
+        let variables = self.basis.set().variables();
+        let short = germs.iter().map(|germ| germ.as_ref().len()).find(|&length| length < variables);
+        assert!(short.is_none(), "{} germ values for {variables} variables", short.unwrap_or_default());
+    }
+
+    fn evaluate_block<G: AsRef<[f64]>>(&self, germs: &[G], values: &mut [f64], scratch: &mut Scratch) {
+        wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, germs, values, scratch));
     }
 
     /// f at each row of an array of shape `[points, variables]`; further columns are ignored.

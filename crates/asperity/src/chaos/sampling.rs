@@ -15,7 +15,7 @@
 //! φ = Σ_{i<j} d_ij^{−16}, d_ij the distance of the centres of the cells of points i and j. That is the criterion of Morris and
 //! Mitchell, which tends to the least distance of all pairs as the power grows. One partner of each exchange belongs to a
 //! pair whose distance is least. The points lie anywhere in their cells, as in every Latin hypercube. Means of sums of
-//! functions of one variable have no bias; those of interactions have one, since pairs of near points are avoided.
+//! functions of one variable have no bias; those of interactions may have a small one, since near points are avoided.
 
 mod maximin;
 mod permutation;

@@ -56,8 +56,8 @@ impl Resamples {
     /// times; it is called with 0, 1, …, `samples` − 1 first. Whatever it does besides, such as choosing terms, is part of
     /// what is tried.
     ///
-    /// A resample holds 63 % of the samples, so there should be at least twice as many as coefficients. The rows must be
-    /// independent (Monte Carlo); for stratified designs the intervals are too wide rather than too narrow.
+    /// A resample holds 63 % of the samples, so there should be at least twice as many as coefficients. They are taken
+    /// as independent (Monte Carlo); those of stratified designs determine the indices better than the intervals say.
     ///
     /// # Errors
     /// Settings out of range, a constant expansion, no expansion of the samples or of more than 5 % of the resamples.

@@ -27,7 +27,7 @@ impl Band {
 
 /// Half width √(ln(2/(1 − level))/(2n)) of the band around the empirical law of n independent values that holds their
 /// distribution function everywhere with at least that probability: for every n and every law, and more than that for
-/// one with atoms.
+/// one with atoms. NaN or infinite unless the level lies between 0 and 1.
 ///
 /// # References
 /// Dvoretzky, Kiefer & Wolfowitz, *Ann. Math. Stat.* **27** (1956) 642, <https://doi.org/10.1214/aoms/1177728174>; with

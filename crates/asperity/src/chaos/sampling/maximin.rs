@@ -6,8 +6,9 @@ use crate::random::Stream;
 
 /// Most samples: the table of distances then holds two million.
 pub(super) const MAX_SAMPLES: usize = 2000;
-/// Exchanges that are tried.
-const EXCHANGES: usize = 20_000;
+/// Exchanges that are tried for each sample, and at most.
+const EXCHANGES_PER_SAMPLE: usize = 100;
+const MAX_EXCHANGES: usize = 20_000;
 
 /// The strata of each sample in each dimension, sample by sample: a random Latin hypercube after the exchanges that lowered
 /// φ = Σ_{i<j} d_ij^{−16}.
@@ -16,7 +17,7 @@ pub(super) fn maximin_strata(samples: usize, dimensions: usize, stream: &mut Str
     let mut search = Search::new(samples, dimensions, stream);
     // In one dimension all hypercubes are alike, and of one or two points there are no better ones.
     if dimensions > 1 && samples > 2 {
-        for _ in 0..EXCHANGES {
+        for _ in 0..MAX_EXCHANGES.min(EXCHANGES_PER_SAMPLE * samples) {
             let dimension = below(dimensions, stream);
             let near = search.nearest[below(2, stream)];
             let other = (near + 1 + below(samples - 1, stream)) % samples;

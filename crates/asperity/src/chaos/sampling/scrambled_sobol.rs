@@ -104,8 +104,8 @@ fn extend(matrices: &mut Vec<Matrix>, dimensions: usize) {
             let trial = Matrix::new(columns_of(polynomial, hash(dimension as u64, candidate)));
             let least = best.as_ref().map_or(usize::MAX, |(least, _)| *least);
             // No sum of squares gets smaller again: what has reached the least so far is no better.
-            let pairs = neighbours.iter().flat_map(|near| COMPARED_LOG2_POINTS.map(|m| (near, m)));
-            let cost = pairs.into_iter().try_fold(0, |cost, (near, m)| {
+            let mut pairs = neighbours.iter().flat_map(|near| COMPARED_LOG2_POINTS.map(|m| (near, m)));
+            let cost = pairs.try_fold(0, |cost, (near, m)| {
                 let cost = cost + pair_t_value(&trial.rows, &near.rows, m).pow(2);
                 (cost < least).then_some(cost)
             });
