@@ -1,8 +1,9 @@
 //! Designs of experiments, orthonormal polynomial expansions, least squares and distances of laws. Knows no tribology.
 //!
 //! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
-//! to evaluate it, [`Basis`] and [`LeastSquares`] turn the values into an [`Expansion`], and [`StepLaw`] compares the
-//! laws that come out.
+//! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
+//! [`Expansion`], and [`StepLaw`] compares the laws that come out. [`Resamples`] says how well indices, distances and laws
+//! are known. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
 //!
 //! ```
 //! use asperity::chaos::{Basis, Design, Expansion, SamplingMethod};
@@ -20,15 +21,24 @@
 mod basis;
 pub mod distance;
 mod expansion;
+mod horner;
+mod json;
 mod multi_index;
 pub mod polynomial;
 mod regression;
+mod resamples;
 pub mod sampling;
+mod sensitivity;
+mod source;
 
 pub use basis::{Basis, BasisError};
 pub use distance::{DistanceError, StepLaw};
 pub use expansion::Expansion;
-pub use multi_index::{MAX_TERMS, MultiIndexError, MultiIndexSet, number_of_terms};
+pub use json::ExpansionFileError;
+pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;
 pub use regression::{Fit, LeastSquares, LeaveOneOut, RegressionError};
+pub use resamples::{Estimate, Resamples, ResamplesError};
 pub use sampling::{Design, SamplingError, SamplingMethod};
+pub use sensitivity::{IndexError, IndexEstimates};
+pub use source::SourceError;

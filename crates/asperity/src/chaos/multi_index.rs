@@ -1,12 +1,17 @@
 //! Sets of multi-indices: which products of polynomials an expansion holds.
 
+use std::collections::HashMap;
+
 use thiserror::Error;
 
-/// Largest number of multi-indices in a set.
+/// Largest number of multi-indices in a set, and of variables.
 pub const MAX_TERMS: usize = 1 << 20;
 
+/// Relative excess over the border of a q-norm set that is taken for rounding.
+const BORDER_TOLERANCE: f64 = 1e-10;
+
 /// Why a set could not be made.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum MultiIndexError {
     /// There are no variables.
     #[error("an expansion needs at least one variable")]
@@ -21,50 +26,242 @@ pub enum MultiIndexError {
         /// Largest number of terms.
         limit: usize,
     },
+    /// There are too many variables.
+    #[error("{variables} variables; at most {limit} are possible")]
+    TooManyVariables {
+        /// Number of variables.
+        variables: usize,
+        /// Largest number of variables.
+        limit: usize,
+    },
+    /// The exponent of a q-norm lies outside (0, 1].
+    #[error("the exponent of the q-norm is {q}; it must lie in (0, 1]")]
+    QNorm {
+        /// The exponent.
+        q: f64,
+    },
+    /// Limits of the degrees and variables differ in number.
+    #[error("{limits} limits of degrees for {variables} variables")]
+    DegreeLimits {
+        /// Limits given.
+        limits: usize,
+        /// Number of variables.
+        variables: usize,
+    },
+    /// The first multi-index of a list is not 0.
+    #[error("the first multi-index must be that of the constant, without any variable")]
+    ConstantNotFirst,
+    /// A multi-index of a list names its variables out of order, one that does not exist, or one with degree 0.
+    #[error(
+        "multi-index {term} holds variable {variable} with degree {degree}; variables must increase, lie below \
+         {variables} and have positive degrees"
+    )]
+    Factor {
+        /// Position in the list.
+        term: usize,
+        /// The variable.
+        variable: usize,
+        /// Its degree.
+        degree: usize,
+        /// Number of variables.
+        variables: usize,
+    },
+    /// A multi-index occurs twice in a list.
+    #[error("multi-index {term} is the same as multi-index {earlier}")]
+    Repeated {
+        /// Position in the list.
+        term: usize,
+        /// Where it occurred first.
+        earlier: usize,
+    },
 }
 
-/// One multi-index as the product of an earlier one and a power of a later variable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Step {
-    /// Position of the multi-index without its last variable.
-    pub(crate) parent: usize,
-    /// The last variable with a non-zero degree.
-    pub(crate) variable: usize,
-    /// Its degree.
-    pub(crate) degree: usize,
+/// A variable and its degree α_i > 0 in a multi-index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Factor {
+    /// Index i of the variable.
+    pub variable: u32,
+    /// Degree α_i.
+    pub degree: u16,
 }
 
-/// All multi-indices α of n variables with |α| = Σα_i ≤ p, graded: by |α|, then by falling α₁, α₂, …
+/// Which multi-indices a set holds: those that meet all of the conditions.
 ///
-/// Their number is C(n+p, p). The first is 0.
+/// # References
+/// Blatman & Sudret, *J. Comput. Phys.* **230** (2011) 2345, <https://doi.org/10.1016/j.jcp.2010.12.021>.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truncation {
+    /// Degree p: (Σ α_i^q)^{1/q} ≤ p.
+    pub degree: usize,
+    /// Exponent q in (0, 1]. 1 is the total degree; less leaves out interactions of high degree.
+    pub q: f64,
+    /// Most variables in one term; `None` for any number.
+    pub interaction_order: Option<usize>,
+    /// Largest degree of each variable; `None` for no limits.
+    pub degree_limits: Option<Vec<usize>>,
+}
+
+impl Truncation {
+    /// Σ α_i ≤ `degree`.
+    pub fn total_degree(degree: usize) -> Self {
+        Self { degree, q: 1.0, interaction_order: None, degree_limits: None }
+    }
+}
+
+/// A list of different multi-indices α of n variables, the first of them 0. Memory goes with the number of non-zero α_i.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MultiIndexSet {
     variables: usize,
     degree: usize,
-    /// Degrees, row by row.
-    degrees: Vec<u16>,
-    steps: Vec<Step>,
+    largest_power: usize,
+    /// Non-zero entries of all terms, and where those of each term end.
+    factors: Vec<Factor>,
+    ends: Vec<usize>,
+    /// Position of each term without its last factor, where the list holds that earlier.
+    parents: Vec<Option<u32>>,
 }
 
 impl MultiIndexSet {
-    /// The set of total degree `degree` in `variables` variables.
+    /// All multi-indices with |α| = Σα_i ≤ p, graded: by |α|, then by falling α₁, α₂, … Their number is C(n+p, p).
     ///
     /// # Errors
-    /// No variables, or more than 2²⁰ terms.
+    /// No variables, or more than 2²⁰ terms or variables.
     pub fn total_degree(variables: usize, degree: usize) -> Result<Self, MultiIndexError> {
-        if variables == 0 {
-            return Err(MultiIndexError::NoVariables);
+        if variables > 0 && number_of_terms(variables, degree).is_none_or(|n| n > MAX_TERMS) {
+            return Err(MultiIndexError::TooManyTerms { variables, degree, limit: MAX_TERMS });
         }
-        let too_many = || MultiIndexError::TooManyTerms { variables, degree, limit: MAX_TERMS };
-        let terms = number_of_terms(variables, degree).filter(|&n| n <= MAX_TERMS).ok_or_else(too_many)?;
-        let mut degrees = Vec::with_capacity(terms * variables);
-        let mut row = vec![0_u16; variables];
-        for total in 0..=degree {
-            let total = u16::try_from(total).map_err(|_| too_many())?;
-            append(&mut degrees, &mut row, 0, total);
+        Self::truncated(variables, &Truncation::total_degree(degree))
+    }
+
+    /// All multi-indices that a truncation admits, in the order of [`MultiIndexSet::total_degree`].
+    ///
+    /// On the border of a q-norm set, rounding decides nothing: α belongs to it when Σ α_i^q ≤ p^q (1 + 10⁻¹⁰).
+    ///
+    /// # Errors
+    /// No variables, more than 2²⁰ terms or variables, q outside (0, 1], or limits of another number of variables.
+    pub fn truncated(variables: usize, truncation: &Truncation) -> Result<Self, MultiIndexError> {
+        let &Truncation { degree, q, interaction_order, ref degree_limits } = truncation;
+        check_variables(variables)?;
+        if !(q > 0.0 && q <= 1.0) {
+            return Err(MultiIndexError::QNorm { q });
         }
-        let steps = steps(variables, &degrees);
-        Ok(Self { variables, degree, degrees, steps })
+        if let Some(limits) = degree_limits
+            && limits.len() != variables
+        {
+            return Err(MultiIndexError::DegreeLimits { limits: limits.len(), variables });
+        }
+        let too_many = MultiIndexError::TooManyTerms { variables, degree, limit: MAX_TERMS };
+        let Ok(top) = u16::try_from(degree) else { return Err(too_many) };
+        let capped = |limit: usize| u16::try_from(limit).unwrap_or(u16::MAX);
+        let limits: Vec<u16> = match degree_limits {
+            Some(limits) => limits.iter().map(|&limit| capped(limit)).collect(),
+            None => vec![top; variables],
+        };
+        let mut reach = vec![0_usize; variables + 1];
+        for variable in (0..variables).rev() {
+            reach[variable] = reach[variable + 1] + usize::from(limits[variable]);
+        }
+        let mut growth = Growth {
+            widest: usize::from(limits.iter().copied().max().unwrap_or(0)),
+            reach,
+            limits,
+            powers: (0..=degree).map(|d| (d as f64).powf(q)).collect(),
+            bound: (degree as f64).powf(q) * (1.0 + BORDER_TOLERANCE),
+            order: interaction_order.unwrap_or(variables),
+            row: Vec::new(),
+            factors: Vec::new(),
+            ends: vec![0],
+        };
+        for total in 1..=top {
+            growth.append(0, total, 0.0);
+            if growth.ends.len() > MAX_TERMS {
+                return Err(too_many);
+            }
+        }
+        Ok(Self::assembled(variables, growth.factors, growth.ends))
+    }
+
+    /// A given list of multi-indices, each a list of its variables with positive degrees, variables increasing. It need
+    /// not hold what its terms are multiples of, but has to begin with the constant (an empty list).
+    ///
+    /// # Errors
+    /// No variables, more than 2²⁰ terms or variables, another first term, a repeated one, or factors out of order.
+    pub fn from_factors<T: AsRef<[Factor]>>(
+        variables: usize,
+        terms: impl IntoIterator<Item = T>,
+    ) -> Result<Self, MultiIndexError> {
+        check_variables(variables)?;
+        let (mut factors, mut ends) = (Vec::new(), Vec::new());
+        for (term, list) in terms.into_iter().enumerate() {
+            let list = list.as_ref();
+            if term == 0 && !list.is_empty() {
+                return Err(MultiIndexError::ConstantNotFirst);
+            }
+            if term >= MAX_TERMS {
+                let degree = degree_of(list);
+                return Err(MultiIndexError::TooManyTerms { variables, degree, limit: MAX_TERMS });
+            }
+            for (k, &Factor { variable, degree }) in list.iter().enumerate() {
+                let (here, degree) = (variable as usize, usize::from(degree));
+                if here >= variables || degree == 0 || (k > 0 && list[k - 1].variable >= variable) {
+                    return Err(MultiIndexError::Factor { term, variable: here, degree, variables });
+                }
+            }
+            factors.extend_from_slice(list);
+            ends.push(factors.len());
+        }
+        if ends.is_empty() {
+            return Err(MultiIndexError::ConstantNotFirst);
+        }
+        let set = Self::assembled(variables, factors, ends);
+        let mut first_at = HashMap::with_capacity(set.len());
+        for term in 0..set.len() {
+            if let Some(earlier) = first_at.insert(set.factors(term), term) {
+                return Err(MultiIndexError::Repeated { term, earlier });
+            }
+        }
+        Ok(set)
+    }
+
+    /// As [`MultiIndexSet::from_factors`], with all degrees (α₁, …, α_n) of each multi-index.
+    ///
+    /// # Errors
+    /// As there; a row of another length names a variable that does not exist.
+    pub fn from_rows<R: AsRef<[u16]>>(
+        variables: usize,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<Self, MultiIndexError> {
+        let sparse = |row: R| -> Vec<Factor> {
+            let with_position = (0_u32..).zip(row.as_ref());
+            with_position.filter(|(_, d)| **d > 0).map(|(variable, &degree)| Factor { variable, degree }).collect()
+        };
+        Self::from_factors(variables, rows.into_iter().map(sparse))
+    }
+
+    fn assembled(variables: usize, factors: Vec<Factor>, ends: Vec<usize>) -> Self {
+        let mut set = Self { variables, degree: 0, largest_power: 0, factors, ends, parents: Vec::new() };
+        let mut position: HashMap<&[Factor], u32> = HashMap::with_capacity(set.len());
+        let mut parents = Vec::with_capacity(set.len());
+        for term in 0..set.len() {
+            let factors = set.factors(term);
+            parents.push(factors.split_last().and_then(|(_, before)| position.get(before).copied()));
+            position.entry(factors).or_insert(term as u32);
+        }
+        set.parents = parents;
+        set.degree = (0..set.len()).map(|term| degree_of(set.factors(term))).max().unwrap_or(0);
+        set.largest_power = set.factors.iter().map(|factor| usize::from(factor.degree)).max().unwrap_or(0);
+        set
+    }
+
+    /// The terms at the given positions, in that order.
+    ///
+    /// # Errors
+    /// As [`MultiIndexSet::from_factors`]: the first position has to be 0, and none may come twice.
+    ///
+    /// # Panics
+    /// If a position lies beyond the set.
+    pub fn select(&self, positions: &[usize]) -> Result<Self, MultiIndexError> {
+        Self::from_factors(self.variables, positions.iter().map(|&term| self.factors(term)))
     }
 
     /// Number of variables.
@@ -72,34 +269,49 @@ impl MultiIndexSet {
         self.variables
     }
 
-    /// Total degree p.
+    /// Largest total degree |α| of the terms.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
+    /// Largest degree α_i of a variable in any term.
+    pub fn largest_power(&self) -> usize {
+        self.largest_power
+    }
+
     /// Number of multi-indices.
     pub fn len(&self) -> usize {
-        self.degrees.len() / self.variables
+        self.ends.len()
     }
 
     /// Whether the set is empty: never, it holds the constant.
     pub fn is_empty(&self) -> bool {
-        self.degrees.is_empty()
+        self.ends.is_empty()
+    }
+
+    /// The variables of one term with their degrees, variables increasing; nothing for the constant.
+    pub fn factors(&self, term: usize) -> &[Factor] {
+        let from = if term == 0 { 0 } else { self.ends[term - 1] };
+        &self.factors[from..self.ends[term]]
     }
 
     /// The degrees (α₁, …, α_n) of one term.
-    pub fn at(&self, term: usize) -> &[u16] {
-        &self.degrees[term * self.variables..(term + 1) * self.variables]
+    pub fn at(&self, term: usize) -> Vec<u16> {
+        let mut row = vec![0; self.variables];
+        for factor in self.factors(term) {
+            row[factor.variable as usize] = factor.degree;
+        }
+        row
     }
 
-    /// All multi-indices in order.
-    pub fn iter(&self) -> impl Iterator<Item = &[u16]> {
-        self.degrees.chunks_exact(self.variables)
+    /// The factors of all multi-indices in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[Factor]> {
+        (0..self.len()).map(|term| self.factors(term))
     }
 
-    /// How each multi-index after the first follows from an earlier one.
-    pub(crate) fn steps(&self) -> &[Step] {
-        &self.steps
+    /// The position of a term without its last factor, if that comes earlier in the list.
+    pub(crate) fn parent(&self, term: usize) -> Option<usize> {
+        self.parents[term].map(|parent| parent as usize)
     }
 }
 
@@ -108,71 +320,68 @@ pub fn number_of_terms(variables: usize, degree: usize) -> Option<usize> {
     (1..=degree).try_fold(1_usize, |count, k| count.checked_mul(variables.checked_add(k)?).map(|c| c / k))
 }
 
-/// Appends all rows whose entries from `variable` on sum to `rest`, the larger leading entries first.
-fn append(degrees: &mut Vec<u16>, row: &mut [u16], variable: usize, rest: u16) {
-    if variable + 1 == row.len() {
-        row[variable] = rest;
-        degrees.extend_from_slice(row);
-        return;
-    }
-    for here in (0..=rest).rev() {
-        row[variable] = here;
-        append(degrees, row, variable + 1, rest - here);
+fn check_variables(variables: usize) -> Result<(), MultiIndexError> {
+    match variables {
+        0 => Err(MultiIndexError::NoVariables),
+        1..=MAX_TERMS => Ok(()),
+        _ => Err(MultiIndexError::TooManyVariables { variables, limit: MAX_TERMS }),
     }
 }
 
-fn steps(variables: usize, degrees: &[u16]) -> Vec<Step> {
-    let position: std::collections::HashMap<&[u16], usize> =
-        degrees.chunks_exact(variables).enumerate().map(|(term, alpha)| (alpha, term)).collect();
-    let mut parent = vec![0_u16; variables];
-    degrees
-        .chunks_exact(variables)
-        .filter_map(|alpha| {
-            let variable = alpha.iter().rposition(|&d| d > 0)?;
-            parent.copy_from_slice(alpha);
-            parent[variable] = 0;
-            Some(Step { parent: *position.get(parent.as_slice())?, variable, degree: usize::from(alpha[variable]) })
-        })
-        .collect()
+fn degree_of(factors: &[Factor]) -> usize {
+    factors.iter().map(|factor| usize::from(factor.degree)).sum()
+}
+
+/// A set under construction, one total degree after the other.
+struct Growth {
+    /// Largest degree of each variable, of any variable, and of all variables from each one on together.
+    limits: Vec<u16>,
+    widest: usize,
+    reach: Vec<usize>,
+    /// d^q.
+    powers: Vec<f64>,
+    /// Largest Σ α_i^q.
+    bound: f64,
+    /// Most factors of a term.
+    order: usize,
+    /// Factors chosen so far.
+    row: Vec<Factor>,
+    factors: Vec<Factor>,
+    ends: Vec<usize>,
+}
+
+impl Growth {
+    /// Appends all terms that continue the chosen factors by variables from `first` on whose degrees sum to `rest`, the
+    /// larger leading degrees first. `used` is Σ α_i^q of the chosen ones.
+    fn append(&mut self, first: usize, rest: u16, used: f64) {
+        let wanted = usize::from(rest);
+        let free = self.order - self.row.len();
+        // Of all ways to continue, a single variable adds the least: d^q is concave.
+        let too_much = used + self.powers[wanted] > self.bound;
+        if too_much || wanted > free.saturating_mul(self.widest) {
+            return;
+        }
+        for variable in first..self.limits.len() {
+            if wanted > self.reach[variable] {
+                return;
+            }
+            for degree in (1..=rest.min(self.limits[variable])).rev() {
+                let used = used + self.powers[usize::from(degree)];
+                self.row.push(Factor { variable: variable as u32, degree });
+                if degree < rest {
+                    self.append(variable + 1, rest - degree, used);
+                } else if used <= self.bound {
+                    self.factors.extend_from_slice(&self.row);
+                    self.ends.push(self.factors.len());
+                }
+                self.row.pop();
+                if self.ends.len() > MAX_TERMS {
+                    return;
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn total_degree_three_in_eight_variables_has_the_papers_165_terms() {
-        assert_eq!(MultiIndexSet::total_degree(8, 3).unwrap().len(), 165);
-        assert_eq!(MultiIndexSet::total_degree(3, 8).unwrap().len(), 165);
-    }
-
-    #[test]
-    fn the_order_is_graded_and_fixed() {
-        let set = MultiIndexSet::total_degree(2, 2).unwrap();
-        let rows: Vec<&[u16]> = set.iter().collect();
-        assert_eq!(rows, [&[0, 0][..], &[1, 0], &[0, 1], &[2, 0], &[1, 1], &[0, 2]]);
-    }
-
-    #[test]
-    fn each_term_occurs_once_and_follows_from_an_earlier_one() {
-        let set = MultiIndexSet::total_degree(5, 4).unwrap();
-        let distinct: std::collections::HashSet<&[u16]> = set.iter().collect();
-        assert_eq!(distinct.len(), set.len());
-        assert_eq!(Some(set.len()), number_of_terms(5, 4));
-        assert_eq!(set.steps().len(), set.len() - 1);
-        for (term, step) in set.steps().iter().enumerate() {
-            let mut rebuilt = set.at(step.parent).to_vec();
-            rebuilt[step.variable] += step.degree as u16;
-            assert!(step.parent <= term);
-            assert_eq!(rebuilt, set.at(term + 1));
-        }
-    }
-
-    #[test]
-    fn a_set_that_is_too_large_is_refused() {
-        let error = MultiIndexSet::total_degree(1000, 10).unwrap_err();
-        assert_eq!(error, MultiIndexError::TooManyTerms { variables: 1000, degree: 10, limit: 1 << 20 });
-        assert!(MultiIndexSet::total_degree(usize::MAX, 3).is_err());
-        assert_eq!(MultiIndexSet::total_degree(0, 3), Err(MultiIndexError::NoVariables));
-    }
-}
+mod tests;

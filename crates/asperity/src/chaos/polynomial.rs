@@ -30,12 +30,25 @@ impl Family {
     }
 
     /// b_n of the recurrence b_{n+1} ψ_{n+1} = x ψ_n − b_n ψ_{n−1}, which is symmetric for both families.
-    fn recurrence(self, n: usize) -> f64 {
+    pub(super) fn recurrence(self, n: usize) -> f64 {
         let n = n as f64;
         match self {
             Self::Hermite => n.sqrt(),
             Self::Legendre => n / (4.0 * n * n - 1.0).sqrt(),
         }
+    }
+
+    /// Name in files: `hermite` or `legendre`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hermite => "hermite",
+            Self::Legendre => "legendre",
+        }
+    }
+
+    /// The family of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Hermite, Self::Legendre].into_iter().find(|family| family.name() == name)
     }
 
     /// The standard variable whose distribution function is `u`, 0 < u < 1.

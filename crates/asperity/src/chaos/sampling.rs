@@ -2,7 +2,22 @@
 //!
 //! A point is a function of (seed, stage, sample index, number of samples): any point can be computed alone, on any
 //! thread, in any order.
+//!
+//! # Standard errors
+//!
+//! The points of a stratified design are not independent, so the spread within one says nothing about the error of its
+//! mean. [`Design::replicate`] gives independent randomisations of a design; of the means over r of them, say ten, the
+//! standard deviation divided by √r is the standard error of their mean, with r − 1 degrees of freedom.
+//!
+//! # Maximin Latin hypercubes
+//!
+//! The seed draws a Latin hypercube, and exchanges of two strata of one variable then lower
+//! φ = Σ_{i<j} d_ij^{−16}, d_ij the distance of the centres of the cells of points i and j. That is the criterion of Morris and
+//! Mitchell, which tends to the least distance of all pairs as the power grows. One partner of each exchange belongs to a
+//! pair whose distance is least. The points lie anywhere in their cells, as in every Latin hypercube. Means of sums of
+//! functions of one variable have no bias; those of interactions may have a small one, since near points are avoided.
 
+mod maximin;
 mod permutation;
 mod scrambled_sobol;
 
@@ -11,6 +26,7 @@ use thiserror::Error;
 
 use crate::law::standard_normal_quantile;
 use crate::random::{Stream, stream};
+use maximin::{MAX_SAMPLES, maximin_strata};
 use permutation::Permutation;
 use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 
@@ -24,7 +40,13 @@ pub enum SamplingMethod {
     /// # References
     /// McKay, Beckman & Conover, *Technometrics* **21** (1979) 239, <https://doi.org/10.1080/00401706.1979.10489755>.
     LatinHypercube,
-    /// Sobol' points with Owen's nested uniform scrambling; at most 481 coordinates.
+    /// A Latin hypercube whose points keep their distance: see [`maximin`](self#maximin-latin-hypercubes). At most 2,000
+    /// samples.
+    ///
+    /// # References
+    /// Morris & Mitchell, *J. Stat. Plan. Inference* **43** (1995) 381, <https://doi.org/10.1016/0378-3758(94)00035-T>.
+    MaximinLatinHypercube,
+    /// Sobol' points with Owen's nested uniform scrambling; at most 1,867 coordinates.
     Sobol,
 }
 
@@ -47,6 +69,16 @@ pub enum SamplingError {
         /// Variables available.
         limit: usize,
     },
+    /// The distances of so many points are too many.
+    #[error(
+        "maximin Latin hypercubes have at most {limit} samples here; {samples} were asked for (use latin_hypercube)"
+    )]
+    TooManyForMaximin {
+        /// Samples asked for.
+        samples: usize,
+        /// Samples available.
+        limit: usize,
+    },
     /// The sequence has too few points.
     #[error("Sobol' points number at most 2³² here; {samples} were asked for")]
     TooManySamples {
@@ -59,12 +91,15 @@ pub enum SamplingError {
 enum Placement {
     Independent,
     Strata(Vec<Permutation>),
+    /// Strata of each sample, sample by sample.
+    Table(Vec<u16>),
     Sobol(ScrambledSobol),
 }
 
 /// A planned set of `samples` points in `dimensions` variables.
 #[derive(Debug, Clone)]
 pub struct Design {
+    method: SamplingMethod,
     seed: u64,
     stage: String,
     samples: usize,
@@ -95,6 +130,12 @@ impl Design {
                     .map(|dimension| Permutation::new(samples as u64, &mut stream(seed, &keys, dimension)))
                     .collect(),
             ),
+            SamplingMethod::MaximinLatinHypercube if samples > MAX_SAMPLES => {
+                return Err(SamplingError::TooManyForMaximin { samples, limit: MAX_SAMPLES });
+            }
+            SamplingMethod::MaximinLatinHypercube => {
+                Placement::Table(maximin_strata(samples, dimensions, &mut stream(seed, &keys, 0)))
+            }
             SamplingMethod::Sobol if dimensions > MAX_DIMENSIONS => {
                 return Err(SamplingError::TooManyDimensions { dimensions, limit: MAX_DIMENSIONS });
             }
@@ -103,7 +144,20 @@ impl Design {
             }
             SamplingMethod::Sobol => Placement::Sobol(ScrambledSobol::new(seed, &keys, dimensions)),
         };
-        Ok(Self { seed, stage: stage.to_owned(), samples, dimensions, placement })
+        Ok(Self { method, seed, stage: stage.to_owned(), samples, dimensions, placement })
+    }
+
+    /// An independent randomisation of the design, equally large. Number 0 is the design itself; number r > 0 is the design
+    /// of the stage `"<stage>/replicate <r>"`.
+    ///
+    /// # Errors
+    /// None of a design that could be made.
+    pub fn replicate(&self, number: usize) -> Result<Self, SamplingError> {
+        if number == 0 {
+            return Ok(self.clone());
+        }
+        let stage = format!("{}/replicate {number}", self.stage);
+        Self::new(self.method, self.seed, &stage, self.samples, self.dimensions)
     }
 
     /// Number of points.
@@ -130,6 +184,9 @@ impl Design {
                 Placement::Independent => jitter,
                 Placement::Strata(permutations) => {
                     (permutations[dimension].at(index as u64) as f64 + jitter) / self.samples as f64
+                }
+                Placement::Table(strata) => {
+                    (f64::from(strata[index * self.dimensions + dimension]) + jitter) / self.samples as f64
                 }
                 Placement::Sobol(sobol) => {
                     (f64::from(sobol.digits(index as u32, dimension)) + jitter) / 2.0_f64.powi(32)
@@ -172,126 +229,4 @@ fn open_unit(stream: &mut Stream) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const METHODS: [SamplingMethod; 3] =
-        [SamplingMethod::MonteCarlo, SamplingMethod::LatinHypercube, SamplingMethod::Sobol];
-
-    fn strata(design: &Design, dimension: usize, count: usize) -> Vec<usize> {
-        let mut counts = vec![0; count];
-        for index in 0..count.min(design.samples()) {
-            counts[(design.unit(index)[dimension] * count as f64) as usize] += 1;
-        }
-        counts
-    }
-
-    #[test]
-    fn a_latin_hypercube_has_one_point_in_every_stratum_of_every_variable() {
-        for samples in [1, 2, 7, 500] {
-            let design = Design::new(SamplingMethod::LatinHypercube, 5, "lhs", samples, 9).unwrap();
-            for dimension in 0..9 {
-                assert_eq!(strata(&design, dimension, samples), vec![1; samples]);
-            }
-        }
-    }
-
-    #[test]
-    fn every_dyadic_prefix_of_sobol_points_is_stratified_in_every_variable() {
-        let design = Design::new(SamplingMethod::Sobol, 5, "sobol", 1000, 101).unwrap();
-        for dimension in 0..101 {
-            for log2 in [0, 3, 9] {
-                assert_eq!(strata(&design, dimension, 1 << log2), vec![1; 1 << log2], "dimension {dimension}");
-            }
-        }
-    }
-
-    #[test]
-    fn germs_have_the_moments_of_independent_standard_normals() {
-        let (samples, dimensions) = (4000, 12);
-        for method in METHODS {
-            let design = Design::new(method, 11, "moments", samples, dimensions).unwrap();
-            let germs: Vec<Vec<f64>> = (0..samples).map(|i| design.germ(i)).collect();
-            let n = samples as f64;
-            for a in 0..dimensions {
-                let mean = germs.iter().map(|g| g[a]).sum::<f64>() / n;
-                assert!(mean.abs() < 4.5 / n.sqrt(), "{method:?}: mean {mean}");
-                for b in 0..=a {
-                    let product = germs.iter().map(|g| g[a] * g[b]).sum::<f64>() / n;
-                    let (wanted, variance) = if a == b { (1.0, 2.0) } else { (0.0, 1.0) };
-                    let bound = 4.5 * f64::sqrt(variance / n);
-                    assert!((product - wanted).abs() < bound, "{method:?}: E ξ{a} ξ{b} = {product}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_point_depends_on_seed_stage_index_and_sample_size_alone() {
-        for method in METHODS {
-            let point = |seed, stage, index| Design::new(method, seed, stage, 100, 5).unwrap().germ(index);
-            assert_eq!(point(1, "a", 17), point(1, "a", 17));
-            assert_ne!(point(1, "a", 17), point(1, "a", 18));
-            assert_ne!(point(1, "a", 17), point(2, "a", 17));
-            assert_ne!(point(1, "a", 17), point(1, "b", 17));
-        }
-    }
-
-    #[test]
-    fn a_longer_monte_carlo_or_sobol_design_starts_with_the_shorter_one() {
-        for method in [SamplingMethod::MonteCarlo, SamplingMethod::Sobol] {
-            let short = Design::new(method, 1, "prefix", 10, 3).unwrap();
-            let long = Design::new(method, 1, "prefix", 1000, 3).unwrap();
-            assert!((0..10).all(|i| short.unit(i) == long.unit(i)));
-        }
-    }
-
-    /// Root-mean-square error of the sample mean of f over 40 designs; E f = 0.
-    fn rms_error(method: SamplingMethod, samples: usize, f: impl Fn(&[f64]) -> f64) -> f64 {
-        let squares: f64 = (0..40)
-            .map(|seed| {
-                let design = Design::new(method, seed, "rms", samples, 3).unwrap();
-                let mean = (0..samples).map(|i| f(&design.unit(i))).sum::<f64>() / samples as f64;
-                mean * mean
-            })
-            .sum();
-        (squares / 40.0).sqrt()
-    }
-
-    #[test]
-    fn stratified_designs_integrate_what_they_promise() {
-        let n: usize = 256;
-        let additive = |u: &[f64]| u.iter().map(|x| x - 0.5).sum::<f64>();
-        // Variance 3/12 for independent points; Latin hypercube variance 3/(12 n³) exactly.
-        let monte_carlo = rms_error(SamplingMethod::MonteCarlo, n, additive) / (0.25 / n as f64).sqrt();
-        let latin = rms_error(SamplingMethod::LatinHypercube, n, additive) / (0.25 / (n as f64).powi(3)).sqrt();
-        // The relative standard error of a root-mean-square over 40 values is 1/√80; four of them.
-        for ratio in [monte_carlo, latin] {
-            assert!((ratio - 1.0).abs() < 4.0 / 80.0_f64.sqrt(), "ratio {ratio}");
-        }
-    }
-
-    #[test]
-    fn scrambled_sobol_points_gain_an_order_on_a_smooth_interaction() {
-        let interaction = |u: &[f64]| (u[0] - 0.5) * (u[1] - 0.5) * 12.0 + (u[1] - 0.5) * (u[2] - 0.5) * 12.0;
-        let coarse = rms_error(SamplingMethod::Sobol, 64, interaction);
-        let fine = rms_error(SamplingMethod::Sobol, 1024, interaction);
-        // Between the Monte Carlo order ½ and the asymptotic 3/2 (up to a logarithm); the noise of the order is 0.06.
-        let order = (coarse / fine).ln() / 16.0_f64.ln();
-        assert!(order > 1.0, "observed order {order:.2}");
-        let latin = rms_error(SamplingMethod::LatinHypercube, 1024, interaction);
-        assert!(fine < 0.3 * latin, "Sobol' {fine:.2e}, Latin hypercube {latin:.2e}");
-    }
-
-    #[test]
-    fn impossible_designs_are_refused() {
-        assert_eq!(
-            Design::new(SamplingMethod::Sobol, 1, "x", 10, 482).unwrap_err(),
-            SamplingError::TooManyDimensions { dimensions: 482, limit: 481 }
-        );
-        assert_eq!(
-            Design::new(SamplingMethod::MonteCarlo, 1, "x", 0, 3).unwrap_err(),
-            SamplingError::Empty { samples: 0, dimensions: 3 }
-        );
-    }
-}
+mod tests;

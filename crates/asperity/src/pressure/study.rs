@@ -507,7 +507,7 @@ mod tests {
         struct LongGerm<'a>(&'a dyn RandomSurface);
         impl RandomSurface for LongGerm<'_> {
             fn germ_len(&self) -> usize {
-                500
+                2000
             }
             fn grid(&self) -> Grid {
                 self.0.grid()
@@ -522,7 +522,7 @@ mod tests {
         let sizes = Study { fine_solves: 40, reference_samples: 40, surrogate_samples: 100, ..small_study() };
         let results = sizes.run(&problem, &Silent).unwrap();
         let sobol = results.methods.iter().find(|r| r.method == Method::Sobol).unwrap();
-        let wanted = SamplingError::TooManyDimensions { dimensions: 500, limit: 481 };
+        let wanted = SamplingError::TooManyDimensions { dimensions: 2000, limit: 1867 };
         assert_eq!(sobol.outcome, Err(MethodError::Sampling(wanted)));
         assert_eq!(sobol.fine_solves, 0);
         assert!(results.estimate(Method::LatinHypercube).is_some());

@@ -10,6 +10,8 @@
 //! Owen, *J. Complexity* **14** (1998) 466, <https://doi.org/10.1006/jcom.1998.0487>.
 //! Joe & Kuo, *SIAM J. Sci. Comput.* **30** (2008) 2635, <https://doi.org/10.1137/070709359> (the criterion on pairs).
 
+use std::sync::{Mutex, PoisonError};
+
 use rand::Rng;
 
 use super::permutation::hash;
@@ -18,15 +20,27 @@ use crate::random::stream;
 /// Binary digits of a coordinate, and of a sample index.
 const DIGITS: usize = 32;
 /// Highest degree of a primitive polynomial.
-const MAX_POLYNOMIAL_DEGREE: u32 = 12;
+const MAX_POLYNOMIAL_DEGREE: u32 = 14;
 /// Dimensions that polynomials up to [`MAX_POLYNOMIAL_DEGREE`] can serve.
-pub(super) const MAX_DIMENSIONS: usize = 481;
+pub(super) const MAX_DIMENSIONS: usize = 1867;
 /// Candidates of initial direction numbers per dimension.
 const CANDIDATES: u64 = 16;
 /// Earlier dimensions with which a candidate is compared.
 const NEIGHBOURS: usize = 16;
 /// log₂ of the numbers of points at which t-values are compared.
 const COMPARED_LOG2_POINTS: [usize; 4] = [4, 6, 8, 10];
+
+/// Generator matrices found so far: the choice for a dimension depends on those before it, but on no seed.
+static MATRICES: Mutex<Vec<Matrix>> = Mutex::new(Vec::new());
+
+/// A generator matrix over GF(2), twice.
+#[derive(Debug, Clone)]
+struct Matrix {
+    /// Bit 31−i of column k is the element (i, k).
+    columns: [u32; DIGITS],
+    /// Bit k of row i is the element (i, k).
+    rows: [u32; DIGITS],
+}
 
 /// The first 2³² points of a scrambled sequence.
 #[derive(Debug, Clone)]
@@ -67,33 +81,46 @@ fn scramble(x: u32, key: u64) -> u32 {
 /// The columns of the generator matrices: bit 31−i of column k is the matrix element (i, k).
 fn generator_columns(dimensions: usize) -> Vec<[u32; DIGITS]> {
     assert!(dimensions <= MAX_DIMENSIONS, "{dimensions} dimensions; the polynomials serve {MAX_DIMENSIONS}");
-    let mut columns: Vec<[u32; DIGITS]> = Vec::with_capacity(dimensions);
-    let mut rows: Vec<[u32; DIGITS]> = Vec::with_capacity(dimensions);
-    let van_der_corput: [u32; DIGITS] = std::array::from_fn(|k| 1 << (DIGITS - 1 - k));
-    columns.push(van_der_corput);
-    rows.push(transposed(&van_der_corput));
-    for polynomial in (1..=MAX_POLYNOMIAL_DEGREE).flat_map(primitive_polynomials).take(dimensions.saturating_sub(1)) {
-        let dimension = columns.len();
-        let first_neighbour = dimension.saturating_sub(NEIGHBOURS);
-        let mut best: Option<(usize, [u32; DIGITS], [u32; DIGITS])> = None;
+    // Matrices are appended whole, so a thread that panicked has left good ones.
+    let mut matrices = MATRICES.lock().unwrap_or_else(PoisonError::into_inner);
+    extend(&mut matrices, dimensions);
+    matrices[..dimensions].iter().map(|matrix| matrix.columns).collect()
+}
+
+/// Appends matrices until there are as many as `dimensions`.
+fn extend(matrices: &mut Vec<Matrix>, dimensions: usize) {
+    if matrices.len() >= dimensions {
+        return;
+    }
+    if matrices.is_empty() {
+        matrices.push(Matrix::new(std::array::from_fn(|k| 1 << (DIGITS - 1 - k))));
+    }
+    let polynomials = (1..=MAX_POLYNOMIAL_DEGREE).flat_map(primitive_polynomials);
+    for polynomial in polynomials.take(dimensions - 1).skip(matrices.len() - 1) {
+        let dimension = matrices.len();
+        let neighbours = &matrices[dimension.saturating_sub(NEIGHBOURS)..];
+        let mut best: Option<(usize, Matrix)> = None;
         for candidate in 0..CANDIDATES {
-            let trial = columns_of(polynomial, hash(dimension as u64, candidate));
-            let trial_rows = transposed(&trial);
-            let cost = rows[first_neighbour..]
-                .iter()
-                .flat_map(|neighbour| COMPARED_LOG2_POINTS.map(|m| pair_t_value(&trial_rows, neighbour, m).pow(2)))
-                .sum();
-            if best.as_ref().is_none_or(|(least, _, _)| cost < *least) {
-                best = Some((cost, trial, trial_rows));
+            let trial = Matrix::new(columns_of(polynomial, hash(dimension as u64, candidate)));
+            let least = best.as_ref().map_or(usize::MAX, |(least, _)| *least);
+            // No sum of squares gets smaller again: what has reached the least so far is no better.
+            let mut pairs = neighbours.iter().flat_map(|near| COMPARED_LOG2_POINTS.map(|m| (near, m)));
+            let cost = pairs.try_fold(0, |cost, (near, m)| {
+                let cost = cost + pair_t_value(&trial.rows, &near.rows, m).pow(2);
+                (cost < least).then_some(cost)
+            });
+            if let Some(cost) = cost {
+                best = Some((cost, trial));
             }
         }
-        if let Some((_, trial, trial_rows)) = best {
-            columns.push(trial);
-            rows.push(trial_rows);
-        }
+        matrices.extend(best.map(|(_, matrix)| matrix));
     }
-    columns.truncate(dimensions);
-    columns
+}
+
+impl Matrix {
+    fn new(columns: [u32; DIGITS]) -> Self {
+        Self { columns, rows: transposed(&columns) }
+    }
 }
 
 /// Columns of one dimension: initial numbers m₁ … m_s odd with m_k < 2^k, drawn from `key`, then Sobol's recurrence
@@ -122,32 +149,46 @@ fn transposed(columns: &[u32; DIGITS]) -> [u32; DIGITS] {
 
 /// The quality parameter t of the first 2^m points in two dimensions: every elementary box of volume 2^{t−m} holds
 /// exactly 2^t of them.
+///
+/// For each number of leading rows of `a` those of `b` are counted that are independent of them and of each other. The
+/// least total is m − t. Whether `from_a` rows of `a` alone are independent ends the search.
 fn pair_t_value(a: &[u32; DIGITS], b: &[u32; DIGITS], m: usize) -> usize {
     let mask = (1_u32 << m) - 1;
-    let mut basis_a: Vec<u32> = Vec::with_capacity(m);
+    let mut of_a = Echelon::default();
     let mut independent = m;
     for from_a in 0..m {
-        if from_a > 0 && !insert(&mut basis_a, a[from_a - 1] & mask) {
+        if from_a > 0 && !of_a.insert(a[from_a - 1] & mask) {
             return m - independent.min(from_a - 1);
         }
-        let mut basis = basis_a.clone();
-        let from_b = (0..m - from_a).take_while(|&i| insert(&mut basis, b[i] & mask)).count();
+        // More rows of b than the least so far needs cannot lower it.
+        let enough = independent.saturating_sub(from_a).min(m - from_a);
+        let mut both = of_a;
+        let from_b = (0..enough).take_while(|&i| both.insert(b[i] & mask)).count();
         independent = independent.min(from_a + from_b);
     }
     m - independent
 }
 
-/// Adds a vector to a basis kept reduced by leading bit; false when it depends on the basis.
-fn insert(basis: &mut Vec<u32>, mut vector: u32) -> bool {
-    for &element in basis.iter() {
-        vector = vector.min(vector ^ element);
+/// Independent vectors over GF(2), by their leading bits.
+#[derive(Clone, Copy, Default)]
+struct Echelon {
+    by_leading_bit: [u32; 16],
+}
+
+impl Echelon {
+    /// Adds a vector of at most 16 bits; false when it depends on those before.
+    #[inline]
+    fn insert(&mut self, mut vector: u32) -> bool {
+        while vector != 0 {
+            let place = &mut self.by_leading_bit[(vector.ilog2() & 15) as usize];
+            if *place == 0 {
+                *place = vector;
+                return true;
+            }
+            vector ^= *place;
+        }
+        false
     }
-    if vector == 0 {
-        return false;
-    }
-    let place = basis.partition_point(|&element| element > vector);
-    basis.insert(place, vector);
-    true
 }
 
 /// All primitive polynomials of one degree over GF(2), in increasing order.
@@ -180,9 +221,9 @@ mod tests {
 
     #[test]
     fn the_number_of_primitive_polynomials_is_that_of_theory() {
-        // φ(2^s − 1)/s for s = 1 … 12.
+        // φ(2^s − 1)/s for s = 1 … 14.
         let counts: Vec<usize> = (1..=MAX_POLYNOMIAL_DEGREE).map(|s| primitive_polynomials(s).count()).collect();
-        assert_eq!(counts, [1, 1, 2, 2, 6, 6, 18, 16, 48, 60, 176, 144]);
+        assert_eq!(counts, [1, 1, 2, 2, 6, 6, 18, 16, 48, 60, 176, 144, 630, 756]);
         assert_eq!(counts.iter().sum::<usize>() + 1, MAX_DIMENSIONS);
         assert_eq!(primitive_polynomials(3).collect::<Vec<_>>(), [0b1011, 0b1101]);
     }
@@ -217,6 +258,28 @@ mod tests {
             };
             assert!(is_net(t), "dimensions {first}, {second}: not a ({t}, {m}, 2)-net");
             assert!(t == 0 || !is_net(t - 1), "dimensions {first}, {second}: t = {t} is not the least");
+        }
+    }
+
+    #[test]
+    fn matrices_do_not_depend_on_how_many_are_asked_for_at_a_time() {
+        let (mut at_once, mut by_and_by) = (Vec::new(), Vec::new());
+        extend(&mut at_once, 60);
+        for dimensions in [1, 2, 3, 17, 17, 5, 60] {
+            extend(&mut by_and_by, dimensions);
+        }
+        let columns = |matrices: &[Matrix]| matrices.iter().map(|matrix| matrix.columns).collect::<Vec<_>>();
+        assert_eq!(columns(&at_once), columns(&by_and_by));
+        assert_eq!(generator_columns(60), columns(&at_once));
+    }
+
+    #[test]
+    fn every_matrix_is_upper_triangular_with_a_unit_diagonal() {
+        // That makes each dyadic prefix a permutation of its strata, in all dimensions.
+        for columns in generator_columns(MAX_DIMENSIONS) {
+            for (k, column) in columns.iter().enumerate() {
+                assert_eq!(column.trailing_zeros() as usize, DIGITS - 1 - k);
+            }
         }
     }
 
