@@ -27,18 +27,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod controlled;
+mod adapted;
+mod band;
+mod coarse;
+mod estimate;
 mod expansion;
-mod local;
+mod method;
+mod nested;
+mod predictor;
 mod problem;
 mod sample;
 mod study;
+mod telescope;
 #[cfg(test)]
 mod testing;
 
+pub use band::Band;
+pub use nested::{CoarseSolves, Quantity};
+pub use estimate::{Comparison, Estimate};
+pub use method::{Method, MethodError};
 pub use problem::{FailureReason, Observation, Problem};
-pub use sample::{Failure, Samples, solve};
-pub use study::{Comparison, Estimate, Method, MethodError, MethodResult, Reference, Results, Study};
+pub use sample::{Failure, Samples, Sampling, solve};
+pub use study::{MethodResult, QuantileResult, Reference, Results, ScalarResult, Study};
 
 use thiserror::Error;
 
@@ -107,6 +117,9 @@ pub enum PressureError {
     /// A law could not be made from its values.
     #[error(transparent)]
     Law(#[from] DistanceError),
+    /// A method has no answer.
+    #[error(transparent)]
+    Method(#[from] MethodError),
     /// The monitor stopped the run.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -7,6 +7,7 @@ mod histogram;
 mod moments;
 mod sorting;
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
 pub(crate) use autocorrelation::lag_sums;
@@ -85,6 +86,13 @@ pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     sorted(&present, 0.0, Order::Ascending)
 }
 
+/// Quantile of Student's law; NaN unless 0 < `probability` < 1 and the degrees of freedom are positive.
+pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+    let inside = probability > 0.0 && probability < 1.0;
+    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
+}
+
 /// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.
 ///
 /// Unlike the normal approximation it stays inside [0, 1] and has positive width at 0 and at `trials` successes.
@@ -142,5 +150,13 @@ mod tests {
         assert_eq!(wilson_interval(10, 10).high, 1.0);
         assert!((wilson_interval(0, 10).high - 0.277_53).abs() < 5e-6, "z²/(n + z²)");
         assert_eq!(wilson_interval(0, 0), Interval { low: 0.0, high: 1.0 });
+    }
+
+    #[test]
+    fn student_quantiles_are_the_tables() {
+        for (degrees, wanted) in [(1.0, 12.706_2), (9.0, 2.262_157), (30.0, 2.042_272)] {
+            assert!((student_quantile(0.975, degrees) / wanted - 1.0).abs() < 1e-5);
+        }
+        assert!(student_quantile(0.975, 0.0).is_nan() && student_quantile(1.0, 5.0).is_nan());
     }
 }

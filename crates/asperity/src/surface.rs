@@ -46,4 +46,9 @@ pub trait RandomSurface: Sync {
     /// # Panics
     /// If the germ has another length or a value that is not finite.
     fn generate(&self, germ: &[f64]) -> HeightMap;
+
+    /// Whether maps that differ by a shift on the periodic grid are equally likely, up to a thousandth of the variance.
+    fn is_periodic_and_stationary(&self) -> bool {
+        false
+    }
 }

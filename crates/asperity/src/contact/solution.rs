@@ -92,15 +92,22 @@ impl Solution {
 
     /// Distance between the deformed surface and the plane in metre: ≥ 0, and 0 in elastic and in plastic contact.
     pub fn gap_m(&self) -> Array2<f64> {
-        ndarray::Zip::from(&self.signed_gap_m)
-            .and(&self.pressure_pa)
-            .map_collect(|gap, pressure| if *pressure > 0.0 { 0.0 } else { gap.max(0.0) })
+        Array2::from_shape_fn(self.pressure_pa.dim(), |cell| self.gap_at_m(cell))
     }
 
     /// Plastic displacement in metre: by how much elastic deformation alone would overlap where p = H; 0 elsewhere.
     pub fn plastic_displacement_m(&self) -> Array2<f64> {
-        let depth = |cell, gap: &f64| if self.is_plastic(cell) { (-gap).max(0.0) } else { 0.0 };
-        ndarray::Zip::indexed(&self.signed_gap_m).map_collect(depth)
+        Array2::from_shape_fn(self.pressure_pa.dim(), |cell| self.plastic_displacement_at_m(cell))
+    }
+
+    /// [`Solution::gap_m`] of the cell (row, column).
+    pub fn gap_at_m(&self, cell: (usize, usize)) -> f64 {
+        if self.pressure_pa[cell] > 0.0 { 0.0 } else { self.signed_gap_m[cell].max(0.0) }
+    }
+
+    /// [`Solution::plastic_displacement_m`] of the cell (row, column).
+    pub fn plastic_displacement_at_m(&self, cell: (usize, usize)) -> f64 {
+        if self.is_plastic(cell) { (-self.signed_gap_m[cell]).max(0.0) } else { 0.0 }
     }
 
     /// Whether p = H in the cell (row, column).

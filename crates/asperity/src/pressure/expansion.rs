@@ -6,6 +6,7 @@
 
 use crate::chaos::{Basis, Expansion, StepLaw};
 use crate::pressure::{Estimate, MethodError, Samples};
+use crate::stats::wilson_interval;
 
 /// Which function of the pressure is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +23,7 @@ pub(super) fn estimate(
     samples: &Samples,
     basis: Basis,
     fresh: &[Vec<f64>],
+    _seed: u64,
 ) -> Result<Estimate, MethodError> {
     let (germs, values): (Vec<Vec<f64>>, Vec<f64>) = samples
         .leading_germs(basis.set().variables())
@@ -37,9 +39,14 @@ pub(super) fn estimate(
     let contact_probability = samples.contact_probability();
     let atoms = law.atoms().map(|(value, probability)| (value, contact_probability * probability));
     let law = StepLaw::weighted(std::iter::once((0.0, 1.0 - contact_probability)).chain(atoms))?;
+    let contact_probability_se = (contact_probability * (1.0 - contact_probability) / samples.len() as f64).sqrt();
     Ok(Estimate {
         contact_probability,
-        contact_probability_se: samples.contact_probability_se(),
+        contact_probability_se,
+        contact_probability_interval: wilson_interval(samples.in_contact(), samples.len()),
+        mean_pa: law.mean(),
+        mean_se_pa: f64::NAN,
+        band: None,
         coefficients: Some(expansion.coefficients().len()),
         leave_one_out_error,
         law,

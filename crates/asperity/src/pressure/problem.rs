@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::contact::{self, ContactError, Control, HalfSpace, Solver, Workspace};
+use crate::contact::{self, Boundary, ContactError, Control, HalfSpace, Solution, Solver, Workspace};
 use crate::map::MapError;
 use crate::pressure::PressureError;
 use crate::surface::RandomSurface;
@@ -31,6 +31,30 @@ pub struct Observation {
     pub plastic_displacement_m: f64,
     /// Height of the plane above the mean of the map, in metre.
     pub separation_m: f64,
+    /// Share A_c/A of the cells in contact.
+    pub contact_fraction: f64,
+    /// Load over the nominal area in pascal.
+    pub mean_pressure_pa: f64,
+    /// Mean gap in metre.
+    pub mean_gap_m: f64,
+    /// Iterations of the solver.
+    pub iterations: usize,
+}
+
+impl Observation {
+    /// What `solution` says about `cell`.
+    pub(super) fn of(solution: &Solution, cell: (usize, usize)) -> Self {
+        Self {
+            pressure_pa: solution.pressure_pa()[cell],
+            gap_m: solution.gap_at_m(cell),
+            plastic_displacement_m: solution.plastic_displacement_at_m(cell),
+            separation_m: solution.separation_m(),
+            contact_fraction: solution.contact_fraction(),
+            mean_pressure_pa: solution.mean_pressure_pa(),
+            mean_gap_m: solution.mean_gap_m(),
+            iterations: solution.iterations(),
+        }
+    }
 }
 
 /// Why one contact problem has no answer.
@@ -129,6 +153,16 @@ impl<'a> Problem<'a> {
         self.hardness_pa
     }
 
+    /// Whether the pressures of all cells have the same law: a stationary surface on a periodic half-space.
+    pub fn cells_are_alike(&self) -> bool {
+        self.half_space.boundary() != Boundary::Free && self.surface.is_periodic_and_stationary()
+    }
+
+    /// How contact problems are solved.
+    pub fn solver(&self) -> Solver {
+        self.solver
+    }
+
     /// The cell (row, column).
     pub fn cell(&self) -> (usize, usize) {
         self.cell
@@ -138,7 +172,7 @@ impl<'a> Problem<'a> {
     ///
     /// # Errors
     /// The map is incomplete or flat, or the solver did not converge.
-    pub fn observe(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
+    pub fn solve(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Solution, FailureReason> {
         let map = self.surface.generate(germ);
         let heights_m = map.complete_heights_m()?;
         let problem = contact::Problem::new(self.half_space, heights_m, self.control, self.hardness_pa)?;
@@ -150,19 +184,21 @@ impl<'a> Problem<'a> {
                 tolerance: self.solver.tolerance,
             });
         }
-        Ok(Observation {
-            pressure_pa: solution.pressure_pa()[self.cell],
-            gap_m: solution.gap_m()[self.cell],
-            plastic_displacement_m: solution.plastic_displacement_m()[self.cell],
-            separation_m: solution.separation_m(),
-        })
+        Ok(solution)
+    }
+
+    /// What the contact of one germ's map says about the cell.
+    ///
+    /// # Errors
+    /// As [`Problem::solve`].
+    pub fn observe(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
+        Ok(Observation::of(&self.solve(germ, workspace)?, self.cell))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Boundary;
     use crate::map::Grid;
     use crate::pressure::testing::Shape;
 

@@ -16,32 +16,58 @@ pub struct Failure {
     pub reason: FailureReason,
 }
 
+/// Which germs are solved.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampling<'a> {
+    /// How the germs are placed.
+    pub method: SamplingMethod,
+    /// Independent randomisations among which they are divided.
+    pub replicates: usize,
+    /// Seed and name of the run: runs of another name are independent.
+    pub seed: u64,
+    /// See `seed`.
+    pub stage: &'a str,
+    /// Number of germs; rounded up to as many for every replicate.
+    pub samples: usize,
+    /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
+    pub site_stride: Option<usize>,
+    /// Least share (0 to 1) of the contact problems that have to be solved.
+    pub valid_share: f64,
+}
+
+impl<'a> Sampling<'a> {
+    /// So many independent germs.
+    pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_share: f64) -> Self {
+        Self { method: SamplingMethod::MonteCarlo, replicates: 1, seed, stage, samples, site_stride: None, valid_share }
+    }
+}
+
 /// The pressures of a design of germs, in index order, and the samples that failed.
 #[derive(Debug, Clone)]
 pub struct Samples {
-    design: Design,
+    /// One for each replicate, equally large.
+    designs: Vec<Design>,
     /// Indices of the samples that were solved.
     indices: Vec<usize>,
     observations: Vec<Observation>,
+    /// Pressures of the sites in pascal, of each solved sample.
+    sites: Vec<Vec<f32>>,
     failures: Vec<Failure>,
 }
 
-/// Solves the contact problems of `samples` germs in parallel; the result does not depend on the number of threads.
+/// Solves the contact problems in parallel; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// The design cannot be made, fewer than `valid_share` (0 to 1) of the problems were solved, or the monitor cancelled.
-pub fn solve(
-    problem: &Problem<'_>,
-    method: SamplingMethod,
-    seed: u64,
-    stage: &str,
-    samples: usize,
-    valid_share: f64,
-    monitor: &dyn Monitor,
-) -> Result<Samples, PressureError> {
-    let design = Design::new(method, seed, stage, samples, problem.surface().germ_len())?;
+/// The design cannot be made, fewer than the wanted share of the problems were solved, or the monitor cancelled.
+pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
+    let Sampling { method, replicates, seed, stage, samples, site_stride, valid_share } = sampling;
+    let each = samples.div_ceil(replicates.max(1));
+    let design = Design::new(method, seed, stage, each, problem.surface().germ_len())?;
+    let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
+    let samples = each * designs.len();
     let done = AtomicUsize::new(0);
-    let outcomes: Vec<Result<Observation, FailureReason>> = (0..samples)
+    type Outcome = Result<(Observation, Vec<f32>), FailureReason>;
+    let outcomes: Vec<Outcome> = (0..samples)
         .into_par_iter()
         .map_init(
             || (problem.half_space().workspace(), vec![0.0; design.dimensions()]),
@@ -49,19 +75,26 @@ pub fn solve(
                 if monitor.cancelled() {
                     return Err(Cancelled);
                 }
-                design.fill_germ(index, germ);
-                let outcome = problem.observe(germ, workspace);
+                designs[index / each].fill_germ(index % each, germ);
+                let outcome = problem.solve(germ, workspace).map(|solution| {
+                    let stride = site_stride.unwrap_or(usize::MAX);
+                    let sites = solution.pressure_pa().indexed_iter();
+                    let sites = sites.filter(|((row, column), _)| site_stride.is_some() && row % stride == 0 && column % stride == 0);
+                    (Observation::of(&solution, problem.cell()), sites.map(|(_, p)| *p as f32).collect())
+                });
                 monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, samples);
                 Ok(outcome)
             },
         )
         .collect::<Result<_, Cancelled>>()?;
-    let mut solved = Samples { design, indices: Vec::new(), observations: Vec::new(), failures: Vec::new() };
+    let mut solved =
+        Samples { designs, indices: Vec::new(), observations: Vec::new(), sites: Vec::new(), failures: Vec::new() };
     for (index, outcome) in outcomes.into_iter().enumerate() {
         match outcome {
-            Ok(observation) => {
+            Ok((observation, sites)) => {
                 solved.indices.push(index);
                 solved.observations.push(observation);
+                solved.sites.push(sites);
             }
             Err(reason) => solved.failures.push(Failure { index, reason }),
         }
@@ -94,7 +127,7 @@ impl Samples {
 
     /// Number of contact problems posed, failed ones included.
     pub fn posed(&self) -> usize {
-        self.design.samples()
+        self.designs.iter().map(Design::samples).sum()
     }
 
     /// What the solutions say, in index order.
@@ -109,7 +142,8 @@ impl Samples {
 
     /// The whole germ of the solved sample number `position`.
     pub fn germ(&self, position: usize) -> Vec<f64> {
-        self.design.germ(self.indices[position])
+        let (index, each) = (self.indices[position], self.designs[0].samples());
+        self.designs[index / each].germ(index % each)
     }
 
     /// The leading `variables` germ values of every solved sample.
@@ -123,6 +157,21 @@ impl Samples {
             .collect()
     }
 
+    /// Number of independent randomisations.
+    pub fn replicates(&self) -> usize {
+        self.designs.len()
+    }
+
+    /// The randomisation of the solved sample number `position`.
+    pub(super) fn replicate_of(&self, position: usize) -> usize {
+        self.indices[position] / self.designs[0].samples()
+    }
+
+    /// Pressures of the sites that were kept in pascal, of each solved sample.
+    pub fn sites(&self) -> &[Vec<f32>] {
+        &self.sites
+    }
+
     /// Number K of samples in contact.
     pub fn in_contact(&self) -> usize {
         self.observations.iter().filter(|o| o.pressure_pa > 0.0).count()
@@ -131,16 +180,6 @@ impl Samples {
     /// K/K_t, the share of samples in contact.
     pub fn contact_probability(&self) -> f64 {
         self.in_contact() as f64 / self.len() as f64
-    }
-
-    /// Standard error √(P(1−P)/K_t) of independent samples. For Latin hypercube and scrambled Sobol' points it is, up to
-    /// small factors, an upper bound.
-    ///
-    /// # References
-    /// Owen, *Ann. Statist.* **25** (1997) 1541, <https://doi.org/10.1214/aos/1031594731>.
-    pub fn contact_probability_se(&self) -> f64 {
-        let p = self.contact_probability();
-        (p * (1.0 - p) / self.len() as f64).sqrt()
     }
 
     /// The empirical law of the pressure in pascal.
@@ -187,7 +226,8 @@ mod tests {
         let surface = OftenFlat { grid: Grid::new(6, 6, 1.0, 1.0).unwrap(), flat_below };
         let half_space = HalfSpace::new(surface.grid, 1.0, Boundary::Free).unwrap();
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.5 }, None)?;
-        solve(&problem, SamplingMethod::LatinHypercube, 1, "often_flat", 40, valid_share, &Silent)
+        let sampling = Sampling::monte_carlo(1, "often_flat", 40, valid_share);
+        solve(&problem, Sampling { method: SamplingMethod::LatinHypercube, ..sampling }, &Silent)
     }
 
     #[test]
@@ -227,7 +267,7 @@ mod tests {
         }
         let (surface, half_space) = gaussian_surface(8, 4);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
-        let run = |watch: &Watch| solve(&problem, SamplingMethod::MonteCarlo, 1, "watched", 12, 0.95, watch);
+        let run = |watch: &Watch| solve(&problem, Sampling::monte_carlo(1, "watched", 12, 0.95), watch);
         let watch = Watch { cancel: false, most: AtomicUsize::new(0) };
         assert_eq!(run(&watch).unwrap().len(), 12);
         assert_eq!(watch.most.load(Ordering::Relaxed), 12);
@@ -239,9 +279,12 @@ mod tests {
     fn one_sample_solved_alone_is_the_same_as_in_its_run() {
         let (surface, half_space) = gaussian_surface(12, 10);
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
-        let samples = solve(&problem, SamplingMethod::Sobol, 3, "alone", 20, 0.95, &Silent).unwrap();
-        let germ = Design::new(SamplingMethod::Sobol, 3, "alone", 20, 10).unwrap().germ(13);
+        let sampling = Sampling { replicates: 4, ..Sampling::monte_carlo(3, "alone", 20, 0.95) };
+        let samples = solve(&problem, Sampling { method: SamplingMethod::Sobol, ..sampling }, &Silent).unwrap();
+        let design = Design::new(SamplingMethod::Sobol, 3, "alone", 5, 10).unwrap();
+        let germ = design.replicate(2).unwrap().germ(3);
         assert_eq!(samples.germ(13), germ);
+        assert_eq!((samples.replicate_of(13), samples.replicates()), (2, 4));
         let alone = problem.observe(&germ, &mut half_space.workspace()).unwrap();
         assert_eq!(samples.observations()[13], alone);
     }

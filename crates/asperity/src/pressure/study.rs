@@ -1,59 +1,18 @@
 //! Several estimates of one law, each from the same number of contact solutions, against their own reference.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
-use thiserror::Error;
-
-use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
-use crate::chaos::{Basis, BasisError, Design, DistanceError, RegressionError, SamplingError, SamplingMethod, StepLaw};
-use crate::monitor::{Cancelled, Monitor};
-use crate::pressure::controlled;
+use crate::chaos::{Basis, Design, SamplingMethod, StepLaw};
+use crate::monitor::Monitor;
+use crate::pressure::estimate::{Comparison, Estimate};
 use crate::pressure::expansion::{self, Response};
-use crate::pressure::local::LocalVariables;
-use crate::pressure::{Failure, Observation, PressureError, Problem, Samples, solve};
+use crate::pressure::nested::{CoarseSolves, NestedSamples, Quantity};
+use crate::pressure::sample::Sampling;
+use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, Samples, solve};
+use crate::stats::Interval;
 
-/// How the law of the pressure is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// The empirical law of independent samples.
-    MonteCarlo,
-    /// The empirical law of a Latin hypercube.
-    LatinHypercube,
-    /// The empirical law of scrambled Sobol' points.
-    Sobol,
-    /// Eq. (8): a chaos expansion of the pressure in contact in the leading germ variables, on the Latin hypercube.
-    PolynomialChaos,
-    /// Eq. (9): the same of the logarithm of the pressure in contact.
-    PolynomialChaosLog,
-    /// Ours: the Monte Carlo samples, corrected by an expansion of the latent pressure in the local heights that serves
-    /// as control variate.
-    Default,
-}
-
-impl Method {
-    /// All methods, in the order of reports.
-    pub const ALL: [Self; 6] = [
-        Self::MonteCarlo,
-        Self::LatinHypercube,
-        Self::Sobol,
-        Self::PolynomialChaos,
-        Self::PolynomialChaosLog,
-        Self::Default,
-    ];
-
-    /// The name in result files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::MonteCarlo => "monte_carlo",
-            Self::LatinHypercube => "latin_hypercube",
-            Self::Sobol => "sobol",
-            Self::PolynomialChaos => "polynomial_chaos",
-            Self::PolynomialChaosLog => "polynomial_chaos_log",
-            Self::Default => "default",
-        }
-    }
-}
+/// Independent randomisations of stratified designs.
+const REPLICATES: usize = 10;
+/// Sites along either side whose pressures are pooled.
+const SITES: usize = 16;
 
 /// What is estimated how well: sizes of the runs. Runs of one seed are independent of each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,76 +23,14 @@ pub struct Study {
     pub fine_solves: usize,
     /// Contact solutions of the Monte Carlo reference.
     pub reference_samples: usize,
-    /// Variables of the expansions: leading germ variables, or local variables of the default method.
+    /// Leading germ variables of the expansions of eq. (8) and (9).
     pub variables: usize,
-    /// Total degree of the expansions; for the default method the largest one tried.
+    /// Their total degree.
     pub degree: usize,
     /// Evaluations of an expansion on fresh germs.
     pub surrogate_samples: usize,
     /// Least share of converged contact problems in a run.
     pub valid_share: f64,
-}
-
-/// A law and how it came about.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// The law of the pressure in pascal, with its atom at 0.
-    pub law: StepLaw,
-    /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
-    pub contact_probability: f64,
-    /// Its standard error (see [`Samples::contact_probability_se`]).
-    pub contact_probability_se: f64,
-    /// Number of coefficients of the expansion, if any.
-    pub coefficients: Option<usize>,
-    /// Mean square leave-one-out error of the expanded quantity over its variance, if any. Above 1 the expansion
-    /// predicts worse than the mean.
-    pub leave_one_out_error: Option<f64>,
-}
-
-/// Why a method has no estimate.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum MethodError {
-    /// The expansion could not be fitted to the samples in contact.
-    #[error("no expansion: {0}")]
-    Regression(#[from] RegressionError),
-    /// The basis could not be made.
-    #[error("no expansion: {0}")]
-    Basis(#[from] BasisError),
-    /// The design does not exist.
-    #[error(transparent)]
-    Sampling(#[from] SamplingError),
-    /// A law could not be made from its values.
-    #[error(transparent)]
-    Law(#[from] DistanceError),
-    /// The expansion of the logarithm exceeds the largest floating-point number.
-    #[error("the expansion overflows on {overflowed} of {evaluations} fresh germs")]
-    Overflow {
-        /// Germs on which it overflows.
-        overflowed: usize,
-        /// Germs evaluated.
-        evaluations: usize,
-    },
-    /// Too few of the fresh maps are complete.
-    #[error("only {valid} of {maps} fresh maps have local variables")]
-    FreshMaps {
-        /// Maps with local variables.
-        valid: usize,
-        /// Maps generated.
-        maps: usize,
-    },
-    /// Neither the pressure nor the gap varies, or too few samples exist to see it.
-    #[error("the samples show no variation that an expansion could explain")]
-    NoVariation,
-}
-
-/// Distances between an estimated law and the reference law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
-    /// Kolmogorov–Smirnov distance.
-    pub ks_distance: f64,
-    /// Wasserstein-1 distance divided by the standard deviation of the reference law, atom at 0 included; `None` when that
-    /// is 0.
-    pub wasserstein_1_over_std: Option<f64>,
 }
 
 /// One method's answer.
@@ -143,10 +40,38 @@ pub struct MethodResult {
     pub method: Method,
     /// Contact solutions on which it rests, failed ones included.
     pub fine_solves: usize,
+    /// Solutions on coarser grids on which it rests beside.
+    pub coarse_solves: Vec<CoarseSolves>,
     /// Those without an answer.
     pub failures: Vec<Failure>,
     /// The estimate with its distances from the reference, or why there is none.
     pub outcome: Result<(Estimate, Comparison), MethodError>,
+}
+
+/// The law of a scalar of the whole contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarResult {
+    /// The scalar.
+    pub quantity: Quantity,
+    /// Its mean and the mean's standard error.
+    pub mean: f64,
+    /// See `mean`.
+    pub mean_se: f64,
+    /// Its law, estimated as by [`Method::Default`].
+    pub law: StepLaw,
+    /// 95 % intervals of the 10, 50 and 90 % quantiles.
+    pub quantiles: Vec<QuantileResult>,
+}
+
+/// A quantile and its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuantileResult {
+    /// Probability.
+    pub probability: f64,
+    /// The least value at which F reaches it.
+    pub value: f64,
+    /// Its 95 % interval.
+    pub interval: Interval,
 }
 
 /// The Monte Carlo law that the methods are measured against.
@@ -156,14 +81,12 @@ pub struct Reference {
     pub samples: usize,
     /// Those without an answer.
     pub failures: Vec<Failure>,
-    /// The empirical law in pascal.
-    pub law: StepLaw,
-    /// P(contact).
-    pub contact_probability: f64,
-    /// Its standard error.
-    pub contact_probability_se: f64,
-    /// 95 % point 1.358/√n of the Kolmogorov–Smirnov distance between the reference and the true law: smaller
-    /// distances are not resolved.
+    /// Cells of each solution whose pressures are pooled: more than one where the surface is stationary.
+    pub sites: usize,
+    /// The estimate.
+    pub estimate: Estimate,
+    /// Kolmogorov–Smirnov distances to the true law up to this have a probability of 95 %: smaller distances of other laws are not
+    /// resolved.
     pub ks_resolution: f64,
 }
 
@@ -174,6 +97,8 @@ pub struct Results {
     pub reference: Reference,
     /// One entry for each of [`Method::ALL`].
     pub methods: Vec<MethodResult>,
+    /// Laws of the scalars of the whole contact.
+    pub scalars: Vec<ScalarResult>,
 }
 
 impl Study {
@@ -196,54 +121,128 @@ impl Study {
     /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
     pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
         self.validate(problem)?;
-        let reference = self.sample(problem, SamplingMethod::MonteCarlo, "pressure/reference", monitor)?;
-        let reference = Reference {
-            samples: reference.posed(),
-            law: reference.law()?,
-            contact_probability: reference.contact_probability(),
-            contact_probability_se: reference.contact_probability_se(),
-            ks_resolution: 1.358 / (reference.len() as f64).sqrt(),
-            failures: reference.failures().to_vec(),
+        let stride = site_stride(problem);
+        let monte_carlo = |stage, samples| {
+            let sampling = Sampling::monte_carlo(self.seed, stage, samples, self.valid_share);
+            solve(problem, Sampling { site_stride: stride, ..sampling }, monitor)
         };
-        let monte_carlo = self.sample(problem, SamplingMethod::MonteCarlo, "pressure/monte_carlo", monitor)?;
-        let latin = self.sample(problem, SamplingMethod::LatinHypercube, "pressure/latin_hypercube", monitor)?;
-        let sobol = match self.sample(problem, SamplingMethod::Sobol, "pressure/sobol", monitor) {
-            Err(PressureError::Sampling(reason)) => Err(MethodError::from(reason)),
-            Err(error) => return Err(error),
-            Ok(samples) => Ok(samples),
+        let reference = self.reference(&monte_carlo("pressure/reference", self.reference_samples)?)?;
+        let monte_carlo = monte_carlo("pressure/monte_carlo", self.fine_solves)?;
+        let stratified = |method, stage| {
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_share);
+            match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
+                Err(PressureError::Sampling(reason)) => Ok(Err(MethodError::from(reason))),
+                Err(error) => Err(error),
+                Ok(samples) => Ok(Ok(samples)),
+            }
         };
+        let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
+        let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
+        let nested = NestedSamples::solve(problem, &monte_carlo, self.seed, monitor)?;
         let fresh = self.fresh_germs(self.variables)?;
         let basis = Basis::hermite(self.variables, self.degree)?;
+        let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Estimate, MethodError>| match &nested {
+            Ok(nested) => estimate(nested),
+            Err(reason) => Err(reason.clone()),
+        };
+        let replicated = |samples: &Result<Samples, MethodError>| match samples {
+            Ok(samples) => Ok(Estimate::of_replicates(samples, self.seed)?),
+            Err(reason) => Err(PressureError::Method(reason.clone())),
+        };
         let mut methods = Vec::with_capacity(Method::ALL.len());
         for method in Method::ALL {
-            let (samples, estimate) = match method {
-                Method::MonteCarlo => (Some(&monte_carlo), Ok(empirical(&monte_carlo)?)),
-                Method::LatinHypercube => (Some(&latin), Ok(empirical(&latin)?)),
-                Method::Sobol => match &sobol {
-                    Ok(samples) => (Some(samples), Ok(empirical(samples)?)),
-                    Err(reason) => (None, Err(reason.clone())),
-                },
-                Method::PolynomialChaos => {
-                    (Some(&latin), expansion::estimate(Response::Pressure, &latin, basis.clone(), &fresh))
+            let stratified = match method {
+                Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => Some(&latin),
+                Method::Sobol => Some(&sobol),
+                _ => None,
+            };
+            let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
+            let expanded = |response| match &latin {
+                Ok(latin) => expansion::estimate(response, latin, basis.clone(), &fresh, self.seed),
+                Err(reason) => Err(reason.clone()),
+            };
+            let estimate = match method {
+                Method::MonteCarlo => Ok(Estimate::of_independent(&monte_carlo, self.seed)?),
+                Method::LatinHypercube => method_error(replicated(&latin))?,
+                Method::Sobol => method_error(replicated(&sobol))?,
+                Method::PolynomialChaos => expanded(Response::Pressure),
+                Method::PolynomialChaosLog => expanded(Response::Logarithm),
+                Method::ControlVariate => {
+                    by_nested(&|nested| Ok(nested.estimate_by_germ(Quantity::Pressure, problem, self.seed)?.into()))
                 }
-                Method::PolynomialChaosLog => {
-                    (Some(&latin), expansion::estimate(Response::Logarithm, &latin, basis.clone(), &fresh))
+                Method::Multilevel => {
+                    by_nested(&|nested| Ok(nested.estimate_plain(Quantity::Pressure, problem, self.seed)?.into()))
                 }
+                Method::PooledSites if stride.is_none() => Err(MethodError::NotStationary),
+                Method::PooledSites => Ok(Estimate::of_sites(&monte_carlo, self.seed)?),
                 Method::Default => {
-                    (Some(&monte_carlo), self.local_variables(problem, &monte_carlo, monitor)?.estimate(self, problem))
+                    by_nested(&|nested| Ok(nested.estimate(Quantity::Pressure, problem, self.seed)?.into()))
                 }
             };
+            let uses_coarse = matches!(method, Method::Multilevel | Method::Default);
             methods.push(MethodResult {
                 method,
                 fine_solves: samples.map_or(0, Samples::posed),
+                coarse_solves: match &nested {
+                    Ok(nested) if uses_coarse => nested.coarse_solves(),
+                    _ => Vec::new(),
+                },
                 failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
                 outcome: estimate.map(|estimate| {
-                    let comparison = Comparison::between(&estimate.law, &reference.law);
+                    let comparison = Comparison::between(&estimate.law, &reference.estimate.law);
                     (estimate, comparison)
                 }),
             });
         }
-        Ok(Results { reference, methods })
+        let scalars = match &nested {
+            Ok(nested) => self.scalars(problem, nested),
+            Err(_) => Vec::new(),
+        };
+        Ok(Results { reference, methods, scalars })
+    }
+
+    fn reference(&self, samples: &Samples) -> Result<Reference, PressureError> {
+        let sites = samples.sites().first().map_or(0, Vec::len);
+        let estimate = if sites > 0 {
+            Estimate::of_sites(samples, self.seed)?
+        } else {
+            Estimate::of_independent(samples, self.seed)?
+        };
+        let ks_resolution = match &estimate.band {
+            Some(band) if sites > 0 => {
+                band.simultaneous_factor * band.standard_errors.iter().copied().fold(0.0, f64::max)
+            }
+            _ => 1.358 / (samples.len() as f64).sqrt(),
+        };
+        let failures = samples.failures().to_vec();
+        Ok(Reference { samples: samples.posed(), failures, sites: sites.max(1), estimate, ks_resolution })
+    }
+
+    /// The laws of the scalars; those that cannot be had are left out.
+    fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
+        let scalar = |quantity: Quantity| {
+            let found = nested.estimate(quantity, problem, self.seed).ok()?;
+            let quantile = |probability: f64| {
+                let at = |shift: f64| {
+                    let reached = |value: &&f64| {
+                        found.law.cdf(**value) + shift * found.band.standard_error_at(**value) >= probability
+                    };
+                    let values = found.law.values();
+                    values.iter().find(reached).or(values.last()).copied().unwrap_or(f64::NAN)
+                };
+                let factor = found.band.pointwise_factor;
+                let interval = Interval { low: at(factor), high: at(-factor) };
+                QuantileResult { probability, value: found.law.quantile(probability), interval }
+            };
+            Some(ScalarResult {
+                quantity,
+                mean: found.mean,
+                mean_se: found.mean_se,
+                quantiles: [0.1, 0.5, 0.9].into_iter().map(quantile).collect(),
+                law: found.law.clone(),
+            })
+        };
+        Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Pressure).filter_map(scalar).collect()
     }
 
     fn validate(&self, problem: &Problem<'_>) -> Result<(), PressureError> {
@@ -275,17 +274,6 @@ impl Study {
         Ok(())
     }
 
-    fn sample(
-        &self,
-        problem: &Problem<'_>,
-        method: SamplingMethod,
-        stage: &str,
-        monitor: &dyn Monitor,
-    ) -> Result<Samples, PressureError> {
-        let samples = if stage.ends_with("reference") { self.reference_samples } else { self.fine_solves };
-        solve(problem, method, self.seed, stage, samples, self.valid_share, monitor)
-    }
-
     /// Germs on which expansions are evaluated.
     fn fresh_germs(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
         let design = self.fresh_design("pressure/expansion", variables)?;
@@ -296,79 +284,20 @@ impl Study {
         Ok(Design::new(SamplingMethod::MonteCarlo, self.seed, stage, self.surrogate_samples, variables)?)
     }
 
-    /// Local variables of the solved samples and of fresh maps.
-    fn local_variables(
-        &self,
-        problem: &Problem<'_>,
-        samples: &Samples,
-        monitor: &dyn Monitor,
-    ) -> Result<Local, PressureError> {
-        let separations_m = samples.observations().iter().map(|o| o.separation_m);
-        let local = LocalVariables::new(problem, self.variables, separations_m.sum::<f64>() / samples.len() as f64);
-        let design = self.fresh_design("pressure/local", problem.surface().germ_len())?;
-        let (solved, total) = (samples.len(), samples.len() + design.samples());
-        let done = AtomicUsize::new(0);
-        let rows: Vec<Option<Vec<f64>>> = (0..total)
-            .into_par_iter()
-            .map(|i| {
-                if monitor.cancelled() {
-                    return Err(Cancelled);
-                }
-                let germ = if i < solved { samples.germ(i) } else { design.germ(i - solved) };
-                let row = local.of(&problem.surface().generate(&germ));
-                monitor.progress("pressure/local", done.fetch_add(1, Ordering::Relaxed) + 1, total);
-                Ok(row)
-            })
-            .collect::<Result<_, Cancelled>>()?;
-        let mut rows = rows.into_iter();
-        let (fine, observed) = samples
-            .observations()
-            .iter()
-            .zip(rows.by_ref().take(solved))
-            .filter_map(|(observation, row)| Some((row?, *observation)))
-            .unzip();
-        Ok(Local { fine, observed, fresh: rows.flatten().collect(), maps: design.samples() })
-    }
 }
 
-/// What the default method is estimated from.
-struct Local {
-    fine: Vec<Vec<f64>>,
-    observed: Vec<Observation>,
-    fresh: Vec<Vec<f64>>,
-    /// Fresh maps generated.
-    maps: usize,
+/// Every so many cells that pressures are pooled of, where all cells have one law.
+fn site_stride(problem: &Problem<'_>) -> Option<usize> {
+    let (ny, nx) = problem.half_space().grid().shape();
+    problem.cells_are_alike().then(|| (nx.min(ny) / SITES).max(1))
 }
 
-impl Local {
-    fn estimate(&self, study: &Study, problem: &Problem<'_>) -> Result<Estimate, MethodError> {
-        let (valid, maps) = (self.fresh.len(), self.maps);
-        if (valid as f64) < study.valid_share * maps as f64 {
-            return Err(MethodError::FreshMaps { valid, maps });
-        }
-        let latent = controlled::latent(&self.observed);
-        controlled::estimate(&self.fine, &latent, &self.fresh, study.degree, problem.hardness_pa())
-    }
-}
-
-/// The empirical law of a run.
-fn empirical(samples: &Samples) -> Result<Estimate, PressureError> {
-    Ok(Estimate {
-        law: samples.law()?,
-        contact_probability: samples.contact_probability(),
-        contact_probability_se: samples.contact_probability_se(),
-        coefficients: None,
-        leave_one_out_error: None,
-    })
-}
-
-impl Comparison {
-    fn between(law: &StepLaw, reference: &StepLaw) -> Self {
-        let std = reference.std();
-        Self {
-            ks_distance: kolmogorov_smirnov(law, reference),
-            wasserstein_1_over_std: (std > 0.0).then(|| wasserstein_1(law, reference) / std),
-        }
+/// A method's error apart from others.
+fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estimate, MethodError>, PressureError> {
+    match outcome {
+        Ok(estimate) => Ok(Ok(estimate)),
+        Err(PressureError::Method(reason)) => Ok(Err(reason)),
+        Err(error) => Err(error),
     }
 }
 
@@ -380,7 +309,7 @@ impl Results {
 
     /// `points` pressures in pascal, equally spaced from 0 to the largest of the reference.
     pub fn common_grid_pa(&self, points: usize) -> Vec<f64> {
-        let largest = self.reference.law.quantile(1.0);
+        let largest = self.reference.estimate.law.quantile(1.0);
         (0..points).map(|i| largest * i as f64 / (points.max(2) - 1) as f64).collect()
     }
 }
@@ -421,7 +350,7 @@ mod tests {
             let results = Study { variables: 1, ..small_study() }.run(problem, &Silent).unwrap();
             let left = |p: f64| if p <= 0.0 { 0.0 } else { cdf(p) };
             // 99.99 % point of √n D: 2.23.
-            let distance = kolmogorov_smirnov_to(&results.reference.law, cdf, left);
+            let distance = kolmogorov_smirnov_to(&results.reference.estimate.law, cdf, left);
             assert!(distance < 2.23 / 400.0_f64.sqrt(), "reference {distance:.4}");
             for method in [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol, Method::Default] {
                 let (estimate, _) = results.estimate(method).unwrap();
@@ -460,16 +389,16 @@ mod tests {
         let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let results = small_study().run(&problem, &Silent).unwrap();
         let reference = &results.reference;
-        assert!(reference.contact_probability < 0.5 + 4.0 * reference.contact_probability_se);
-        assert!(reference.contact_probability > 0.02);
+        assert!(reference.estimate.contact_probability < 0.5 + 4.0 * reference.estimate.contact_probability_se);
+        assert!(reference.estimate.contact_probability > 0.02);
         let (controlled, _) = results.estimate(Method::Default).unwrap();
         let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
         assert!(controlled.contact_probability_se < 0.8 * plain.contact_probability_se);
-        let error = controlled.contact_probability - reference.contact_probability;
-        let se = controlled.contact_probability_se.hypot(reference.contact_probability_se);
+        let error = controlled.contact_probability - reference.estimate.contact_probability;
+        let se = controlled.contact_probability_se.hypot(reference.estimate.contact_probability_se);
         assert!(error.abs() < 4.0 * se, "{error:.4} ± {se:.4}");
         let grid_pa = results.common_grid_pa(11);
-        assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.law.quantile(1.0)));
+        assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.estimate.law.quantile(1.0)));
     }
 
     #[test]

@@ -155,8 +155,8 @@ fn summary(results: &Results, mean_compliance_m_per_pa: Option<f64>, separation_
     });
     PressureResult {
         reference_samples: results.reference.samples,
-        contact_probability: results.reference.contact_probability,
-        contact_probability_se: results.reference.contact_probability_se,
+        contact_probability: results.reference.estimate.contact_probability,
+        contact_probability_se: results.reference.estimate.contact_probability_se,
         ks_resolution: results.reference.ks_resolution,
         failed_samples: results.reference.failures.len(),
         mean_compliance_m_per_pa,
@@ -168,7 +168,7 @@ fn summary(results: &Results, mean_compliance_m_per_pa: Option<f64>, separation_
 /// The CDF of every method on one grid of pressures: 0, quantiles of the reference, and even steps between.
 fn cdf_table(results: &Results) -> Table {
     const ROWS: usize = 400;
-    let reference = &results.reference.law;
+    let reference = &results.reference.estimate.law;
     let atom = reference.cdf(0.0);
     let highest = reference.quantile(1.0);
     let mut pressures = vec![0.0];

@@ -104,6 +104,36 @@ impl KarhunenLoeve {
         Ok(Self { grid, std_m: covariance.std_m(), route, eigenvalues_m2, basis })
     }
 
+    /// The first `modes` Fourier modes of `covariance` wrapped onto a periodic map, the constant one left out: the variance of the
+    /// others is scaled to the whole.
+    ///
+    /// # Errors
+    /// As [`KarhunenLoeve::new`], the constant mode not counted.
+    pub fn periodic_without_constant(
+        covariance: &dyn StationaryCovariance,
+        grid: Grid,
+        modes: usize,
+    ) -> Result<Self, GeneratorError> {
+        let points = grid.points() - 1;
+        if modes == 0 || modes > points {
+            return Err(GeneratorError::Modes { wanted: modes, points });
+        }
+        let fft = RealFft2::new(grid.nx(), grid.ny());
+        let spectrum = wrapped_spectrum(covariance, grid, &fft);
+        let mut fourier = FourierModes::new(grid, fft, &spectrum.eigenvalues_m2);
+        fourier.without_constant();
+        fourier.truncate(modes);
+        let eigenvalues_m2 = fourier.eigenvalues_m2().collect();
+        Ok(Self { grid, std_m: covariance.std_m(), route: ModesRoute::Periodic, eigenvalues_m2, basis: Basis::Fourier(fourier) })
+    }
+
+    /// The same scaled so that the modes hold the whole variance of the field, averaged over the map.
+    #[must_use]
+    pub fn rescaled(self) -> Self {
+        let captured = self.captured_variance();
+        Self { std_m: self.std_m / captured.sqrt(), ..self }
+    }
+
     /// Standard deviation σ of the field that is expanded, in metre.
     pub fn std_m(&self) -> f64 {
         self.std_m
@@ -204,6 +234,10 @@ impl RandomSurface for KarhunenLoeve {
             _ => germ.iter().zip(&self.eigenvalues_m2).map(|(xi, value)| self.std_m * value.sqrt() * xi).collect(),
         };
         map_of(self.grid, self.superpose(&weights))
+    }
+
+    fn is_periodic_and_stationary(&self) -> bool {
+        matches!(&self.basis, Basis::Fourier(modes) if modes.unpaired_share() < 1e-3)
     }
 }
 

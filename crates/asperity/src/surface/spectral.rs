@@ -155,6 +155,11 @@ impl RandomSurface for SpectralField {
         }
         map_of(self.grid, heights)
     }
+
+    fn is_periodic_and_stationary(&self) -> bool {
+        let fft = self.modes.fft();
+        (fft.ny(), fft.nx()) == self.grid.shape()
+    }
 }
 
 impl GaussianSurface for SpectralField {

@@ -167,6 +167,10 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
             map.heights_m().iter().zip(&self.inverse_std_per_m).map(|(g, inverse)| self.map.value(g * inverse));
         map_of(self.gaussian.grid(), heights.collect())
     }
+
+    fn is_periodic_and_stationary(&self) -> bool {
+        self.gaussian.is_periodic_and_stationary()
+    }
 }
 
 /// Why a surface could not be translated.

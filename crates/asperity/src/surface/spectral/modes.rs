@@ -134,6 +134,24 @@ impl FourierModes {
         self.modes.truncate(count);
     }
 
+    /// Share of the variance that modes without their partner, the sine of a cosine, hold: the last one at most. All others together
+    /// have the same variance everywhere.
+    pub(in crate::surface) fn unpaired_share(&self) -> f64 {
+        let total: f64 = self.eigenvalues_m2().sum();
+        match self.modes.last() {
+            Some(mode) if !mode.sine && mode.mirror != Some(mode.place) => mode.eigenvalue_m2 / total,
+            _ => 0.0,
+        }
+    }
+
+    /// Leaves the constant mode out and scales the others so that they hold its variance too.
+    pub(in crate::surface) fn without_constant(&mut self) {
+        let whole: f64 = self.eigenvalues_m2().sum();
+        self.modes.retain(|mode| mode.place != 0);
+        let scale = whole / self.eigenvalues_m2().sum::<f64>();
+        self.modes.iter_mut().for_each(|mode| mode.eigenvalue_m2 *= scale);
+    }
+
     /// The transform of the domain.
     pub(in crate::surface) fn fft(&self) -> &RealFft2 {
         &self.fft

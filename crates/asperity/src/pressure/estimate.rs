@@ -1,0 +1,163 @@
+//! A law, and how well it is known.
+
+use crate::chaos::StepLaw;
+use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
+use crate::pressure::band::{Band, Moments, Total};
+use crate::pressure::telescope::Telescoped;
+use crate::pressure::{PressureError, Samples};
+use crate::stats::{Interval, wilson_interval};
+
+/// Values at which distribution functions have bands.
+const NODES: usize = 64;
+/// Pressures that are pooled at most.
+const MOST_POOLED: usize = 1 << 22;
+
+/// A law and how it came about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The law of the pressure in pascal, with its atom at 0.
+    pub law: StepLaw,
+    /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
+    pub contact_probability: f64,
+    /// Its standard error,
+    pub contact_probability_se: f64,
+    /// and its 95 % interval.
+    pub contact_probability_interval: Interval,
+    /// E p in pascal, and its standard error.
+    pub mean_pa: f64,
+    /// See `mean_pa`.
+    pub mean_se_pa: f64,
+    /// The distribution function with its bands, at pressures in pascal that begin with 0.
+    pub band: Option<Band>,
+    /// Number of coefficients of the expansion, if any.
+    pub coefficients: Option<usize>,
+    /// Mean square leave-one-out error of the expanded quantity over its variance, if any. Above 1 the expansion
+    /// predicts worse than the mean.
+    pub leave_one_out_error: Option<f64>,
+}
+
+impl Estimate {
+    /// The empirical law of independent samples.
+    pub(super) fn of_independent(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
+        let law = samples.law()?;
+        let n = samples.len();
+        let contact_probability = samples.contact_probability();
+        let nodes = nodes(&law);
+        let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
+        Ok(Self {
+            contact_probability,
+            contact_probability_se: (contact_probability * (1.0 - contact_probability) / n as f64).sqrt(),
+            contact_probability_interval: wilson_interval(samples.in_contact(), n),
+            mean_pa: law.mean(),
+            mean_se_pa: law.std() / ((n - 1).max(1) as f64).sqrt(),
+            band: Some(Band::of_independent(&nodes, &cdf, n, seed)),
+            coefficients: None,
+            leave_one_out_error: None,
+            law,
+        })
+    }
+
+    /// The mean of the empirical laws of independent randomisations; what they differ by tells the errors.
+    pub(super) fn of_replicates(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
+        let law = samples.law()?;
+        let nodes = nodes(&law);
+        let mut replicates = vec![Vec::new(); samples.replicates()];
+        for (position, observation) in samples.observations().iter().enumerate() {
+            replicates[samples.replicate_of(position)].push(observation.pressure_pa);
+        }
+        replicates.retain(|pressures| !pressures.is_empty());
+        Self::of_groups(law, &nodes, replicates.into_iter(), Some(samples.replicates().saturating_sub(1)), seed)
+    }
+
+    /// The empirical law of many cells; each sample is one, however many cells it gives.
+    pub(super) fn of_sites(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
+        let each = samples.sites().first().map_or(1, Vec::len).max(1);
+        let kept = (MOST_POOLED / samples.len().max(1)).clamp(1, each);
+        let step = each.div_ceil(kept);
+        let pressures = |sites: &Vec<f32>| sites.iter().step_by(step).map(|p| f64::from(*p)).collect::<Vec<f64>>();
+        let pooled: Vec<f64> = samples.sites().iter().flat_map(pressures).collect();
+        let law = StepLaw::empirical(&pooled)?;
+        let nodes = nodes(&law);
+        Self::of_groups(law, &nodes, samples.sites().iter().map(pressures), None, seed)
+    }
+
+    /// By independent groups of pressures, whose law is that of all; of so few that their number matters, with their degrees of
+    /// freedom.
+    fn of_groups(
+        law: StepLaw,
+        nodes: &[f64],
+        groups: impl Iterator<Item = Vec<f64>>,
+        degrees_of_freedom: Option<usize>,
+        seed: u64,
+    ) -> Result<Self, PressureError> {
+        let mut moments = Moments::new(nodes.len() + 1);
+        for mut group in groups {
+            group.sort_by(f64::total_cmp);
+            let n = group.len() as f64;
+            let share = |t: &f64| group.partition_point(|p| p <= t) as f64 / n;
+            let mut values: Vec<f64> = nodes.iter().map(share).collect();
+            values.push(group.iter().sum::<f64>() / n);
+            moments.add(&values);
+        }
+        let mut total = Total::new(nodes.len() + 1);
+        total.add_mean(&moments);
+        let telescoped = Telescoped {
+            mean: total.value(nodes.len()),
+            mean_se: total.standard_error(nodes.len()),
+            band: total.band(nodes, degrees_of_freedom, seed),
+            law,
+            coefficients: None,
+            leave_one_out_error: None,
+        };
+        Ok(telescoped.into())
+    }
+}
+
+impl From<Telescoped> for Estimate {
+    fn from(found: Telescoped) -> Self {
+        let Telescoped { law, mean, mean_se, band, coefficients, leave_one_out_error } = found;
+        let contact_probability = 1.0 - band.cdf.first().copied().unwrap_or_else(|| law.cdf(0.0)).clamp(0.0, 1.0);
+        let contact_probability_se = band.standard_errors.first().copied().unwrap_or(0.0);
+        let [low, high] = if band.values.is_empty() { [0.0, 1.0] } else { band.pointwise(0) };
+        Self {
+            law,
+            contact_probability,
+            contact_probability_se,
+            contact_probability_interval: Interval { low: 1.0 - high, high: 1.0 - low },
+            mean_pa: mean,
+            mean_se_pa: mean_se,
+            band: Some(band),
+            coefficients,
+            leave_one_out_error,
+        }
+    }
+}
+
+/// Pressures from 0 on between which the law has about the same probability.
+pub(super) fn nodes(law: &StepLaw) -> Vec<f64> {
+    let atom = law.cdf(0.0);
+    let quantiles = (1..NODES).map(|k| law.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
+    let mut nodes: Vec<f64> = std::iter::once(0.0).chain(quantiles.filter(|t| *t > 0.0)).collect();
+    nodes.dedup();
+    nodes
+}
+
+/// Distances between an estimated law and the reference law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Kolmogorov–Smirnov distance.
+    pub ks_distance: f64,
+    /// Wasserstein-1 distance divided by the standard deviation of the reference law, atom at 0 included; `None` when that
+    /// is 0.
+    pub wasserstein_1_over_std: Option<f64>,
+}
+
+impl Comparison {
+    pub(super) fn between(law: &StepLaw, reference: &StepLaw) -> Self {
+        let std = reference.std();
+        Self {
+            ks_distance: kolmogorov_smirnov(law, reference),
+            wasserstein_1_over_std: (std > 0.0).then(|| wasserstein_1(law, reference) / std),
+        }
+    }
+}

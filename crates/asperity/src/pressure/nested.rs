@@ -1,0 +1,314 @@
+//! Samples of a pressure on several models: many on coarse ones, few on the fine one.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use crate::chaos::{Design, SamplingMethod, StepLaw};
+use crate::monitor::{Cancelled, Monitor};
+use crate::pressure::adapted::Adapted;
+use crate::pressure::coarse::{Coarse, generation_work, solution_work};
+use crate::pressure::telescope::{self, Nested, Settings, Telescoped};
+use crate::pressure::{MethodError, Observation, PressureError, Problem, Samples};
+
+/// Samples on which it is seen what a coarse model is worth.
+const PILOT: usize = 500;
+/// Coarse solutions beyond the fine samples may cost this share of the fine ones.
+const COARSE_SHARE: f64 = 1.0;
+/// Degree of the polynomials by which a model predicts the next.
+const DEGREE: usize = 3;
+/// Most variables of the rotated germ.
+const MOST_VARIABLES: usize = 3;
+
+/// A scalar that each contact has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Pressure of the problem's cell in pascal; 0 out of contact.
+    Pressure,
+    /// Share A_c/A of the cells in contact.
+    ContactFraction,
+    /// Load over the nominal area in pascal.
+    MeanPressure,
+    /// Mean gap in metre.
+    MeanGap,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Pressure, Self::ContactFraction, Self::MeanPressure, Self::MeanGap];
+
+    /// The value, continued beyond its bounds where that is known: out of contact the pressure says nothing about how far from
+    /// contact the cell is, the gap does; at the hardness it says nothing about how far the cell yields, the plastic displacement
+    /// does. `kappa` is the pressure that such a metre counts as.
+    fn latent(self, observation: &Observation, kappa: f64) -> f64 {
+        match self {
+            Self::Pressure => {
+                observation.pressure_pa + kappa * (observation.plastic_displacement_m - observation.gap_m)
+            }
+            Self::ContactFraction => observation.contact_fraction,
+            Self::MeanPressure => observation.mean_pressure_pa,
+            Self::MeanGap => observation.mean_gap_m,
+        }
+    }
+
+    /// Bounds of the value.
+    fn bounds(self, problem: &Problem<'_>) -> [f64; 2] {
+        match self {
+            Self::Pressure => [0.0, problem.hardness_pa().unwrap_or(f64::INFINITY)],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+}
+
+/// The ratio of the spreads of the pressures in contact and of the gaps out of it; 1 where one of them has none.
+pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
+    let spread = |in_contact: bool, quantity: fn(&Observation) -> f64| {
+        let chosen = observations.iter().filter(|o| (o.pressure_pa > 0.0) == in_contact).map(|o| (quantity(o), 1.0));
+        StepLaw::weighted(chosen).map_or(0.0, |law| law.std())
+    };
+    let (pressure_pa, gap_m) = (spread(true, |o| o.pressure_pa), spread(false, |o| o.gap_m));
+    if pressure_pa > 0.0 && gap_m > 0.0 { pressure_pa / gap_m } else { 1.0 }
+}
+
+/// Contact solutions on the fine grid and on coarser ones.
+#[derive(Debug)]
+pub(super) struct NestedSamples {
+    /// Models used, the coarsest first.
+    models: Vec<Coarse>,
+    /// What they say of the leading samples, each.
+    coarse: Vec<Vec<Observation>>,
+    fine: Vec<Observation>,
+    /// Standard normal variables of all samples.
+    normal: Vec<Vec<f64>>,
+}
+
+/// Solutions of one coarse model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CoarseSolves {
+    /// Rows and columns of its grid.
+    pub shape: (usize, usize),
+    /// Number of solutions.
+    pub solves: usize,
+}
+
+impl NestedSamples {
+    /// Solves the germs of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
+    /// on them as pays: for the least variance at given work every model gets samples in proportion to √(V/w), with the variance V
+    /// that it takes away and its work w per sample.
+    ///
+    /// # Errors
+    /// The design cannot be made, or the monitor cancels.
+    pub(super) fn solve(
+        problem: &Problem<'_>,
+        fine: &Samples,
+        seed: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<Result<Self, MethodError>, PressureError> {
+        let ladder = Coarse::ladder(problem);
+        let germs: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.germ(i)).collect();
+        let solved = observe(problem, &ladder, &germs, "pressure/coarse", monitor)?;
+        // A sample that a coarse model cannot have is left out.
+        let kept: Vec<usize> = (0..fine.len()).filter(|i| solved[*i].is_some()).collect();
+        let observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
+        let germs: Vec<Vec<f64>> = kept.iter().map(|i| germs[*i].clone()).collect();
+        let mut coarse = columns(solved.into_iter().flatten(), ladder.len());
+        let kappa = kappa_pa_per_m(&observations);
+        let values: Vec<f64> = observations.iter().map(|o| Quantity::Pressure.latent(o, kappa)).collect();
+        let adapted = match Adapted::new(problem, MOST_VARIABLES, DEGREE, &germs, &values) {
+            Ok(adapted) => adapted,
+            Err(error) => return Ok(Err(error)),
+        };
+        let mut samples = Self {
+            models: ladder,
+            coarse: std::mem::take(&mut coarse),
+            normal: germs.iter().map(|germ| adapted.of(germ)).collect(),
+            fine: observations,
+        };
+        let plan = match samples.plan(problem, seed) {
+            Ok(plan) => plan,
+            Err(error) => return Ok(Err(error)),
+        };
+        samples.keep(&plan);
+        let more = plan.iter().map(|(_, more)| *more).max().unwrap_or(0);
+        if more > 0 {
+            let design =
+                Design::new(SamplingMethod::MonteCarlo, seed, "pressure/more", more, problem.surface().germ_len())?;
+            let counts: Vec<usize> = plan.iter().map(|(_, more)| *more).collect();
+            samples.add(problem, &design, &counts, &adapted, monitor)?;
+        }
+        Ok(Ok(samples))
+    }
+
+    /// Which models to use, and on how many samples more.
+    fn plan(&self, problem: &Problem<'_>, seed: u64) -> Result<Vec<(usize, usize)>, MethodError> {
+        let fine_work = mean_work(problem.half_space().grid().shape(), &self.fine);
+        let generation = generation_work(problem.half_space().grid().shape());
+        let works: Vec<f64> = self
+            .models
+            .iter()
+            .zip(&self.coarse)
+            .map(|(model, observations)| generation + mean_work(model.shape(), observations))
+            .collect();
+        let pilot = self.fine.len().min(PILOT);
+        let mut best = (f64::INFINITY, Vec::new());
+        for subset in 0..1_usize << self.models.len() {
+            let used: Vec<usize> = (0..self.models.len()).filter(|l| subset >> l & 1 == 1).collect();
+            let nested = self.nested(Quantity::Pressure, &used, |_| pilot);
+            let variances = telescope::bracket_variances(&nested, &self.settings(Quantity::Pressure, problem, seed))?;
+            // Of the fine model first, then of those used from the finest down.
+            let costs: Vec<f64> = std::iter::once(fine_work).chain(used.iter().rev().map(|l| works[*l])).collect();
+            let whole: f64 = variances.iter().zip(&costs).map(|(v, w)| (v * w).sqrt()).sum();
+            if whole < best.0 {
+                let ratio = |v: f64, w: f64| (v * fine_work / (variances[0] * w)).sqrt().max(1.0);
+                let mut more: Vec<f64> =
+                    variances.iter().zip(&costs).skip(1).map(|(v, w)| self.fine.len() as f64 * (ratio(*v, *w) - 1.0)).collect();
+                // Models are nested: a coarser one has no fewer samples.
+                for l in 1..more.len() {
+                    more[l] = more[l].max(more[l - 1]);
+                }
+                let cost: f64 = more.iter().zip(&costs[1..]).map(|(n, w)| n * w).sum();
+                let scale = (COARSE_SHARE * self.fine.len() as f64 * fine_work / cost).min(1.0);
+                let counts = more.iter().rev().map(|n| if n.is_finite() { (scale * n) as usize } else { 0 });
+                best = (whole, used.into_iter().zip(counts).collect());
+            }
+        }
+        Ok(best.1)
+    }
+
+    /// Keeps the models of the plan.
+    fn keep(&mut self, plan: &[(usize, usize)]) {
+        let used = |l: usize| plan.iter().any(|(own, _)| *own == l);
+        let mut l = 0;
+        self.models.retain(|_| {
+            l += 1;
+            used(l - 1)
+        });
+        l = 0;
+        self.coarse.retain(|_| {
+            l += 1;
+            used(l - 1)
+        });
+    }
+
+    /// Solves the leading `counts` germs of a design on the models.
+    fn add(
+        &mut self,
+        problem: &Problem<'_>,
+        design: &Design,
+        counts: &[usize],
+        adapted: &Adapted,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Cancelled> {
+        let done = AtomicUsize::new(0);
+        type Row = (Vec<f64>, Vec<Observation>);
+        let rows: Vec<Option<Row>> = (0..design.samples())
+            .into_par_iter()
+            .map_init(
+                || self.models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
+                |workspaces, index| {
+                    if monitor.cancelled() {
+                        return Err(Cancelled);
+                    }
+                    let germ = design.germ(index);
+                    let map = problem.surface().generate(&germ);
+                    let wanted = self.models.iter().zip(workspaces).zip(counts).filter(|(_, count)| index < **count);
+                    let said = wanted.map(|((model, workspace), _)| model.observe(problem, &map, workspace)).collect();
+                    monitor.progress("pressure/coarse", done.fetch_add(1, Ordering::Relaxed) + 1, design.samples());
+                    Ok(Option::<Vec<Observation>>::map(said, |said| (adapted.of(&germ), said)))
+                },
+            )
+            .collect::<Result<_, Cancelled>>()?;
+        // Where one was left out the samples of finer models remain the leading ones.
+        for (normal, said) in rows.into_iter().flatten() {
+            self.normal.push(normal);
+            self.coarse.iter_mut().zip(said).for_each(|(column, observation)| column.push(observation));
+        }
+        Ok(())
+    }
+
+    /// The law of a quantity by all models.
+    pub(super) fn estimate(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Result<Telescoped, MethodError> {
+        self.estimate_with(quantity, problem, self.settings(quantity, problem, seed))
+    }
+
+    /// The same without polynomials: models are taken at their word.
+    pub(super) fn estimate_plain(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Result<Telescoped, MethodError> {
+        let settings = Settings { fitted: false, ..self.settings(quantity, problem, seed) };
+        self.estimate_with(quantity, problem, settings)
+    }
+
+    /// The same without coarse models, by the variables of the rotated germ alone.
+    pub(super) fn estimate_by_germ(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Result<Telescoped, MethodError> {
+        let nested = self.nested(quantity, &[], |count| count);
+        telescope::estimate(&nested, &self.settings(quantity, problem, seed))
+    }
+
+    fn estimate_with(&self, quantity: Quantity, _problem: &Problem<'_>, settings: Settings) -> Result<Telescoped, MethodError> {
+        let used: Vec<usize> = (0..self.models.len()).collect();
+        telescope::estimate(&self.nested(quantity, &used, |count| count), &settings)
+    }
+
+    /// Number of solutions on each coarse model, the coarsest first.
+    pub(super) fn coarse_solves(&self) -> Vec<CoarseSolves> {
+        let count = |(model, said): (&Coarse, &Vec<Observation>)| CoarseSolves { shape: model.shape(), solves: said.len() };
+        self.models.iter().zip(&self.coarse).map(count).collect()
+    }
+
+    fn settings(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Settings {
+        let [least, largest] = quantity.bounds(problem);
+        Settings { seed, degree: DEGREE, fitted: true, least, largest }
+    }
+
+    /// The values of a quantity on the used models and the fine one, of as many leading samples as `kept` says.
+    fn nested(&self, quantity: Quantity, used: &[usize], kept: impl Fn(usize) -> usize) -> Nested {
+        let kappa = kappa_pa_per_m(&self.fine);
+        let values = |observations: &[Observation]| -> Vec<f64> {
+            observations[..kept(observations.len())].iter().map(|o| quantity.latent(o, kappa)).collect()
+        };
+        let mut models: Vec<Vec<f64>> = used.iter().map(|l| values(&self.coarse[*l])).collect();
+        models.push(values(&self.fine));
+        let most = models.iter().map(Vec::len).max().unwrap_or(0);
+        Nested { normal: self.normal[..most].to_vec(), models }
+    }
+}
+
+fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
+    let iterations = observations.iter().map(|o| o.iterations as f64).sum::<f64>() / observations.len().max(1) as f64;
+    solution_work(shape, iterations)
+}
+
+/// What every model says of each germ; `None` where one of them cannot.
+fn observe(
+    problem: &Problem<'_>,
+    models: &[Coarse],
+    germs: &[Vec<f64>],
+    stage: &str,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<Vec<Observation>>>, Cancelled> {
+    let done = AtomicUsize::new(0);
+    germs
+        .par_iter()
+        .map_init(
+            || models.iter().map(Coarse::workspace).collect::<Vec<_>>(),
+            |workspaces, germ| {
+                if monitor.cancelled() {
+                    return Err(Cancelled);
+                }
+                let map = problem.surface().generate(germ);
+                let said = models.iter().zip(workspaces).map(|(model, workspace)| model.observe(problem, &map, workspace));
+                let said = said.collect();
+                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, germs.len());
+                Ok(said)
+            },
+        )
+        .collect()
+}
+
+/// Rows as columns.
+fn columns(rows: impl Iterator<Item = Vec<Observation>>, count: usize) -> Vec<Vec<Observation>> {
+    let mut columns = vec![Vec::new(); count];
+    for row in rows {
+        columns.iter_mut().zip(row).for_each(|(column, observation)| column.push(observation));
+    }
+    columns
+}
