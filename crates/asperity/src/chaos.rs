@@ -24,11 +24,13 @@ mod multi_index;
 pub mod polynomial;
 mod regression;
 pub mod sampling;
+mod sparse;
 
 pub use basis::{Basis, BasisError};
 pub use distance::{DistanceError, StepLaw};
 pub use expansion::Expansion;
 pub use multi_index::{MAX_TERMS, MultiIndexError, MultiIndexSet, number_of_terms};
 pub use polynomial::Family;
-pub use regression::{Fit, LeastSquares, LeaveOneOut, RegressionError};
+pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
 pub use sampling::{Design, SamplingError, SamplingMethod};
+pub use sparse::{Attempt, Candidates, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason};
