@@ -33,4 +33,6 @@ pub use multi_index::{MAX_TERMS, MultiIndexError, MultiIndexSet, number_of_terms
 pub use polynomial::Family;
 pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
 pub use sampling::{Design, SamplingError, SamplingMethod};
-pub use sparse::{Attempt, Candidates, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason};
+pub use sparse::{
+    Attempt, Candidates, SizeCriterion, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason,
+};

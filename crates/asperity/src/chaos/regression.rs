@@ -128,7 +128,10 @@ impl LeastSquares {
             return Err(RegressionError::RankDeficient { samples, coefficients, condition });
         }
         let q = qr.compute_thin_Q();
-        let leverages = (0..samples).map(|i| (0..coefficients).map(|j| q[(i, j)] * q[(i, j)]).sum()).collect();
+        let mut leverages = vec![0.0; samples];
+        for column in q.col_iter() {
+            leverages.iter_mut().zip(column.iter()).for_each(|(h, q)| *h += q * q);
+        }
         Ok(Self { qr, q, leverages, condition })
     }
 

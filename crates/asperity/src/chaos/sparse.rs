@@ -1,7 +1,7 @@
 //! Sparse regression: few of many candidate functions, more candidates than samples allowed.
 //!
 //! [`Candidates`] is the design matrix, [`SparseRegression`] says how terms are found and when to stop, [`SparseFit`] is the
-//! model whose corrected leave-one-out error is least. Where no model predicts the response better than its mean does, the
+//! model whose error is least by the [`SizeCriterion`]. Where no model predicts the response better than its mean does, the
 //! answer is an error, never a constant.
 //!
 //! ```
@@ -17,6 +17,7 @@
 //! ```
 
 mod candidates;
+mod cross_validation;
 mod growing_fit;
 mod least_angle;
 mod matching_pursuit;
@@ -57,21 +58,42 @@ pub enum SparseMethod {
     SubspacePursuit,
 }
 
+/// How the number of terms is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SizeCriterion {
+    /// The least corrected leave-one-out error, [`Attempt::corrected`]: one path. It does not know that the terms were
+    /// chosen with the sample left out. Where a response has noise, matching pursuit among more candidates than samples finds
+    /// models of almost as many terms as samples whose leave-one-out error vanishes, and which predict nothing.
+    CorrectedLeaveOneOut,
+    /// The least error of terms chosen and fitted without each of `folds` parts of the samples, on that part: a path for
+    /// each part, and one of that many terms on all samples. The parts are a fixed random partition.
+    ///
+    /// # References
+    /// Stone, *J. R. Stat. Soc. B* **36** (1974) 111, <https://doi.org/10.1111/j.2517-6161.1974.tb00994.x>.
+    CrossValidation {
+        /// Parts, at least two; as many as samples at most.
+        folds: usize,
+    },
+}
+
 /// A sparse regression: the method, and when it stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SparseRegression {
     /// How terms are found.
     pub method: SparseMethod,
+    /// How their number is chosen.
+    pub size: SizeCriterion,
     /// Most terms of a model, the constant included; beside it the samples less one are the bound.
     pub max_terms: Option<usize>,
-    /// A path ends when the corrected leave-one-out error has not reached a new minimum for this share of the largest
+    /// With the corrected leave-one-out error a path ends when it has not reached a new minimum for this share of the largest
     /// number of terms, and for ten terms. With 1 the whole path is walked. Subspace pursuit has no path.
     pub patience: f64,
 }
 
 impl Default for SparseRegression {
     fn default() -> Self {
-        Self { method: SparseMethod::default(), max_terms: None, patience: 0.1 }
+        let size = SizeCriterion::CrossValidation { folds: 10 };
+        Self { method: SparseMethod::default(), size, max_terms: None, patience: 0.1 }
     }
 }
 
@@ -83,13 +105,23 @@ pub struct Attempt {
     /// Mean square error of predicting each of the N samples from all others, divided by the sample variance (N−1) of the
     /// response; `None` when a sample alone determines a coefficient.
     pub leave_one_out: Option<f64>,
-    /// The same times N/(N−P) · (1 + tr (AᵀA)⁻¹), for the P columns A of the model: what choosing from many is expected to
-    /// have taken off the error. The trace supposes functions of unit mean square.
+    /// The same times N/(N−P) · (1 + tr (AᵀA)⁻¹), for the P columns A of the model: what fitting on the
+    /// samples is expected to have taken off the error. The trace supposes functions of unit mean square.
     ///
     /// # References
     /// Chapelle, Vapnik & Bengio, *Mach. Learn.* **48** (2002) 9, <https://doi.org/10.1023/A:1013943418833>;
     /// Blatman & Sudret 2011 (see [`SparseMethod::LeastAngle`]).
     pub corrected: Option<f64>,
+    /// Mean square error of choosing and fitting so many terms by cross-validation, divided by the same variance; where it
+    /// was computed.
+    pub cross_validated: Option<f64>,
+}
+
+impl Attempt {
+    /// The error by which models are compared; infinite when a sample is undetermined.
+    fn error(&self) -> f64 {
+        self.cross_validated.or(self.corrected).unwrap_or(f64::INFINITY)
+    }
 }
 
 /// Why no more models were tried.
@@ -105,7 +137,7 @@ pub enum StopReason {
     Exhausted,
 }
 
-/// The model whose corrected leave-one-out error is least.
+/// The model whose error is least.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseFit {
     /// Columns of the candidates in the order in which they entered; the constant, if there is one, is first.
@@ -114,8 +146,8 @@ pub struct SparseFit {
     pub coefficients: Vec<f64>,
     /// Prediction of each sample from all others.
     pub leave_one_out: LeaveOneOut,
-    /// Corrected leave-one-out error, see [`Attempt::corrected`].
-    pub corrected: f64,
+    /// Its errors.
+    pub chosen: Attempt,
     /// Ratio of the largest to the smallest singular value of the terms' columns.
     pub condition: f64,
     /// All models that were tried.
@@ -173,13 +205,13 @@ pub enum SparseError {
     },
     /// No model predicts better than the mean of the response.
     #[error(
-        "none of {tried} models predicts the response better than its mean: corrected leave-one-out error {} at best, {of_the_mean:.4} of the mean",
-        attempts.first().and_then(|attempt| attempt.corrected).map_or_else(|| "undetermined".to_owned(), |e| format!("{e:.4}"))
+        "none of {tried} models predicts the response better than its mean: error {:.4} at best, {of_the_mean:.4} of the mean",
+        attempts.first().map_or(f64::INFINITY, Attempt::error)
     )]
     NothingPredicts {
         /// Number of models tried.
         tried: usize,
-        /// Corrected leave-one-out error of the mean.
+        /// Error of the mean by the same criterion.
         of_the_mean: f64,
         /// The best of them, best first.
         attempts: Vec<Attempt>,
@@ -193,9 +225,9 @@ const REPORTED: usize = 5;
 const LEAST_PATIENCE: usize = 10;
 
 impl SparseRegression {
-    /// The best model of one response.
+    /// The best model of one response. See [`SizeCriterion`] for what its errors say.
     ///
-    /// Costs a product with the matrix for each term (for each exchange, of subspace pursuit), and memory for the square of
+    /// A path costs a product with the matrix for each term (for each exchange, of subspace pursuit), and memory for the square of
     /// the number of samples. The same bits for any number of threads.
     ///
     /// # Errors
@@ -217,14 +249,26 @@ impl SparseRegression {
             return Err(SparseError::NoCandidates { columns: candidates.columns() });
         }
         let limit = self.term_limit(candidates);
-        let start = GrowingFit::new(candidates, response);
-        let patience = LEAST_PATIENCE.max((self.patience * limit as f64).ceil() as usize);
-        let search = match self.method {
+        match self.size {
+            SizeCriterion::CorrectedLeaveOneOut => {
+                let patience = LEAST_PATIENCE.max((self.patience * limit as f64).ceil() as usize);
+                let n = samples as f64;
+                // P = 1, AᵀA = n, and every leverage 1/n.
+                let of_the_mean = (n / (n - 1.0)).powi(2) * (1.0 + 1.0 / n);
+                self.search(GrowingFit::new(candidates, response), limit, patience).finish(response, of_the_mean)
+            }
+            SizeCriterion::CrossValidation { folds } => {
+                cross_validation::select(self, candidates, response, limit, folds)
+            }
+        }
+    }
+
+    fn search<'a, 'c>(&self, start: GrowingFit<'a, 'c>, limit: usize, patience: usize) -> Search<'a, 'c> {
+        match self.method {
             SparseMethod::OrthogonalMatchingPursuit => matching_pursuit::search(start, limit, patience),
             SparseMethod::LeastAngle => least_angle::search(start, limit, patience),
             SparseMethod::SubspacePursuit => subspace_pursuit::search(start, limit),
-        };
-        search.finish(response)
+        }
     }
 
     /// Most terms of a model; one sample more than terms is needed to estimate an error.
@@ -244,34 +288,34 @@ struct Search<'a, 'c> {
     stop_reason: StopReason,
 }
 
-impl Search<'_, '_> {
-    fn finish(self, response: &[f64]) -> Result<SparseFit, SparseError> {
-        let n = response.len() as f64;
-        // P = 1, AᵀA = n, and every leverage 1/n.
-        let of_the_mean = (n / (n - 1.0)).powi(2) * (1.0 + 1.0 / n);
-        let mut attempts = self.path.clone();
-        attempts.sort_by(|a, b| error_of(a).total_cmp(&error_of(b)));
-        let corrected = attempts.first().map_or(f64::INFINITY, error_of);
-        if corrected >= of_the_mean {
+impl<'a, 'c> Search<'a, 'c> {
+    /// A model that was searched for alone.
+    fn of_one(fit: GrowingFit<'a, 'c>) -> Self {
+        let stop_reason = if fit.is_exact() { StopReason::Exact } else { StopReason::TermLimit };
+        Self { best: fit.terms().len(), path: vec![fit.assess()], fit, stop_reason }
+    }
+
+    /// The best model, unless the mean alone is better.
+    fn finish(self, response: &[f64], of_the_mean: f64) -> Result<SparseFit, SparseError> {
+        let best = self.path.iter().copied().min_by(|a, b| a.error().total_cmp(&b.error()));
+        let Some(chosen) = best.filter(|best| best.error() < of_the_mean) else {
+            let mut attempts = self.path;
+            let tried = attempts.len();
+            attempts.sort_by(|a, b| a.error().total_cmp(&b.error()));
             attempts.truncate(REPORTED);
-            return Err(SparseError::NothingPredicts { tried: self.path.len(), of_the_mean, attempts });
-        }
+            return Err(SparseError::NothingPredicts { tried, of_the_mean, attempts });
+        };
         let (residuals, leverages) = self.fit.residuals_and_leverages(response, self.best);
         Ok(SparseFit {
             terms: self.fit.terms()[..self.best].to_vec(),
             coefficients: self.fit.coefficients(self.best),
             leave_one_out: LeaveOneOut::of(response, &residuals, &leverages),
-            corrected,
+            chosen,
             condition: self.fit.condition(self.best),
             path: self.path,
             stop_reason: self.stop_reason,
         })
     }
-}
-
-/// The error by which models are compared; infinite when a sample is undetermined.
-fn error_of(attempt: &Attempt) -> f64 {
-    attempt.corrected.unwrap_or(f64::INFINITY)
 }
 
 /// Mean, and the length of what differs from it.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{LeastSquares, RegressionError};
 
 /// Right-hand sides that are solved together.
-const BLOCK: usize = 512;
+const BLOCK: usize = 256;
 
 /// Coefficients of many right-hand sides, and how well they predict.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,17 +80,23 @@ impl LeastSquares {
         let weights: Option<Vec<f64>> =
             self.leverages.iter().map(|h| super::is_determined(*h, n).then(|| 1.0 / (1.0 - h))).collect();
         let Some(weights) = weights else { return vec![None; responses.ncols()] };
-        let mut residuals = responses.to_owned();
-        matmul(residuals.as_mut(), Accum::Add, &self.q, projections, -1.0, Par::Seq);
-        (0..responses.ncols())
-            .map(|j| {
-                let (response, residual) = (responses.col(j), residuals.col(j));
-                let square: f64 = residual.iter().zip(&weights).map(|(r, w)| (r * w).powi(2)).sum();
-                let mean = response.iter().sum::<f64>() / n;
-                let variance = response.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / (n - 1.0);
-                (variance > 0.0).then(|| square / n / variance)
-            })
-            .collect()
+        // Transposed, so that the sums run over rows that lie side by side.
+        let mut residuals = responses.transpose().to_owned();
+        let mut means = vec![0.0; responses.ncols()];
+        for column in residuals.col_iter() {
+            means.iter_mut().zip(column.iter()).for_each(|(mean, y)| *mean += y / n);
+        }
+        let mut variances = vec![0.0; means.len()];
+        for column in residuals.col_iter() {
+            let values = means.iter().zip(column.iter());
+            variances.iter_mut().zip(values).for_each(|(sum, (mean, y))| *sum += (y - mean).powi(2) / (n - 1.0));
+        }
+        matmul(residuals.as_mut(), Accum::Add, projections.transpose(), self.q.transpose(), -1.0, Par::Seq);
+        let mut squares = vec![0.0; means.len()];
+        for (column, weight) in residuals.col_iter().zip(&weights) {
+            squares.iter_mut().zip(column.iter()).for_each(|(sum, r)| *sum += (r * weight).powi(2) / n);
+        }
+        squares.iter().zip(&variances).map(|(square, variance)| (*variance > 0.0).then(|| square / variance)).collect()
     }
 }
 

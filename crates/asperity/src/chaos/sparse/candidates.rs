@@ -88,6 +88,11 @@ impl<'a> Candidates<'a> {
         self.constant
     }
 
+    /// The matrix.
+    pub(super) fn design(&self) -> ArrayView2<'_, f64> {
+        self.design.view()
+    }
+
     /// Number of columns that can be selected.
     pub(super) fn selectable(&self) -> usize {
         self.norms.iter().filter(|norm| **norm > 0.0).count()

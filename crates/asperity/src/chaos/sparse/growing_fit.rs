@@ -1,6 +1,7 @@
 //! Least squares that gains one column at a time, with its leave-one-out error.
 
 use faer::Mat;
+use ndarray::ArrayView1;
 
 use super::candidates::Candidates;
 use super::{Attempt, mean_and_spread};
@@ -139,7 +140,7 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
             .sum::<Option<f64>>();
         let leave_one_out = sum.map(|sum| sum / (n * self.variance));
         let factor = n / (n - terms as f64) * (1.0 + self.inverse_trace);
-        Attempt { terms, leave_one_out, corrected: leave_one_out.map(|error| error * factor) }
+        Attempt { terms, leave_one_out, corrected: leave_one_out.map(|error| error * factor), cross_validated: None }
     }
 
     /// Residuals and leverages of the model of the leading terms.
@@ -153,6 +154,22 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
             }
         }
         (residuals, leverages)
+    }
+
+    /// Errors at a row that was not fitted, of the models of 1, 2, … leading terms: the row's part of Q follows from R.
+    pub(super) fn errors_at(&self, row: ArrayView1<'_, f64>, value: f64) -> Vec<f64> {
+        let mut directions: Vec<f64> = Vec::with_capacity(self.terms.len());
+        let mut error = value;
+        let mut errors = Vec::with_capacity(self.terms.len());
+        for (number, &term) in self.terms.iter().enumerate() {
+            let column = self.triangle_column(number);
+            let known: f64 = column.iter().zip(&directions).map(|(r, q)| r * q).sum();
+            let direction = (row[term] - known) / column[number];
+            directions.push(direction);
+            error -= self.projections[number] * direction;
+            errors.push(error);
+        }
+        errors
     }
 
     /// Coefficients of the model of the leading terms.

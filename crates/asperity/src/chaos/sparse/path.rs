@@ -1,7 +1,7 @@
 //! What paths that gain one term at a time have in common.
 
 use super::growing_fit::GrowingFit;
-use super::{Attempt, Search, StopReason, error_of};
+use super::{Attempt, Search, StopReason};
 
 /// Squared share of a standardised column beside the terms at which it is rounding.
 const SPANNED: f64 = 1e-13;
@@ -72,8 +72,8 @@ impl<'a, 'c> Path<'a, 'c> {
     pub(super) fn note(&mut self) -> Option<StopReason> {
         let attempt = self.fit.assess();
         self.attempts.push(attempt);
-        if error_of(&attempt) < self.least {
-            (self.best, self.least) = (attempt.terms, error_of(&attempt));
+        if attempt.error() < self.least {
+            (self.best, self.least) = (attempt.terms, attempt.error());
         }
         if self.fit.is_exact() {
             Some(StopReason::Exact)

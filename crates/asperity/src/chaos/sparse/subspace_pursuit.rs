@@ -4,8 +4,9 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
+use super::candidates::Candidates;
 use super::growing_fit::GrowingFit;
-use super::{Attempt, Search, StopReason, error_of};
+use super::{Attempt, Search, StopReason};
 
 /// Numbers of terms tried first, spaced evenly in their logarithm, and then around the best.
 const COARSE: usize = 24;
@@ -18,8 +19,7 @@ const MAX_EXCHANGES: usize = 50;
 pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<'a, 'c> {
     let candidates = start.candidates();
     let constant = start.terms().len();
-    // Twice as many columns are fitted at once, and a sample has to be left.
-    let most = limit.min(candidates.samples().div_ceil(2)).saturating_sub(constant).min(candidates.selectable());
+    let most = most(candidates, limit, constant);
     let mut correlations = vec![0.0; candidates.columns()];
     candidates.correlate(start.residual(), &mut correlations);
     let pursue = |counts: Vec<usize>| -> Vec<(usize, Attempt, GrowingFit<'a, 'c>)> {
@@ -37,14 +37,14 @@ pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<
         // Nothing is correlated with the response, or all of it spanned: no model beside the constant.
         for (count, attempt, fit) in found.into_iter().filter(|(_, attempt, _)| attempt.terms > constant) {
             tried.push((count, attempt));
-            if best.as_ref().is_none_or(|(least, _)| error_of(&attempt) < error_of(least)) {
+            if best.as_ref().is_none_or(|(least, _)| attempt.error() < least.error()) {
                 best = Some((attempt, fit));
             }
         }
         tried.sort_by_key(|(count, _)| *count);
     };
     keep(pursue(spaced(1, most, COARSE)), &mut tried);
-    let at = (0..tried.len()).min_by(|&a, &b| error_of(&tried[a].1).total_cmp(&error_of(&tried[b].1)));
+    let at = (0..tried.len()).min_by(|&a, &b| tried[a].1.error().total_cmp(&tried[b].1.error()));
     if let Some(at) = at {
         let from = tried[at.saturating_sub(1)].0;
         let to = tried[(at + 1).min(tried.len() - 1)].0;
@@ -55,6 +55,24 @@ pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<
     let fit = best.map_or(start, |(_, fit)| fit);
     let stop_reason = if fit.is_exact() { StopReason::Exact } else { StopReason::TermLimit };
     Search { best: fit.terms().len(), fit, path, stop_reason }
+}
+
+/// Most terms beside the constant: twice as many columns are fitted at once, and a sample has to be left.
+fn most(candidates: &Candidates<'_>, limit: usize, constant: usize) -> usize {
+    limit.min(candidates.samples().div_ceil(2)).saturating_sub(constant).min(candidates.selectable())
+}
+
+/// Numbers of terms, the constant included, that are tried first.
+pub(super) fn sizes(candidates: &Candidates<'_>, limit: usize) -> Vec<usize> {
+    let constant = usize::from(candidates.constant().is_some());
+    spaced(1, most(candidates, limit, constant), COARSE).into_iter().map(|count| count + constant).collect()
+}
+
+/// The model of so many terms, the constant included.
+pub(super) fn of_size<'a, 'c>(start: GrowingFit<'a, 'c>, terms: usize) -> GrowingFit<'a, 'c> {
+    let mut correlations = vec![0.0; start.candidates().columns()];
+    start.candidates().correlate(start.residual(), &mut correlations);
+    pursue(&start, &correlations, terms.saturating_sub(start.terms().len()))
 }
 
 /// Whole numbers between two, ends included, evenly spaced in their logarithm.

@@ -1,4 +1,5 @@
 mod accuracy;
+mod cross_validation;
 mod oracles;
 mod refusals;
 
@@ -10,9 +11,20 @@ use crate::random::{standard_normal, stream};
 const METHODS: [SparseMethod; 3] =
     [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::LeastAngle, SparseMethod::SubspacePursuit];
 
+const CRITERIA: [SizeCriterion; 2] =
+    [SizeCriterion::CorrectedLeaveOneOut, SizeCriterion::CrossValidation { folds: 10 }];
+
 /// The whole path of a method.
 fn whole(method: SparseMethod) -> SparseRegression {
-    SparseRegression { method, patience: 1.0, ..SparseRegression::default() }
+    SparseRegression { patience: 1.0, ..by_leave_one_out(method) }
+}
+
+fn by_leave_one_out(method: SparseMethod) -> SparseRegression {
+    SparseRegression { method, size: SizeCriterion::CorrectedLeaveOneOut, ..SparseRegression::default() }
+}
+
+fn by_cross_validation(method: SparseMethod) -> SparseRegression {
+    SparseRegression { method, ..SparseRegression::default() }
 }
 
 /// A constant column and independent standard normal ones.
