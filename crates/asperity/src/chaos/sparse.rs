@@ -310,7 +310,7 @@ impl<'a, 'c> Search<'a, 'c> {
             terms: self.fit.terms()[..self.best].to_vec(),
             coefficients: self.fit.coefficients(self.best),
             leave_one_out: LeaveOneOut::of(response, &residuals, &leverages),
-            chosen,
+            chosen: Attempt { terms: self.best, ..chosen },
             condition: self.fit.condition(self.best),
             path: self.path,
             stop_reason: self.stop_reason,

@@ -51,14 +51,15 @@ pub(super) fn select(
         // To the end, without early stop.
         _ => regression.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
     };
-    // Terms that enter may be fewer than asked for: then the last model stands for all larger ones.
     search.best = search.fit.terms().len().min(terms);
     let tried = std::mem::take(&mut search.path);
     search.path = sizes
         .iter()
         .zip(squares)
         .map(|(&terms, error)| {
-            let known = tried.iter().find(|attempt| attempt.terms == terms);
+            // Fewer terms may have entered: then the last model stands for all larger ones.
+            let last = tried.last().filter(|last| last.terms < terms && last.terms == search.best);
+            let known = tried.iter().find(|attempt| attempt.terms == terms).or(last);
             let (leave_one_out, corrected) = known.map_or((None, None), |known| (known.leave_one_out, known.corrected));
             Attempt { terms, leave_one_out, corrected, cross_validated: Some(error) }
         })
