@@ -30,6 +30,7 @@ mod resamples;
 pub mod sampling;
 mod sensitivity;
 mod source;
+mod sparse;
 
 pub use basis::{Basis, BasisError};
 pub use distance::{DistanceError, StepLaw};
@@ -37,8 +38,11 @@ pub use expansion::Expansion;
 pub use json::ExpansionFileError;
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;
-pub use regression::{Fit, LeastSquares, LeaveOneOut, RegressionError};
+pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
 pub use resamples::{Estimate, Resamples, ResamplesError};
 pub use sampling::{Design, SamplingError, SamplingMethod};
 pub use sensitivity::{IndexError, IndexEstimates};
 pub use source::SourceError;
+pub use sparse::{
+    Attempt, Candidates, SizeCriterion, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason,
+};

@@ -43,9 +43,9 @@ mod telescope;
 mod testing;
 
 pub use band::Band;
-pub use nested::{CoarseSolves, Quantity};
 pub use estimate::{Comparison, Estimate};
 pub use method::{Method, MethodError};
+pub use nested::{CoarseSolves, Quantity};
 pub use problem::{FailureReason, Observation, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
 pub use study::{MethodResult, QuantileResult, Reference, Results, ScalarResult, Study};

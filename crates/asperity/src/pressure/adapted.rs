@@ -73,11 +73,6 @@ impl Adapted {
         Ok(chosen)
     }
 
-    /// Number of variables.
-    pub(super) fn variables(&self) -> usize {
-        self.directions.len()
-    }
-
     /// The variables of a germ.
     pub(super) fn of(&self, germ: &[f64]) -> Vec<f64> {
         self.directions.iter().map(|direction| dot(direction, germ)).collect()
@@ -189,9 +184,10 @@ mod tests {
             germs.iter().map(|germ| crate::surface::RandomSurface::generate(&surface, germ).heights_m()[cell]).collect()
         };
         // What depends on the cell and on another one beside it.
-        let values: Vec<f64> = heights([3, 5]).iter().zip(heights([3, 6])).map(|(a, b)| a.max(0.0) + 3.0 * (a - b).powi(2)).collect();
+        let values: Vec<f64> =
+            heights([3, 5]).iter().zip(heights([3, 6])).map(|(a, b)| a.max(0.0) + 3.0 * (a - b).powi(2)).collect();
         let adapted = Adapted::new(&problem, 4, 3, &germs, &values).unwrap();
-        assert!((2..=4).contains(&adapted.variables()), "{}", adapted.variables());
+        assert!((2..=4).contains(&adapted.directions.len()), "{}", adapted.directions.len());
         let scale = heights([3, 5])[0] / adapted.of(&germs[0])[0];
         for (germ, z) in germs.iter().zip(heights([3, 5])) {
             assert!((adapted.of(germ)[0] * scale - z).abs() < 1e-9 * scale.abs());

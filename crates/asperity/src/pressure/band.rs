@@ -77,16 +77,15 @@ impl Band {
 
 /// Two-sided 95 % point of Student's law; infinite without degrees of freedom.
 fn student_95(degrees_of_freedom: usize) -> f64 {
-    if degrees_of_freedom == 0 { f64::INFINITY } else { crate::stats::student_quantile(0.975, degrees_of_freedom as f64) }
+    if degrees_of_freedom == 0 {
+        f64::INFINITY
+    } else {
+        crate::stats::student_quantile(0.975, degrees_of_freedom as f64)
+    }
 }
 
 /// The 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
-fn critical_value(
-    standard_errors: &[f64],
-    covariance: &[f64],
-    degrees_of_freedom: Option<usize>,
-    seed: u64,
-) -> f64 {
+fn critical_value(standard_errors: &[f64], covariance: &[f64], degrees_of_freedom: Option<usize>, seed: u64) -> f64 {
     let n = standard_errors.len();
     let used: Vec<usize> = (0..n).filter(|i| standard_errors[*i] > 0.0).collect();
     if used.is_empty() {
@@ -102,9 +101,11 @@ fn critical_value(
     let mut largest: Vec<f64> = (0..DRAWS)
         .map(|draw| {
             let degrees = degrees_of_freedom.unwrap_or(0);
-            let xi = random::standard_normal(&mut random::stream(seed, "pressure/band", draw as u64), used.len() + degrees);
+            let xi =
+                random::standard_normal(&mut random::stream(seed, "pressure/band", draw as u64), used.len() + degrees);
             let (xi, chi) = xi.split_at(used.len());
-            let scale = if degrees > 0 { (chi.iter().map(|x| x * x).sum::<f64>() / degrees as f64).sqrt() } else { 1.0 };
+            let scale =
+                if degrees > 0 { (chi.iter().map(|x| x * x).sum::<f64>() / degrees as f64).sqrt() } else { 1.0 };
             let z = |a: usize| (0..used.len()).map(|b| factor[(a, b)] * xi[b]).sum::<f64>().abs();
             (0..used.len()).map(z).fold(0.0, f64::max) / scale
         })
@@ -141,19 +142,22 @@ impl Moments {
 
     /// Variance of each component.
     pub(super) fn variances(&self) -> impl Iterator<Item = f64> {
-        (0..self.sums.len()).scan(0, |place, i| {
-            *place += i + 1;
-            Some(*place - 1)
-        })
-        .zip(&self.sums)
-        .map(|(place, sum)| (self.products[place] - sum * sum / self.count) / (self.count - 1.0))
+        (0..self.sums.len())
+            .scan(0, |place, i| {
+                *place += i + 1;
+                Some(*place - 1)
+            })
+            .zip(&self.sums)
+            .map(|(place, sum)| (self.products[place] - sum * sum / self.count) / (self.count - 1.0))
     }
 
     /// Covariance of the vectors, pair by pair; zero of fewer than two.
     fn covariances(&self) -> impl Iterator<Item = f64> {
         let pairs = (0..self.sums.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
         let scale = if self.count > 1.0 { 1.0 / (self.count - 1.0) } else { 0.0 };
-        pairs.zip(&self.products).map(move |((i, j), product)| scale * (product - self.sums[i] * self.sums[j] / self.count))
+        pairs
+            .zip(&self.products)
+            .map(move |((i, j), product)| scale * (product - self.sums[i] * self.sums[j] / self.count))
     }
 }
 

@@ -54,11 +54,17 @@ impl Coarse {
 
     /// The contact of a map, under the plane that the whole map would have; whatever its residual, for it is a model only.
     /// `None` where it cannot be posed.
-    pub(super) fn observe(&self, problem: &Problem<'_>, map: &HeightMap, workspace: &mut Workspace) -> Option<Observation> {
+    pub(super) fn observe(
+        &self,
+        problem: &Problem<'_>,
+        map: &HeightMap,
+        workspace: &mut Workspace,
+    ) -> Option<Observation> {
         let heights_m = map.complete_heights_m().ok()?;
         let control = match problem.control() {
             control @ (Control::Penetration { .. } | Control::Percentile { .. }) => {
-                let fine = contact::Problem::new(problem.half_space(), heights_m, control, problem.hardness_pa()).ok()?;
+                let fine =
+                    contact::Problem::new(problem.half_space(), heights_m, control, problem.hardness_pa()).ok()?;
                 Control::Plane { height_m: fine.plane_m()? }
             }
             control => control,
@@ -114,7 +120,10 @@ mod tests {
             let fine = problem.observe(&[0.0], &mut half_space.workspace()).unwrap();
             for (coarse, tolerance) in ladder.iter().zip([0.04, 0.02]) {
                 let found = coarse.observe(&problem, &map, &mut coarse.workspace()).unwrap();
-                assert!((found.pressure_pa / fine.pressure_pa - 1.0).abs() < tolerance, "{control:?} {found:?} {fine:?}");
+                assert!(
+                    (found.pressure_pa / fine.pressure_pa - 1.0).abs() < tolerance,
+                    "{control:?} {found:?} {fine:?}"
+                );
                 assert!((found.mean_pressure_pa / fine.mean_pressure_pa - 1.0).abs() < tolerance, "{control:?}");
                 assert!((found.mean_gap_m - fine.mean_gap_m).abs() < 0.02, "{control:?}");
             }
@@ -129,6 +138,9 @@ mod tests {
         let coarse = Coarse::new(&problem, 4).unwrap();
         assert_eq!((coarse.first, coarse.cell), ((1, 2), (3, 5)));
         assert!(Coarse::new(&problem, 8).is_none());
-        assert!(Coarse::ladder(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap()).len() == 2);
+        assert!(
+            Coarse::ladder(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap()).len()
+                == 2
+        );
     }
 }

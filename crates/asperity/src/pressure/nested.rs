@@ -14,7 +14,7 @@ use crate::pressure::{MethodError, Observation, PressureError, Problem, Samples}
 /// Samples on which it is seen what a coarse model is worth.
 const PILOT: usize = 500;
 /// Coarse solutions beyond the fine samples may cost this share of the fine ones.
-const COARSE_SHARE: f64 = 1.0;
+const COARSE_SHARE: f64 = 3.0;
 /// Degree of the polynomials by which a model predicts the next.
 const DEGREE: usize = 3;
 /// Most variables of the rotated germ.
@@ -160,8 +160,12 @@ impl NestedSamples {
             let whole: f64 = variances.iter().zip(&costs).map(|(v, w)| (v * w).sqrt()).sum();
             if whole < best.0 {
                 let ratio = |v: f64, w: f64| (v * fine_work / (variances[0] * w)).sqrt().max(1.0);
-                let mut more: Vec<f64> =
-                    variances.iter().zip(&costs).skip(1).map(|(v, w)| self.fine.len() as f64 * (ratio(*v, *w) - 1.0)).collect();
+                let mut more: Vec<f64> = variances
+                    .iter()
+                    .zip(&costs)
+                    .skip(1)
+                    .map(|(v, w)| self.fine.len() as f64 * (ratio(*v, *w) - 1.0))
+                    .collect();
                 // Models are nested: a coarser one has no fewer samples.
                 for l in 1..more.len() {
                     more[l] = more[l].max(more[l - 1]);
@@ -227,30 +231,51 @@ impl NestedSamples {
     }
 
     /// The law of a quantity by all models.
-    pub(super) fn estimate(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Result<Telescoped, MethodError> {
+    pub(super) fn estimate(
+        &self,
+        quantity: Quantity,
+        problem: &Problem<'_>,
+        seed: u64,
+    ) -> Result<Telescoped, MethodError> {
         self.estimate_with(quantity, problem, self.settings(quantity, problem, seed))
     }
 
     /// The same without polynomials: models are taken at their word.
-    pub(super) fn estimate_plain(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Result<Telescoped, MethodError> {
+    pub(super) fn estimate_plain(
+        &self,
+        quantity: Quantity,
+        problem: &Problem<'_>,
+        seed: u64,
+    ) -> Result<Telescoped, MethodError> {
         let settings = Settings { fitted: false, ..self.settings(quantity, problem, seed) };
         self.estimate_with(quantity, problem, settings)
     }
 
     /// The same without coarse models, by the variables of the rotated germ alone.
-    pub(super) fn estimate_by_germ(&self, quantity: Quantity, problem: &Problem<'_>, seed: u64) -> Result<Telescoped, MethodError> {
+    pub(super) fn estimate_by_germ(
+        &self,
+        quantity: Quantity,
+        problem: &Problem<'_>,
+        seed: u64,
+    ) -> Result<Telescoped, MethodError> {
         let nested = self.nested(quantity, &[], |count| count);
         telescope::estimate(&nested, &self.settings(quantity, problem, seed))
     }
 
-    fn estimate_with(&self, quantity: Quantity, _problem: &Problem<'_>, settings: Settings) -> Result<Telescoped, MethodError> {
+    fn estimate_with(
+        &self,
+        quantity: Quantity,
+        _problem: &Problem<'_>,
+        settings: Settings,
+    ) -> Result<Telescoped, MethodError> {
         let used: Vec<usize> = (0..self.models.len()).collect();
         telescope::estimate(&self.nested(quantity, &used, |count| count), &settings)
     }
 
     /// Number of solutions on each coarse model, the coarsest first.
     pub(super) fn coarse_solves(&self) -> Vec<CoarseSolves> {
-        let count = |(model, said): (&Coarse, &Vec<Observation>)| CoarseSolves { shape: model.shape(), solves: said.len() };
+        let count =
+            |(model, said): (&Coarse, &Vec<Observation>)| CoarseSolves { shape: model.shape(), solves: said.len() };
         self.models.iter().zip(&self.coarse).map(count).collect()
     }
 
@@ -295,7 +320,8 @@ fn observe(
                     return Err(Cancelled);
                 }
                 let map = problem.surface().generate(germ);
-                let said = models.iter().zip(workspaces).map(|(model, workspace)| model.observe(problem, &map, workspace));
+                let said =
+                    models.iter().zip(workspaces).map(|(model, workspace)| model.observe(problem, &map, workspace));
                 let said = said.collect();
                 monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, germs.len());
                 Ok(said)

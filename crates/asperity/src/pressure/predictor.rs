@@ -17,17 +17,21 @@ pub(super) enum Predictor {
     /// The quantity is what the first variable says.
     Identity,
     /// A polynomial and the laws of its errors.
-    Fitted {
-        /// Of the variables that vary.
-        scaling: Scaling,
-        /// None where no variable varies.
-        expansion: Option<Expansion>,
-        /// Prediction without an expansion.
-        mean: f64,
-        errors: ErrorLaws,
-        /// Mean square leave-one-out error over the variance of the quantity.
-        relative_error: Option<f64>,
-    },
+    Fitted(Box<Fitted>),
+}
+
+/// A polynomial and the laws of its errors.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    /// Of the variables that vary.
+    scaling: Scaling,
+    /// None where no variable varies.
+    expansion: Option<Expansion>,
+    /// Prediction without an expansion.
+    mean: f64,
+    errors: ErrorLaws,
+    /// Mean square leave-one-out error over the variance of the quantity.
+    relative_error: Option<f64>,
 }
 
 impl Predictor {
@@ -64,15 +68,18 @@ impl Predictor {
         }
         let (expansion, pairs, relative_error) = best;
         let relative_error = relative_error.is_finite().then_some(relative_error);
-        Ok(Self::Fitted { scaling, expansion, mean, errors: ErrorLaws::new(pairs), relative_error })
+        let errors = ErrorLaws::new(pairs);
+        Ok(Self::Fitted(Box::new(Fitted { scaling, expansion, mean, errors, relative_error })))
     }
 
     /// The prediction s(x).
     pub(super) fn predict(&self, row: &[f64]) -> f64 {
         match self {
             Self::Identity => row[0],
-            Self::Fitted { expansion: None, mean, .. } => *mean,
-            Self::Fitted { scaling, expansion: Some(expansion), .. } => expansion.evaluate(&scaling.apply(row)),
+            Self::Fitted(fitted) => match &fitted.expansion {
+                Some(expansion) => expansion.evaluate(&fitted.scaling.apply(row)),
+                None => fitted.mean,
+            },
         }
     }
 
@@ -80,22 +87,19 @@ impl Predictor {
     pub(super) fn errors(&self, prediction: f64) -> &[f64] {
         match self {
             Self::Identity => &[0.0],
-            Self::Fitted { errors, .. } => errors.around(prediction),
+            Self::Fitted(fitted) => fitted.errors.around(prediction),
         }
     }
 
     /// Mean square leave-one-out error over the variance of the quantity, if there is an expansion.
     pub(super) fn relative_error(&self) -> Option<f64> {
-        if let Self::Fitted { relative_error, .. } = self { *relative_error } else { None }
+        if let Self::Fitted(fitted) = self { fitted.relative_error } else { None }
     }
 
     /// Number of coefficients.
     pub(super) fn coefficients(&self) -> Option<usize> {
-        if let Self::Fitted { expansion: Some(expansion), .. } = self {
-            Some(expansion.coefficients().len())
-        } else {
-            None
-        }
+        let Self::Fitted(fitted) = self else { return None };
+        fitted.expansion.as_ref().map(|expansion| expansion.coefficients().len())
     }
 }
 
@@ -119,7 +123,10 @@ impl ErrorLaws {
             errors.sort_by(f64::total_cmp);
             errors
         };
-        Self { bounds: (1..groups).map(|group| pairs[start(group)].0).collect(), groups: (0..groups).map(errors).collect() }
+        Self {
+            bounds: (1..groups).map(|group| pairs[start(group)].0).collect(),
+            groups: (0..groups).map(errors).collect(),
+        }
     }
 
     fn around(&self, prediction: f64) -> &[f64] {
@@ -182,7 +189,8 @@ mod tests {
         // q = x² + (1 + |x|)/10 η.
         let xi = standard_normal(&mut stream(1, "predictor", 0), 8000);
         let rows: Vec<Vec<f64>> = xi[..4000].iter().map(|x| vec![*x, 7.0]).collect();
-        let values: Vec<f64> = xi[..4000].iter().zip(&xi[4000..]).map(|(x, eta)| x * x + 0.1 * eta * (1.0 + x.abs())).collect();
+        let values: Vec<f64> =
+            xi[..4000].iter().zip(&xi[4000..]).map(|(x, eta)| x * x + 0.1 * eta * (1.0 + x.abs())).collect();
         let predictor = Predictor::fit(&rows, &values, 3).unwrap();
         assert_eq!(predictor.coefficients(), Some(3));
         for x in [0.5_f64, 1.5] {

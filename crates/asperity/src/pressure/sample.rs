@@ -79,7 +79,9 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
                 let outcome = problem.solve(germ, workspace).map(|solution| {
                     let stride = site_stride.unwrap_or(usize::MAX);
                     let sites = solution.pressure_pa().indexed_iter();
-                    let sites = sites.filter(|((row, column), _)| site_stride.is_some() && row % stride == 0 && column % stride == 0);
+                    let sites = sites.filter(|((row, column), _)| {
+                        site_stride.is_some() && row % stride == 0 && column % stride == 0
+                    });
                     (Observation::of(&solution, problem.cell()), sites.map(|(_, p)| *p as f32).collect())
                 });
                 monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, samples);

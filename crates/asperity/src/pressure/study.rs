@@ -283,7 +283,6 @@ impl Study {
     fn fresh_design(&self, stage: &str, variables: usize) -> Result<Design, PressureError> {
         Ok(Design::new(SamplingMethod::MonteCarlo, self.seed, stage, self.surrogate_samples, variables)?)
     }
-
 }
 
 /// Every so many cells that pressures are pooled of, where all cells have one law.
@@ -318,6 +317,7 @@ impl Results {
 mod tests {
     use super::*;
     use crate::chaos::distance::kolmogorov_smirnov_to;
+    use crate::chaos::{RegressionError, SamplingError};
     use crate::contact::{Boundary, Control, HalfSpace};
     use crate::law::standard_normal_cdf;
     use crate::map::{Grid, HeightMap};

@@ -96,7 +96,8 @@ impl Fold {
         for l in (0..last).rev() {
             let rows: Vec<Vec<f64>> = outside(values.len()).map(|i| nested.row(l, i)).collect();
             let known: Vec<f64> = outside(values.len()).map(|i| values[i]).collect();
-            let predictor = if settings.fitted { Predictor::fit(&rows, &known, settings.degree)? } else { Predictor::Identity };
+            let predictor =
+                if settings.fitted { Predictor::fit(&rows, &known, settings.degree)? } else { Predictor::Identity };
             for i in values.len()..nested.count(l) {
                 let prediction = predictor.predict(&nested.row(l, i));
                 values.push(prediction + pick(predictor.errors(prediction), golden(i)));
@@ -277,7 +278,8 @@ fn expect_normal(
     total: &mut Histogram<'_>,
     errors: &mut Total,
 ) -> Result<(), MethodError> {
-    let design = Design::new(SamplingMethod::Sobol, settings.seed, &format!("pressure/normal/{fold}"), POINTS, variables + 1)?;
+    let design =
+        Design::new(SamplingMethod::Sobol, settings.seed, &format!("pressure/normal/{fold}"), POINTS, variables + 1)?;
     let mut spread = Moments::new(nodes.len() + 1);
     let mut point = vec![0.0; variables + 1];
     for replicate in 0..REPLICATES {

@@ -124,7 +124,13 @@ impl KarhunenLoeve {
         fourier.without_constant();
         fourier.truncate(modes);
         let eigenvalues_m2 = fourier.eigenvalues_m2().collect();
-        Ok(Self { grid, std_m: covariance.std_m(), route: ModesRoute::Periodic, eigenvalues_m2, basis: Basis::Fourier(fourier) })
+        Ok(Self {
+            grid,
+            std_m: covariance.std_m(),
+            route: ModesRoute::Periodic,
+            eigenvalues_m2,
+            basis: Basis::Fourier(fourier),
+        })
     }
 
     /// The same scaled so that the modes hold the whole variance of the field, averaged over the map.

@@ -1,0 +1,329 @@
+"""Times asperity's polynomial-chaos regression against NumPy, OpenTURNS, chaospy and scikit-learn, one thread each.
+
+    python3 benchmarks/chaos/run.py [--quick]
+
+The peers are installed into a virtual environment under the build folder, which is kept. Writes RESULTS.md beside this file;
+`--quick` takes one round of smaller cases and only prints.
+"""
+
+import argparse
+import datetime
+import hashlib
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+# No compiled files beside the scripts.
+sys.dont_write_bytecode = True
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
+PEERS = TARGET / "chaos-peers"
+PYTHON = PEERS / "bin" / "python"
+OURS = TARGET / "release" / "examples" / "time_regression"
+ROUNDS = 5
+# A code is given up when one process takes longer, and not repeated beyond a total of the second.
+PATIENCE_S, BUDGET_S = 1800.0, 60.0
+
+
+def prepare():
+    """The virtual environment, and for every paragraph of the requirements what kept it from being installed."""
+    text = (HERE / "requirements.txt").read_text()
+    stamp = PEERS / f"installed-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+    if stamp.exists():
+        return {}
+    if not PYTHON.exists():
+        subprocess.run([sys.executable, "-m", "venv", PEERS], check=True)
+    failed = {}
+    for paragraph in text.split("\n\n")[1:]:
+        title, *packages = paragraph.strip().splitlines()
+        print(f"installing {', '.join(packages)}", flush=True)
+        done = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *packages], capture_output=True, text=True)
+        if done.returncode:
+            lines = [line for line in done.stderr.splitlines() if "error" in line.lower()]
+            failed[title[2:]] = (lines or ["pip failed"])[-1][:200]
+    if "base" in failed:
+        raise SystemExit(f"the virtual environment cannot be made: {failed['base']}")
+    # What failed is tried again by the next run.
+    if not failed:
+        stamp.touch()
+    return failed
+
+
+class Failed(Exception):
+    """A code that gives no answer."""
+
+
+def process(command, said=None):
+    """The JSON that a process prints."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS", "OPENTURNS_NUM_THREADS")
+    environment = os.environ | {name: "1" for name in names} | {"PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(list(map(str, command)), input=said, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        raise Failed(f"slower than {PATIENCE_S:g} s") from None
+    if done.returncode:
+        raise Failed((done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1][:200])
+    return json.loads(done.stdout.strip().splitlines()[-1])
+
+
+def ours(job):
+    hidden = ("case", "q", "some", "decomposition", "fresh", "fresh_matrix")
+    return process([OURS, job["case"], *(f"{key}={value}" for key, value in job.items() if key not in hidden)])
+
+
+def peer(name):
+    return lambda job: process([PYTHON, HERE / "peers.py", name], json.dumps(job))
+
+
+@dataclass
+class Timing:
+    """What a code did in a case."""
+
+    seconds: list = field(default_factory=list)
+    memory_bytes: int = 0
+    answer: dict = field(default_factory=dict)
+    failure: str | None = None
+
+    @property
+    def median(self):
+        return statistics.median(self.seconds)
+
+    def told(self, share=1.0):
+        if self.failure:
+            return f"none: {self.failure}"
+        low, high = min(self.seconds), max(self.seconds)
+        return f"{duration(self.median / share)} ({duration(low / share)} – {duration(high / share)})"
+
+
+def duration(seconds):
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= 0.9995 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def race(codes, rounds):
+    """Timings of (name, run, job), whose rounds are interleaved."""
+    timings = {name: Timing() for name, _, _ in codes}
+    for turn in range(rounds):
+        for name, run, job in codes:
+            timing = timings[name]
+            if timing.failure or (turn and sum(timing.seconds) * (turn + 1) / turn > BUDGET_S):
+                continue
+            try:
+                answer = run(job)
+            except Failed as failure:
+                timing.failure = str(failure)
+                continue
+            timing.seconds += answer["seconds"]
+            timing.memory_bytes = max(timing.memory_bytes, answer["memory_bytes"])
+            timing.answer = answer
+    for name, timing in timings.items():
+        print(name, timing.told(), f"{timing.memory_bytes / 2**20:.0f} MiB", {k: v for k, v in timing.answer.items() if k != "seconds"}, flush=True)
+    return timings
+
+
+def ratio(timing, own, share=1.0, own_share=1.0):
+    if timing.failure or own.failure:
+        return ""
+    return f", **×{timing.median / share / (own.median / own_share):.3g}**"
+
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+class Bench:
+    def __init__(self, folder, quick):
+        import numpy
+        import problems
+
+        self.np, self.problems, self.folder, self.quick = numpy, problems, folder, quick
+        self.rounds = 1 if quick else ROUNDS
+        self.runs = {"warm_up": 1, "repeats": 1 if quick else 3}
+
+    def write(self, name, values):
+        path = self.folder / name
+        self.np.ascontiguousarray(values, "<f8").tofile(path)
+        return str(path)
+
+    def read(self, name, shape):
+        return self.np.fromfile(self.folder / name, "<f8").reshape(shape)
+
+    def output(self, name):
+        return {"output": str(self.folder / name)}
+
+    def solve(self):
+        """165 terms, 2,000 samples, thousands of responses at once."""
+        samples, variables, degree, count = 2000, 8, 3, 256 if self.quick else 4096
+        x = self.problems.points("latin_hypercube", 1, samples, variables, variables)
+        random = self.np.random.default_rng(2)
+        y = self.np.exp(0.2 * x @ random.standard_normal((variables, count))) + 0.1 * random.standard_normal((samples, count))
+        job = {"samples": samples, "variables": variables, "degree": degree, "hermite": variables, "count": count,
+               "points": self.write("points.f64", x), "responses": self.write("responses.f64", y), **self.runs}
+        few = {"warm_up": 0, "repeats": 1}
+        timings = race([
+            ("asperity", ours, job | {"case": "solve"} | self.output("ours.f64")),
+            ("asperity, with leave-one-out", ours, job | {"case": "fit"}),
+            ("NumPy", peer("NumPy"), job | {"case": "solve"} | self.output("numpy.f64")),
+            ("OpenTURNS", peer("OpenTURNS"), job | few | {"case": "solve", "some": 16}),
+            ("chaospy", peer("chaospy"), job | few | {"case": "solve", "some": 64}),
+        ], self.rounds)
+        own, shape = timings["asperity"], (-1, count)
+        difference = self.np.abs(self.read("ours.f64", shape) - self.read("numpy.f64", shape)).max()
+        rows = []
+        for name, timing in timings.items():
+            share = timing.answer.get("responses", count)
+            rows.append([name, share, timing.told(), timing.told(share) + ratio(timing, own, share, count)])
+        parts = ", ".join(f"{key[:-2]} {duration(own.answer[key])}" for key in ("design_s", "factor_s", "solve_s"))
+        return (f"## Many responses\n\n165 terms (8 variables, degree 3), {samples} samples: design matrix, QR, all responses. Largest "
+                f"difference of a coefficient between asperity and NumPy {difference:.1e}. asperity's parts: {parts}. OpenTURNS and chaospy "
+                f"get fewer responses at once.\n\n" + table(["code", "responses", "time", "per response, ratio to asperity"], rows))
+
+    def evaluate(self):
+        """The same expansion at a million points."""
+        variables, degree, count = 8, 3, 100_000 if self.quick else 1_000_000
+        x = self.np.random.default_rng(3).standard_normal((count, variables))
+        coefficients = self.np.random.default_rng(4).standard_normal(165)
+        job = {"case": "evaluate", "samples": count, "variables": variables, "degree": degree, "hermite": variables,
+               "points": self.write("points.f64", x), "coefficients": self.write("coefficients.f64", coefficients), **self.runs}
+        some = 20_000
+        timings = race([
+            ("asperity", ours, job | self.output("ours.f64")),
+            ("NumPy", peer("NumPy"), job | self.output("numpy.f64")),
+            ("OpenTURNS", peer("OpenTURNS"), job | {"some": some} | self.output("openturns.f64")),
+        ], self.rounds)
+        own = timings["asperity"]
+        values = self.read("ours.f64", -1)
+        difference = self.np.abs(values - self.read("numpy.f64", -1)).max()
+        rows = []
+        for name, timing in timings.items():
+            share = timing.answer.get("points", count)
+            speed = "" if timing.failure else f"{share / timing.median / 1e6:.3g}"
+            rows.append([name, share, timing.told(), speed + ratio(timing, own, share, count)])
+        note = ""
+        if not timings["OpenTURNS"].failure:
+            note = f", OpenTURNS {self.np.abs(values[:some] - self.read('openturns.f64', -1)).max():.1e}"
+        return (f"## Evaluation\n\n165 terms. Largest difference from NumPy {difference:.1e}{note}.\n\n"
+                + table(["code", "points", "time", "million points per second, ratio"], rows))
+
+    def select(self):
+        """Least-angle regression with leave-one-out errors on 5,253 candidates."""
+        samples, variables = (200, 40) if self.quick else (500, 101)
+        x = self.problems.points("latin_hypercube", 5, samples, variables, variables)
+        indices = self.problems.total_degree(variables, 2)
+        y = self.problems.field_at_a_point(x, 0.05, 6)
+        job = {"case": "select", "samples": samples, "variables": variables, "degree": 2, "hermite": variables, "method": "lars",
+               "points": self.write("points.f64", x), "response": self.write("response.f64", y), **self.runs}
+        matrix = self.write("matrix.f64", self.problems.design(x, indices, variables))
+        few = {"warm_up": 0, "repeats": 1}
+        timings = race([
+            ("asperity", ours, job),
+            ("asperity, whole path", ours, job | {"patience": 1}),
+            ("asperity, OMP by 10-fold cross-validation", ours, job | few | {"method": "omp", "folds": 10}),
+            ("OpenTURNS", peer("OpenTURNS"), job | few | {"decomposition": "QR"}),
+            ("scikit-learn, whole path, no leave-one-out", peer("scikit-learn"), job | few | {"matrix": matrix}),
+        ], self.rounds)
+        own = timings["asperity"]
+        rows = []
+        for name, timing in timings.items():
+            memory = f"{timing.memory_bytes / 2**20:.0f} MiB, **×{timing.memory_bytes / own.memory_bytes:.3g}**"
+            steps, terms = timing.answer.get("tried", ""), timing.answer.get("terms", "")
+            rows.append([name, timing.told() + ratio(timing, own), "" if timing.failure else memory, steps, terms])
+        return (f"## Sparse selection\n\nLARS with the corrected leave-one-out error: {len(indices)} terms ({variables} variables, degree 2), {samples} "
+                f"samples, 5 % noise; the design matrix included. Memory is the peak of the process, Python and its packages included.\n\n"
+                + table(["code", "time, ratio to asperity", "memory", "models tried", "terms"], rows))
+
+    def accuracy(self):
+        """Errors at fresh points, geometric mean over five designs."""
+        np, rows = self.np, []
+        for name, (function, variance, make, hermite, variables, samples) in self.problems.ACCURACY.items():
+            indices = make()
+            # OpenTURNS has the set of the same size by its own enumeration.
+            q, degree = (0.75, 5) if name == "borehole" else (1, 14)
+            fresh = self.problems.points("independent", 7, 20_000 if self.quick else 100_000, variables, hermite)
+            truth = function(fresh)
+            matrix = self.problems.design(fresh, indices, hermite)
+            fresh_files = {"fresh": self.write("fresh.f64", fresh), "fresh_matrix": self.write("fresh_matrix.f64", matrix)}
+            errors, failures = {}, {}
+            for seed in range(5):
+                x = self.problems.points("latin_hypercube", seed, samples, variables, hermite)
+                own = {"case": "select", "samples": samples, "columns": len(indices), "warm_up": 0, "repeats": 1,
+                       "matrix": self.write("matrix.f64", self.problems.design(x, indices, hermite)),
+                       "response": self.write("response.f64", function(x)), **self.output("found.f64")}
+                other = own | {"points": self.write("points.f64", x), "variables": variables, "hermite": hermite,
+                               "degree": degree, "q": q, "decomposition": "QR", **fresh_files}
+                codes = [(f"asperity, {method.upper()}", ours, own | {"method": method}) for method in ("omp", "lars", "sp")]
+                codes += [(f"asperity, {method.upper()} by cross-validation", ours, own | {"method": method, "folds": 10}) for method in ("omp", "lars", "sp")]
+                codes += [("OpenTURNS, LARS", peer("OpenTURNS"), other), ("scikit-learn, OMP by cross-validation", peer("scikit-learn"), other | {"method": "omp"})]
+                for code, run, job in codes:
+                    try:
+                        run(job)
+                    except Failed as failure:
+                        failures[code] = str(failure)
+                        continue
+                    found = np.fromfile(self.folder / "found.f64", "<f8")
+                    predicted = matrix @ found if run is ours else found
+                    errors.setdefault(code, []).append(np.mean((predicted - truth) ** 2) / variance)
+            for code in [code for code, _, _ in codes]:
+                if code in errors:
+                    found = errors[code]
+                    rows.append([name, code, f"{np.exp(np.mean(np.log(found))):.1e}", f"{min(found):.1e} – {max(found):.1e}", len(found)])
+                else:
+                    rows.append([name, code, f"none: {failures[code]}", "", 0])
+                print(rows[-1], flush=True)
+        return ("## Accuracy\n\nMean square error over the variance at fresh points: Ishigami's function with 680 terms (degree 14) from 100 samples, the "
+                "borehole with 237 (hyperbolic, q = 0.75, p = 5) from 150; Latin hypercubes of five seeds.\n\n"
+                + table(["function", "code", "geometric mean", "range", "designs"], rows))
+
+
+def machine(versions):
+    """What the times depend on."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT).stdout.split()[:2]
+    peers = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB, {platform.system()}; {' '.join(rustc)}; Python {platform.python_version()}, {peers}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true")
+    quick = parser.parse_args().quick
+    failed = prepare()
+    if Path(sys.prefix).resolve() != PEERS:
+        os.execv(PYTHON, [str(PYTHON), __file__, *sys.argv[1:]])
+    subprocess.run(["cargo", "build", "--quiet", "--release", "-p", "asperity", "--example", "time_regression"], check=True, cwd=ROOT)
+    versions = {}
+    for name in ("NumPy", "OpenTURNS", "chaospy", "scikit-learn"):
+        try:
+            versions[name] = peer(name)({"case": "version"})["version"]
+        except Failed as failure:
+            versions[name] = f"not installed ({failed.get(name, failure)})"
+    before = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder:
+        bench = Bench(Path(folder), quick)
+        parts = [bench.solve(), bench.evaluate(), bench.select(), bench.accuracy()]
+    commit = subprocess.run(["git", "describe", "--always", "--dirty=, with changes"], capture_output=True, text=True, cwd=ROOT).stdout.strip()
+    text = "\n".join([
+        "# Polynomial-chaos regression beside its peers\n",
+        f"Made by `benchmarks/chaos/run.py` on {datetime.date.today()}, asperity at {commit}. One thread each; medians, with the range, over "
+        f"interleaved rounds of fresh processes. Load average {before:.2f} before and {os.getloadavg()[0]:.2f} after the run.\n",
+        machine(versions) + ".\n", *parts])
+    if quick:
+        print(text)
+    else:
+        (HERE / "RESULTS.md").write_text(text)
+
+
+main()

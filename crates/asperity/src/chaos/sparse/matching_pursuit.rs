@@ -1,0 +1,27 @@
+//! Orthogonal matching pursuit.
+
+use super::growing_fit::GrowingFit;
+use super::path::Path;
+use super::{Search, StopReason};
+
+/// The column most correlated with the residual enters, one after the other.
+///
+/// The residual loses q qᵀy with the new direction q, so that the correlations follow from the products with q.
+pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize, patience: usize) -> Search<'a, 'c> {
+    let mut path = Path::new(start, limit, patience);
+    let mut correlations = path.correlations();
+    if path.fit.terms().len() >= limit {
+        return path.end(StopReason::TermLimit);
+    }
+    while let Some(column) = path.largest(&correlations) {
+        if !path.enter(column) {
+            continue;
+        }
+        let along = path.fit.projections().last().copied().unwrap_or(0.0);
+        correlations.iter_mut().zip(&path.products).for_each(|(c, product)| *c -= along * product);
+        if let Some(reason) = path.note() {
+            return path.end(reason);
+        }
+    }
+    path.end(StopReason::Exhausted)
+}

@@ -1,0 +1,144 @@
+//! Subspace pursuit.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use super::candidates::Candidates;
+use super::growing_fit::GrowingFit;
+use super::{Attempt, Search, StopReason};
+
+/// Numbers of terms tried first, spaced evenly in their logarithm, and then around the best.
+const COARSE: usize = 24;
+const FINE: usize = 8;
+
+/// Exchanges for one number of terms.
+const MAX_EXCHANGES: usize = 50;
+
+/// Subspace pursuit for numbers of terms up to half of the samples; the best of them all.
+pub(super) fn search<'a, 'c>(start: GrowingFit<'a, 'c>, limit: usize) -> Search<'a, 'c> {
+    let candidates = start.candidates();
+    let constant = start.terms().len();
+    let most = most(candidates, limit, constant);
+    let mut correlations = vec![0.0; candidates.columns()];
+    candidates.correlate(start.residual(), &mut correlations);
+    let pursue = |counts: Vec<usize>| -> Vec<(usize, Attempt, GrowingFit<'a, 'c>)> {
+        counts
+            .into_par_iter()
+            .map(|count| {
+                let fit = pursue(&start, &correlations, count);
+                (count, fit.assess(), fit)
+            })
+            .collect()
+    };
+    let mut tried: Vec<(usize, Attempt)> = Vec::new();
+    let mut best: Option<(Attempt, GrowingFit<'a, 'c>)> = None;
+    let mut keep = |found: Vec<(usize, Attempt, GrowingFit<'a, 'c>)>, tried: &mut Vec<(usize, Attempt)>| {
+        // Nothing is correlated with the response, or all of it spanned: no model beside the constant.
+        for (count, attempt, fit) in found.into_iter().filter(|(_, attempt, _)| attempt.terms > constant) {
+            tried.push((count, attempt));
+            if best.as_ref().is_none_or(|(least, _)| attempt.error() < least.error()) {
+                best = Some((attempt, fit));
+            }
+        }
+        tried.sort_by_key(|(count, _)| *count);
+    };
+    keep(pursue(spaced(1, most, COARSE)), &mut tried);
+    let at = (0..tried.len()).min_by(|&a, &b| tried[a].1.error().total_cmp(&tried[b].1.error()));
+    if let Some(at) = at {
+        let from = tried[at.saturating_sub(1)].0;
+        let to = tried[(at + 1).min(tried.len() - 1)].0;
+        let known: Vec<usize> = tried.iter().map(|(count, _)| *count).collect();
+        keep(pursue(spaced(from, to, FINE).into_iter().filter(|count| !known.contains(count)).collect()), &mut tried);
+    }
+    let path = tried.into_iter().map(|(_, attempt)| attempt).collect();
+    let fit = best.map_or(start, |(_, fit)| fit);
+    let stop_reason = if fit.is_exact() { StopReason::Exact } else { StopReason::TermLimit };
+    Search { best: fit.terms().len(), fit, path, stop_reason }
+}
+
+/// Most terms beside the constant: twice as many columns are fitted at once, and a sample has to be left.
+fn most(candidates: &Candidates<'_>, limit: usize, constant: usize) -> usize {
+    limit.min(candidates.samples().div_ceil(2)).saturating_sub(constant).min(candidates.selectable())
+}
+
+/// Numbers of terms, the constant included, that are tried first.
+pub(super) fn sizes(candidates: &Candidates<'_>, limit: usize) -> Vec<usize> {
+    let constant = usize::from(candidates.constant().is_some());
+    spaced(1, most(candidates, limit, constant), COARSE).into_iter().map(|count| count + constant).collect()
+}
+
+/// The model of so many terms, the constant included.
+pub(super) fn of_size<'a, 'c>(start: GrowingFit<'a, 'c>, terms: usize) -> GrowingFit<'a, 'c> {
+    let mut correlations = vec![0.0; start.candidates().columns()];
+    start.candidates().correlate(start.residual(), &mut correlations);
+    pursue(&start, &correlations, terms.saturating_sub(start.terms().len()))
+}
+
+/// Whole numbers between two, ends included, evenly spaced in their logarithm.
+fn spaced(from: usize, to: usize, count: usize) -> Vec<usize> {
+    if to < from || from == 0 {
+        return Vec::new();
+    }
+    let ratio = (to as f64 / from as f64).ln() / (count - 1) as f64;
+    let mut numbers: Vec<usize> =
+        (0..count).map(|i| (from as f64 * (ratio * i as f64).exp()).round() as usize).collect();
+    numbers.dedup();
+    numbers
+}
+
+/// The set of `count` terms beside the constant that exchanges no longer improve.
+fn pursue<'a, 'c>(start: &GrowingFit<'a, 'c>, correlations: &[f64], count: usize) -> GrowingFit<'a, 'c> {
+    let candidates = start.candidates();
+    let mut fit = grown(start, &largest(correlations, count));
+    let mut products = vec![0.0; candidates.columns()];
+    for _ in 0..MAX_EXCHANGES {
+        if fit.is_exact() {
+            break;
+        }
+        candidates.correlate(fit.residual(), &mut products);
+        let chosen = &fit.terms()[start.terms().len()..];
+        chosen.iter().for_each(|&term| products[term] = 0.0);
+        let union: Vec<usize> = chosen.iter().copied().chain(largest(&products, count)).collect();
+        let both = grown(start, &union);
+        let weights: Vec<f64> = both
+            .coefficients(both.terms().len())
+            .iter()
+            .zip(both.terms())
+            .map(|(coefficient, &term)| coefficient * candidates.norm(term))
+            .collect();
+        let places = largest(&weights[start.terms().len()..], count);
+        let kept: Vec<usize> = places.into_iter().map(|place| both.terms()[start.terms().len() + place]).collect();
+        let exchanged = grown(start, &kept);
+        if square(exchanged.residual()) >= square(fit.residual()) {
+            break;
+        }
+        fit = exchanged;
+    }
+    fit
+}
+
+/// The fit with further terms; those that the others span are left out.
+fn grown<'a, 'c>(start: &GrowingFit<'a, 'c>, terms: &[usize]) -> GrowingFit<'a, 'c> {
+    let mut fit = start.clone();
+    for &term in terms {
+        fit.enter(term);
+    }
+    fit
+}
+
+/// Places of the largest absolute values that are not zero, largest first.
+fn largest(values: &[f64], count: usize) -> Vec<usize> {
+    let order = |&a: &usize, &b: &usize| -> Ordering { values[b].abs().total_cmp(&values[a].abs()).then(a.cmp(&b)) };
+    let mut places: Vec<usize> = (0..values.len()).filter(|&place| values[place] != 0.0).collect();
+    if count < places.len() && count > 0 {
+        places.select_nth_unstable_by(count - 1, order);
+    }
+    places.truncate(count);
+    places.sort_by(order);
+    places
+}
+
+fn square(values: &[f64]) -> f64 {
+    values.iter().map(|x| x * x).sum()
+}

@@ -1,0 +1,133 @@
+//! What is refused, and data that are nearly hopeless.
+
+use super::*;
+
+#[test]
+fn data_that_are_no_data_are_refused() {
+    let design = normal_design(1, 20, 30);
+    let candidates = Candidates::new(design.view()).unwrap();
+    let select = |response: &[f64]| SparseRegression::default().select(&candidates, response).unwrap_err();
+    assert_eq!(select(&[1.0; 19]), SparseError::Length { values: 19, samples: 20 });
+    let mut response = noisy_response(&design.clone().select(ndarray::Axis(1), &[0; 31]), 1.0);
+    response[3] = f64::NAN;
+    assert_eq!(select(&response), SparseError::NotFinite { sample: 3 });
+    assert!(matches!(select(&[0.1; 20]), SparseError::ConstantResponse { .. }));
+    assert!(matches!(select(&[0.0; 20]), SparseError::ConstantResponse { .. }));
+    let mut holed = design.clone();
+    holed[[7, 2]] = f64::INFINITY;
+    assert_eq!(Candidates::new(holed.view()).unwrap_err(), SparseError::NotFinite { sample: 7 });
+    for samples in 0..3 {
+        let few = Array2::ones((samples, 4));
+        assert_eq!(Candidates::new(few.view()).unwrap_err(), SparseError::TooFewSamples { samples });
+    }
+    let flat = Array2::from_elem((20, 3), 0.3);
+    let candidates = Candidates::new(flat.view()).unwrap();
+    let error = SparseRegression::default().select(&candidates, &standard_normal(&mut stream(1, "y", 0), 20));
+    assert_eq!(error.unwrap_err(), SparseError::NoCandidates { columns: 3 });
+    let none = Array2::zeros((20, 0));
+    let candidates = Candidates::new(none.view()).unwrap();
+    let error = SparseRegression::default().select(&candidates, &standard_normal(&mut stream(1, "y", 0), 20));
+    assert_eq!(error.unwrap_err(), SparseError::NoCandidates { columns: 0 });
+}
+
+#[test]
+fn where_no_term_predicts_the_error_says_what_was_tried() {
+    // A response that is orthogonal to every candidate: any term only adds variance.
+    let mut design = Array2::zeros((16, 4));
+    let mut response = vec![0.0; 16];
+    for sample in 0..16_usize {
+        let sign = |bit: usize| if sample >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        design[[sample, 0]] = 1.0;
+        (1..4).for_each(|j| design[[sample, j]] = sign(j - 1) * if j == 2 { sign(0) } else { 1.0 });
+        response[sample] = sign(3);
+    }
+    let candidates = Candidates::new(design.view()).unwrap();
+    for method in METHODS {
+        let error = whole(method).select(&candidates, &response).unwrap_err();
+        let SparseError::NothingPredicts { tried, of_the_mean, attempts } = &error else { panic!("{error:?}") };
+        // (16/15)² (1 + 1/16), and one term: (16/14)²·15/16 · 16/14 · (1 + 2/16), as orthogonal columns have it.
+        assert!((of_the_mean - 1.208_888_888_888_889).abs() < 1e-14);
+        assert!(*tried >= attempts.len() && error.to_string().contains("none of"));
+        // All correlations are zero: subspace pursuit has nothing to begin with.
+        let Some(one) = attempts.iter().find(|attempt| attempt.terms == 2) else {
+            assert_eq!((method, *tried), (SparseMethod::SubspacePursuit, 0));
+            continue;
+        };
+        let wanted = (16.0_f64 / 14.0).powi(2) * 15.0 / 16.0;
+        assert!((one.leave_one_out.unwrap() - wanted).abs() < 1e-13, "{one:?}");
+        assert!((one.corrected.unwrap() - wanted * 16.0 / 14.0 * 18.0 / 16.0).abs() < 1e-13, "{one:?}");
+    }
+}
+
+#[test]
+fn columns_that_span_the_same_enter_once() {
+    let mut design = normal_design(2, 40, 60);
+    for (copy, original, factor) in [(40, 4, 1.0), (41, 9, -2.0), (42, 0, 5.0)] {
+        let column = design.column(original).mapv(|a| factor * a);
+        design.column_mut(copy).assign(&column);
+    }
+    design.column_mut(43).fill(0.0);
+    let sum = &design.column(4) + &design.column(9);
+    design.column_mut(44).assign(&sum);
+    let response = noisy_response(&design, 0.1);
+    for method in METHODS {
+        let fit = whole(method).select(&Candidates::new(design.view()).unwrap(), &response).unwrap();
+        let spanned = |group: &[usize]| fit.terms.iter().filter(|term| group.contains(term)).count();
+        assert_eq!(spanned(&[4, 40]).min(1), 1, "{method:?}");
+        assert!(spanned(&[4, 40]) <= 1 && spanned(&[9, 41]) <= 1 && spanned(&[4, 40, 9, 41, 44]) <= 2, "{method:?}");
+        assert_eq!(spanned(&[42, 43]), 0, "{method:?}");
+        assert!(fit.condition < 1e3, "{method:?}: {}", fit.condition);
+    }
+}
+
+#[test]
+fn repeated_samples_end_the_path_where_the_columns_are_spanned() {
+    let few = normal_design(3, 12, 50);
+    let twice: Vec<usize> = (0..24).map(|i| i % 12).collect();
+    let design = few.select(ndarray::Axis(0), &twice);
+    let response = noisy_response(&few, 0.5);
+    let response: Vec<f64> = twice.iter().map(|&i| response[i]).collect();
+    for method in METHODS {
+        let fit = whole(method).select(&Candidates::new(design.view()).unwrap(), &response).unwrap();
+        assert!(fit.terms.len() <= 12, "{method:?}");
+        assert!(fit.coefficients.iter().all(|c| c.is_finite()));
+    }
+}
+
+#[test]
+fn a_sample_that_alone_determines_a_term_is_never_part_of_the_choice() {
+    let mut design = normal_design(4, 30, 40);
+    design.column_mut(5).fill(0.0);
+    design[[11, 5]] = 1.0;
+    let mut response = noisy_response(&design, 0.1);
+    // The term that explains one sample alone is the most correlated one.
+    response[11] += 300.0;
+    for method in [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::LeastAngle] {
+        match whole(method).select(&Candidates::new(design.view()).unwrap(), &response) {
+            Ok(fit) => {
+                assert!(!fit.terms.contains(&5), "{method:?}");
+                assert!(fit.path.iter().any(|attempt| attempt.corrected.is_none()));
+            }
+            Err(error) => assert!(matches!(error, SparseError::NothingPredicts { .. })),
+        }
+    }
+}
+
+#[test]
+fn the_limit_of_terms_is_kept() {
+    let design = normal_design(5, 40, 60);
+    let response = noisy_response(&design, 0.1);
+    let candidates = Candidates::new(design.view()).unwrap();
+    for method in METHODS {
+        for limit in [2, 4, 9] {
+            let regression = SparseRegression { max_terms: Some(limit), ..whole(method) };
+            let fit = regression.select(&candidates, &response).unwrap();
+            assert!(fit.terms.len() <= limit && fit.path.iter().all(|attempt| attempt.terms <= limit));
+        }
+        for limit in [0, 1] {
+            let regression = SparseRegression { max_terms: Some(limit), ..whole(method) };
+            let error = regression.select(&candidates, &response).unwrap_err();
+            assert!(matches!(error, SparseError::NothingPredicts { tried: 0, .. }));
+        }
+    }
+}
