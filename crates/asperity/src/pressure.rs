@@ -42,13 +42,13 @@ mod telescope;
 #[cfg(test)]
 mod testing;
 
-pub use band::Band;
+pub use band::{Band, QuantileResult};
 pub use estimate::{Comparison, Estimate};
 pub use method::{Method, MethodError};
 pub use nested::{CoarseSolves, Quantity};
 pub use problem::{FailureReason, Observation, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
-pub use study::{MethodResult, QuantileResult, Reference, Results, ScalarResult, Study};
+pub use study::{MethodResult, Reference, Results, ScalarResult, Study};
 
 use thiserror::Error;
 

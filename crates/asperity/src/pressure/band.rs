@@ -2,7 +2,9 @@
 
 use faer::{Mat, Side};
 
+use crate::chaos::StepLaw;
 use crate::random;
+use crate::stats::Interval;
 
 /// Two-sided 95 % point of the standard normal law.
 pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -72,6 +74,31 @@ impl Band {
         };
         let share = (value - self.values[low]) / (high - self.values[low]);
         self.standard_errors[low] + share * (self.standard_errors[after] - self.standard_errors[low])
+    }
+}
+
+/// A quantile and its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuantileResult {
+    /// Probability.
+    pub probability: f64,
+    /// The least value at which F reaches it.
+    pub value: f64,
+    /// The values at which F, a pointwise half width higher or lower, reaches it.
+    pub interval: Interval,
+}
+
+impl Band {
+    /// A quantile of `law`, which this is the band of.
+    pub fn quantile(&self, law: &StepLaw, probability: f64) -> QuantileResult {
+        let at = |shift: f64| {
+            let reached = |value: &&f64| law.cdf(**value) + shift * self.standard_error_at(**value) >= probability;
+            let values = law.values();
+            values.iter().find(reached).or(values.last()).copied().unwrap_or(f64::NAN)
+        };
+        let factor = self.pointwise_factor;
+        let interval = Interval { low: at(factor), high: at(-factor) };
+        QuantileResult { probability, value: law.quantile(probability), interval }
     }
 }
 

@@ -12,9 +12,12 @@ use crate::pressure::telescope::{self, Nested, Settings, Telescoped};
 use crate::pressure::{MethodError, Observation, PressureError, Problem, Samples};
 
 /// Samples on which it is seen what a coarse model is worth.
-const PILOT: usize = 500;
-/// Coarse solutions beyond the fine samples may cost this share of the fine ones.
-const COARSE_SHARE: f64 = 3.0;
+const PILOT: usize = 250;
+/// Coarse solutions beyond the fine samples may cost so many times the fine ones,
+const COARSE_SHARE: f64 = 4.0;
+/// and are made until they add no more than this share to the variance; their number is raised in steps of this factor.
+const ADDED_VARIANCE: f64 = 1.0 / 3.0;
+const SCALE_STEP: f64 = 1.1;
 /// Degree of the polynomials by which a model predicts the next.
 const DEGREE: usize = 3;
 /// Most variables of the rotated germ.
@@ -48,6 +51,15 @@ impl Quantity {
             Self::ContactFraction => observation.contact_fraction,
             Self::MeanPressure => observation.mean_pressure_pa,
             Self::MeanGap => observation.mean_gap_m,
+        }
+    }
+
+    /// What else of a coarse solution tells about the value on a finer grid: of the pressure, that beside the cell.
+    fn beside(self, observation: &Observation, kappa: f64) -> Vec<f64> {
+        let [pressure_pa, gap_m, plastic_displacement_m] = observation.beside;
+        match self {
+            Self::Pressure => vec![pressure_pa + kappa * (plastic_displacement_m - gap_m)],
+            _ => Vec::new(),
         }
     }
 
@@ -157,23 +169,12 @@ impl NestedSamples {
             let variances = telescope::bracket_variances(&nested, &self.settings(Quantity::Pressure, problem, seed))?;
             // Of the fine model first, then of those used from the finest down.
             let costs: Vec<f64> = std::iter::once(fine_work).chain(used.iter().rev().map(|l| works[*l])).collect();
-            let whole: f64 = variances.iter().zip(&costs).map(|(v, w)| (v * w).sqrt()).sum();
-            if whole < best.0 {
-                let ratio = |v: f64, w: f64| (v * fine_work / (variances[0] * w)).sqrt().max(1.0);
-                let mut more: Vec<f64> = variances
-                    .iter()
-                    .zip(&costs)
-                    .skip(1)
-                    .map(|(v, w)| self.fine.len() as f64 * (ratio(*v, *w) - 1.0))
-                    .collect();
-                // Models are nested: a coarser one has no fewer samples.
-                for l in 1..more.len() {
-                    more[l] = more[l].max(more[l - 1]);
-                }
-                let cost: f64 = more.iter().zip(&costs[1..]).map(|(n, w)| n * w).sum();
-                let scale = (COARSE_SHARE * self.fine.len() as f64 * fine_work / cost).min(1.0);
-                let counts = more.iter().rev().map(|n| if n.is_finite() { (scale * n) as usize } else { 0 });
-                best = (whole, used.into_iter().zip(counts).collect());
+            let counts = allocate(&variances, &costs, self.fine.len());
+            let n = self.fine.len() as f64;
+            let samples = std::iter::once(n).chain(counts.iter().map(|more| n + *more as f64));
+            let variance: f64 = variances.iter().zip(samples).map(|(v, count)| v / count).sum();
+            if variance < best.0 {
+                best = (variance, used.into_iter().zip(counts.into_iter().rev()).collect());
             }
         }
         Ok(best.1)
@@ -293,7 +294,39 @@ impl NestedSamples {
         let mut models: Vec<Vec<f64>> = used.iter().map(|l| values(&self.coarse[*l])).collect();
         models.push(values(&self.fine));
         let most = models.iter().map(Vec::len).max().unwrap_or(0);
-        Nested { normal: self.normal[..most].to_vec(), models }
+        let beside = |l: &usize| {
+            let observations = &self.coarse[*l];
+            observations[..kept(observations.len())].iter().map(|o| quantity.beside(o, kappa)).collect()
+        };
+        Nested { normal: self.normal[..most].to_vec(), beside: used.iter().map(beside).collect(), models }
+    }
+}
+
+/// Samples beyond the `fine` ones of each model but the first, from the variances per sample and the work of all.
+///
+/// Least variance at given work asks for samples in proportion to √(V/w); with the number of fine samples given, more than that
+/// still pay until all coarse models together add little.
+fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
+    let n = fine as f64;
+    let least = |l: usize| (variances[l] * works[0] / (variances[0] * works[l])).sqrt();
+    let mut counts = vec![0; variances.len() - 1];
+    let mut scale = 1.0;
+    loop {
+        let mut wanted: Vec<f64> = (1..variances.len()).map(|l| n * (scale * least(l)).max(1.0)).collect();
+        // Models are nested: a coarser one has no fewer samples.
+        for l in 1..wanted.len() {
+            wanted[l] = wanted[l].max(wanted[l - 1]);
+        }
+        let work: f64 = wanted.iter().zip(&works[1..]).map(|(count, work)| (count - n) * work).sum();
+        if !(work <= COARSE_SHARE * n * works[0]) {
+            return counts;
+        }
+        counts = wanted.iter().map(|count| (count - n) as usize).collect();
+        let added: f64 = wanted.iter().zip(&variances[1..]).map(|(count, v)| v / count).sum();
+        if added <= ADDED_VARIANCE * variances[0] / n {
+            return counts;
+        }
+        scale *= SCALE_STEP;
     }
 }
 

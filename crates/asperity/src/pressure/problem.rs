@@ -29,6 +29,9 @@ pub struct Observation {
     pub gap_m: f64,
     /// Plastic displacement in metre; 0 where the pressure is below the hardness.
     pub plastic_displacement_m: f64,
+    /// Means of pressure, gap and plastic displacement over the four cells beside it, in the same units; across the edges of a periodic
+    /// map, and of a free one as many as there are.
+    pub beside: [f64; 3],
     /// Height of the plane above the mean of the map, in metre.
     pub separation_m: f64,
     /// Share A_c/A of the cells in contact.
@@ -48,6 +51,7 @@ impl Observation {
             pressure_pa: solution.pressure_pa()[cell],
             gap_m: solution.gap_at_m(cell),
             plastic_displacement_m: solution.plastic_displacement_at_m(cell),
+            beside: beside(solution, cell),
             separation_m: solution.separation_m(),
             contact_fraction: solution.contact_fraction(),
             mean_pressure_pa: solution.mean_pressure_pa(),
@@ -55,6 +59,31 @@ impl Observation {
             iterations: solution.iterations(),
         }
     }
+}
+
+/// Means over the cells beside one.
+fn beside(solution: &Solution, (row, column): (usize, usize)) -> [f64; 3] {
+    let (ny, nx) = solution.grid().shape();
+    let wraps = solution.boundary() != Boundary::Free;
+    let step = |place: usize, n: usize, forward: bool| match (forward, place) {
+        (true, place) if place + 1 < n => Some(place + 1),
+        (false, 1..) => Some(place - 1),
+        (true, _) => wraps.then_some(0),
+        (false, _) => wraps.then_some(n - 1),
+    };
+    let mut sums = [0.0; 3];
+    let mut count = 0.0_f64;
+    for forward in [false, true] {
+        let along_x = step(column, nx, forward).map(|column| (row, column));
+        let along_y = step(row, ny, forward).map(|row| (row, column));
+        for cell in along_x.into_iter().chain(along_y) {
+            sums[0] += solution.pressure_pa()[cell];
+            sums[1] += solution.gap_at_m(cell);
+            sums[2] += solution.plastic_displacement_at_m(cell);
+            count += 1.0;
+        }
+    }
+    sums.map(|sum| sum / count.max(1.0))
 }
 
 /// Why one contact problem has no answer.

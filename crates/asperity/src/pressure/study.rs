@@ -6,9 +6,10 @@ use crate::pressure::estimate::{Comparison, Estimate};
 use crate::pressure::expansion::{self, Response};
 use crate::pressure::nested::{CoarseSolves, NestedSamples, Quantity};
 use crate::pressure::sample::Sampling;
-use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, Samples, solve};
-use crate::stats::Interval;
+use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
 
+/// Probabilities whose quantiles are told.
+const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
 /// Independent randomisations of stratified designs.
 const REPLICATES: usize = 10;
 /// Sites along either side whose pressures are pooled.
@@ -61,17 +62,6 @@ pub struct ScalarResult {
     pub law: StepLaw,
     /// 95 % intervals of the 10, 50 and 90 % quantiles.
     pub quantiles: Vec<QuantileResult>,
-}
-
-/// A quantile and its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct QuantileResult {
-    /// Probability.
-    pub probability: f64,
-    /// The least value at which F reaches it.
-    pub value: f64,
-    /// Its 95 % interval.
-    pub interval: Interval,
 }
 
 /// The Monte Carlo law that the methods are measured against.
@@ -222,23 +212,11 @@ impl Study {
     fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
         let scalar = |quantity: Quantity| {
             let found = nested.estimate(quantity, problem, self.seed).ok()?;
-            let quantile = |probability: f64| {
-                let at = |shift: f64| {
-                    let reached = |value: &&f64| {
-                        found.law.cdf(**value) + shift * found.band.standard_error_at(**value) >= probability
-                    };
-                    let values = found.law.values();
-                    values.iter().find(reached).or(values.last()).copied().unwrap_or(f64::NAN)
-                };
-                let factor = found.band.pointwise_factor;
-                let interval = Interval { low: at(factor), high: at(-factor) };
-                QuantileResult { probability, value: found.law.quantile(probability), interval }
-            };
             Some(ScalarResult {
                 quantity,
                 mean: found.mean,
                 mean_se: found.mean_se,
-                quantiles: [0.1, 0.5, 0.9].into_iter().map(quantile).collect(),
+                quantiles: PROBABILITIES.into_iter().map(|p| found.band.quantile(&found.law, p)).collect(),
                 law: found.law.clone(),
             })
         };

@@ -38,6 +38,8 @@ pub(super) struct Nested {
     pub(super) normal: Vec<Vec<f64>>,
     /// What the models say, the coarsest first, each of the leading samples; the last is the quantity itself.
     pub(super) models: Vec<Vec<f64>>,
+    /// What else each but the last says of the same samples.
+    pub(super) beside: Vec<Vec<Vec<f64>>>,
 }
 
 /// A law and how well it is known.
@@ -71,10 +73,13 @@ impl Nested {
         self.models[l].len()
     }
 
-    /// What models up to `l` say of a sample, and its normal variables.
+    /// What model `l` and the next coarser one say of a sample, and its normal variables.
     fn row(&self, l: usize, sample: usize) -> Vec<f64> {
-        let said = self.models[..=l].iter().rev().map(|model| model[sample]);
-        said.chain(self.normal.get(sample).into_iter().flatten().copied()).collect()
+        let mut row = vec![self.models[l][sample]];
+        row.extend(&self.beside[l][sample]);
+        row.extend(l.checked_sub(1).map(|coarser| self.models[coarser][sample]));
+        row.extend(self.normal.get(sample).into_iter().flatten());
+        row
     }
 }
 
@@ -377,3 +382,6 @@ fn monotone_law(thresholds: &[f64], distribution: Vec<f64>) -> Result<StepLaw, M
     }
     Ok(StepLaw::weighted(atoms)?)
 }
+
+#[cfg(test)]
+mod tests;
