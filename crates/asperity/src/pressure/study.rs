@@ -4,8 +4,14 @@ use crate::chaos::{Basis, Design, SamplingMethod, StepLaw};
 use crate::monitor::Monitor;
 use crate::pressure::estimate::{Comparison, Estimate};
 use crate::pressure::expansion::{self, Response};
+use crate::pressure::field::{FIELD_BYTES, FieldLaws};
+use crate::pressure::homogeneity::Homogeneity;
 use crate::pressure::nested::{CoarseSolves, NestedSamples, Quantity};
 use crate::pressure::sample::Sampling;
+use crate::pressure::sensitivity::{self, Sensitivity};
+use crate::pressure::surrogate::latent::LatentOverlap;
+use crate::pressure::surrogate::two_part::TwoPart;
+use crate::pressure::surrogate::{self, Rotated};
 use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, Samples, solve};
 use crate::stats::Interval;
 
@@ -99,6 +105,10 @@ pub struct Results {
     pub methods: Vec<MethodResult>,
     /// Laws of the scalars of the whole contact.
     pub scalars: Vec<ScalarResult>,
+    /// Laws of the pressures of all cells.
+    pub fields: Option<FieldLaws>,
+    /// Which variables matter.
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 impl Study {
@@ -122,12 +132,20 @@ impl Study {
     pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
         self.validate(problem)?;
         let stride = site_stride(problem);
-        let monte_carlo = |stage, samples| {
-            let sampling = Sampling::monte_carlo(self.seed, stage, samples, self.valid_share);
-            solve(problem, Sampling { site_stride: stride, ..sampling }, monitor)
+        let reference = {
+            let stage = "pressure/reference";
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_share);
+            let site_stride = problem.cells_are_alike().then_some(stride);
+            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?)?
         };
-        let reference = self.reference(&monte_carlo("pressure/reference", self.reference_samples)?)?;
-        let monte_carlo = monte_carlo("pressure/monte_carlo", self.fine_solves)?;
+        let monte_carlo = {
+            let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+            let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
+            solve(problem, kept, monitor)?
+        };
+        let site_shape = site_shape(problem, stride);
+        let fields = FieldLaws::of(&monte_carlo, self.variables, self.degree, site_shape);
+        let monte_carlo = monte_carlo.without_fields();
         let stratified = |method, stage| {
             let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_share);
             match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
@@ -141,6 +159,9 @@ impl Study {
         let nested = NestedSamples::solve(problem, &monte_carlo, self.seed, monitor)?;
         let fresh = self.fresh_germs(self.variables)?;
         let basis = Basis::hermite(self.variables, self.degree)?;
+        let leading = latin.as_ref().map(|latin| (latin.leading_germs(self.variables), pressures_pa(latin)));
+        let rotated =
+            Rotated::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
         let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Estimate, MethodError>| match &nested {
             Ok(nested) => estimate(nested),
             Err(reason) => Err(reason.clone()),
@@ -157,8 +178,14 @@ impl Study {
                 _ => None,
             };
             let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
-            let expanded = |response| match &latin {
-                Ok(latin) => expansion::estimate(response, latin, basis.clone(), &fresh, self.seed),
+            let expanded = |response| match &leading {
+                Ok((germs, pressures)) => {
+                    expansion::estimate(response, germs, pressures, basis.clone(), &fresh, self.seed)
+                }
+                Err(reason) => Err((*reason).clone()),
+            };
+            let by_rotated = |estimate: &dyn Fn(&Rotated) -> Result<Estimate, MethodError>| match &rotated {
+                Ok(rotated) => estimate(rotated),
                 Err(reason) => Err(reason.clone()),
             };
             let estimate = match method {
@@ -167,14 +194,32 @@ impl Study {
                 Method::Sobol => method_error(replicated(&sobol))?,
                 Method::PolynomialChaos => expanded(Response::Pressure),
                 Method::PolynomialChaosLog => expanded(Response::Logarithm),
+                Method::PolynomialChaosLocal => by_rotated(&|rotated| {
+                    if rotated.variables() == 0 {
+                        return Err(MethodError::NoVariables);
+                    }
+                    let basis = Basis::hermite(rotated.variables(), self.degree)?;
+                    let (rows, pressures) = (&rotated.rows, &rotated.pressures_pa);
+                    expansion::estimate(Response::Pressure, rows, pressures, basis, &rotated.fresh, self.seed)
+                }),
+                Method::LatentOverlap => by_rotated(&|rotated| {
+                    let latent = LatentOverlap::new(rotated, self.degree)?;
+                    surrogate::estimate(&latent, rotated.counts(), rotated.fresh.len(), self.seed)
+                }),
+                Method::TwoPart => by_rotated(&|rotated| {
+                    let two_part = TwoPart::new(rotated, self.degree)?;
+                    surrogate::estimate(&two_part, rotated.counts(), rotated.fresh.len(), self.seed)
+                }),
                 Method::ControlVariate => {
                     by_nested(&|nested| Ok(nested.estimate_by_germ(Quantity::Pressure, problem, self.seed)?.into()))
                 }
                 Method::Multilevel => {
                     by_nested(&|nested| Ok(nested.estimate_plain(Quantity::Pressure, problem, self.seed)?.into()))
                 }
-                Method::PooledSites if stride.is_none() => Err(MethodError::NotStationary),
-                Method::PooledSites => Ok(Estimate::of_sites(&monte_carlo, self.seed)?),
+                Method::PooledSites => match poolable(problem, &monte_carlo, site_shape) {
+                    Ok(()) => Ok(Estimate::of_sites(&monte_carlo, self.seed)?),
+                    Err(reason) => Err(reason),
+                },
                 Method::Default => {
                     by_nested(&|nested| Ok(nested.estimate(Quantity::Pressure, problem, self.seed)?.into()))
                 }
@@ -198,7 +243,8 @@ impl Study {
             Ok(nested) => self.scalars(problem, nested),
             Err(_) => Vec::new(),
         };
-        Ok(Results { reference, methods, scalars })
+        let sensitivities = sensitivity::of(problem, &monte_carlo, self.variables, self.degree, self.seed);
+        Ok(Results { reference, methods, scalars, fields, sensitivities })
     }
 
     fn reference(&self, samples: &Samples) -> Result<Reference, PressureError> {
@@ -285,10 +331,29 @@ impl Study {
     }
 }
 
-/// Every so many cells that pressures are pooled of, where all cells have one law.
-fn site_stride(problem: &Problem<'_>) -> Option<usize> {
+/// Every so many cells that pressures are pooled of.
+fn site_stride(problem: &Problem<'_>) -> usize {
     let (ny, nx) = problem.half_space().grid().shape();
-    problem.cells_are_alike().then(|| (nx.min(ny) / SITES).max(1))
+    (nx.min(ny) / SITES).max(1)
+}
+
+/// Rows and columns of the sites.
+fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
+    let (ny, nx) = problem.half_space().grid().shape();
+    (ny.div_ceil(stride), nx.div_ceil(stride))
+}
+
+/// Whether sites may be pooled: they are alike, or the samples do not show that they are not.
+fn poolable(problem: &Problem<'_>, samples: &Samples, shape: (usize, usize)) -> Result<(), MethodError> {
+    if problem.cells_are_alike() {
+        return Ok(());
+    }
+    let homogeneity = Homogeneity::of_sites(samples, shape)?;
+    if homogeneity.is_plausible() { Ok(()) } else { Err(MethodError::CellsDiffer { p_value: homogeneity.p_value }) }
+}
+
+fn pressures_pa(samples: &Samples) -> Vec<f64> {
+    samples.observations().iter().map(|o| o.pressure_pa).collect()
 }
 
 /// A method's error apart from others.
