@@ -166,7 +166,10 @@ fn global(
 }
 
 fn relative_errors(squares: &LeastSquares, responses: ArrayView2<'_, f64>) -> Result<Vec<f64>, RegressionError> {
-    Ok(squares.fit_many(responses)?.relative_errors.into_iter().map(|error| error.unwrap_or(f64::NAN)).collect())
+    let errors = squares.fit_many(responses)?.relative_errors;
+    // Of equal values the variance may be rounding.
+    let varies = responses.columns().into_iter().map(|column| column.iter().any(|value| *value != column[0]));
+    Ok(errors.into_iter().zip(varies).map(|(error, varies)| error.filter(|_| varies).unwrap_or(f64::NAN)).collect())
 }
 
 #[cfg(test)]

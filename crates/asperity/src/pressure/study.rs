@@ -384,11 +384,13 @@ mod tests {
     use crate::chaos::distance::kolmogorov_smirnov_to;
     use crate::chaos::{RegressionError, SamplingError};
     use crate::contact::{Boundary, Control, HalfSpace};
+    use crate::correlation::{CorrelationModel, Covariance};
     use crate::law::standard_normal_cdf;
     use crate::map::{Grid, HeightMap};
     use crate::monitor::Silent;
+    use crate::pressure::sensitivity::VariableSet;
     use crate::pressure::testing::{Shape, gaussian_surface};
-    use crate::surface::RandomSurface;
+    use crate::surface::{RandomSurface, SpectralField};
 
     fn small_study() -> Study {
         let study = Study::new(5);
@@ -464,6 +466,56 @@ mod tests {
         assert!(error.abs() < 4.0 * se, "{error:.4} ± {se:.4}");
         let grid_pa = results.common_grid_pa(11);
         assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.estimate.law.quantile(1.0)));
+    }
+
+    #[test]
+    fn cells_of_a_free_patch_differ_and_are_not_pooled_and_the_height_of_the_cell_matters_most() {
+        let (surface, half_space) = gaussian_surface(16, 30);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let sizes = Study { fine_solves: 400, reference_samples: 100, ..small_study() };
+        let results = sizes.run(&problem, &Silent).unwrap();
+        let fields = results.fields.as_ref().unwrap();
+        let p_value = fields.homogeneity.as_ref().unwrap().p_value;
+        assert!(p_value < 0.05, "{p_value}");
+        let pooled = results.methods.iter().find(|r| r.method == Method::PooledSites).unwrap();
+        assert_eq!(pooled.outcome.as_ref().unwrap_err(), &MethodError::CellsDiffer { p_value });
+        // The same samples, counted for the cell by themselves.
+        let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
+        assert_eq!(fields.contact_probability[[8, 8]], plain.contact_probability);
+        assert!((fields.mean_pa[[8, 8]] - plain.mean_pa).abs() < 1e-6 * plain.mean_pa);
+        let explained = |set: VariableSet| {
+            let wanted = |s: &&Sensitivity| (s.quantity, s.variables) == (Quantity::Pressure, set);
+            results.sensitivities.iter().find(wanted).unwrap().outcome.as_ref().unwrap()
+        };
+        let (local, global) = (explained(VariableSet::Local), explained(VariableSet::Global));
+        assert_eq!(local.names[0], "height of the cell");
+        assert!(local.indices.total[1..].iter().all(|other| other.value < local.indices.total[0].value));
+        // Three leading modes say less of one cell than its own surroundings.
+        assert!(local.cross_validated_error.unwrap() < global.cross_validated_error.unwrap());
+    }
+
+    #[test]
+    fn cells_of_a_stationary_periodic_patch_are_pooled() {
+        let grid = Grid::covering(16, 16, 1.0, 1.0).unwrap();
+        let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
+        let surface = SpectralField::periodic(&covariance, grid);
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.3 }, None).unwrap();
+        assert!(problem.cells_are_alike());
+        let sizes = Study { fine_solves: 170, reference_samples: 170, ..small_study() };
+        let results = sizes.run(&problem, &Silent).unwrap();
+        let homogeneity = results.fields.as_ref().unwrap().homogeneity.as_ref().unwrap();
+        assert_eq!((homogeneity.cells, homogeneity.samples), (16, 170));
+        assert!(homogeneity.p_value > 1e-3, "{homogeneity:?}");
+        let (pooled, _) = results.estimate(Method::PooledSites).unwrap();
+        let reference = &results.reference.estimate;
+        let error = pooled.contact_probability - reference.contact_probability;
+        assert!(error.abs() < 4.0 * pooled.contact_probability_se.hypot(reference.contact_probability_se));
+        for method in [Method::PolynomialChaosLocal, Method::LatentOverlap, Method::TwoPart] {
+            let (estimate, comparison) = results.estimate(method).unwrap();
+            assert!(estimate.band.is_some() && estimate.mean_se_pa > 0.0 && comparison.ks_distance < 0.3);
+        }
     }
 
     #[test]

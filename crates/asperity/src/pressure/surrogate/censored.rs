@@ -12,8 +12,9 @@ use ndarray::{Array1, Array2, ArrayView2};
 use super::newton::{Local, maximise};
 use crate::law::{standard_normal_cdf, standard_normal_pdf};
 
-/// Largest ratio of the scale of the values to σ; an exact fit ends there.
-const MOST_PRECISE: f64 = 1e5;
+/// Least and largest ratio of the scale of the values to σ. Values all of which lie on bounds, on either, end at the least, an
+/// exact fit at the largest.
+const PRECISION: [f64; 2] = [1e-3, 1e5];
 /// Below it the tail is that of the asymptotic series.
 const TAIL: f64 = -30.0;
 
@@ -39,11 +40,8 @@ pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2],
         row.iter_mut().zip(functions).for_each(|(cell, psi)| *cell = *psi);
         row[terms] = -y.clamp(bounds[0], bounds[1]) / scale;
     }
-    let likelihood = |place: &[f64]| -> Option<Local> {
+    let likelihood = |place: &[f64]| -> Local {
         let theta = place[terms];
-        if !(theta > 0.0 && theta <= MOST_PRECISE) {
-            return None;
-        }
         let all = columns.dot(&Array1::from(place.to_vec()));
         let (mut value, mut within) = (0.0, 0.0);
         let mut slopes = Array1::zeros(values.len());
@@ -67,12 +65,12 @@ pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2],
         gradient[terms] += within / theta;
         let mut curvature = columns.t().dot(&weighted);
         curvature[[terms, terms]] += within / (theta * theta);
-        Some(Local { value, gradient, curvature })
+        Local { value, gradient, curvature }
     };
     let mut start = vec![0.0; terms + 1];
     start[terms] = 1.0;
-    let place = maximise(start, likelihood);
-    let log_likelihood = likelihood(&place).map_or(f64::NEG_INFINITY, |local| local.value);
+    let place = maximise(start, PRECISION, likelihood);
+    let log_likelihood = likelihood(&place).value;
     let sigma = scale / place[terms];
     Censored { coefficients: place[..terms].iter().map(|delta| delta * sigma).collect(), sigma, log_likelihood }
 }

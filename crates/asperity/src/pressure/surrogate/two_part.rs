@@ -128,7 +128,7 @@ fn log_odds(design: ArrayView2<'_, f64>, pressures_pa: &[f64], weights: &[f64]) 
         all[0] = f64::INFINITY;
         return (all, 0.0);
     }
-    let likelihood = |place: &[f64]| -> Option<Local> {
+    let likelihood = |place: &[f64]| -> Local {
         let odds = design.dot(&Array1::from(place.to_vec()));
         let mut value = 0.0;
         let mut slopes = Array1::zeros(odds.len());
@@ -149,10 +149,10 @@ fn log_odds(design: ArrayView2<'_, f64>, pressures_pa: &[f64], weights: &[f64]) 
             gradient[j] -= RIDGE * c;
             curvature[[j, j]] += RIDGE;
         }
-        Some(Local { value, gradient, curvature })
+        Local { value, gradient, curvature }
     };
-    let place = maximise(vec![0.0; terms], likelihood);
-    let value = likelihood(&place).map_or(f64::NEG_INFINITY, |local| local.value);
+    let place = maximise(vec![0.0; terms], [f64::NEG_INFINITY, f64::INFINITY], likelihood);
+    let value = likelihood(&place).value;
     (place, value)
 }
 
