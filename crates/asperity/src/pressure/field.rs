@@ -62,7 +62,7 @@ pub struct QuantileMap {
 pub struct GlobalExpansion {
     /// Leading germ variables.
     pub variables: usize,
-    /// Total degree.
+    /// Total degree, that of the least mean error.
     pub degree: usize,
     /// Coefficients of each cell.
     pub coefficients: usize,
@@ -128,41 +128,48 @@ impl FieldLaws {
     }
 }
 
-/// The expansion of every cell.
+/// The expansion of every cell, of the degree up to `degree` whose error is least on average over the cells.
 fn global(
     samples: &Samples,
     fields: &FieldSamples,
     variables: usize,
     degree: usize,
 ) -> Result<GlobalExpansion, MethodError> {
-    let (ny, nx) = fields.grid.shape();
     let kept = fields.kept.len();
-    let enough = |degree: &usize| number_of_terms(variables, *degree).is_some_and(|n| n * SAMPLES_PER_TERM <= kept);
-    let Some(degree) = (1..=degree).take_while(enough).last() else {
-        let coefficients = variables + 1;
-        return Err(RegressionError::TooFewSamples { samples: kept, coefficients }.into());
-    };
-    let basis = Basis::hermite(variables, degree)?;
     let germs: Vec<Vec<f64>> = samples.leading_germs(variables).into_iter().take(kept).collect();
-    let squares = LeastSquares::new(basis.design_matrix(&germs).view())?;
     let kappa = kappa_pa_per_m(samples.observations());
+    let enough = |degree: &usize| number_of_terms(variables, *degree).is_some_and(|n| n * SAMPLES_PER_TERM <= kept);
+    let mut best: Option<(f64, GlobalExpansion)> = None;
+    for degree in (1..=degree).take_while(enough) {
+        let basis = Basis::hermite(variables, degree)?;
+        let squares = LeastSquares::new(basis.design_matrix(&germs).view())?;
+        let leave_one_out_error = error_map(&squares, fields, kappa)?;
+        let known: Vec<f64> = leave_one_out_error.iter().copied().filter(|error| !error.is_nan()).collect();
+        let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+        if best.as_ref().is_none_or(|(least, _)| mean < *least) {
+            let coefficients = basis.len();
+            best = Some((mean, GlobalExpansion { variables, degree, coefficients, leave_one_out_error }));
+        }
+    }
+    let too_few = RegressionError::TooFewSamples { samples: kept, coefficients: variables + 1 };
+    best.map(|(_, found)| found).ok_or_else(|| too_few.into())
+}
+
+/// The relative leave-one-out error of every cell.
+fn error_map(squares: &LeastSquares, fields: &FieldSamples, kappa: f64) -> Result<Array2<f64>, RegressionError> {
+    let (ny, nx) = fields.grid.shape();
     // Row by row: all cells in double precision need not exist at once.
     let errors: Vec<Vec<f64>> = (0..ny)
         .into_par_iter()
         .map(|row| {
-            let latent = Array2::from_shape_fn((kept, nx), |(k, column)| {
+            let latent = Array2::from_shape_fn((fields.kept.len(), nx), |(k, column)| {
                 let value = f64::from(fields.kept[k][row * nx + column]);
                 if value > 0.0 { value } else { kappa * value }
             });
-            relative_errors(&squares, latent.view())
+            relative_errors(squares, latent.view())
         })
         .collect::<Result<_, RegressionError>>()?;
-    Ok(GlobalExpansion {
-        variables,
-        degree,
-        coefficients: basis.len(),
-        leave_one_out_error: Array2::from_shape_fn((ny, nx), |(row, column)| errors[row][column]),
-    })
+    Ok(Array2::from_shape_fn((ny, nx), |(row, column)| errors[row][column]))
 }
 
 fn relative_errors(squares: &LeastSquares, responses: ArrayView2<'_, f64>) -> Result<Vec<f64>, RegressionError> {

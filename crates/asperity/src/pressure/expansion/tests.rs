@@ -95,3 +95,17 @@ fn nearly_as_many_coefficients_as_samples_still_have_errors() {
     let (estimate, _) = estimate_of(Response::Pressure, pressure, 12, Basis::hermite(2, 3).unwrap()).unwrap();
     assert!(estimate.mean_se_pa > 0.0 && estimate.band.is_some());
 }
+
+#[test]
+fn germs_of_zeros_are_a_reason_and_samples_that_repeat_are_not() {
+    let fresh = germs("fresh", 500, 1);
+    let run = |fine: &[Vec<f64>]| {
+        let pressures: Vec<f64> = fine.iter().map(|xi| 5.0 + xi[0]).collect();
+        estimate(Response::Pressure, fine, &pressures, Basis::hermite(1, 2).unwrap(), &fresh, 1)
+    };
+    let zeros = run(&vec![vec![0.0]; 20]);
+    assert!(matches!(zeros, Err(MethodError::Regression(RegressionError::RankDeficient { .. }))), "{zeros:?}");
+    let few: Vec<Vec<f64>> = (0..20).map(|i| vec![[-1.2, -0.3, 0.4, 1.7][i % 4]]).collect();
+    let repeated = run(&few).unwrap();
+    assert!((repeated.mean_pa - 5.0).abs() < 4.0 * repeated.mean_se_pa && repeated.band.is_some());
+}
