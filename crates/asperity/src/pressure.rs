@@ -30,24 +30,33 @@
 mod adapted;
 mod band;
 mod coarse;
+mod directions;
 mod estimate;
 mod expansion;
+mod field;
+mod field_samples;
+mod homogeneity;
 mod method;
 mod nested;
 mod predictor;
 mod problem;
 mod sample;
+mod sensitivity;
 mod study;
+mod surrogate;
 mod telescope;
 #[cfg(test)]
 mod testing;
 
 pub use band::{Band, QuantileResult};
 pub use estimate::{Comparison, Estimate};
+pub use field::{FieldLaws, GlobalExpansion, QuantileMap};
+pub use homogeneity::Homogeneity;
 pub use method::{Method, MethodError};
 pub use nested::{CoarseSolves, Quantity};
 pub use problem::{FailureReason, Observation, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
+pub use sensitivity::{Sensitivity, SensitivityError, SensitivityIndices, VariableSet};
 pub use study::{MethodResult, Reference, Results, ScalarResult, Study};
 
 use thiserror::Error;

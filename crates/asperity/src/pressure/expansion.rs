@@ -2,10 +2,12 @@
 //!
 //! Both are fitted by least squares to the K samples in contact alone, and give the law
 //! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh germs. Fitting only p > 0 and clipping afterwards
-//! is truncated regression: the law is biased, and the variance of the variables left out is lost.
+//! is truncated regression: the law is biased, and the variance of the variables left out is lost. Standard errors and
+//! bands are those of the samples, see [`surrogate`]; neither bias is part of them.
 
-use crate::chaos::{Basis, Expansion, StepLaw};
-use crate::pressure::{Estimate, MethodError, Samples};
+use crate::chaos::{Basis, Expansion, Fit, LeastSquares, RegressionError};
+use crate::pressure::surrogate::{self, Fitted, Surrogate};
+use crate::pressure::{Estimate, MethodError};
 use crate::stats::wilson_interval;
 
 /// Which function of the pressure is expanded.
@@ -17,117 +19,94 @@ pub(super) enum Response {
     Logarithm,
 }
 
-/// The law of the pressure from an expansion in the leading variables of the basis; `fresh` germs evaluate F_c.
+/// Samples in contact and what is expanded in what.
+#[derive(Debug)]
+struct Conditional<'a> {
+    response: Response,
+    basis: Basis,
+    /// Positions of the samples in contact, their germs and responses.
+    contact: Vec<usize>,
+    germs: Vec<&'a [f64]>,
+    values: Vec<f64>,
+    fresh: &'a [Vec<f64>],
+}
+
+/// The law of the pressure from an expansion in the variables of the basis, those that lead the germs; `fresh` germs evaluate F_c.
+///
+/// # Errors
+/// The samples in contact are too few or do not tell the functions apart, or the expansion of the logarithm overflows.
 pub(super) fn estimate(
     response: Response,
-    samples: &Samples,
+    germs: &[Vec<f64>],
+    pressures_pa: &[f64],
     basis: Basis,
     fresh: &[Vec<f64>],
-    _seed: u64,
+    seed: u64,
 ) -> Result<Estimate, MethodError> {
-    let (germs, values): (Vec<Vec<f64>>, Vec<f64>) = samples
-        .leading_germs(basis.set().variables())
-        .into_iter()
-        .zip(samples.observations())
-        .filter(|(_, observation)| observation.pressure_pa > 0.0)
-        .map(|(germ, observation)| match response {
-            Response::Pressure => (germ, observation.pressure_pa),
-            Response::Logarithm => (germ, observation.pressure_pa.ln()),
-        })
-        .unzip();
-    let (expansion, leave_one_out_error, law) = conditional_law(response, basis, &germs, &values, fresh)?;
-    let contact_probability = samples.contact_probability();
-    let atoms = law.atoms().map(|(value, probability)| (value, contact_probability * probability));
-    let law = StepLaw::weighted(std::iter::once((0.0, 1.0 - contact_probability)).chain(atoms))?;
-    let contact_probability_se = (contact_probability * (1.0 - contact_probability) / samples.len() as f64).sqrt();
+    let conditional = Conditional::new(response, germs, pressures_pa, basis, fresh);
+    let (samples, in_contact) = (pressures_pa.len(), conditional.contact.len());
+    let found = surrogate::estimate(&conditional, [samples, in_contact], fresh.len(), seed)?;
+    let contact_probability = in_contact as f64 / samples as f64;
     Ok(Estimate {
         contact_probability,
-        contact_probability_se,
-        contact_probability_interval: wilson_interval(samples.in_contact(), samples.len()),
-        mean_pa: law.mean(),
-        mean_se_pa: f64::NAN,
-        band: None,
-        coefficients: Some(expansion.coefficients().len()),
-        leave_one_out_error,
-        law,
+        contact_probability_se: (contact_probability * (1.0 - contact_probability) / samples as f64).sqrt(),
+        contact_probability_interval: wilson_interval(in_contact, samples),
+        ..found
     })
 }
 
-/// The expansion, its relative leave-one-out error, and the law F_c of the pressure in contact.
-fn conditional_law(
-    response: Response,
-    basis: Basis,
-    germs: &[Vec<f64>],
-    values: &[f64],
-    fresh: &[Vec<f64>],
-) -> Result<(Expansion, Option<f64>, StepLaw), MethodError> {
-    let (expansion, fit) = Expansion::fit(basis, germs, values)?;
-    let pressures: Vec<f64> = expansion
-        .evaluate_many(fresh)
-        .into_iter()
-        .map(|value| match response {
+impl<'a> Conditional<'a> {
+    fn new(
+        response: Response,
+        germs: &'a [Vec<f64>],
+        pressures_pa: &[f64],
+        basis: Basis,
+        fresh: &'a [Vec<f64>],
+    ) -> Self {
+        let contact: Vec<usize> = (0..germs.len()).filter(|i| pressures_pa[*i] > 0.0).collect();
+        let value = |i: &usize| match response {
+            Response::Pressure => pressures_pa[*i],
+            Response::Logarithm => pressures_pa[*i].ln(),
+        };
+        let values = contact.iter().map(value).collect();
+        let germs = contact.iter().map(|i| germs[*i].as_slice()).collect();
+        Self { response, basis, contact, germs, values, fresh }
+    }
+
+    /// Least squares with weights.
+    fn expansion(&self, weights: &[f64]) -> Result<(Expansion, Fit), RegressionError> {
+        let (samples, coefficients) = (self.germs.len(), self.basis.len());
+        if samples <= coefficients {
+            return Err(RegressionError::TooFewSamples { samples, coefficients });
+        }
+        let roots: Vec<f64> = self.contact.iter().map(|i| weights[*i].sqrt()).collect();
+        let mut design = self.basis.design_matrix(&self.germs);
+        design.rows_mut().into_iter().zip(&roots).for_each(|(mut row, root)| row *= *root);
+        let values: Vec<f64> = self.values.iter().zip(&roots).map(|(value, root)| value * root).collect();
+        let fit = LeastSquares::new(design.view())?.fit(&values)?;
+        Ok((Expansion::new(self.basis.clone(), fit.coefficients.clone()), fit))
+    }
+}
+
+impl Surrogate for Conditional<'_> {
+    fn fit(&self, weights: &[f64]) -> Result<Fitted, MethodError> {
+        let (expansion, fit) = self.expansion(weights)?;
+        let contact: f64 = self.contact.iter().map(|i| weights[*i]).sum();
+        let contact_probability = contact / weights.iter().sum::<f64>();
+        let probability = contact_probability / self.fresh.len() as f64;
+        let pressure = |value: f64| match self.response {
             Response::Pressure => value.max(0.0),
             Response::Logarithm => value.exp(),
+        };
+        let atoms = expansion.evaluate_many(self.fresh).into_iter().map(|value| (pressure(value), probability));
+        Ok(Fitted {
+            atoms: std::iter::once((0.0, 1.0 - contact_probability)).chain(atoms).collect(),
+            contact_probability,
+            coefficients: self.basis.len(),
+            leave_one_out_error: fit.leave_one_out.relative_error,
         })
-        .collect();
-    let overflowed = pressures.iter().filter(|p| !p.is_finite()).count();
-    if overflowed > 0 {
-        return Err(MethodError::Overflow { overflowed, evaluations: fresh.len() });
     }
-    let law = StepLaw::empirical(&pressures)?;
-    Ok((expansion, fit.leave_one_out.relative_error, law))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::chaos::{Design, RegressionError, SamplingMethod, distance};
-
-    fn germs(stage: &str, samples: usize, dimensions: usize) -> Vec<Vec<f64>> {
-        let design = Design::new(SamplingMethod::LatinHypercube, 9, stage, samples, dimensions).unwrap();
-        (0..samples).map(|i| design.germ(i)).collect()
-    }
-
-    #[test]
-    fn a_polynomial_pressure_is_recovered_exactly() {
-        // Always positive: nothing is truncated and eq. (8) is exact.
-        let pressure = |xi: &[f64]| 3.0 + (xi[0] - 0.5 * xi[1]).powi(2) + 0.1 * (xi[2] * xi[0]).powi(2);
-        let (fine, fresh) = (germs("fine", 120, 3), germs("fresh", 3000, 3));
-        let values: Vec<f64> = fine.iter().map(|xi| pressure(xi)).collect();
-        let basis = Basis::hermite(3, 4).unwrap();
-        let (_, error, law) = conditional_law(Response::Pressure, basis, &fine, &values, &fresh).unwrap();
-        let truth: Vec<f64> = fresh.iter().map(|xi| pressure(xi)).collect();
-        assert!(error.unwrap() < 1e-20);
-        assert!(distance::wasserstein_1(&law, &StepLaw::empirical(&truth).unwrap()) < 1e-10);
-    }
-
-    #[test]
-    fn a_lognormal_pressure_is_recovered_exactly_by_its_logarithm() {
-        let log_pressure = |xi: &[f64]| 15.0 + 0.8 * xi[0] - 0.3 * xi[1] + 0.1 * xi[0] * xi[1];
-        let (fine, fresh) = (germs("fine", 40, 2), germs("fresh", 3000, 2));
-        let values: Vec<f64> = fine.iter().map(|xi| log_pressure(xi)).collect();
-        let basis = Basis::hermite(2, 2).unwrap();
-        let (_, _, law) = conditional_law(Response::Logarithm, basis, &fine, &values, &fresh).unwrap();
-        let truth = StepLaw::empirical(&fresh.iter().map(|xi| log_pressure(xi).exp()).collect::<Vec<_>>()).unwrap();
-        assert!(distance::wasserstein_1(&law, &truth) < 1e-10 * truth.std());
-    }
-
-    #[test]
-    fn an_exponent_beyond_the_largest_number_is_a_reason_not_a_pressure() {
-        let fine = germs("fine", 40, 1);
-        let values: Vec<f64> = fine.iter().map(|xi| 400.0 * xi[0]).collect();
-        let basis = Basis::hermite(1, 1).unwrap();
-        let outcome = conditional_law(Response::Logarithm, basis, &fine, &values, &germs("fresh", 1000, 1));
-        assert!(matches!(outcome, Err(MethodError::Overflow { overflowed: 1.., evaluations: 1000 })));
-    }
-
-    #[test]
-    fn as_many_coefficients_as_samples_are_refused() {
-        let fine = germs("fine", 10, 2);
-        let values = vec![1.0; 10];
-        let basis = Basis::hermite(2, 3).unwrap();
-        let outcome = conditional_law(Response::Pressure, basis, &fine, &values, &fine);
-        let wanted = MethodError::Regression(RegressionError::TooFewSamples { samples: 10, coefficients: 10 });
-        assert_eq!(outcome.unwrap_err(), wanted);
-    }
-}
+mod tests;

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::chaos::{Design, SamplingMethod, StepLaw};
 use crate::monitor::{Cancelled, Monitor};
+use crate::pressure::field_samples::{FieldSamples, FieldSums, signed};
 use crate::pressure::{FailureReason, Observation, PressureError, Problem};
 
 /// A sample without an answer.
@@ -31,6 +32,9 @@ pub struct Sampling<'a> {
     pub samples: usize,
     /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
     pub site_stride: Option<usize>,
+    /// Bytes of whole pressure fields that are kept at most, of the leading samples; beside them every cell's sum over all
+    /// samples. `None` keeps neither.
+    pub field_bytes: Option<usize>,
     /// Least share (0 to 1) of the contact problems that have to be solved.
     pub valid_share: f64,
 }
@@ -38,7 +42,16 @@ pub struct Sampling<'a> {
 impl<'a> Sampling<'a> {
     /// So many independent germs.
     pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_share: f64) -> Self {
-        Self { method: SamplingMethod::MonteCarlo, replicates: 1, seed, stage, samples, site_stride: None, valid_share }
+        Self {
+            method: SamplingMethod::MonteCarlo,
+            replicates: 1,
+            seed,
+            stage,
+            samples,
+            site_stride: None,
+            field_bytes: None,
+            valid_share,
+        }
     }
 }
 
@@ -52,6 +65,7 @@ pub struct Samples {
     observations: Vec<Observation>,
     /// Pressures of the sites in pascal, of each solved sample.
     sites: Vec<Vec<f32>>,
+    fields: Option<FieldSamples>,
     failures: Vec<Failure>,
 }
 
@@ -60,13 +74,15 @@ pub struct Samples {
 /// # Errors
 /// The design cannot be made, fewer than the wanted share of the problems were solved, or the monitor cancelled.
 pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
-    let Sampling { method, replicates, seed, stage, samples, site_stride, valid_share } = sampling;
+    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_share } = sampling;
     let each = samples.div_ceil(replicates.max(1));
     let design = Design::new(method, seed, stage, each, problem.surface().germ_len())?;
     let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
     let samples = each * designs.len();
     let done = AtomicUsize::new(0);
-    type Outcome = Result<(Observation, Vec<f32>), FailureReason>;
+    let sums = field_bytes.map(|_| FieldSums::new(problem.half_space()));
+    let kept = field_bytes.map_or(0, |bytes| bytes / (size_of::<f32>() * problem.half_space().grid().points()));
+    type Outcome = Result<(Observation, Vec<f32>, Option<Vec<f32>>), FailureReason>;
     let outcomes: Vec<Outcome> = (0..samples)
         .into_par_iter()
         .map_init(
@@ -82,21 +98,34 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
                     let sites = sites.filter(|((row, column), _)| {
                         site_stride.is_some() && row % stride == 0 && column % stride == 0
                     });
-                    (Observation::of(&solution, problem.cell()), sites.map(|(_, p)| *p as f32).collect())
+                    let sites = sites.map(|(_, p)| *p as f32).collect();
+                    if let Some(sums) = &sums {
+                        sums.add(solution.pressure_pa());
+                    }
+                    (Observation::of(&solution, problem.cell()), sites, (index < kept).then(|| signed(&solution)))
                 });
                 monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, samples);
                 Ok(outcome)
             },
         )
         .collect::<Result<_, Cancelled>>()?;
-    let mut solved =
-        Samples { designs, indices: Vec::new(), observations: Vec::new(), sites: Vec::new(), failures: Vec::new() };
+    let mut solved = Samples {
+        designs,
+        indices: Vec::new(),
+        observations: Vec::new(),
+        sites: Vec::new(),
+        fields: sums.map(FieldSamples::new),
+        failures: Vec::new(),
+    };
     for (index, outcome) in outcomes.into_iter().enumerate() {
         match outcome {
-            Ok((observation, sites)) => {
+            Ok((observation, sites, field)) => {
                 solved.indices.push(index);
                 solved.observations.push(observation);
                 solved.sites.push(sites);
+                if let (Some(fields), Some(field)) = (&mut solved.fields, field) {
+                    fields.kept.push(field);
+                }
             }
             Err(reason) => solved.failures.push(Failure { index, reason }),
         }
@@ -172,6 +201,16 @@ impl Samples {
     /// Pressures of the sites that were kept in pascal, of each solved sample.
     pub fn sites(&self) -> &[Vec<f32>] {
         &self.sites
+    }
+
+    /// Fields, if they were asked for.
+    pub(super) fn fields(&self) -> Option<&FieldSamples> {
+        self.fields.as_ref()
+    }
+
+    /// The same without fields.
+    pub(super) fn without_fields(self) -> Self {
+        Self { fields: None, ..self }
     }
 
     /// Number K of samples in contact.

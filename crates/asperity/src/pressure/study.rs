@@ -4,8 +4,14 @@ use crate::chaos::{Basis, Design, SamplingMethod, StepLaw};
 use crate::monitor::Monitor;
 use crate::pressure::estimate::{Comparison, Estimate};
 use crate::pressure::expansion::{self, Response};
+use crate::pressure::field::{FIELD_BYTES, FieldLaws};
+use crate::pressure::homogeneity::Homogeneity;
 use crate::pressure::nested::{CoarseSolves, NestedSamples, Quantity};
 use crate::pressure::sample::Sampling;
+use crate::pressure::sensitivity::{self, Sensitivity};
+use crate::pressure::surrogate::latent::LatentOverlap;
+use crate::pressure::surrogate::two_part::TwoPart;
+use crate::pressure::surrogate::{self, Rotated};
 use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
 
 /// Probabilities whose quantiles are told.
@@ -89,6 +95,10 @@ pub struct Results {
     pub methods: Vec<MethodResult>,
     /// Laws of the scalars of the whole contact.
     pub scalars: Vec<ScalarResult>,
+    /// Laws of the pressures of all cells.
+    pub fields: Option<FieldLaws>,
+    /// Which variables matter.
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 impl Study {
@@ -112,12 +122,20 @@ impl Study {
     pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
         self.validate(problem)?;
         let stride = site_stride(problem);
-        let monte_carlo = |stage, samples| {
-            let sampling = Sampling::monte_carlo(self.seed, stage, samples, self.valid_share);
-            solve(problem, Sampling { site_stride: stride, ..sampling }, monitor)
+        let reference = {
+            let stage = "pressure/reference";
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_share);
+            let site_stride = problem.cells_are_alike().then_some(stride);
+            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?)?
         };
-        let reference = self.reference(&monte_carlo("pressure/reference", self.reference_samples)?)?;
-        let monte_carlo = monte_carlo("pressure/monte_carlo", self.fine_solves)?;
+        let monte_carlo = {
+            let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+            let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
+            solve(problem, kept, monitor)?
+        };
+        let site_shape = site_shape(problem, stride);
+        let fields = FieldLaws::of(&monte_carlo, self.variables, self.degree, site_shape);
+        let monte_carlo = monte_carlo.without_fields();
         let stratified = |method, stage| {
             let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_share);
             match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
@@ -131,6 +149,9 @@ impl Study {
         let nested = NestedSamples::solve(problem, &monte_carlo, self.seed, monitor)?;
         let fresh = self.fresh_germs(self.variables)?;
         let basis = Basis::hermite(self.variables, self.degree)?;
+        let leading = latin.as_ref().map(|latin| (latin.leading_germs(self.variables), pressures_pa(latin)));
+        let rotated =
+            Rotated::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
         let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Estimate, MethodError>| match &nested {
             Ok(nested) => estimate(nested),
             Err(reason) => Err(reason.clone()),
@@ -147,8 +168,14 @@ impl Study {
                 _ => None,
             };
             let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
-            let expanded = |response| match &latin {
-                Ok(latin) => expansion::estimate(response, latin, basis.clone(), &fresh, self.seed),
+            let expanded = |response| match &leading {
+                Ok((germs, pressures)) => {
+                    expansion::estimate(response, germs, pressures, basis.clone(), &fresh, self.seed)
+                }
+                Err(reason) => Err((*reason).clone()),
+            };
+            let by_rotated = |estimate: &dyn Fn(&Rotated) -> Result<Estimate, MethodError>| match &rotated {
+                Ok(rotated) => estimate(rotated),
                 Err(reason) => Err(reason.clone()),
             };
             let estimate = match method {
@@ -157,14 +184,32 @@ impl Study {
                 Method::Sobol => method_error(replicated(&sobol))?,
                 Method::PolynomialChaos => expanded(Response::Pressure),
                 Method::PolynomialChaosLog => expanded(Response::Logarithm),
+                Method::PolynomialChaosLocal => by_rotated(&|rotated| {
+                    if rotated.variables() == 0 {
+                        return Err(MethodError::NoVariables);
+                    }
+                    let basis = Basis::hermite(rotated.variables(), self.degree)?;
+                    let (rows, pressures) = (&rotated.rows, &rotated.pressures_pa);
+                    expansion::estimate(Response::Pressure, rows, pressures, basis, &rotated.fresh, self.seed)
+                }),
+                Method::LatentOverlap => by_rotated(&|rotated| {
+                    let latent = LatentOverlap::new(rotated, self.degree)?;
+                    surrogate::estimate(&latent, rotated.counts(), rotated.fresh.len(), self.seed)
+                }),
+                Method::TwoPart => by_rotated(&|rotated| {
+                    let two_part = TwoPart::new(rotated, self.degree)?;
+                    surrogate::estimate(&two_part, rotated.counts(), rotated.fresh.len(), self.seed)
+                }),
                 Method::ControlVariate => {
                     by_nested(&|nested| Ok(nested.estimate_by_germ(Quantity::Pressure, problem, self.seed)?.into()))
                 }
                 Method::Multilevel => {
                     by_nested(&|nested| Ok(nested.estimate_plain(Quantity::Pressure, problem, self.seed)?.into()))
                 }
-                Method::PooledSites if stride.is_none() => Err(MethodError::NotStationary),
-                Method::PooledSites => Ok(Estimate::of_sites(&monte_carlo, self.seed)?),
+                Method::PooledSites => match poolable(problem, &monte_carlo, site_shape) {
+                    Ok(()) => Ok(Estimate::of_sites(&monte_carlo, self.seed)?),
+                    Err(reason) => Err(reason),
+                },
                 Method::Default => {
                     by_nested(&|nested| Ok(nested.estimate(Quantity::Pressure, problem, self.seed)?.into()))
                 }
@@ -188,7 +233,8 @@ impl Study {
             Ok(nested) => self.scalars(problem, nested),
             Err(_) => Vec::new(),
         };
-        Ok(Results { reference, methods, scalars })
+        let sensitivities = sensitivity::of(problem, &monte_carlo, self.variables, self.degree, self.seed);
+        Ok(Results { reference, methods, scalars, fields, sensitivities })
     }
 
     fn reference(&self, samples: &Samples) -> Result<Reference, PressureError> {
@@ -263,10 +309,29 @@ impl Study {
     }
 }
 
-/// Every so many cells that pressures are pooled of, where all cells have one law.
-fn site_stride(problem: &Problem<'_>) -> Option<usize> {
+/// Every so many cells that pressures are pooled of.
+fn site_stride(problem: &Problem<'_>) -> usize {
     let (ny, nx) = problem.half_space().grid().shape();
-    problem.cells_are_alike().then(|| (nx.min(ny) / SITES).max(1))
+    (nx.min(ny) / SITES).max(1)
+}
+
+/// Rows and columns of the sites.
+fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
+    let (ny, nx) = problem.half_space().grid().shape();
+    (ny.div_ceil(stride), nx.div_ceil(stride))
+}
+
+/// Whether sites may be pooled: they are alike, or the samples do not show that they are not.
+fn poolable(problem: &Problem<'_>, samples: &Samples, shape: (usize, usize)) -> Result<(), MethodError> {
+    if problem.cells_are_alike() {
+        return Ok(());
+    }
+    let homogeneity = Homogeneity::of_sites(samples, shape)?;
+    if homogeneity.is_plausible() { Ok(()) } else { Err(MethodError::CellsDiffer { p_value: homogeneity.p_value }) }
+}
+
+fn pressures_pa(samples: &Samples) -> Vec<f64> {
+    samples.observations().iter().map(|o| o.pressure_pa).collect()
 }
 
 /// A method's error apart from others.
@@ -297,11 +362,13 @@ mod tests {
     use crate::chaos::distance::kolmogorov_smirnov_to;
     use crate::chaos::{RegressionError, SamplingError};
     use crate::contact::{Boundary, Control, HalfSpace};
+    use crate::correlation::{CorrelationModel, Covariance};
     use crate::law::standard_normal_cdf;
     use crate::map::{Grid, HeightMap};
     use crate::monitor::Silent;
+    use crate::pressure::sensitivity::VariableSet;
     use crate::pressure::testing::{Shape, gaussian_surface};
-    use crate::surface::RandomSurface;
+    use crate::surface::{RandomSurface, SpectralField};
 
     fn small_study() -> Study {
         let study = Study::new(5);
@@ -377,6 +444,56 @@ mod tests {
         assert!(error.abs() < 4.0 * se, "{error:.4} ± {se:.4}");
         let grid_pa = results.common_grid_pa(11);
         assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.estimate.law.quantile(1.0)));
+    }
+
+    #[test]
+    fn cells_of_a_free_patch_differ_and_are_not_pooled_and_the_height_of_the_cell_matters_most() {
+        let (surface, half_space) = gaussian_surface(16, 30);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let sizes = Study { fine_solves: 400, reference_samples: 100, ..small_study() };
+        let results = sizes.run(&problem, &Silent).unwrap();
+        let fields = results.fields.as_ref().unwrap();
+        let p_value = fields.homogeneity.as_ref().unwrap().p_value;
+        assert!(p_value < 0.05, "{p_value}");
+        let pooled = results.methods.iter().find(|r| r.method == Method::PooledSites).unwrap();
+        assert_eq!(pooled.outcome.as_ref().unwrap_err(), &MethodError::CellsDiffer { p_value });
+        // The same samples, counted for the cell by themselves.
+        let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
+        assert_eq!(fields.contact_probability[[8, 8]], plain.contact_probability);
+        assert!((fields.mean_pa[[8, 8]] - plain.mean_pa).abs() < 1e-6 * plain.mean_pa);
+        let explained = |set: VariableSet| {
+            let wanted = |s: &&Sensitivity| (s.quantity, s.variables) == (Quantity::Pressure, set);
+            results.sensitivities.iter().find(wanted).unwrap().outcome.as_ref().unwrap()
+        };
+        let (local, global) = (explained(VariableSet::Local), explained(VariableSet::Global));
+        assert_eq!(local.names[0], "height of the cell");
+        assert!(local.indices.total[1..].iter().all(|other| other.value < local.indices.total[0].value));
+        // Three leading modes say less of one cell than its own surroundings.
+        assert!(local.cross_validated_error.unwrap() < global.cross_validated_error.unwrap());
+    }
+
+    #[test]
+    fn cells_of_a_stationary_periodic_patch_are_pooled() {
+        let grid = Grid::covering(16, 16, 1.0, 1.0).unwrap();
+        let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
+        let surface = SpectralField::periodic(&covariance, grid);
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.3 }, None).unwrap();
+        assert!(problem.cells_are_alike());
+        let sizes = Study { fine_solves: 170, reference_samples: 170, ..small_study() };
+        let results = sizes.run(&problem, &Silent).unwrap();
+        let homogeneity = results.fields.as_ref().unwrap().homogeneity.as_ref().unwrap();
+        assert_eq!((homogeneity.cells, homogeneity.samples), (16, 170));
+        assert!(homogeneity.p_value > 1e-3, "{homogeneity:?}");
+        let (pooled, _) = results.estimate(Method::PooledSites).unwrap();
+        let reference = &results.reference.estimate;
+        let error = pooled.contact_probability - reference.contact_probability;
+        assert!(error.abs() < 4.0 * pooled.contact_probability_se.hypot(reference.contact_probability_se));
+        for method in [Method::PolynomialChaosLocal, Method::LatentOverlap, Method::TwoPart] {
+            let (estimate, comparison) = results.estimate(method).unwrap();
+            assert!(estimate.band.is_some() && estimate.mean_se_pa > 0.0 && comparison.ks_distance < 0.3);
+        }
     }
 
     #[test]
