@@ -2,7 +2,7 @@
 
 use crate::chaos::StepLaw;
 use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
-use crate::pressure::band::{Band, Moments, Total};
+use crate::pressure::band::{Band, Moments, NORMAL_95, Total};
 use crate::pressure::telescope::Telescoped;
 use crate::pressure::{PressureError, Samples};
 use crate::stats::{Interval, wilson_interval};
@@ -111,6 +111,29 @@ impl Estimate {
         };
         Ok(telescoped.into())
     }
+}
+
+impl Estimate {
+    /// The 95 % interval of `mean_pa`, none without a standard error.
+    pub fn mean_interval_pa(&self) -> Option<Interval> {
+        let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
+        half.is_finite().then(|| Interval { low: self.mean_pa - half, high: self.mean_pa + half })
+    }
+
+    /// The 95 % interval of a quantile in pascal, none without a band.
+    pub fn quantile_interval_pa(&self, probability: f64) -> Option<Interval> {
+        self.band.as_ref().map(|band| quantile_interval(&self.law, band, probability))
+    }
+}
+
+/// The 95 % interval of a quantile: the values at which the band of F holds the probability.
+pub(super) fn quantile_interval(law: &StepLaw, band: &Band, probability: f64) -> Interval {
+    let at = |factor: f64| {
+        let reached = |value: &&f64| law.cdf(**value) + factor * band.standard_error_at(**value) >= probability;
+        let values = law.values();
+        values.iter().find(reached).or(values.last()).copied().unwrap_or(f64::NAN)
+    };
+    Interval { low: at(band.pointwise_factor), high: at(-band.pointwise_factor) }
 }
 
 impl From<Telescoped> for Estimate {

@@ -2,7 +2,7 @@
 
 use crate::chaos::{Basis, Design, SamplingMethod, StepLaw};
 use crate::monitor::Monitor;
-use crate::pressure::estimate::{Comparison, Estimate};
+use crate::pressure::estimate::{Comparison, Estimate, quantile_interval};
 use crate::pressure::expansion::{self, Response};
 use crate::pressure::nested::{CoarseSolves, NestedSamples, Quantity};
 use crate::pressure::sample::Sampling;
@@ -151,6 +151,8 @@ impl Study {
         };
         let mut methods = Vec::with_capacity(Method::ALL.len());
         for method in Method::ALL {
+            let task = format!("pressure/law/{}", method.name());
+            monitor.progress(&task, 0, 1);
             let stratified = match method {
                 Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => Some(&latin),
                 Method::Sobol => Some(&sobol),
@@ -193,6 +195,7 @@ impl Study {
                     (estimate, comparison)
                 }),
             });
+            monitor.progress(&task, 1, 1);
         }
         let scalars = match &nested {
             Ok(nested) => self.scalars(problem, nested),
@@ -222,17 +225,10 @@ impl Study {
     fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
         let scalar = |quantity: Quantity| {
             let found = nested.estimate(quantity, problem, self.seed).ok()?;
-            let quantile = |probability: f64| {
-                let at = |shift: f64| {
-                    let reached = |value: &&f64| {
-                        found.law.cdf(**value) + shift * found.band.standard_error_at(**value) >= probability
-                    };
-                    let values = found.law.values();
-                    values.iter().find(reached).or(values.last()).copied().unwrap_or(f64::NAN)
-                };
-                let factor = found.band.pointwise_factor;
-                let interval = Interval { low: at(factor), high: at(-factor) };
-                QuantileResult { probability, value: found.law.quantile(probability), interval }
+            let quantile = |probability: f64| QuantileResult {
+                probability,
+                value: found.law.quantile(probability),
+                interval: quantile_interval(&found.law, &found.band, probability),
             };
             Some(ScalarResult {
                 quantity,
