@@ -107,6 +107,67 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
 }
 
 #[test]
+fn results_and_tables_say_the_same_of_every_method() {
+    let outcome = run(&reduced("pressure_case_c.toml", 100, 100));
+    let results = serde_json::to_value(&outcome.results).unwrap();
+    let pressure = &results["pressure"];
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let table = &outcome.tables["pressure_methods"];
+    assert_eq!(table.names().len(), 10);
+    assert_eq!(table.column("mean_low_pa").unwrap()[0], number(&pressure["mean_interval"][0]));
+    for (row, method) in pressure["methods"].as_array().unwrap().iter().enumerate() {
+        let name = method["name"].as_str().unwrap();
+        assert_eq!(table.names()[row + 1], name);
+        let coarse = method["coarse_solves"].as_array().unwrap();
+        let share =
+            |grid: &serde_json::Value| number(&grid["nx"]) * number(&grid["ny"]) / 4096.0 * number(&grid["solves"]);
+        let work = number(&method["fine_solves"]) + coarse.iter().map(share).sum::<f64>();
+        assert_eq!(number(&method["work_in_fine_solves"]), work, "{name}");
+        assert_eq!(table.column("work_in_fine_solves").unwrap()[row + 1], work);
+        if method["failure"].is_string() {
+            assert!(method["mean_pa"].is_null() && method["quantiles"].as_array().unwrap().is_empty(), "{name}");
+            continue;
+        }
+        assert_eq!(table.column("quantile_90_pa").unwrap()[row + 1], number(&method["quantiles"][2]["pressure_pa"]));
+        let within = |value: &serde_json::Value, interval: &serde_json::Value| {
+            let [value, low, high] = [value, &interval[0], &interval[1]].map(number);
+            assert!(low <= value && value <= high, "{name}: {value} in {interval}");
+        };
+        within(&method["contact_probability"], &method["contact_probability_interval"]);
+        // The paper's expansions know no errors of their own.
+        if name.starts_with("polynomial") {
+            assert!(method["mean_se_pa"].is_null() && method["mean_interval"].is_null(), "{method}");
+            assert!(method["simultaneous_band_factor"].is_null());
+            continue;
+        }
+        within(&method["mean_pa"], &method["mean_interval"]);
+        within(&method["quantiles"][2]["pressure_pa"], &method["quantiles"][2]["pressure_pa_interval"]);
+        let band = |what: &str| {
+            let column = outcome.tables["pressure_bands"].column(&format!("{name}_{what}")).unwrap();
+            column.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>()
+        };
+        let (cdf, se, wide) = (band("cdf"), band("cdf_se"), band("simultaneous_high"));
+        let factor = number(&method["simultaneous_band_factor"]);
+        for (i, pointwise) in band("pointwise_high").into_iter().enumerate() {
+            assert!(pointwise <= wide[i] && (cdf[i] + factor * se[i]).clamp(0.0, 1.0) == wide[i], "{name} {i}");
+        }
+    }
+    let scalars = pressure["scalars"].as_array().unwrap();
+    let names: Vec<&str> = scalars.iter().map(|scalar| scalar["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["contact_fraction", "mean_pressure_pa", "mean_gap_m"]);
+    for scalar in scalars {
+        let law = outcome.tables["pressure_scalar_laws"].column(scalar["name"].as_str().unwrap()).unwrap();
+        assert!(law.is_sorted(), "{scalar}");
+        let [low, high] = [0, 1].map(|end| number(&scalar["mean_interval"][end]));
+        assert!(low < number(&scalar["mean"]) && number(&scalar["mean"]) < high, "{scalar}");
+    }
+    // Of a surface of mean zero under a plane at zero every cell has the same mean pressure: that of the patch.
+    let [cell, patch] = [&pressure["mean_pa"], &scalars[1]["mean"]].map(number);
+    let se = number(&pressure["mean_se_pa"]).hypot(number(&scalars[1]["mean_se"]));
+    assert!((cell - patch).abs() < 4.0 * se, "{cell} {patch} ± {se}");
+}
+
+#[test]
 fn keys_that_do_not_fit_each_other_point_at_their_line() {
     let case_c = text("pressure_case_c.toml");
     for (from, to, wanted) in [

@@ -184,3 +184,49 @@ impl Comparison {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+
+    #[test]
+    fn intervals_of_quantiles_hold_them_as_often_as_they_say() {
+        let (replicates, n) = (1000, 200);
+        let nodes: Vec<f64> = (0..20).map(|k| f64::from(k) / 19.0).collect();
+        let mut held = [0_usize; 3];
+        for replicate in 0..replicates {
+            let normal = random::standard_normal(&mut random::stream(1, "quantile", replicate), n);
+            let uniform: Vec<f64> = normal.into_iter().map(crate::law::standard_normal_cdf).collect();
+            let law = StepLaw::empirical(&uniform).unwrap();
+            let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
+            let band = Band::of_independent(&nodes, &cdf, n, 1);
+            for (held, probability) in held.iter_mut().zip([0.1, 0.5, 0.9]) {
+                // A uniform variable is its own probability.
+                *held += usize::from(quantile_interval(&law, &band, probability).contains(probability));
+            }
+        }
+        // The standard error of a share of 95 % is 0.7 %.
+        for held in held {
+            let share = held as f64 / replicates as f64;
+            assert!((0.925..=0.975).contains(&share), "{share}");
+        }
+    }
+
+    #[test]
+    fn a_quantile_within_an_atom_is_the_atom() {
+        let pressures: Vec<f64> = (0..1000).map(|i| f64::from((i - 800).max(0))).collect();
+        let law = StepLaw::empirical(&pressures).unwrap();
+        let nodes = nodes(&law);
+        let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
+        let band = Band::of_independent(&nodes, &cdf, 1000, 1);
+        assert_eq!(quantile_interval(&law, &band, 0.5), Interval { low: 0.0, high: 0.0 });
+        let interval = quantile_interval(&law, &band, 0.9);
+        // F = .8 + p/1000 with the standard error √(.9 · .1/1000), interpolated between nodes.
+        let half = 1000.0 * NORMAL_95 * (0.09_f64 / 1000.0).sqrt();
+        assert!(
+            (interval.low - 100.0 + half).abs() < 3.0 && (interval.high - 100.0 - half).abs() < 3.0,
+            "{interval:?}"
+        );
+    }
+}

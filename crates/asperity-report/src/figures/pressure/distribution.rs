@@ -53,12 +53,16 @@ impl<'a> Limits<'a> {
     }
 }
 
-/// A tabulated function between its points; constant beyond.
+/// A larger difference of neighbours is a jump.
+const JUMP: f64 = 0.02;
+
+/// A tabulated distribution function between its points: linear, but for jumps; constant beyond.
 fn interpolated(x: &[f64], y: &[f64], at: f64) -> f64 {
     let after = x.partition_point(|x| *x <= at);
     match (after.checked_sub(1), x.get(after)) {
         (None, _) => y[0],
         (Some(last), None) => y[last],
+        (Some(low), Some(_)) if y[after] - y[low] > JUMP => y[low],
         (Some(low), Some(_)) => y[low] + (at - x[low]) / (x[after] - x[low]) * (y[after] - y[low]),
     }
 }

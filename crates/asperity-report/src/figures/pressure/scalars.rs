@@ -51,7 +51,8 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     }
     let title = "Laws of contact area, load and gap";
     let caption = "Distribution functions over the realisations of the surface: contact area over nominal area, load over \
-                   nominal area, and mean gap, by the method that is the default for the pressure.";
+                   nominal area, and mean gap, by the method that is the default for the pressure. Intervals \
+                   that are not seen are narrower than their rings.";
     let svg = figure(title, caption, Layout::Row(250.0), &charts)?;
     let sources = vec![csv(LAWS), csv("pressure_scalars")];
     plates.push(Plate {
