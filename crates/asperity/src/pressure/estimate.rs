@@ -117,7 +117,7 @@ impl Estimate {
     /// The 95 % interval of `mean_pa`, none without a standard error.
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
-        half.is_finite().then(|| Interval { low: self.mean_pa - half, high: self.mean_pa + half })
+        half.is_finite().then_some(Interval { low: self.mean_pa - half, high: self.mean_pa + half })
     }
 
     /// The 95 % interval of a quantile in pascal, none without a band.
