@@ -6,6 +6,7 @@ use crate::ReportError;
 use crate::axis::{Axis, Tick};
 use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw, text_width};
 use crate::polyline::{clipped, simplified};
+use crate::symbol::Shape;
 
 /// Height of one row of the legend in pixels.
 const LEGEND_ROW: f64 = 21.0;
@@ -15,6 +16,8 @@ const TOLERANCE: f64 = 0.12;
 const MOST_CORNERS: usize = 30_000;
 /// Bars of a histogram up to this width in pixels have no edge.
 const NARROW_BAR: f64 = 4.0;
+/// Radius of symbols in pixels.
+const SYMBOL: f64 = 4.2;
 /// Size of notes in pixels.
 const SMALL: f64 = 12.0;
 
@@ -25,6 +28,10 @@ pub(crate) enum Mark {
     Line { x: Vec<f64>, y: Vec<f64>, pen: Pen },
     /// A curve with a disc at every point.
     Points { x: Vec<f64>, y: Vec<f64>, pen: Pen },
+    /// A symbol at one point.
+    Symbol { x: f64, y: f64, shape: Shape, colour: RGBColor },
+    /// A horizontal line between two values of x, for intervals.
+    Span { from: f64, to: f64, y: f64, pen: Pen },
     /// The region between two curves.
     Band { x: Vec<f64>, low: Vec<f64>, high: Vec<f64>, colour: RGBColor },
     /// Bars of a histogram from the base of the chart; `x` holds the bin centres.
@@ -159,6 +166,13 @@ impl Chart {
                 }
                 Ok(())
             }
+            Mark::Symbol { x, y, shape, colour } => {
+                match self.runs(plot, &[*x], &[*y]).concat().first().filter(|at| inside(**at, plot)) {
+                    Some(at) => shape.draw(canvas, *at, SYMBOL, *colour),
+                    None => Ok(()),
+                }
+            }
+            Mark::Span { from, to, y, pen } => self.curve(canvas, plot, &[*from, *to], &[*y, *y], *pen),
             Mark::Band { x, low, high, colour } => {
                 let defined: Vec<usize> = (0..x.len()).filter(|&i| low[i].is_finite() && high[i].is_finite()).collect();
                 // A band is interrupted where its limits are undefined.
@@ -325,7 +339,11 @@ impl<'a> Legend<'a> {
             for (x, series) in entries {
                 let (from, to) = ((*x, y), (*x + 32.0, y));
                 match &series.mark {
-                    Mark::Line { pen, .. } | Mark::Vertical { pen, .. } | Mark::Horizontal { pen, .. } => {
+                    Mark::Symbol { shape, colour, .. } => shape.draw(canvas, (x + 16.0, y), SYMBOL, *colour)?,
+                    Mark::Line { pen, .. }
+                    | Mark::Vertical { pen, .. }
+                    | Mark::Horizontal { pen, .. }
+                    | Mark::Span { pen, .. } => {
                         canvas.line(&[from, to], Pen { opacity: pen.opacity.max(0.7), ..*pen })?;
                     }
                     Mark::Points { pen, .. } => {

@@ -19,6 +19,7 @@ mod page;
 mod palette;
 mod polyline;
 mod raster;
+mod symbol;
 mod twin;
 
 use std::collections::BTreeMap;

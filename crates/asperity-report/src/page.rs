@@ -12,7 +12,7 @@ use minijinja::{AutoEscape, Environment, Value, context};
 use crate::figures::{Plate, Stage};
 
 use crate::{ReportError, Run};
-pub(crate) use json::plain;
+pub(crate) use json::{interval, plain};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
 
@@ -69,6 +69,9 @@ pub(crate) fn method_name(method: &str) -> String {
         "sobol" => "Sobol’ sequence".into(),
         "polynomial_chaos" => "polynomial chaos".into(),
         "polynomial_chaos_log" => "polynomial chaos of log p".into(),
+        "control_variate" => "control variate".into(),
+        "multilevel" => "multilevel Monte Carlo".into(),
+        "pooled_sites" => "pooled sites".into(),
         "default" => "default of asperity".into(),
         other => other.replace('_', " "),
     }
@@ -118,7 +121,7 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             "Contact pressure",
             "How often a point of the surface is in contact, and how the pressure there is distributed, by independent \
              methods.",
-            &tables::pressure(&results["pressure"]),
+            &tables::pressure(run),
         ),
         section(
             plates,

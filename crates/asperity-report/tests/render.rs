@@ -23,6 +23,9 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "height_psd",
         "pressure_sample",
         "pressure_cdf",
+        "pressure_intervals",
+        "pressure_accuracy",
+        "pressure_scalars",
         "friction_levels",
         "friction_histogram",
         "friction_acf",
@@ -200,7 +203,8 @@ fn an_empty_run_is_a_page_without_figures() {
 #[test]
 fn each_table_and_field_can_be_there_alone() {
     let full = full_run();
-    for (name, table) in &full.tables {
+    // Bands are drawn around the laws of another table.
+    for (name, table) in full.tables.iter().filter(|(name, _)| *name != "pressure_bands") {
         let tables = [(name.clone(), table.clone())].into();
         let report = render(&Run { tables, ..Run::default() }).unwrap();
         // The laws of the heights are a table of the page.
@@ -251,6 +255,39 @@ fn nulled(value: &Value) -> Value {
         Value::Number(_) | Value::Bool(_) => Value::Null,
         other => other.clone(),
     }
+}
+
+#[test]
+fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
+    let mut run = full_run();
+    run.provenance["seconds"] = json!({"pressure/monte_carlo": 1.25, "pressure/coarse": 2.5, "pressure/law/default": 0.25, "pressure/sobol": 3.0});
+    let drawn = words(&run, "pressure_cdf");
+    for wanted in ["default: 95 %, all pressures at once", "default: 95 %, at one pressure", "default of asperity"] {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    let drawn = words(&run, "pressure_accuracy");
+    for wanted in
+        ["KS distance", "W₁ / std", "|Δ P(contact)|", "Work in fine contact solutions", "expected of Monte Carlo"]
+    {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in ["9000 on 16 × 16, 1712 on 32 × 32", ">4 s<", "162.0 MPa [157.9, 166.1]", "400.0 nm [398.0, 402.0]"]
+    {
+        assert!(html.contains(wanted), "the page says {wanted:?}");
+    }
+    // A law that has nothing to do with the reference leaves the frames of the others alone.
+    let methods = run.results["pressure"]["methods"].as_array_mut().unwrap();
+    methods[5]["mean_pa"] = json!(1e20);
+    methods[5]["wasserstein_1_over_std"] = json!(1e12);
+    for (name, largest) in [("pressure_intervals", "165"), ("pressure_accuracy", "5·10⁻²")] {
+        let drawn = words(&run, name);
+        assert!(drawn.iter().any(|word| word == largest), "{largest} in {drawn:?}");
+    }
+    // Runs from before there were bands.
+    run.tables.remove("pressure_bands");
+    run.tables.remove("pressure_scalar_laws");
+    assert!(!words(&run, "pressure_cdf").iter().any(|word| word.contains("95 %")));
 }
 
 #[test]

@@ -82,6 +82,7 @@ fn as_json(stage: &StageEstimate, threads: usize) -> Value {
     json!({
         "stage": stage.stage.name(),
         "contact_solutions": stage.contact_solutions,
+        "coarse_solutions": stage.coarse_solutions,
         "trajectories": stage.trajectories,
         "core_s": stage.core_seconds,
         "memory_bytes": stage.memory_bytes,
@@ -91,6 +92,10 @@ fn as_json(stage: &StageEstimate, threads: usize) -> Value {
 
 fn in_words(stage: &StageEstimate, threads: usize) -> String {
     let work = match (stage.contact_solutions, stage.trajectories) {
+        (solutions, 0) if stage.coarse_solutions > 0.0 => format!(
+            "{solutions} contact solutions, and on coarser grids up to the work of {:.0} more",
+            stage.coarse_solutions.ceil()
+        ),
         (solutions, 0) => format!("{solutions} contact solutions"),
         (_, trajectories) => format!("{trajectories} trajectories"),
     };

@@ -11,7 +11,7 @@ fn interval_keys(key: &str) -> [String; 2] {
 }
 
 /// The interval `[low, high]` that belongs to a number of `entry`.
-pub(super) fn interval(entry: &Value, key: &str) -> Option<(f64, f64)> {
+pub(crate) fn interval(entry: &Value, key: &str) -> Option<(f64, f64)> {
     interval_keys(key).iter().find_map(|key| Some((entry[key][0].as_f64()?, entry[key][1].as_f64()?)))
 }
 

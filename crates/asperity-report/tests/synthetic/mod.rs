@@ -185,6 +185,31 @@ fn pressure(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
             ("reference", law(0.32, 7e8)),
         ]),
     );
+    let nodes: Vec<f64> = p.iter().step_by(5).copied().collect();
+    let middle: Vec<f64> = law(0.325, 7.1e8).iter().step_by(5).copied().collect();
+    let beside = |half: f64| map(&middle, |f| (f + half * (f * (1.0 - f)).sqrt()).clamp(0.0, 1.0));
+    tables.insert(
+        "pressure_bands".into(),
+        table(&[
+            ("default_pressure_pa", nodes),
+            ("default_pointwise_low", beside(-0.02)),
+            ("default_pointwise_high", beside(0.02)),
+            ("default_simultaneous_low", beside(-0.032)),
+            ("default_simultaneous_high", beside(0.032)),
+            ("default_cdf", middle),
+        ]),
+    );
+    let share = grid(0.0025, 0.9975, 200);
+    let quantile = |mean: f64, std: f64| map(&share, |u| mean + std * 0.55 * (u / (1.0 - u)).ln());
+    tables.insert(
+        "pressure_scalar_laws".into(),
+        table(&[
+            ("contact_fraction", quantile(0.21, 0.02)),
+            ("mean_pressure_pa", quantile(1.6e8, 1.5e7)),
+            ("mean_gap_m", quantile(4e-7, 5e-8)),
+            ("probability", share.clone()),
+        ]),
+    );
 }
 
 fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, Field>) {
@@ -355,7 +380,10 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
             "karhunen_loeve": {"modes": 101, "captured_variance": 0.9401},
         },
         "pressure": {
-            "reference_samples": 5000,
+            "reference_samples": 5000, "contact_probability": 0.32, "contact_probability_se": 0.0066, "ks_resolution": 0.0192,
+            "contact_probability_interval": [0.3072, 0.3331], "mean_pa": 1.64e8, "mean_interval": [1.6e8, 1.68e8],
+            "scalars": [{"name": "mean_gap_m", "mean": 4e-7, "mean_se": 1e-9, "mean_interval": [3.98e-7, 4.02e-7],
+                         "std": 5e-8, "quantiles": [{"probability": 0.5, "value": 4e-7, "value_interval": [3.9e-7, 4.1e-7]}]}],
             "methods": [
                 {"name": "reference", "fine_solves": 5000, "contact_probability": 0.32, "contact_probability_se": 0.0066, "ks_distance": null, "wasserstein_1_over_std": null},
                 {"name": "monte_carlo", "fine_solves": 500, "contact_probability": 0.3121, "contact_probability_se": 0.0207, "ks_distance": 0.0512, "wasserstein_1_over_std": 0.061},
@@ -363,7 +391,11 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
                 {"name": "sobol", "fine_solves": 512, "contact_probability": 0.3184, "contact_probability_se": null, "ks_distance": 0.0149, "wasserstein_1_over_std": 0.0181},
                 {"name": "polynomial_chaos", "fine_solves": 500, "contact_probability": 0.34, "contact_probability_se": 0.0212, "ks_distance": 0.0402, "wasserstein_1_over_std": 0.0711},
                 {"name": "polynomial_chaos_log", "fine_solves": 500, "contact_probability": 0.32, "contact_probability_se": 0.0209, "ks_distance": 0.0333, "wasserstein_1_over_std": 0.0502},
-                {"name": "default", "fine_solves": 500, "contact_probability": 0.325, "contact_probability_se": 0.011, "ks_distance": 0.0051, "wasserstein_1_over_std": 0.0072},
+                {"name": "default", "fine_solves": 500, "work_in_fine_solves": 1490.5, "contact_probability": 0.325,
+                 "coarse_solves": [{"nx": 16, "ny": 16, "solves": 9000}, {"nx": 32, "ny": 32, "solves": 1712}],
+                 "contact_probability_se": 0.011, "contact_probability_interval": [0.3034, 0.3466], "mean_pa": 1.62e8,
+                 "mean_se_pa": 2.1e6, "mean_interval": [1.579e8, 1.661e8], "ks_distance": 0.0051,
+                 "wasserstein_1_over_std": 0.0072},
             ],
         },
         "friction": {"window_m": 6e-4, "levels": (0..6).map(level).collect::<Vec<_>>()},

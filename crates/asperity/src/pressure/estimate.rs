@@ -2,7 +2,7 @@
 
 use crate::chaos::StepLaw;
 use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
-use crate::pressure::band::{Band, Moments, Total};
+use crate::pressure::band::{Band, Moments, NORMAL_95, Total};
 use crate::pressure::telescope::Telescoped;
 use crate::pressure::{PressureError, Samples};
 use crate::stats::{Interval, wilson_interval};
@@ -113,6 +113,19 @@ impl Estimate {
     }
 }
 
+impl Estimate {
+    /// The 95 % interval of `mean_pa`, none without a standard error.
+    pub fn mean_interval_pa(&self) -> Option<Interval> {
+        let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
+        half.is_finite().then_some(Interval { low: self.mean_pa - half, high: self.mean_pa + half })
+    }
+
+    /// The 95 % interval of a quantile in pascal, none without a band.
+    pub fn quantile_interval_pa(&self, probability: f64) -> Option<Interval> {
+        self.band.as_ref().map(|band| band.quantile(&self.law, probability).interval)
+    }
+}
+
 impl From<Telescoped> for Estimate {
     fn from(found: Telescoped) -> Self {
         let Telescoped { law, mean, mean_se, band, coefficients, leave_one_out_error } = found;
@@ -159,5 +172,51 @@ impl Comparison {
             ks_distance: kolmogorov_smirnov(law, reference),
             wasserstein_1_over_std: (std > 0.0).then(|| wasserstein_1(law, reference) / std),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+
+    #[test]
+    fn intervals_of_quantiles_hold_them_as_often_as_they_say() {
+        let (replicates, n) = (1000, 200);
+        let nodes: Vec<f64> = (0..20).map(|k| f64::from(k) / 19.0).collect();
+        let mut held = [0_usize; 3];
+        for replicate in 0..replicates {
+            let normal = random::standard_normal(&mut random::stream(1, "quantile", replicate), n);
+            let uniform: Vec<f64> = normal.into_iter().map(crate::law::standard_normal_cdf).collect();
+            let law = StepLaw::empirical(&uniform).unwrap();
+            let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
+            let band = Band::of_independent(&nodes, &cdf, n, 1);
+            for (held, probability) in held.iter_mut().zip([0.1, 0.5, 0.9]) {
+                // A uniform variable is its own probability.
+                *held += usize::from(band.quantile(&law, probability).interval.contains(probability));
+            }
+        }
+        // The standard error of a share of 95 % is 0.7 %.
+        for held in held {
+            let share = held as f64 / replicates as f64;
+            assert!((0.925..=0.975).contains(&share), "{share}");
+        }
+    }
+
+    #[test]
+    fn a_quantile_within_an_atom_is_the_atom() {
+        let pressures: Vec<f64> = (0..1000).map(|i| f64::from((i - 800).max(0))).collect();
+        let law = StepLaw::empirical(&pressures).unwrap();
+        let nodes = nodes(&law);
+        let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
+        let band = Band::of_independent(&nodes, &cdf, 1000, 1);
+        assert_eq!(band.quantile(&law, 0.5).interval, Interval { low: 0.0, high: 0.0 });
+        let interval = band.quantile(&law, 0.9).interval;
+        // F = .8 + p/1000 with the standard error √(.9 · .1/1000), interpolated between nodes.
+        let half = 1000.0 * NORMAL_95 * (0.09_f64 / 1000.0).sqrt();
+        assert!(
+            (interval.low - 100.0 + half).abs() < 3.0 && (interval.high - 100.0 - half).abs() < 3.0,
+            "{interval:?}"
+        );
     }
 }

@@ -162,6 +162,8 @@ impl Study {
         };
         let mut methods = Vec::with_capacity(Method::ALL.len());
         for method in Method::ALL {
+            let task = format!("pressure/law/{}", method.name());
+            monitor.progress(&task, 0, 1);
             let stratified = match method {
                 Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => Some(&latin),
                 Method::Sobol => Some(&sobol),
@@ -228,6 +230,7 @@ impl Study {
                     (estimate, comparison)
                 }),
             });
+            monitor.progress(&task, 1, 1);
         }
         let scalars = match &nested {
             Ok(nested) => self.scalars(problem, nested),

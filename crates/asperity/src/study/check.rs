@@ -113,6 +113,21 @@ impl Study {
             Marginal::from_str(&s.marginal).map_err(|error| problem(SECTION, "marginal", error.to_string()))?;
         }
         let gaussian = s.generator != GeneratorChoice::WeierstrassMandelbrot;
+        let expanded = s.generator == GeneratorChoice::KarhunenLoeve;
+        for (key, stated) in [("mean_mode", !s.mean_mode), ("rescale", s.rescale.is_some())] {
+            if stated && !expanded {
+                return Err(problem(SECTION, key, "this belongs to the generator karhunen_loeve"));
+            }
+        }
+        if !s.mean_mode && self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryChoice::Free) {
+            let message = "only periodic patches have a constant Fourier mode to leave out; set boundary = \"periodic\" in \
+                           [pressure]";
+            return Err(problem(SECTION, "mean_mode", message));
+        }
+        if s.rescale.is_some() && s.marginal != "normal" {
+            let message = "this belongs to marginal = \"normal\"; any other law is imposed at every point";
+            return Err(problem(SECTION, "rescale", message));
+        }
         if s.file.is_some() && s.files().is_empty() {
             return Err(problem(SECTION, "file", "the list of scans is empty; name at least one, or leave `file` out"));
         }
@@ -175,6 +190,13 @@ impl Study {
         }
         for n in p.points {
             at_least(SECTION, "points", n, 2)?;
+        }
+        if let Some([row, column]) = p.cell {
+            let [nx, ny] = p.points;
+            if row >= ny || column >= nx {
+                let message = format!("found [{row}, {column}], wanted [row, column] below [{ny}, {nx}]");
+                return Err(problem(SECTION, "cell", message));
+            }
         }
         if let Some(compliance) = p.mean_compliance {
             within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
@@ -345,6 +367,11 @@ impl Study {
     /// Keys that are stated and change nothing, each in a sentence.
     pub fn idle_keys(&self) -> Vec<String> {
         let mut idle: Vec<String> = self.surface.iter().flat_map(SurfaceSection::idle_keys).collect();
+        if let Some(surface) = self.surface.as_ref().filter(|_| self.pressure.is_none() && self.friction.is_some()) {
+            let patches_only = |key: &str| format!("[surface] {key} has no effect without [pressure]");
+            idle.extend((!surface.mean_mode).then(|| patches_only("mean_mode")));
+            idle.extend(surface.rescale.map(|_| patches_only("rescale")));
+        }
         let periodic_only = |section: &str| format!("[{section}] mean_compliance has no effect on the free boundary");
         if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryChoice::Free && p.mean_compliance.is_some()) {
             idle.push(periodic_only("pressure"));

@@ -178,6 +178,15 @@ pub struct SurfaceSection {
     /// Terms of the Karhunen–Loève expansion.
     #[serde(default = "modes")]
     pub modes: usize,
+    /// Whether patches have the constant Fourier mode, by which they differ in mean height. Without it the variance of the other
+    /// modes is scaled to the whole. Of a Karhunen–Loève expansion on periodic patches.
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    pub mean_mode: bool,
+    /// What is done about the variance that a Karhunen–Loève expansion of normal heights leaves out: `true` scales all heights of
+    /// a patch by one factor, so that the modes hold the whole variance on average over the patch, `false` lets the heights be
+    /// lower. When left out, the marginal law is imposed at every point, as with any other law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rescale: Option<bool>,
 }
 
 /// One length for x and y, `"20 um"`, or one for each, `["20 um", "10 um"]`.
@@ -229,6 +238,8 @@ impl Default for SurfaceSection {
             marginal: measured(),
             translation: TranslationChoice::default(),
             modes: modes(),
+            mean_mode: yes(),
+            rescale: None,
         }
     }
 }
@@ -306,6 +317,9 @@ pub struct PressureSection {
     /// Boundary of a patch.
     #[serde(default = "free")]
     pub boundary: BoundaryChoice,
+    /// Cell [row, column] whose pressure is studied, counted from 0 at the top left; when left out, the centre [ny/2, nx/2].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell: Option<[usize; 2]>,
     /// Mean compliance of a periodic patch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_compliance: Option<Compliance>,
@@ -455,6 +469,13 @@ fn measured() -> String {
 }
 fn modes() -> usize {
     101
+}
+fn yes() -> bool {
+    true
+}
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
+fn is_true(value: &bool) -> bool {
+    *value
 }
 fn poisson_ratio() -> f64 {
     0.3

@@ -143,6 +143,11 @@ pub enum StudyError {
     /// The heights of the scan have no histogram.
     #[error("heights: {0}")]
     Heights(StatsError),
+    /// A patch that is not periodic has no constant mode to leave out.
+    #[error(
+        "[surface] mean_mode: only periodic patches have a constant Fourier mode to leave out; set boundary = \"periodic\""
+    )]
+    ConstantMode,
     /// The Weierstrass–Mandelbrot generator lacks its dimension.
     #[error(
         "[surface] fractal_dimension: the scan shows no scaling range to measure it on; state a value strictly between 2 \
@@ -217,6 +222,7 @@ impl StudyError {
             | Self::Pressure(_)
             | Self::Window(_)
             | Self::Process(_)
+            | Self::ConstantMode
             | Self::FractalDimension
             | Self::NoStage(_) => FailureKind::Configuration,
             Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,

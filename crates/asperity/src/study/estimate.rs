@@ -9,6 +9,9 @@ const ITERATIONS: f64 = 30.0;
 /// Seconds per cell and iteration on one core of a desktop computer; the free boundary pads its transforms.
 const PERIODIC_SECONDS: f64 = 20e-9;
 const FREE_SECONDS: f64 = 20e-9;
+/// Most work of the pressure stage on coarser grids over that of the fine solves of one method: a pilot on half and quarter the
+/// points along either side, and what pays beyond that.
+const COARSE_WORK: f64 = 3.0 + 0.25 + 0.0625;
 /// Seconds per unit of dimensionless time of a trajectory.
 const TRAJECTORY_SECONDS: f64 = 1.2e-6;
 /// Bytes per point of a strip's generator: its covariance embedded in twice the width and height, in complex numbers.
@@ -23,6 +26,8 @@ pub struct StageEstimate {
     pub stage: Stage,
     /// Contact problems to solve.
     pub contact_solutions: usize,
+    /// Most work of contact problems on coarser grids beside these, in problems on the stage's own grid.
+    pub coarse_solutions: f64,
     /// Trajectories to follow.
     pub trajectories: usize,
     /// Time on one core in second.
@@ -34,14 +39,15 @@ pub struct StageEstimate {
 impl Study {
     /// The rough cost of every stage that the study has, with `threads` threads. Nothing is read or computed.
     pub fn estimate(&self, threads: usize) -> Vec<StageEstimate> {
-        let contact = |stage, solutions: usize, points: [usize; 2], boundary, germ: usize| {
+        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, germ: usize| {
             let cells = points[0] as f64 * points[1] as f64;
             let per_cell = if boundary == BoundaryChoice::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
             StageEstimate {
                 stage,
                 contact_solutions: solutions,
+                coarse_solutions: coarse,
                 trajectories: 0,
-                core_seconds: solutions as f64 * cells * ITERATIONS * per_cell,
+                core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
                 memory_bytes: threads as f64 * memory_bytes(points[0].saturating_mul(points[1]))
                     + DOUBLE_BYTES * germ as f64 * (cells + solutions as f64),
             }
@@ -51,12 +57,13 @@ impl Study {
             let modes = self.surface.as_ref().map_or(0, |surface| surface.modes);
             // The reference, and three samplers that the other methods share.
             let solutions = p.reference_samples + 3 * p.fine_solves;
+            let solutions = (solutions, COARSE_WORK * p.fine_solves as f64);
             stages.push(contact(Stage::Pressure, solutions, p.points, p.boundary, modes));
         }
         if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
             let solutions = (f.percentiles.len() + usize::from(nominal)) * f.realisations;
-            let mut stage = contact(Stage::Friction, solutions, f.points, f.boundary, 0);
+            let mut stage = contact(Stage::Friction, (solutions, 0.0), f.points, f.boundary, 0);
             // The generator, and on every thread a germ, a map and its transform.
             let cells = f.points[0] as f64 * f.points[1] as f64;
             stage.memory_bytes += cells * (GENERATOR_BYTES + threads as f64 * 4.0 * DOUBLE_BYTES);
@@ -68,6 +75,7 @@ impl Study {
             stages.push(StageEstimate {
                 stage: Stage::Vibration,
                 contact_solutions: 0,
+                coarse_solutions: 0.0,
                 trajectories,
                 core_seconds: trajectories as f64 * v.duration * TRAJECTORY_SECONDS,
                 memory_bytes: v.trajectories as f64 * v.duration * DOUBLE_BYTES,
@@ -116,6 +124,8 @@ trajectories = 50
         // Two stated levels and the one at N/A_nom.
         assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
         assert_eq!(stages[2].trajectories, 1100);
+        // The hundred fine solves of the default may be followed by as much work again, three times over, and a pilot.
+        assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [331.25, 0.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
     }
 }

@@ -1,18 +1,21 @@
 //! The law of the random pressure on a patch.
 
-use crate::chaos::StepLaw;
+mod entries;
+mod tables;
+
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::pressure::{Method, Problem, Results, Study as Sizes};
+use crate::pressure::{MethodError, Problem, Study as Sizes};
 use crate::random;
 use crate::study::config::{BoundaryChoice, MaterialSection, PressureSection};
 use crate::study::output::StageOutput;
-use crate::study::result::{MethodEntry, PressureResult};
+use crate::study::result::PressureResult;
 use crate::study::surface_model::Generated;
-use crate::study::{Field, StudyError, Table, sentence};
+use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
+use entries::Posed;
 
 /// The half-space of a section, and its mean compliance where it is periodic.
 pub(super) fn half_space(
@@ -60,14 +63,19 @@ pub(super) fn run(
     let compliance = section.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) = half_space("pressure", grid, material, section.boundary, compliance)?;
     let control = match (section.percentile, section.penetration, section.mean_pressure) {
-        (Some(percent), _, _) => plane(marginal, percent),
+        // Heights that truncation leaves lower have a lower plane.
+        (Some(percent), _, _) => match plane(marginal, percent) {
+            Control::Plane { height_m } => Control::Plane { height_m: generated.std_share * height_m },
+            control => control,
+        },
         (_, Some(depth), _) => Control::Penetration { metre: depth.0 },
         (_, _, Some(pressure)) => Control::MeanPressure { pascal: pressure.0 },
         _ => return Err(StudyError::NoStage("pressure")),
     };
     let hardness_pa = material.hardness.map(|h| h.0);
     let solver = Solver { tolerance: section.tolerance, ..Solver::default() };
-    let problem = Problem::new(surface, &half_space, control, hardness_pa)?.with_solver(solver);
+    let [row, column] = section.cell.unwrap_or([grid.ny() / 2, grid.nx() / 2]);
+    let problem = Problem::new(surface, &half_space, control, hardness_pa)?.at_cell(row, column)?.with_solver(solver);
     let sizes = Sizes {
         fine_solves: section.fine_solves,
         reference_samples: section.reference_samples,
@@ -81,24 +89,33 @@ pub(super) fn run(
         _ => None,
     };
     let mut warnings = generated.warnings.clone();
-    let patch = [patch_sentence(section, &half_space, hardness_pa), expansion_sentence(section, surface)];
+    let patch =
+        [patch_sentence(section, (row, column), &half_space, hardness_pa), expansion_sentence(section, surface)];
     for method in &results.methods {
-        if let Err(reason) = &method.outcome {
+        // That cells of a free patch cannot be pooled is nothing to be wary of.
+        if let Some(reason) = method.outcome.as_ref().err().filter(|reason| **reason != MethodError::NotStationary) {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
         }
     }
+    let posed = Posed { cell: (row, column), shape: grid.shape(), mean_compliance_m_per_pa, separation_m };
+    let result = entries::summary(&results, &posed);
     Ok(PressureStage {
-        result: summary(&results, mean_compliance_m_per_pa, separation_m),
         output: StageOutput {
-            tables: vec![("pressure_cdf", cdf_table(&results))],
+            tables: tables::tables(&results, &result),
             fields: sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?,
             assumptions: patch.into_iter().chain(generated.correction.clone()).collect(),
             warnings,
         },
+        result,
     })
 }
 
-fn patch_sentence(section: &PressureSection, half_space: &HalfSpace, hardness_pa: Option<f64>) -> String {
+fn patch_sentence(
+    section: &PressureSection,
+    (row, column): (usize, usize),
+    half_space: &HalfSpace,
+    hardness_pa: Option<f64>,
+) -> String {
     let boundary = match half_space.boundary() {
         Boundary::Free => "a finite patch on an unloaded half-space".to_owned(),
         Boundary::Periodic { mean_compliance_m_per_pa } => {
@@ -118,11 +135,10 @@ fn patch_sentence(section: &PressureSection, half_space: &HalfSpace, hardness_pa
         }
     };
     let grid = half_space.grid();
+    let centre = if (row, column) == (grid.ny() / 2, grid.nx() / 2) { "centre " } else { "" };
     format!(
-        "The pressure is that of the centre cell [{}, {}] of {boundary}, {} × {} cells on {}, E* = {}, {}, pressed by \
+        "The pressure is that of the {centre}cell [{row}, {column}] of {boundary}, {} × {} cells on {}, E* = {}, {}, pressed by \
          {control}.",
-        grid.ny() / 2,
-        grid.nx() / 2,
         grid.nx(),
         grid.ny(),
         sentence::size(grid.width_m(), grid.height_m()),
@@ -134,63 +150,10 @@ fn patch_sentence(section: &PressureSection, half_space: &HalfSpace, hardness_pa
 fn expansion_sentence(section: &PressureSection, surface: &dyn RandomSurface) -> String {
     let germ = surface.germ_len();
     let variables = section.variables.min(germ);
-    format!("Chaos expansions use the {variables} leading of {germ} variables at total degree {}.", section.degree)
-}
-
-fn summary(results: &Results, mean_compliance_m_per_pa: Option<f64>, separation_m: Option<f64>) -> PressureResult {
-    let methods = results.methods.iter().map(|method| {
-        let outcome = method.outcome.as_ref().ok();
-        MethodEntry {
-            name: method.method.name().into(),
-            fine_solves: method.fine_solves,
-            failed_samples: method.failures.len(),
-            contact_probability: outcome.map(|(estimate, _)| estimate.contact_probability),
-            contact_probability_se: outcome.map(|(estimate, _)| estimate.contact_probability_se),
-            ks_distance: outcome.map(|(_, comparison)| comparison.ks_distance),
-            wasserstein_1_over_std: outcome.and_then(|(_, comparison)| comparison.wasserstein_1_over_std),
-            coefficients: outcome.and_then(|(estimate, _)| estimate.coefficients),
-            leave_one_out_error: outcome.and_then(|(estimate, _)| estimate.leave_one_out_error),
-            failure: method.outcome.as_ref().err().map(ToString::to_string),
-        }
-    });
-    PressureResult {
-        reference_samples: results.reference.samples,
-        contact_probability: results.reference.estimate.contact_probability,
-        contact_probability_se: results.reference.estimate.contact_probability_se,
-        ks_resolution: results.reference.ks_resolution,
-        failed_samples: results.reference.failures.len(),
-        mean_compliance_m_per_pa,
-        separation_m,
-        methods: methods.collect(),
-    }
-}
-
-/// The CDF of every method on one grid of pressures: 0, quantiles of the reference, and even steps between.
-fn cdf_table(results: &Results) -> Table {
-    const ROWS: usize = 400;
-    let reference = &results.reference.estimate.law;
-    let atom = reference.cdf(0.0);
-    let highest = reference.quantile(1.0);
-    let mut pressures = vec![0.0];
-    for k in 0..ROWS {
-        let share = (k as f64 + 0.5) / ROWS as f64;
-        pressures.push(reference.quantile(atom + (1.0 - atom) * share));
-        // Evenly too: under a hardness most quantiles are one.
-        pressures.push(highest * share);
-    }
-    pressures.push(highest);
-    pressures.sort_by(f64::total_cmp);
-    pressures.dedup();
-    let column = |law: Option<&StepLaw>| -> Vec<f64> {
-        pressures.iter().map(|p| law.map_or(f64::NAN, |law| law.cdf(*p))).collect()
-    };
-    let mut columns =
-        vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(Some(reference)))];
-    for method in Method::ALL {
-        let law = results.estimate(method).map(|(estimate, _)| &estimate.law);
-        columns.push((method.name().into(), column(law)));
-    }
-    Table::new(columns)
+    format!(
+        "The paper’s chaos expansions, eq. (8) and (9), use the {variables} leading of {germ} variables at total degree {}.",
+        section.degree
+    )
 }
 
 /// One random surface and its pressure, to look at.

@@ -3,6 +3,8 @@
 //! Numbers are SI with the unit in the key; an undefined number is `null`; intervals are [low, high] at 95 %. No clock,
 //! host or thread count enters, so equal studies give equal bytes.
 
+mod pressure;
+
 use std::collections::BTreeMap;
 
 use serde::ser::SerializeMap;
@@ -13,6 +15,8 @@ use crate::stats::Interval;
 use crate::study::{Field, PooledStatistics, Table};
 use crate::surface::pooling::Mean;
 use crate::surface::uncertainty::Estimates;
+
+pub use pressure::{CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile};
 
 /// Everything a run computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -305,52 +309,6 @@ pub struct KarhunenLoeveResult {
     pub modes: usize,
     /// Share of the variance that they hold.
     pub captured_variance: f64,
-}
-
-/// The pressure stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PressureResult {
-    /// Contact solves of the reference run.
-    pub reference_samples: usize,
-    /// P(contact) of the reference run.
-    pub contact_probability: f64,
-    /// Its standard error.
-    pub contact_probability_se: f64,
-    /// Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %.
-    pub ks_resolution: f64,
-    /// Contact solves of the reference run that failed.
-    pub failed_samples: usize,
-    /// Mean compliance of a periodic patch.
-    pub mean_compliance_m_per_pa: Option<f64>,
-    /// Height of the plane above the mean of the ensemble, where it is fixed in space.
-    pub separation_m: Option<f64>,
-    /// One entry per method.
-    pub methods: Vec<MethodEntry>,
-}
-
-/// One method of the pressure stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MethodEntry {
-    /// Name.
-    pub name: String,
-    /// Contact solves.
-    pub fine_solves: usize,
-    /// Contact solves that failed.
-    pub failed_samples: usize,
-    /// P(contact).
-    pub contact_probability: Option<f64>,
-    /// Its standard error.
-    pub contact_probability_se: Option<f64>,
-    /// Kolmogorov–Smirnov distance from the reference.
-    pub ks_distance: Option<f64>,
-    /// Wasserstein-1 distance from the reference over its standard deviation.
-    pub wasserstein_1_over_std: Option<f64>,
-    /// Coefficients of the expansion.
-    pub coefficients: Option<usize>,
-    /// Relative leave-one-out error of the expansion.
-    pub leave_one_out_error: Option<f64>,
-    /// Why there is no estimate.
-    pub failure: Option<String>,
 }
 
 /// The friction stage.

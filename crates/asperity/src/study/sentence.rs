@@ -18,9 +18,9 @@ pub(super) fn size(width_m: f64, height_m: f64) -> String {
     format!("{} × {}", si(width_m, "m"), si(height_m, "m"))
 }
 
-/// A compliance, which is a small number in m/Pa and a readable one in nm/MPa.
+/// A compliance, of solids a small number in m/Pa and a readable one in nm/MPa.
 pub(super) fn compliance(m_per_pa: f64) -> String {
-    format!("{} nm/MPa", digits(m_per_pa * 1e15))
+    if m_per_pa < 1e-3 { format!("{} nm/MPa", digits(m_per_pa * 1e15)) } else { format!("{} m/Pa", digits(m_per_pa)) }
 }
 
 /// A number in four significant digits, without trailing zeros; with an exponent where it is tiny or huge.
@@ -62,6 +62,7 @@ mod tests {
         }
         assert_eq!(size(512e-6, 1e-3), "512 µm × 1 mm");
         assert_eq!(compliance(8.2761e-15), "8.276 nm/MPa");
+        assert_eq!(compliance(0.25), "0.25 m/Pa");
         assert_eq!(
             (digits(0.204_023), digits(1e-5), digits(123_456.0)),
             ("0.204".into(), "1.000e-5".into(), "123456".into())

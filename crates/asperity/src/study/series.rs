@@ -5,9 +5,15 @@ use thiserror::Error;
 
 use crate::map::Grid;
 
-/// Columns of equal length; NaN is an undefined value and an empty cell in CSV.
+/// Header of the column that names rows.
+const NAME: &str = "name";
+
+/// Columns of equal length; NaN is an undefined value and an empty cell in CSV. Rows may have names, which stand in a first
+/// column `name`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
+    /// Of every row, or none at all.
+    names: Vec<String>,
     columns: Vec<(String, Vec<f64>)>,
 }
 
@@ -38,7 +44,17 @@ impl Table {
         let columns: Vec<(String, Vec<f64>)> =
             columns.into_iter().map(|(name, values)| (name.into(), values)).collect();
         assert!(columns.windows(2).all(|pair| pair[0].1.len() == pair[1].1.len()), "columns differ in length");
-        Self { columns }
+        Self { names: Vec::new(), columns }
+    }
+
+    /// A table from named columns and the names of its rows.
+    ///
+    /// # Panics
+    /// If the columns differ in length, or from the names.
+    pub fn named<N: Into<String>>(names: Vec<String>, columns: impl IntoIterator<Item = (N, Vec<f64>)>) -> Self {
+        let table = Self::new(columns);
+        assert!(table.columns.iter().all(|(_, values)| values.len() == names.len()), "names differ from rows");
+        Self { names, ..table }
     }
 
     /// The same table with the named column, its abscissa, first.
@@ -46,6 +62,11 @@ impl Table {
     pub fn led_by(mut self, name: &str) -> Self {
         self.columns.sort_by_key(|(own, _)| own != name);
         self
+    }
+
+    /// The names of the rows; empty where they have none.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Names and values.
@@ -64,11 +85,13 @@ impl Table {
     /// None in practice: the writer's memory buffer.
     pub fn to_csv(&self) -> Result<Vec<u8>, TableError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.columns.iter().map(|(name, _)| name))?;
+        let header = (!self.names.is_empty()).then_some(NAME);
+        writer.write_record(header.into_iter().chain(self.columns.iter().map(|(name, _)| name.as_str())))?;
         let rows = self.columns.first().map_or(0, |(_, values)| values.len());
         let cell = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
         for row in 0..rows {
-            writer.write_record(self.columns.iter().map(|(_, values)| cell(values[row])))?;
+            let name = self.names.get(row).cloned();
+            writer.write_record(name.into_iter().chain(self.columns.iter().map(|(_, values)| cell(values[row]))))?;
         }
         writer.into_inner().map_err(|error| TableError::Csv(error.into_error().into()))
     }
@@ -79,10 +102,14 @@ impl Table {
     /// The text is not CSV or holds something else than numbers.
     pub fn from_csv(bytes: &[u8]) -> Result<Self, TableError> {
         let mut reader = csv::Reader::from_reader(bytes);
+        let named = usize::from(reader.headers()?.get(0) == Some(NAME));
+        let mut names = Vec::new();
         let mut columns: Vec<(String, Vec<f64>)> =
-            reader.headers()?.iter().map(|name| (name.to_owned(), Vec::new())).collect();
+            reader.headers()?.iter().skip(named).map(|name| (name.to_owned(), Vec::new())).collect();
         for (row, record) in reader.records().enumerate() {
-            for ((column, values), text) in columns.iter_mut().zip(record?.iter()) {
+            let record = record?;
+            names.extend(record.iter().take(named).map(str::to_owned));
+            for ((column, values), text) in columns.iter_mut().zip(record.iter().skip(named)) {
                 let value = if text.is_empty() { Ok(f64::NAN) } else { text.parse() };
                 values.push(value.map_err(|_| TableError::Cell {
                     row: row + 1,
@@ -91,7 +118,7 @@ impl Table {
                 })?);
             }
         }
-        Ok(Self { columns })
+        Ok(Self { names, columns })
     }
 }
 
@@ -109,6 +136,15 @@ pub struct Field {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_keep_their_names_in_csv() {
+        let names = vec!["monte_carlo".to_owned(), "a, \"quoted\"".to_owned()];
+        let table = Table::named(names, [("work", vec![1.0, 2.0])]);
+        let text = table.to_csv().unwrap();
+        assert!(text.starts_with(b"name,work\nmonte_carlo,1.0\n"), "{}", String::from_utf8_lossy(&text));
+        assert_eq!(Table::from_csv(&text).unwrap(), table);
+    }
 
     #[test]
     fn a_table_survives_csv_bit_by_bit() {

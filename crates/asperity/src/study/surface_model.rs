@@ -109,17 +109,29 @@ pub(super) enum Texture {
     Translated {
         covariance: SurfaceCovariance,
         translation: TranslationChoice,
-        /// Terms of the Karhunen–Loève expansion of patches; none: all Fourier modes.
-        modes: Option<usize>,
+        /// The Karhunen–Loève expansion of patches; none: all Fourier modes.
+        expansion: Option<Expansion>,
     },
     /// The sum of cosines of this fractal dimension, scaled to the standard deviation of the marginal law.
     WeierstrassMandelbrot { dimension: f64 },
+}
+
+/// A truncated Karhunen–Loève expansion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Expansion {
+    pub(super) modes: usize,
+    /// Whether the constant Fourier mode of a periodic patch is among them.
+    pub(super) mean_mode: bool,
+    /// Whether one factor makes up for the variance left out, or nothing does; none: the marginal law is imposed at every point.
+    pub(super) rescale: Option<bool>,
 }
 
 /// A random surface on a grid, and what is worth knowing about it.
 pub(super) struct Generated {
     pub(super) surface: Box<dyn RandomSurface>,
     pub(super) karhunen_loeve: Option<KarhunenLoeveResult>,
+    /// Standard deviation of the heights, averaged over the patch, over that of the marginal law.
+    pub(super) std_share: f64,
     pub(super) warnings: Vec<String>,
     /// How well the correlation of the heights is met, where the translation was corrected for it.
     pub(super) correction: Option<String>,
@@ -137,9 +149,9 @@ impl SurfaceModel {
     /// Surfaces for small patches, by the generator of the study.
     pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         match self.texture {
-            Texture::Translated { ref covariance, translation, modes: Some(modes) } => match translation {
+            Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => match translation {
                 TranslationChoice::Plain => {
-                    self.karhunen_loeve(covariance, modes, covariance.is_product(), grid, periodic)
+                    self.karhunen_loeve(covariance, expansion, covariance.is_product(), grid, periodic)
                 }
                 TranslationChoice::Corrected => {
                     let corrected = Predistorted::new(covariance, &self.marginal)?;
@@ -148,10 +160,10 @@ impl SurfaceModel {
                          heights of this law cannot have a correlation below {}.",
                         sentence::digits(corrected.least_correlation())
                     ));
-                    Ok(Generated { correction, ..self.karhunen_loeve(&corrected, modes, false, grid, periodic)? })
+                    Ok(Generated { correction, ..self.karhunen_loeve(&corrected, expansion, false, grid, periodic)? })
                 }
             },
-            Texture::Translated { ref covariance, translation, modes: None } => {
+            Texture::Translated { ref covariance, translation, expansion: None } => {
                 self.spectral(covariance, translation, grid, periodic)
             }
             Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
@@ -173,7 +185,7 @@ impl SurfaceModel {
     fn karhunen_loeve(
         &self,
         covariance: &dyn StationaryCovariance,
-        modes: usize,
+        Expansion { modes, mean_mode, rescale }: Expansion,
         product: bool,
         grid: Grid,
         periodic: bool,
@@ -183,26 +195,39 @@ impl SurfaceModel {
             (false, true) => ModesRoute::Separable,
             (false, false) => ModesRoute::General,
         };
-        let mut warnings = Vec::new();
-        if modes > grid.points() {
-            let points = grid.points();
-            warnings.push(format!(
-                "a patch of {points} points has no more than {points} Karhunen–Loève terms, not {modes}"
-            ));
+        if !mean_mode && !periodic {
+            return Err(StudyError::ConstantMode);
         }
-        let modes = modes.min(grid.points());
-        let field = KarhunenLoeve::new(covariance, grid, modes, route)?;
+        let mut warnings = Vec::new();
+        let most = grid.points() - usize::from(!mean_mode);
+        if modes > most {
+            let points = grid.points();
+            warnings
+                .push(format!("a patch of {points} points has no more than {most} Karhunen–Loève terms, not {modes}"));
+        }
+        let modes = modes.min(most);
+        let field = if mean_mode {
+            KarhunenLoeve::new(covariance, grid, modes, route)?
+        } else {
+            KarhunenLoeve::periodic_without_constant(covariance, grid, modes)?
+        };
         let captured_variance = field.captured_variance();
         if captured_variance < WANTED_VARIANCE {
+            let than = if rescale == Some(false) { "smoother and lower" } else { "smoother" };
             warnings.push(format!(
-                "{modes} Karhunen–Loève terms hold {} % of the variance on a patch of {}: the random surfaces are smoother \
+                "{modes} Karhunen–Loève terms hold {} % of the variance on a patch of {}: the random surfaces are {than} \
                  than the model; raise `modes` or use the spectral generator",
                 sentence::digits(100.0 * captured_variance),
                 sentence::size(grid.width_m(), grid.height_m())
             ));
         }
         let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance });
-        Ok(Generated { surface: self.translated(field)?, karhunen_loeve, warnings, correction: None })
+        let (surface, std_share): (Box<dyn RandomSurface>, f64) = match rescale {
+            None => (self.translated(field)?, 1.0),
+            Some(true) => (Box::new(field.rescaled()), 1.0),
+            Some(false) => (Box::new(field), captured_variance.sqrt()),
+        };
+        Ok(Generated { surface, karhunen_loeve, std_share, warnings, correction: None })
     }
 
     fn spectral(
@@ -254,7 +279,13 @@ impl SurfaceModel {
                 sentence::digits(100.0 * field.clipped_variance())
             ));
         }
-        Ok(Generated { surface: self.translated(field)?, karhunen_loeve: None, warnings, correction: told })
+        Ok(Generated {
+            surface: self.translated(field)?,
+            karhunen_loeve: None,
+            std_share: 1.0,
+            warnings,
+            correction: told,
+        })
     }
 
     fn translated(&self, field: impl GaussianSurface + 'static) -> Result<Box<dyn RandomSurface>, StudyError> {
@@ -266,6 +297,12 @@ impl SurfaceModel {
         let form = WeierstrassForm::Truncated;
         let surface = WeierstrassMandelbrot::new(grid, dimension, GAMMA, RIDGES, 1e-9, form)?
             .with_rms_height(self.marginal.std())?;
-        Ok(Generated { surface: Box::new(surface), karhunen_loeve: None, warnings: Vec::new(), correction: None })
+        Ok(Generated {
+            surface: Box::new(surface),
+            karhunen_loeve: None,
+            std_share: 1.0,
+            warnings: Vec::new(),
+            correction: None,
+        })
     }
 }

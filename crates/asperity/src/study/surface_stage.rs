@@ -15,7 +15,7 @@ use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
 use crate::study::pooled::Part;
 use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
-use crate::study::surface_model::{GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture};
+use crate::study::surface_model::{Expansion, GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture};
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
@@ -192,12 +192,15 @@ fn translated_model(
     fits: Option<&Result<CovarianceFits, FitError>>,
 ) -> Result<(SurfaceModel, Option<f64>), StudyError> {
     let (covariance, misfit) = covariance_of(section, measured, fits)?;
-    let modes = match section.generator {
-        GeneratorChoice::KarhunenLoeve => Some(section.modes),
+    let expansion = match section.generator {
+        GeneratorChoice::KarhunenLoeve => {
+            let &SurfaceSection { modes, mean_mode, rescale, .. } = section;
+            Some(Expansion { modes, mean_mode, rescale })
+        }
         GeneratorChoice::Spectral | GeneratorChoice::WeierstrassMandelbrot => None,
     };
     let marginal = marginal_of(section, measured, covariance.std_m())?;
-    let texture = Texture::Translated { covariance, translation: section.translation, modes };
+    let texture = Texture::Translated { covariance, translation: section.translation, expansion };
     Ok((SurfaceModel { marginal, texture }, misfit))
 }
 

@@ -1,0 +1,74 @@
+//! The laws of what belongs to the whole contact: area, load and gap.
+
+use serde_json::Value;
+
+use crate::axis::{Axis, range};
+use crate::canvas::{Dash, Pen};
+use crate::chart::{Chart, Layout, Mark, figure};
+use crate::figures::{Plate, Stage, columns, csv};
+use crate::format::{Dimension, Unit};
+use crate::page::interval;
+use crate::palette::{BLACK, BLUE, VERMILION};
+use crate::symbol::Shape;
+use crate::{ReportError, Run};
+
+const NAME: &str = "pressure_scalars";
+const LAWS: &str = "pressure_scalar_laws";
+
+pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    let Some(table) = run.tables.get(LAWS) else { return Ok(()) };
+    let Some([probability]) = columns(table, ["probability"]) else { return Ok(()) };
+    let mut charts = Vec::new();
+    for (name, label) in [
+        ("contact_fraction", "Contact area / nominal"),
+        ("mean_pressure_pa", "Mean pressure"),
+        ("mean_gap_m", "Mean gap"),
+    ] {
+        let Some(values) = table.column(name) else { continue };
+        let Some((low, high)) = range(values) else { continue };
+        let unit = match Dimension::of_key(name).1 {
+            Dimension::None => Unit::none(),
+            dimension => dimension.unit(high.abs().max(low.abs())),
+        };
+        let y = if charts.is_empty() { "CDF" } else { "" };
+        let mut chart =
+            Chart::new(Axis::padded(label, unit, (low, high), 0.05), Axis::linear(y, Unit::none(), (0.0, 1.0)));
+        let pen = Pen::new(BLUE, 1.8, Dash::Solid);
+        chart.add("law by the default", Mark::Line { x: values.to_vec(), y: probability.to_vec(), pen });
+        for quantile in quantiles(&run.results["pressure"], name) {
+            let (Some(x), Some(y)) = (quantile["value"].as_f64(), quantile["probability"].as_f64()) else { continue };
+            let ring = Mark::Symbol { x, y, shape: Shape::Ring, colour: BLACK };
+            chart.add("10, 50 and 90 % quantiles", ring);
+            if let Some((from, to)) = interval(quantile, "value") {
+                let pen = Pen::new(VERMILION, 2.6, Dash::Solid);
+                chart.add("95 % interval", Mark::Span { from, to, y, pen });
+            }
+        }
+        charts.push((1.0, chart));
+    }
+    if charts.is_empty() {
+        return Ok(());
+    }
+    let title = "Laws of contact area, load and gap";
+    let caption = "Distribution functions over the realisations of the surface: contact area over nominal area, load over \
+                   nominal area, and mean gap, by the method that is the default for the pressure. Intervals \
+                   that are not seen are narrower than their rings.";
+    let svg = figure(title, caption, Layout::Row(250.0), &charts)?;
+    let sources = vec![csv(LAWS), csv("pressure_scalars")];
+    plates.push(Plate {
+        name: NAME,
+        stage: Stage::Pressure,
+        title: title.into(),
+        caption: caption.into(),
+        sources,
+        svg,
+    });
+    Ok(())
+}
+
+/// The quantiles of a scalar.
+fn quantiles<'a>(pressure: &'a Value, name: &str) -> &'a [Value] {
+    let scalars = pressure["scalars"].as_array().map_or(&[][..], Vec::as_slice);
+    let found = scalars.iter().find(|scalar| scalar["name"] == name).and_then(|scalar| scalar["quantiles"].as_array());
+    found.map_or(&[], Vec::as_slice)
+}

@@ -1,0 +1,121 @@
+//! The law of the pressure as entries of `results.json`.
+
+use crate::pressure::{Estimate, MethodResult, Quantity, Results, ScalarResult};
+use crate::stats::Interval;
+use crate::study::result::{
+    CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
+};
+
+/// Probabilities of the quantiles that are told.
+const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
+/// Two-sided 95 % point of the standard normal law.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// What was prescribed, beside the sizes.
+pub(super) struct Posed {
+    pub(super) cell: (usize, usize),
+    /// Rows and columns of the patch.
+    pub(super) shape: (usize, usize),
+    pub(super) mean_compliance_m_per_pa: Option<f64>,
+    pub(super) separation_m: Option<f64>,
+}
+
+pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
+    let reference = &results.reference;
+    let estimate = &reference.estimate;
+    let mean = estimate.mean_interval_pa();
+    PressureResult {
+        cell: [posed.cell.0, posed.cell.1],
+        reference_samples: reference.samples,
+        sites: reference.sites,
+        contact_probability: estimate.contact_probability,
+        contact_probability_se: estimate.contact_probability_se,
+        contact_probability_interval: pair(estimate.contact_probability_interval),
+        mean_pa: estimate.mean_pa,
+        mean_se_pa: estimate.mean_se_pa,
+        mean_interval: mean.map_or([f64::NAN; 2], pair),
+        std_pa: estimate.law.std(),
+        quantiles: quantiles(estimate),
+        ks_resolution: reference.ks_resolution,
+        failed_samples: reference.failures.len(),
+        mean_compliance_m_per_pa: posed.mean_compliance_m_per_pa,
+        separation_m: posed.separation_m,
+        methods: results.methods.iter().map(|method| method_entry(method, posed.shape)).collect(),
+        scalars: results.scalars.iter().map(scalar_entry).collect(),
+    }
+}
+
+fn method_entry(method: &MethodResult, (ny, nx): (usize, usize)) -> MethodEntry {
+    let coarse_solves = method.coarse_solves.iter().map(|coarse| CoarseEntry {
+        nx: coarse.shape.1,
+        ny: coarse.shape.0,
+        solves: coarse.solves,
+    });
+    let coarse_solves: Vec<CoarseEntry> = coarse_solves.collect();
+    let share = |coarse: &CoarseEntry| (coarse.nx * coarse.ny) as f64 / (nx * ny) as f64;
+    let coarse_work: f64 = coarse_solves.iter().map(|coarse| coarse.solves as f64 * share(coarse)).sum();
+    let posed = MethodEntry {
+        name: method.method.name().into(),
+        fine_solves: method.fine_solves,
+        coarse_solves,
+        work_in_fine_solves: method.fine_solves as f64 + coarse_work,
+        failed_samples: method.failures.len(),
+        ..MethodEntry::default()
+    };
+    let (estimate, comparison) = match &method.outcome {
+        Ok(outcome) => outcome,
+        Err(reason) => return MethodEntry { failure: Some(reason.to_string()), ..posed },
+    };
+    MethodEntry {
+        contact_probability: Some(estimate.contact_probability),
+        contact_probability_se: finite(estimate.contact_probability_se),
+        contact_probability_interval: Some(pair(estimate.contact_probability_interval)),
+        mean_pa: finite(estimate.mean_pa),
+        mean_se_pa: finite(estimate.mean_se_pa),
+        mean_interval: estimate.mean_interval_pa().map(pair),
+        std_pa: finite(estimate.law.std()),
+        quantiles: quantiles(estimate),
+        simultaneous_band_factor: estimate.band.as_ref().and_then(|band| finite(band.simultaneous_factor)),
+        ks_distance: Some(comparison.ks_distance),
+        wasserstein_1_over_std: comparison.wasserstein_1_over_std,
+        coefficients: estimate.coefficients,
+        leave_one_out_error: estimate.leave_one_out_error,
+        ..posed
+    }
+}
+
+fn quantiles(estimate: &Estimate) -> Vec<PressureQuantile> {
+    let quantile = |probability: f64| PressureQuantile {
+        probability,
+        pressure_pa: estimate.law.quantile(probability),
+        pressure_pa_interval: estimate.quantile_interval_pa(probability).map(pair),
+    };
+    PROBABILITIES.into_iter().map(quantile).collect()
+}
+
+/// The name of a scalar with its unit.
+pub(super) fn scalar_name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Pressure => "pressure_pa",
+        Quantity::ContactFraction => "contact_fraction",
+        Quantity::MeanPressure => "mean_pressure_pa",
+        Quantity::MeanGap => "mean_gap_m",
+    }
+}
+
+fn scalar_entry(scalar: &ScalarResult) -> ScalarEntry {
+    let half = NORMAL_95 * scalar.mean_se;
+    let quantile = |q: &crate::pressure::QuantileResult| ScalarQuantile {
+        probability: q.probability,
+        value: q.value,
+        value_interval: pair(q.interval),
+    };
+    ScalarEntry {
+        name: scalar_name(scalar.quantity).into(),
+        mean: scalar.mean,
+        mean_se: scalar.mean_se,
+        mean_interval: pair(Interval { low: scalar.mean - half, high: scalar.mean + half }),
+        std: scalar.law.std(),
+        quantiles: scalar.quantiles.iter().map(quantile).collect(),
+    }
+}

@@ -1,0 +1,156 @@
+//! The series behind the figures of the pressure stage.
+
+use crate::chaos::StepLaw;
+use crate::pressure::{Band, Method, Results};
+use crate::study::Table;
+use crate::study::pressure_stage::entries::scalar_name;
+use crate::study::result::{Pair, PressureResult};
+
+pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'static str, Table)> {
+    let mut tables = vec![
+        ("pressure_cdf", cdf(results)),
+        ("pressure_bands", bands(results)),
+        ("pressure_methods", methods(summary)),
+    ];
+    if !results.scalars.is_empty() {
+        tables.push(("pressure_scalars", scalars(summary)));
+        tables.push(("pressure_scalar_laws", scalar_laws(results)));
+    }
+    tables
+}
+
+/// The CDF of every method on one grid of pressures: 0, quantiles of the reference, and even steps between.
+fn cdf(results: &Results) -> Table {
+    const ROWS: usize = 400;
+    let reference = &results.reference.estimate.law;
+    let atom = reference.cdf(0.0);
+    let highest = reference.quantile(1.0);
+    let mut pressures = vec![0.0];
+    for k in 0..ROWS {
+        let share = (k as f64 + 0.5) / ROWS as f64;
+        pressures.push(reference.quantile(atom + (1.0 - atom) * share));
+        // Evenly too: under a hardness most quantiles are one.
+        pressures.push(highest * share);
+    }
+    pressures.push(highest);
+    pressures.sort_by(f64::total_cmp);
+    pressures.dedup();
+    let column = |law: Option<&StepLaw>| -> Vec<f64> {
+        pressures.iter().map(|p| law.map_or(f64::NAN, |law| law.cdf(*p))).collect()
+    };
+    let mut columns =
+        vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(Some(reference)))];
+    for method in Method::ALL {
+        let law = results.estimate(method).map(|(estimate, _)| &estimate.law);
+        columns.push((method.name().into(), column(law)));
+    }
+    Table::new(columns)
+}
+
+/// The CDF of the reference and of every method that has a band, each at pressures of its own, with standard errors and 95 %
+/// limits pointwise and simultaneous.
+fn bands(results: &Results) -> Table {
+    let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
+    let methods = Method::ALL.into_iter().map(|method| {
+        let estimate = results.estimate(method).map(|(estimate, _)| estimate);
+        (method.name(), estimate.and_then(|estimate| estimate.band.as_ref()))
+    });
+    let bands: Vec<(&str, &Band)> = reference.chain(methods).filter_map(|(name, band)| Some((name, band?))).collect();
+    let rows = bands.iter().map(|(_, band)| band.values.len()).max().unwrap_or(0);
+    let mut columns = Vec::new();
+    for (name, band) in bands {
+        let n = band.values.len();
+        let mut add = |what: &str, value: &dyn Fn(usize) -> f64| {
+            let values = (0..rows).map(|i| if i < n { value(i) } else { f64::NAN }).collect();
+            columns.push((format!("{name}_{what}"), values));
+        };
+        add("pressure_pa", &|i| band.values[i]);
+        add("cdf", &|i| band.cdf[i]);
+        add("cdf_se", &|i| band.standard_errors[i]);
+        for (what, limits) in [
+            ("pointwise", &(|i| band.pointwise(i)) as &dyn Fn(usize) -> [f64; 2]),
+            ("simultaneous", &|i| band.simultaneous(i)),
+        ] {
+            add(&format!("{what}_low"), &|i| limits(i)[0]);
+            add(&format!("{what}_high"), &|i| limits(i)[1]);
+        }
+    }
+    Table::new(columns)
+}
+
+/// One row for each method, the reference first.
+fn methods(summary: &PressureResult) -> Table {
+    let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
+    let names = std::iter::once("reference".to_owned()).chain(summary.methods.iter().map(|m| m.name.clone()));
+    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
+    let mut add = |name: &str, reference: f64, values: Vec<Option<f64>>| {
+        let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN));
+        columns.push((name.to_owned(), std::iter::once(reference).chain(values).collect()));
+    };
+    let of = |value: &dyn Fn(&crate::study::result::MethodEntry) -> Option<f64>| -> Vec<Option<f64>> {
+        summary.methods.iter().map(value).collect()
+    };
+    let samples = summary.reference_samples as f64;
+    add("fine_solves", samples, of(&|m| Some(m.fine_solves as f64)));
+    add("work_in_fine_solves", samples, of(&|m| Some(m.work_in_fine_solves)));
+    add("contact_probability", summary.contact_probability, of(&|m| m.contact_probability));
+    add("contact_probability_se", summary.contact_probability_se, of(&|m| m.contact_probability_se));
+    for (i, side) in ["low", "high"].into_iter().enumerate() {
+        let own = summary.contact_probability_interval[i];
+        add(&format!("contact_probability_{side}"), own, of(&|m| Some(end(m.contact_probability_interval, i))));
+    }
+    add("mean_pa", summary.mean_pa, of(&|m| m.mean_pa));
+    add("mean_se_pa", summary.mean_se_pa, of(&|m| m.mean_se_pa));
+    for (i, side) in ["low", "high"].into_iter().enumerate() {
+        add(&format!("mean_{side}_pa"), summary.mean_interval[i], of(&|m| Some(end(m.mean_interval, i))));
+    }
+    add("std_pa", summary.std_pa, of(&|m| m.std_pa));
+    for (k, quantile) in summary.quantiles.iter().enumerate() {
+        let percent = (100.0 * quantile.probability).round();
+        add(
+            &format!("quantile_{percent}_pa"),
+            quantile.pressure_pa,
+            of(&|m| m.quantiles.get(k).map(|q| q.pressure_pa)),
+        );
+        for (i, side) in ["low", "high"].into_iter().enumerate() {
+            let found = of(&|m| m.quantiles.get(k).map(|q| end(q.pressure_pa_interval, i)));
+            add(&format!("quantile_{percent}_{side}_pa"), end(quantile.pressure_pa_interval, i), found);
+        }
+    }
+    add("ks_distance", f64::NAN, of(&|m| m.ks_distance));
+    add("wasserstein_1_over_std", f64::NAN, of(&|m| m.wasserstein_1_over_std));
+    Table::named(names.collect(), columns)
+}
+
+/// One row for each scalar, in the unit of its name.
+fn scalars(summary: &PressureResult) -> Table {
+    let names = summary.scalars.iter().map(|scalar| scalar.name.clone()).collect();
+    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
+    let mut add = |name: String, value: &dyn Fn(&crate::study::result::ScalarEntry) -> f64| {
+        columns.push((name, summary.scalars.iter().map(value).collect()));
+    };
+    add("mean".into(), &|s| s.mean);
+    add("mean_se".into(), &|s| s.mean_se);
+    add("mean_low".into(), &|s| s.mean_interval[0]);
+    add("mean_high".into(), &|s| s.mean_interval[1]);
+    add("std".into(), &|s| s.std);
+    for (k, quantile) in summary.scalars.iter().take(1).flat_map(|s| s.quantiles.iter().enumerate()) {
+        let name = format!("quantile_{}", (100.0 * quantile.probability).round());
+        add(name.clone(), &|s| s.quantiles[k].value);
+        add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
+        add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
+    }
+    Table::named(names, columns)
+}
+
+/// The quantiles of the scalars at evenly spaced probabilities.
+fn scalar_laws(results: &Results) -> Table {
+    const ROWS: usize = 200;
+    let probabilities: Vec<f64> = (0..ROWS).map(|k| (k as f64 + 0.5) / ROWS as f64).collect();
+    let scalars = results.scalars.iter().map(|scalar| {
+        let values = probabilities.iter().map(|p| scalar.law.quantile(*p)).collect();
+        (scalar_name(scalar.quantity).to_owned(), values)
+    });
+    let scalars: Vec<(String, Vec<f64>)> = scalars.collect();
+    Table::new(std::iter::once(("probability".to_owned(), probabilities)).chain(scalars))
+}

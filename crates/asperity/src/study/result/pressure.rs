@@ -1,0 +1,138 @@
+//! The pressure stage in `results.json`.
+
+use serde::Serialize;
+
+use crate::study::result::Pair;
+
+/// The pressure stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressureResult {
+    /// Cell [row, column] whose pressure is studied.
+    pub cell: [usize; 2],
+    /// Contact solves of the reference run.
+    pub reference_samples: usize,
+    /// Cells of each whose pressures are pooled: more than one where the surface is stationary on a periodic patch.
+    pub sites: usize,
+    /// P(contact) of the reference run.
+    pub contact_probability: f64,
+    /// Its standard error.
+    pub contact_probability_se: f64,
+    /// Its interval.
+    pub contact_probability_interval: Pair,
+    /// Mean pressure of the reference run, zeros out of contact counted.
+    pub mean_pa: f64,
+    /// Its standard error.
+    pub mean_se_pa: f64,
+    /// Its interval.
+    pub mean_interval: Pair,
+    /// Standard deviation of the pressure in the reference run, zeros out of contact counted.
+    pub std_pa: f64,
+    /// Quantiles of the reference run.
+    pub quantiles: Vec<PressureQuantile>,
+    /// Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %.
+    pub ks_resolution: f64,
+    /// Contact solves of the reference run that failed.
+    pub failed_samples: usize,
+    /// Mean compliance of a periodic patch.
+    pub mean_compliance_m_per_pa: Option<f64>,
+    /// Height of the plane above the mean of the ensemble, where it is fixed in space.
+    pub separation_m: Option<f64>,
+    /// One entry per method.
+    pub methods: Vec<MethodEntry>,
+    /// Scalars of the whole contact.
+    pub scalars: Vec<ScalarEntry>,
+}
+
+/// One method of the pressure stage.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct MethodEntry {
+    /// Name.
+    pub name: String,
+    /// Contact solves.
+    pub fine_solves: usize,
+    /// Contact solves on coarser grids.
+    pub coarse_solves: Vec<CoarseEntry>,
+    /// All of them in fine solves, each of the coarse ones by its share of the fine grid's cells.
+    pub work_in_fine_solves: f64,
+    /// Contact solves that failed.
+    pub failed_samples: usize,
+    /// P(contact).
+    pub contact_probability: Option<f64>,
+    /// Its standard error.
+    pub contact_probability_se: Option<f64>,
+    /// Its interval.
+    pub contact_probability_interval: Option<Pair>,
+    /// Mean pressure, zeros out of contact counted.
+    pub mean_pa: Option<f64>,
+    /// Its standard error.
+    pub mean_se_pa: Option<f64>,
+    /// Its interval.
+    pub mean_interval: Option<Pair>,
+    /// Standard deviation of the pressure, zeros out of contact counted.
+    pub std_pa: Option<f64>,
+    /// Quantiles.
+    pub quantiles: Vec<PressureQuantile>,
+    /// So many standard errors to either side of the distribution function hold it everywhere at once with 95 %; its standard
+    /// errors stand in the table `pressure_bands`.
+    pub simultaneous_band_factor: Option<f64>,
+    /// Kolmogorov–Smirnov distance from the reference.
+    pub ks_distance: Option<f64>,
+    /// Wasserstein-1 distance from the reference over its standard deviation.
+    pub wasserstein_1_over_std: Option<f64>,
+    /// Coefficients of the expansion.
+    pub coefficients: Option<usize>,
+    /// Relative leave-one-out error of the expansion.
+    pub leave_one_out_error: Option<f64>,
+    /// Why there is no estimate.
+    pub failure: Option<String>,
+}
+
+/// Contact solves on one coarser grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct CoarseEntry {
+    /// Points along x.
+    pub nx: usize,
+    /// Points along y.
+    pub ny: usize,
+    /// Number of solves.
+    pub solves: usize,
+}
+
+/// A quantile of the pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PressureQuantile {
+    /// Probability.
+    pub probability: f64,
+    /// Quantile; 0 up to the probability of no contact.
+    pub pressure_pa: f64,
+    /// Its interval; absent without standard errors.
+    pub pressure_pa_interval: Option<Pair>,
+}
+
+/// A scalar of the whole contact, estimated as by the default method.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScalarEntry {
+    /// Name with the unit of all values.
+    pub name: String,
+    /// Mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub mean_se: f64,
+    /// Its interval.
+    pub mean_interval: Pair,
+    /// Standard deviation.
+    pub std: f64,
+    /// Quantiles.
+    pub quantiles: Vec<ScalarQuantile>,
+}
+
+/// A quantile of a scalar.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ScalarQuantile {
+    /// Probability.
+    pub probability: f64,
+    /// Quantile.
+    pub value: f64,
+    /// Its interval.
+    pub value_interval: Pair,
+}

@@ -1,0 +1,184 @@
+//! The study files of the pressure stage at reduced size, against numbers known from elsewhere.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use asperity::monitor::Silent;
+use asperity::study::config::BoundaryChoice;
+use asperity::study::result::MethodEntry;
+use asperity::study::{Outcome, Study};
+
+/// The text of a study that comes with the code.
+fn text(name: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies").join(name);
+    fs::read_to_string(path).unwrap()
+}
+
+/// The study with fewer solves.
+fn reduced(name: &str, fine: usize, reference: usize) -> String {
+    let text = text(name);
+    assert!(text.contains("fine_solves = 2000\n") && text.contains("reference_samples = 20000\n"));
+    text.replace("fine_solves = 2000\n", &format!("fine_solves = {fine}\n"))
+        .replace("reference_samples = 20000\n", &format!("reference_samples = {reference}\n"))
+}
+
+fn run(text: &str) -> Outcome {
+    Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap()
+}
+
+fn method<'a>(outcome: &'a Outcome, name: &str) -> &'a MethodEntry {
+    outcome.results.pressure.as_ref().unwrap().methods.iter().find(|method| method.name == name).unwrap()
+}
+
+/// A known value, of which the last printed digit and the error of its 20,000 pooled samples are far below our own errors.
+fn assert_near(what: &str, found: f64, se: f64, known: f64) {
+    assert!(se < 0.1 * known, "{what}: a standard error of {se} says nothing about {known}");
+    assert!((found - known).abs() < 4.0 * se, "{what}: {found} ± {se}, known {known}");
+}
+
+/// Reference and default against P(contact), mean and standard deviation of the pressure.
+fn assert_known(outcome: &Outcome, [contact, mean_pa, std_pa]: [f64; 3]) {
+    let pressure = outcome.results.pressure.as_ref().unwrap();
+    assert_near("P(contact)", pressure.contact_probability, pressure.contact_probability_se, contact);
+    assert_near("mean", pressure.mean_pa, pressure.mean_se_pa, mean_pa);
+    // Samples of many sites: the relative error of the spread is about that of the mean.
+    assert_near("std", pressure.std_pa, std_pa * pressure.mean_se_pa / mean_pa, std_pa);
+    let default = method(outcome, "default");
+    assert_near("P(contact)", default.contact_probability.unwrap(), default.contact_probability_se.unwrap(), contact);
+    assert_near("mean", default.mean_pa.unwrap(), default.mean_se_pa.unwrap(), mean_pa);
+}
+
+#[test]
+fn case_a_has_its_known_contact_probability_mean_and_spread() {
+    let outcome = run(&reduced("pressure_case_a.toml", 200, 400));
+    let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.clone().unwrap();
+    assert_eq!(expansion.modes, 101);
+    assert!((expansion.captured_variance - 0.9909).abs() < 1e-4, "{}", expansion.captured_variance);
+    let pressure = outcome.results.pressure.as_ref().unwrap();
+    assert_eq!((pressure.cell, pressure.separation_m), ([32, 32], Some(0.0)));
+    let compliance = pressure.mean_compliance_m_per_pa.unwrap();
+    assert!((compliance * std::f64::consts::PI - 1.0).abs() < 1e-12, "{compliance}");
+    assert_known(&outcome, [0.24675, 1.862, 4.066]);
+    // At equal fine solves the default is the better known one.
+    let error = |name: &str| method(&outcome, name).mean_se_pa.unwrap();
+    assert!(error("default") < 0.6 * error("monte_carlo"), "{} {}", error("default"), error("monte_carlo"));
+}
+
+#[test]
+fn case_c_has_its_known_contact_probability_mean_and_spread() {
+    let outcome = run(&reduced("pressure_case_c.toml", 200, 400));
+    let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.clone().unwrap();
+    assert!(expansion.modes == 8 && expansion.captured_variance < 0.95, "{expansion:?}");
+    assert_known(&outcome, [0.3570, 1.351, 2.290]);
+}
+
+#[test]
+fn heights_that_are_left_lower_press_less_than_those_scaled_to_the_whole_variance() {
+    // Everything is proportional to the heights, so the ratio is known: √(captured variance), on the same germs.
+    let scaled = run(&reduced("pressure_case_c.toml", 20, 20));
+    let left = run(&reduced("pressure_case_c.toml", 20, 20).replace("rescale = true ", "rescale = false"));
+    let (scaled_pa, left_pa) = (scaled.results.pressure.unwrap().mean_pa, left.results.pressure.unwrap().mean_pa);
+    let captured = left.results.surface.unwrap().karhunen_loeve.unwrap().captured_variance;
+    assert!((left_pa / scaled_pa / captured.sqrt() - 1.0).abs() < 1e-4, "{left_pa} {scaled_pa} {captured}");
+}
+
+#[test]
+fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_half_the_time() {
+    let study = Study::parse(&text("paper_fig2.toml"), "paper_fig2.toml").unwrap();
+    let (surface, pressure) = (study.surface.unwrap(), study.pressure.unwrap());
+    let (n, k) = (pressure.variables + pressure.degree, pressure.degree);
+    assert_eq!((1..=k).fold(1, |product, i| product * (n - k + i) / i), 165);
+    assert_eq!((surface.modes, pressure.boundary, pressure.percentile), (101, BoundaryChoice::Free, Some(50.0)));
+    let ratio = pressure.size[0].0 / surface.correlation_length.unwrap()[0].0;
+    assert!((ratio - 10.0).abs() < 1e-12, "{ratio}");
+    let small = reduced("paper_fig2.toml", 100, 200).replace("points = [64, 64]", "points = [32, 32]");
+    let outcome = run(&small.replace("variables = 8 ", "variables = 2 ").replace("degree = 3", "degree = 1"));
+    let pressure = outcome.results.pressure.as_ref().unwrap();
+    assert_eq!((pressure.sites, pressure.cell), (1, [16, 16]));
+    // 101 terms hold .940 of the variance.
+    let captured = outcome.results.surface.as_ref().unwrap().karhunen_loeve.as_ref().unwrap().captured_variance;
+    assert!((captured - 0.940).abs() < 5e-3, "{captured}");
+    let default = method(&outcome, "default");
+    let (found, se) = (default.contact_probability.unwrap(), default.contact_probability_se.unwrap());
+    assert!(found < 0.5 + 3.0 * se && found > 0.05, "{found} ± {se}");
+    assert!(method(&outcome, "pooled_sites").failure.as_ref().unwrap().contains("not stationary"));
+}
+
+#[test]
+fn results_and_tables_say_the_same_of_every_method() {
+    let outcome = run(&reduced("pressure_case_c.toml", 100, 100));
+    let results = serde_json::to_value(&outcome.results).unwrap();
+    let pressure = &results["pressure"];
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let table = &outcome.tables["pressure_methods"];
+    assert_eq!(table.names().len(), 10);
+    assert_eq!(table.column("mean_low_pa").unwrap()[0], number(&pressure["mean_interval"][0]));
+    for (row, method) in pressure["methods"].as_array().unwrap().iter().enumerate() {
+        let name = method["name"].as_str().unwrap();
+        assert_eq!(table.names()[row + 1], name);
+        let coarse = method["coarse_solves"].as_array().unwrap();
+        let share =
+            |grid: &serde_json::Value| number(&grid["nx"]) * number(&grid["ny"]) / 4096.0 * number(&grid["solves"]);
+        let work = number(&method["fine_solves"]) + coarse.iter().map(share).sum::<f64>();
+        assert_eq!(number(&method["work_in_fine_solves"]), work, "{name}");
+        assert_eq!(table.column("work_in_fine_solves").unwrap()[row + 1], work);
+        if method["failure"].is_string() {
+            assert!(method["mean_pa"].is_null() && method["quantiles"].as_array().unwrap().is_empty(), "{name}");
+            continue;
+        }
+        assert_eq!(table.column("quantile_90_pa").unwrap()[row + 1], number(&method["quantiles"][2]["pressure_pa"]));
+        let within = |value: &serde_json::Value, interval: &serde_json::Value| {
+            let [value, low, high] = [value, &interval[0], &interval[1]].map(number);
+            assert!(low <= value && value <= high, "{name}: {value} in {interval}");
+        };
+        within(&method["contact_probability"], &method["contact_probability_interval"]);
+        // The paper's expansions know no errors of their own.
+        if name.starts_with("polynomial") {
+            assert!(method["mean_se_pa"].is_null() && method["mean_interval"].is_null(), "{method}");
+            assert!(method["simultaneous_band_factor"].is_null());
+            continue;
+        }
+        within(&method["mean_pa"], &method["mean_interval"]);
+        within(&method["quantiles"][2]["pressure_pa"], &method["quantiles"][2]["pressure_pa_interval"]);
+        let band = |what: &str| {
+            let column = outcome.tables["pressure_bands"].column(&format!("{name}_{what}")).unwrap();
+            column.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>()
+        };
+        let (cdf, se, wide) = (band("cdf"), band("cdf_se"), band("simultaneous_high"));
+        let factor = number(&method["simultaneous_band_factor"]);
+        for (i, pointwise) in band("pointwise_high").into_iter().enumerate() {
+            assert!(pointwise <= wide[i] && (cdf[i] + factor * se[i]).clamp(0.0, 1.0) == wide[i], "{name} {i}");
+        }
+    }
+    let scalars = pressure["scalars"].as_array().unwrap();
+    let names: Vec<&str> = scalars.iter().map(|scalar| scalar["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["contact_fraction", "mean_pressure_pa", "mean_gap_m"]);
+    for scalar in scalars {
+        let law = outcome.tables["pressure_scalar_laws"].column(scalar["name"].as_str().unwrap()).unwrap();
+        assert!(law.is_sorted(), "{scalar}");
+        let [low, high] = [0, 1].map(|end| number(&scalar["mean_interval"][end]));
+        assert!(low < number(&scalar["mean"]) && number(&scalar["mean"]) < high, "{scalar}");
+    }
+    // Of a surface of mean zero under a plane at zero every cell has the same mean pressure: that of the patch.
+    let [cell, patch] = [&pressure["mean_pa"], &scalars[1]["mean"]].map(number);
+    let se = number(&pressure["mean_se_pa"]).hypot(number(&scalars[1]["mean_se"]));
+    assert!((cell - patch).abs() < 4.0 * se, "{cell} {patch} ± {se}");
+}
+
+#[test]
+fn keys_that_do_not_fit_each_other_point_at_their_line() {
+    let case_c = text("pressure_case_c.toml");
+    for (from, to, wanted) in [
+        ("boundary = \"periodic\"", "boundary = \"free\"", "only periodic patches have a constant Fourier mode"),
+        ("marginal = \"normal\"", "marginal = \"beta:2,5\"", "belongs to marginal = \"normal\""),
+        ("\"karhunen_loeve\"", "\"spectral\"", "belongs to the generator karhunen_loeve"),
+        ("points = [64, 64]", "points = [64, 32]\ncell = [40, 3]", "wanted [row, column] below [32, 64]"),
+        ("rescale = true", "rescal = true", "did you mean `rescale`?"),
+    ] {
+        assert!(case_c.contains(from), "{from}");
+        let error = Study::parse(&case_c.replace(from, to), "case_c.toml").unwrap_err();
+        assert!(error.message.contains(wanted) && error.line > 6, "{error}");
+    }
+}
