@@ -183,9 +183,11 @@ mod tests {
         let heights = |cell: [usize; 2]| -> Vec<f64> {
             germs.iter().map(|germ| crate::surface::RandomSurface::generate(&surface, germ).heights_m()[cell]).collect()
         };
-        // What depends on the cell and on another one beside it.
+        // What depends on the cell and on those beside it.
+        let around = [[2, 5], [4, 5], [3, 4], [3, 6]].map(heights);
+        let mean = |i: usize| around.iter().map(|heights| heights[i]).sum::<f64>() / 4.0;
         let values: Vec<f64> =
-            heights([3, 5]).iter().zip(heights([3, 6])).map(|(a, b)| a.max(0.0) + 3.0 * (a - b).powi(2)).collect();
+            heights([3, 5]).iter().enumerate().map(|(i, z)| z + 30.0 * (z - mean(i)) + (z - mean(i)).powi(2)).collect();
         let adapted = Adapted::new(&problem, 4, 3, &germs, &values).unwrap();
         assert!((2..=4).contains(&adapted.directions.len()), "{}", adapted.directions.len());
         let scale = heights([3, 5])[0] / adapted.of(&germs[0])[0];

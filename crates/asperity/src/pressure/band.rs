@@ -70,7 +70,8 @@ impl Band {
     pub fn standard_error_at(&self, value: f64) -> f64 {
         let after = self.values.partition_point(|v| *v <= value);
         let (Some(low), Some(high)) = (after.checked_sub(1), self.values.get(after)) else {
-            return if after == 0 { 0.0 } else { self.standard_errors[after - 1] };
+            let ends = [self.standard_errors.first(), self.standard_errors.last()];
+            return ends[usize::from(after > 0)].copied().unwrap_or(f64::INFINITY);
         };
         let share = (value - self.values[low]) / (high - self.values[low]);
         self.standard_errors[low] + share * (self.standard_errors[after] - self.standard_errors[low])

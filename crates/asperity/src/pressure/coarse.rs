@@ -145,7 +145,7 @@ mod tests {
         assert!(Coarse::new(&problem, 8).is_none());
         assert!(
             Coarse::ladder(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap()).len()
-                == 2
+                == 3
         );
     }
 }

@@ -3,7 +3,7 @@
 use crate::chaos::StepLaw;
 use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
 use crate::pressure::band::{Band, Moments, NORMAL_95, Total};
-use crate::pressure::telescope::Telescoped;
+use crate::pressure::telescope::{RARE, Telescoped};
 use crate::pressure::{PressureError, Samples};
 use crate::stats::{Interval, wilson_interval};
 
@@ -42,7 +42,7 @@ impl Estimate {
         let law = samples.law()?;
         let n = samples.len();
         let contact_probability = samples.contact_probability();
-        let nodes = nodes(&law);
+        let nodes = nodes(&law, samples.len());
         let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
         Ok(Self {
             contact_probability,
@@ -60,13 +60,20 @@ impl Estimate {
     /// The mean of the empirical laws of independent randomisations; what they differ by tells the errors.
     pub(super) fn of_replicates(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
         let law = samples.law()?;
-        let nodes = nodes(&law);
+        let nodes = nodes(&law, samples.len());
         let mut replicates = vec![Vec::new(); samples.replicates()];
         for (position, observation) in samples.observations().iter().enumerate() {
             replicates[samples.replicate_of(position)].push(observation.pressure_pa);
         }
         replicates.retain(|pressures| !pressures.is_empty());
-        Self::of_groups(law, &nodes, replicates.into_iter(), Some(samples.replicates().saturating_sub(1)), seed)
+        Self::of_groups(
+            law,
+            samples,
+            &nodes,
+            replicates.into_iter(),
+            Some(samples.replicates().saturating_sub(1)),
+            seed,
+        )
     }
 
     /// The empirical law of many cells; each sample is one, however many cells it gives.
@@ -77,14 +84,15 @@ impl Estimate {
         let pressures = |sites: &Vec<f32>| sites.iter().step_by(step).map(|p| f64::from(*p)).collect::<Vec<f64>>();
         let pooled: Vec<f64> = samples.sites().iter().flat_map(pressures).collect();
         let law = StepLaw::empirical(&pooled)?;
-        let nodes = nodes(&law);
-        Self::of_groups(law, &nodes, samples.sites().iter().map(pressures), None, seed)
+        let nodes = nodes(&law, samples.len());
+        Self::of_groups(law, samples, &nodes, samples.sites().iter().map(pressures), None, seed)
     }
 
     /// By independent groups of pressures, whose law is that of all; of so few that their number matters, with their degrees of
     /// freedom.
     fn of_groups(
         law: StepLaw,
+        samples: &Samples,
         nodes: &[f64],
         groups: impl Iterator<Item = Vec<f64>>,
         degrees_of_freedom: Option<usize>,
@@ -106,6 +114,7 @@ impl Estimate {
             mean_se: total.standard_error(nodes.len()),
             band: total.band(nodes, degrees_of_freedom, seed),
             law,
+            above: [samples.in_contact(), samples.len()],
             coefficients: None,
             leave_one_out_error: None,
         };
@@ -128,15 +137,21 @@ impl Estimate {
 
 impl From<Telescoped> for Estimate {
     fn from(found: Telescoped) -> Self {
-        let Telescoped { law, mean, mean_se, band, coefficients, leave_one_out_error } = found;
+        let Telescoped { law, mean, mean_se, band, above: [in_contact, samples], coefficients, leave_one_out_error } =
+            found;
         let contact_probability = 1.0 - band.cdf.first().copied().unwrap_or_else(|| law.cdf(0.0)).clamp(0.0, 1.0);
         let contact_probability_se = band.standard_errors.first().copied().unwrap_or(0.0);
-        let [low, high] = if band.values.is_empty() { [0.0, 1.0] } else { band.pointwise(0) };
+        let contact_probability_interval = if in_contact.min(samples - in_contact) < RARE {
+            wilson_interval(in_contact, samples)
+        } else {
+            let [low, high] = if band.values.is_empty() { [0.0, 1.0] } else { band.pointwise(0) };
+            Interval { low: 1.0 - high, high: 1.0 - low }
+        };
         Self {
             law,
             contact_probability,
             contact_probability_se,
-            contact_probability_interval: Interval { low: 1.0 - high, high: 1.0 - low },
+            contact_probability_interval,
             mean_pa: mean,
             mean_se_pa: mean_se,
             band: Some(band),
@@ -146,11 +161,15 @@ impl From<Telescoped> for Estimate {
     }
 }
 
-/// Pressures from 0 on between which the law has about the same probability.
-pub(super) fn nodes(law: &StepLaw) -> Vec<f64> {
+/// Pressures from 0 on between which the law has about the same probability, with enough of so many samples beyond each.
+pub(super) fn nodes(law: &StepLaw, samples: usize) -> Vec<f64> {
     let atom = law.cdf(0.0);
     let quantiles = (1..NODES).map(|k| law.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
-    let mut nodes: Vec<f64> = std::iter::once(0.0).chain(quantiles.filter(|t| *t > 0.0)).collect();
+    let common = |t: &f64| {
+        let beyond = (1.0 - law.cdf(*t)).min(law.cdf(*t));
+        *t > 0.0 && beyond * samples as f64 >= RARE as f64
+    };
+    let mut nodes: Vec<f64> = std::iter::once(0.0).chain(quantiles.filter(common)).collect();
     nodes.dedup();
     nodes
 }
@@ -207,7 +226,7 @@ mod tests {
     fn a_quantile_within_an_atom_is_the_atom() {
         let pressures: Vec<f64> = (0..1000).map(|i| f64::from((i - 800).max(0))).collect();
         let law = StepLaw::empirical(&pressures).unwrap();
-        let nodes = nodes(&law);
+        let nodes = nodes(&law, 1000);
         let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
         let band = Band::of_independent(&nodes, &cdf, 1000, 1);
         assert_eq!(band.quantile(&law, 0.5).interval, Interval { low: 0.0, high: 0.0 });

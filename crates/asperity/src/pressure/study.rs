@@ -407,10 +407,10 @@ mod tests {
                 let error = estimate.contact_probability - (1.0 - cdf(0.0));
                 assert!(error.abs() < 4.0 * estimate.contact_probability_se, "{} {error:.4}", method.name());
             }
-            // In one variable both stratified designs put the atom in its place to within one stratum.
+            // In one variable every one of the ten designs of twelve puts the atom in its place to within one stratum.
             for method in [Method::LatinHypercube, Method::Sobol] {
                 let error = results.estimate(method).unwrap().0.contact_probability - (1.0 - cdf(0.0));
-                assert!(error.abs() <= 1.0 / 64.0, "{} {error:.4}", method.name());
+                assert!(error.abs() <= 1.0 / 12.0, "{} {error:.4}", method.name());
             }
         });
     }

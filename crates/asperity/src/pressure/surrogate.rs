@@ -70,7 +70,7 @@ pub(super) fn estimate(
         return Err(MethodError::Overflow { overflowed, evaluations });
     }
     let law = StepLaw::weighted(fitted.atoms)?;
-    let nodes = nodes(&law);
+    let nodes = nodes(&law, samples);
     let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
     let replicates: Vec<Option<Vec<f64>>> = (0..RESAMPLES)
         .into_par_iter()

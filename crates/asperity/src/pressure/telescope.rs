@@ -27,6 +27,8 @@ const FOLDS: usize = 5;
 const THRESHOLDS: usize = 1000;
 /// and those at which its covariance is.
 const NODES: usize = 64;
+/// Fewest samples on either side of a value whose share has normal errors.
+pub(super) const RARE: usize = 10;
 /// Independent randomisations of the points on which the expectation of model 0 is computed, and points of each.
 const REPLICATES: usize = 10;
 const POINTS: usize = 2048;
@@ -49,6 +51,8 @@ pub(super) struct Telescoped {
     pub(super) mean: f64,
     pub(super) mean_se: f64,
     pub(super) band: Band,
+    /// Fine samples above the least value, and all.
+    pub(super) above: [usize; 2],
     /// Of the finest model's polynomial.
     pub(super) coefficients: Option<usize>,
     pub(super) leave_one_out_error: Option<f64>,
@@ -221,7 +225,7 @@ pub(super) fn estimate(nested: &Nested, settings: &Settings) -> Result<Telescope
     let folds = (0..FOLDS).map(|fold| Fold::fit(nested, fold, settings)).collect::<Result<Vec<_>, _>>()?;
     let drawn = folds.first().map_or(&[][..], |(_, values)| values.as_slice());
     let thresholds = thresholds(&nested.models[last], drawn, settings);
-    let nodes: Vec<f64> = nodes(&thresholds, drawn);
+    let nodes: Vec<f64> = nodes(&thresholds, drawn, &nested.models[last], settings);
     let mut total = Histogram { thresholds: &thresholds, steps: vec![0.0; thresholds.len()] };
     let mut errors = Total::new(nodes.len() + 1);
     let mut classes: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();
@@ -250,6 +254,7 @@ pub(super) fn estimate(nested: &Nested, settings: &Settings) -> Result<Telescope
         mean: errors.value(nodes.len()),
         mean_se: errors.standard_error(nodes.len()),
         band: errors.band(&nodes, None, settings.seed),
+        above: [nested.models[last].iter().filter(|q| **q > settings.least).count(), fine],
         coefficients: predictor.and_then(Predictor::coefficients),
         leave_one_out_error: predictor.and_then(Predictor::relative_error),
     })
@@ -261,7 +266,7 @@ pub(super) fn bracket_variances(nested: &Nested, settings: &Settings) -> Result<
     let last = nested.models.len() - 1;
     let folds = (0..FOLDS).map(|fold| Fold::fit(nested, fold, settings)).collect::<Result<Vec<_>, _>>()?;
     let fine = &nested.models[last];
-    let nodes = nodes(&thresholds(fine, fine, settings), fine);
+    let nodes = nodes(&thresholds(fine, fine, settings), fine, fine, settings);
     let mut moments: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();
     for sample in 0..nested.count(last) {
         let mut own: Vec<Contribution<'_>> = (0..=last).map(|_| Contribution::new(&nodes, settings)).collect();
@@ -331,8 +336,9 @@ fn thresholds(fine: &[f64], drawn: &[f64], settings: &Settings) -> Vec<f64> {
     thresholds
 }
 
-/// Some of the thresholds, as many of the drawn values between any two; the first is one.
-fn nodes(thresholds: &[f64], drawn: &[f64]) -> Vec<f64> {
+/// Some of the thresholds, as many of the drawn values between any two: the least value, and those on either side of which there are
+/// enough fine ones for normal errors.
+fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -> Vec<f64> {
     let mut counts = vec![0_usize; thresholds.len()];
     for q in drawn {
         let place = thresholds.partition_point(|t| t < q).min(thresholds.len() - 1);
@@ -348,6 +354,11 @@ fn nodes(thresholds: &[f64], drawn: &[f64]) -> Vec<f64> {
             nodes.push(*t);
         }
     }
+    let common = |t: &f64| {
+        let below = fine.iter().filter(|q| *q <= t).count();
+        below.min(fine.len() - below) >= RARE
+    };
+    nodes.retain(|t| *t == settings.least || common(t));
     nodes
 }
 

@@ -92,8 +92,9 @@ pub(super) fn run(
     let patch =
         [patch_sentence(section, (row, column), &half_space, hardness_pa), expansion_sentence(section, surface)];
     for method in &results.methods {
-        // That cells of a free patch cannot be pooled is nothing to be wary of.
-        if let Some(reason) = method.outcome.as_ref().err().filter(|reason| **reason != MethodError::NotStationary) {
+        // That the cells of a patch cannot be pooled is nothing to be wary of.
+        let pooled = |reason: &&MethodError| matches!(reason, MethodError::CellsDiffer { .. });
+        if let Some(reason) = method.outcome.as_ref().err().filter(|reason| !pooled(reason)) {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
         }
     }
