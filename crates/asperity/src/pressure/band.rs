@@ -126,16 +126,15 @@ fn critical_value(standard_errors: &[f64], covariance: &[f64], degrees_of_freedo
     let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else { return f64::INFINITY };
     // Z = U √Λ ξ; rounding leaves some eigenvalues below zero.
     let factor = Mat::from_fn(used.len(), used.len(), |a, b| eigen.U()[(a, b)] * eigen.S()[b].max(0.0).sqrt());
+    let degrees = degrees_of_freedom.unwrap_or(0);
+    let rows = used.len() + degrees;
+    let xi = random::standard_normal(&mut random::stream(seed, "pressure/band", 0), rows * DRAWS);
+    let z = &factor * Mat::from_fn(used.len(), DRAWS, |a, draw| xi[draw * rows + a]);
     let mut largest: Vec<f64> = (0..DRAWS)
         .map(|draw| {
-            let degrees = degrees_of_freedom.unwrap_or(0);
-            let xi =
-                random::standard_normal(&mut random::stream(seed, "pressure/band", draw as u64), used.len() + degrees);
-            let (xi, chi) = xi.split_at(used.len());
-            let scale =
-                if degrees > 0 { (chi.iter().map(|x| x * x).sum::<f64>() / degrees as f64).sqrt() } else { 1.0 };
-            let z = |a: usize| (0..used.len()).map(|b| factor[(a, b)] * xi[b]).sum::<f64>().abs();
-            (0..used.len()).map(z).fold(0.0, f64::max) / scale
+            let chi: f64 = xi[draw * rows + used.len()..(draw + 1) * rows].iter().map(|x| x * x).sum();
+            let scale = if degrees > 0 { (chi / degrees as f64).sqrt() } else { 1.0 };
+            (0..used.len()).map(|a| z[(a, draw)].abs()).fold(0.0, f64::max) / scale
         })
         .collect();
     largest.sort_by(f64::total_cmp);

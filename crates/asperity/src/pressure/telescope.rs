@@ -28,7 +28,7 @@ const THRESHOLDS: usize = 1000;
 /// and those at which its covariance is.
 const NODES: usize = 64;
 /// Fewest samples on either side of a value whose share has normal errors.
-pub(super) const RARE: usize = 10;
+pub(super) const RARE: usize = 15;
 /// Independent randomisations of the points on which the expectation of model 0 is computed, and points of each.
 const REPLICATES: usize = 10;
 const POINTS: usize = 2048;
@@ -146,6 +146,11 @@ impl Fold {
     }
 }
 
+/// How many of the leading `count` samples belong to a fold.
+fn of_fold(fold: usize, count: usize) -> usize {
+    (count + FOLDS - 1 - fold) / FOLDS
+}
+
 /// A point between 0 and 1 for each index, evenly spread.
 fn golden(index: usize) -> f64 {
     ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
@@ -230,22 +235,26 @@ pub(super) fn estimate(nested: &Nested, settings: &Settings) -> Result<Telescope
     let mut errors = Total::new(nodes.len() + 1);
     let mut classes: Vec<Moments> = (0..=last).map(|_| Moments::new(nodes.len() + 1)).collect();
     for (fold, (fits, _)) in folds.iter().enumerate() {
-        let of_fold = |count: usize| (count + FOLDS - 1 - fold) / FOLDS;
-        let share = of_fold(fine) as f64 / fine as f64;
+        let share = of_fold(fold, fine) as f64 / fine as f64;
         for sample in (0..nested.count(0)).filter(|i| i % FOLDS == fold) {
             let mut own = Contribution::new(&nodes, settings);
             let mut class = 0;
             fits.brackets(nested, sample, |l, prediction, errors, sign| {
                 class = l;
-                let weight = sign * share / of_fold(nested.count(l)) as f64;
+                let weight = sign * share / of_fold(fold, nested.count(l)) as f64;
                 total.add(prediction, errors, weight);
                 own.add(prediction, errors, weight);
             });
             classes[class].add(&own.values);
         }
-        if let Some(normal) = &fits.normal {
-            expect_normal(normal, nested.normal[0].len(), (fold, share), &nodes, settings, &mut total, &mut errors)?;
-        }
+    }
+    let normals: Vec<(&Predictor, f64)> = folds
+        .iter()
+        .enumerate()
+        .filter_map(|(fold, (fits, _))| Some((fits.normal.as_ref()?, of_fold(fold, fine) as f64 / fine as f64)))
+        .collect();
+    if !normals.is_empty() {
+        expect_normal(&normals, nested.normal[0].len(), &nodes, settings, &mut total, &mut errors)?;
     }
     classes.iter().for_each(|class| errors.add_sum(class));
     let predictor = folds.first().and_then(|(fold, _)| fold.predictors.last().or(fold.normal.as_ref()));
@@ -277,34 +286,33 @@ pub(super) fn bracket_variances(nested: &Nested, settings: &Settings) -> Result<
     Ok(moments.iter().rev().map(|moments| moments.variances().take(nodes.len()).sum()).collect())
 }
 
-/// Adds the expectation of a prediction by `variables` standard normal variables, over scrambled Sobol' points that draw an error
-/// each; independent randomisations tell its own error.
+/// Adds the expectation of predictions by `variables` standard normal variables, each with its weight, over scrambled Sobol' points
+/// that draw an error each; independent randomisations tell its own error.
 fn expect_normal(
-    normal: &Predictor,
+    normals: &[(&Predictor, f64)],
     variables: usize,
-    (fold, share): (usize, f64),
     nodes: &[f64],
     settings: &Settings,
     total: &mut Histogram<'_>,
     errors: &mut Total,
 ) -> Result<(), MethodError> {
-    let design =
-        Design::new(SamplingMethod::Sobol, settings.seed, &format!("pressure/normal/{fold}"), POINTS, variables + 1)?;
+    let design = Design::new(SamplingMethod::Sobol, settings.seed, "pressure/normal", POINTS, variables + 1)?;
     let mut spread = Moments::new(nodes.len() + 1);
     let mut point = vec![0.0; variables + 1];
     for replicate in 0..REPLICATES {
         let design = design.replicate(replicate)?;
         let mut own = Contribution::new(nodes, settings);
-        let weight = 1.0 / POINTS as f64;
         for index in 0..POINTS {
             design.fill_unit(index, &mut point);
             for u in &mut point[..variables] {
                 *u = crate::law::standard_normal_quantile(*u);
             }
-            let prediction = normal.predict(&point[..variables]);
-            let error = [pick(normal.errors(prediction), point[variables])];
-            total.add(prediction, &error, share * weight / REPLICATES as f64);
-            own.add(prediction, &error, share * weight);
+            for (normal, weight) in normals {
+                let prediction = normal.predict(&point[..variables]);
+                let error = [pick(normal.errors(prediction), point[variables])];
+                total.add(prediction, &error, weight / (POINTS * REPLICATES) as f64);
+                own.add(prediction, &error, weight / POINTS as f64);
+            }
         }
         spread.add(&own.values);
     }

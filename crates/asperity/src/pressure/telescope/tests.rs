@@ -64,7 +64,7 @@ fn models_at_their_word_give_the_telescoping_sum() {
 
 #[test]
 fn intervals_and_bands_hold_the_truth_as_often_as_they_say() {
-    let (fine, coarse, repeats) = (200, 600, 1000);
+    let (fine, coarse, repeats) = (250, 750, 1000);
     let truth = |t: f64| standard_normal_cdf((t - MEAN) / std());
     let density = (-0.5 * (MEAN / std()).powi(2)).exp() / std::f64::consts::TAU.sqrt();
     let mean = std() * density + MEAN * (1.0 - truth(0.0));
@@ -133,7 +133,8 @@ fn equal_values_and_duplicate_samples_are_stood() {
         beside: vec![vec![Vec::new(); 40]],
     };
     let found = estimate(&equal, &settings(1, 0.0)).unwrap();
-    assert_eq!((found.law.values(), found.mean, found.mean_se), (&[0.0, 2.0][1..], 2.0, 0.0));
+    assert_eq!(found.law.values(), [2.0]);
+    assert!((found.mean - 2.0).abs() < 1e-12 && found.mean_se < 1e-7);
     let mut doubled = world(5, 60, 120);
     for i in 0..30 {
         doubled.models[0][2 * i + 1] = doubled.models[0][2 * i];
