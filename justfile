@@ -21,6 +21,7 @@ fuzz COUNT="150000":
 # Solves 1,000 contact problems, checks each answer, and writes docs/validation/contact.md with its figure: about a minute.
 validate:
     cargo run --release -p asperity --example validate_contact -- docs
+    cargo run --release -p asperity --example validate_pressure > docs/validation/pressure.md
 
 # Everything but the tests.
 lint: fmt clippy doc typos deny

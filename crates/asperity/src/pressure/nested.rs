@@ -318,7 +318,7 @@ fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
             wanted[l] = wanted[l].max(wanted[l - 1]);
         }
         let work: f64 = wanted.iter().zip(&works[1..]).map(|(count, work)| (count - n) * work).sum();
-        if !(work <= COARSE_SHARE * n * works[0]) {
+        if work.is_nan() || work > COARSE_SHARE * n * works[0] {
             return counts;
         }
         counts = wanted.iter().map(|count| (count - n) as usize).collect();

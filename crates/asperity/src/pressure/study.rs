@@ -240,6 +240,23 @@ impl Study {
         Ok(Results { reference, methods, scalars, fields, sensitivities })
     }
 
+    /// The law by [`Method::Default`] alone, without a reference: what a user who trusts it wants. The solutions on coarser grids beside.
+    ///
+    /// # Errors
+    /// As [`Study::run`], and what [`MethodError`] says.
+    pub fn law(
+        &self,
+        problem: &Problem<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(Estimate, Vec<CoarseSolves>), PressureError> {
+        self.validate(problem)?;
+        let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+        let samples = solve(problem, sampling, monitor)?;
+        let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
+        let estimate = nested.estimate(Quantity::Pressure, problem, self.seed)?.into();
+        Ok((estimate, nested.coarse_solves()))
+    }
+
     fn reference(&self, samples: &Samples) -> Result<Reference, PressureError> {
         let sites = samples.sites().first().map_or(0, Vec::len);
         let estimate = if sites > 0 {
