@@ -18,7 +18,7 @@ test:
 fuzz COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
 
-# Solves 1,000 contact problems, checks each answer, and writes docs/validation/contact.md with its figure: about a minute.
+# Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references: some ten minutes.
 validate:
     cargo run --release -p asperity --example validate_contact -- docs
     cargo run --release -p asperity --example validate_pressure > docs/validation/pressure.md

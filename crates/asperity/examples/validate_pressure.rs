@@ -13,7 +13,7 @@ use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Estimate, Problem, Sampling, Study, solve};
+use asperity::pressure::{Estimate, PressureError, Problem, Sampling, Study, solve};
 use asperity::surface::KarhunenLoeve;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -126,7 +126,7 @@ fn main() -> Result<()> {
             let mut coarse = String::new();
             for seed in 0..replicates {
                 let study = Study { fine_solves, ..Study::new(seed) };
-                pool.install(|| -> Result<()> {
+                pool.install(|| -> std::result::Result<(), PressureError> {
                     let start = Instant::now();
                     let sampling = Sampling::monte_carlo(seed, "validation", fine_solves, study.valid_share);
                     let samples = solve(&problem, sampling, &Silent)?;
