@@ -42,11 +42,7 @@ impl Adapted {
         germs: &[Vec<f64>],
         values: &[f64],
     ) -> Result<Self, MethodError> {
-        let germ_len = problem.surface().germ_len();
-        if germ_len > LONGEST_GERM {
-            return Ok(Self::default());
-        }
-        let mut candidates = responses(problem);
+        let mut candidates: Vec<Vec<f64>> = responses(problem).into_iter().map(|(_, response)| response).collect();
         let (germs, values) = (&germs[..germs.len().min(CHOOSING)], &values[..values.len().min(CHOOSING)]);
         let mut chosen = Self::default();
         let mut error = 1.0;
@@ -73,13 +69,18 @@ impl Adapted {
         Ok(chosen)
     }
 
+    /// Given directions, which are orthonormal.
+    pub(super) fn of_orthonormal(directions: Vec<Vec<f64>>) -> Self {
+        Self { directions }
+    }
+
     /// The variables of a germ.
     pub(super) fn of(&self, germ: &[f64]) -> Vec<f64> {
         self.directions.iter().map(|direction| dot(direction, germ)).collect()
     }
 
     /// These and what is new in another direction, if anything is.
-    fn with(&self, direction: &[f64]) -> Option<Self> {
+    pub(super) fn with(&self, direction: &[f64]) -> Option<Self> {
         let whole = dot(direction, direction);
         let mut rest = direction.to_vec();
         // Twice is enough.
@@ -102,10 +103,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Response of the height of the cell, and of means over rings of growing radius around it, to each germ variable.
-fn responses(problem: &Problem<'_>) -> Vec<Vec<f64>> {
+/// Response of the mean height of each ring to each germ variable, with the number of the ring: 0 is the cell itself, n those up to
+/// 2ⁿ⁻¹ times the finer pitch away. None of a surface whose germ is too long.
+pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
     let surface = problem.surface();
     let germ_len = surface.germ_len();
+    if germ_len > LONGEST_GERM {
+        return Vec::new();
+    }
     let rings = rings(problem);
     let columns: Vec<Vec<f64>> = (0..germ_len)
         .into_par_iter()
@@ -115,17 +120,19 @@ fn responses(problem: &Problem<'_>) -> Vec<Vec<f64>> {
                 germ[j] = xi;
                 let map = surface.generate(&germ);
                 let heights_m = map.heights_m().as_slice().unwrap_or(&[]);
-                rings.iter().map(|ring| ring.iter().map(|i| heights_m[*i]).sum::<f64>() / ring.len() as f64).collect()
+                let mean = |ring: &Vec<usize>| ring.iter().map(|i| heights_m[*i]).sum::<f64>() / ring.len() as f64;
+                rings.iter().map(mean).collect()
             };
             let (above, below) = (means(DIFFERENCE), means(-DIFFERENCE));
             above.iter().zip(&below).map(|(above, below)| above - below).collect()
         })
         .collect();
     let response = |ring: usize| columns.iter().map(|column| column[ring]).collect::<Vec<f64>>();
-    (0..rings.len()).map(response).filter(|response| response.iter().all(|x| x.is_finite())).collect()
+    let used = (0..rings.len()).filter(|ring| !rings[*ring].is_empty());
+    used.map(|ring| (ring, response(ring))).filter(|(_, response)| response.iter().all(|x| x.is_finite())).collect()
 }
 
-/// The cell alone, and the cells of rings around it whose radii double.
+/// The cell alone, and the cells of rings around it whose radii double; some may have none.
 fn rings(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     let grid = problem.surface().grid();
     let (row, column) = problem.cell();
@@ -147,7 +154,6 @@ fn rings(problem: &Problem<'_>) -> Vec<Vec<usize>> {
         }
         rings[ring].push(i);
     }
-    rings.retain(|ring| !ring.is_empty());
     rings
 }
 
@@ -169,6 +175,8 @@ mod tests {
         assert_eq!(rings[0], [11]);
         // Half a metre away along y.
         assert_eq!(rings[1], [2, 20]);
+        // The next go a metre along x and along y.
+        assert!([10, 12, 29].iter().all(|cell| rings[2].contains(cell)));
         let mut all: Vec<usize> = rings.concat();
         all.sort_unstable();
         assert_eq!(all, (0..63).collect::<Vec<_>>());
