@@ -17,7 +17,7 @@ const LAWS: [(&str, &str); 4] = [
 ];
 /// Distances in pixels: of the first panel from the left edge, between panels, and room above each for its name.
 const LEFT: f64 = 92.0;
-const BETWEEN: f64 = 20.0;
+const BETWEEN: f64 = 36.0;
 const NAME: f64 = 24.0;
 
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
@@ -71,14 +71,13 @@ fn expansion_words(run: &Run) -> String {
     )
 }
 
-/// Mean and quantiles side by side on one colour scale; those that are zero everywhere are left to the caption.
+/// Mean and quantiles side by side on one colour scale; those that are the same everywhere are left to the caption.
 fn laws(run: &Run) -> Result<Option<Plate>, ReportError> {
     let present = |field: &&Field| field.values.iter().any(|value| value.is_finite());
     let all: Vec<(&str, &str, &Field)> =
         LAWS.iter().filter_map(|(name, title)| Some((*name, *title, run.fields.get(*name).filter(present)?))).collect();
-    let (pressed, zero): (Vec<_>, Vec<_>) =
-        all.iter().copied().partition(|(_, _, field)| field.values.iter().any(|value| *value > 0.0));
-    let (panels, unseen) = if pressed.is_empty() { (all.clone(), Vec::new()) } else { (pressed, zero) };
+    let (varied, flat): (Vec<_>, Vec<_>) = all.iter().copied().partition(|(_, _, field)| the_same(field).is_none());
+    let (panels, unseen) = if varied.is_empty() { (all.clone(), Vec::new()) } else { (varied, flat) };
     let rasters = Raster::on_one_scale(panels.iter().map(|(_, _, field)| *field), Kind::Pressure)?;
     let Some(first) = rasters.first() else { return Ok(None) };
     let columns = panels.len().min(2);
@@ -93,7 +92,9 @@ fn laws(run: &Run) -> Result<Option<Plate>, ReportError> {
     let caption = caption(run, &unseen);
     let bottom = top(rows - 1) + height;
     let svg = draw((640.0, bottom + 54.0), title, &caption, |canvas| {
-        first.legend(canvas, (left, 14.0))?;
+        if panels.iter().any(|(_, _, field)| field.values.contains(&0.0)) {
+            first.legend(canvas, (left, 14.0))?;
+        }
         for (number, ((_, name, _), raster)) in panels.iter().zip(&rasters).enumerate() {
             let (row, column) = (number / columns, number % columns);
             let plot = Rect::new(left + (width + BETWEEN) * column as f64, top(row), width, height);
@@ -128,10 +129,22 @@ fn caption(run: &Run, unseen: &[(&str, &str, &Field)]) -> String {
     if let Some(se) = maps["mean_largest_se_pa"].as_f64() {
         words += &format!(" Standard errors of the means are {} at most.", Dimension::Pressure.show_short(se));
     }
-    let names: Vec<String> = unseen.iter().map(|(_, title, _)| format!("the {}", title.to_lowercase())).collect();
+    let of = |(_, title, field): &(&str, &str, &Field)| {
+        let value = the_same(field).map_or_else(|| "–".into(), |value| Dimension::Pressure.show_short(value));
+        format!("the {} ({value})", title.to_lowercase())
+    };
+    let names: Vec<String> = unseen.iter().map(of).collect();
     match names.as_slice() {
         [] => words,
-        [one] => words + &format!(" Not shown: {one}, which is 0 in every cell."),
-        several => words + &format!(" Not shown: {}, which are 0 in every cell.", several.join(" and ")),
+        [one] => words + &format!(" The same in every cell, and not shown: {one}."),
+        [rest @ .., last] => {
+            words + &format!(" The same in every cell, and not shown: {} and {last}.", rest.join(", "))
+        }
     }
+}
+
+/// The value of a field that has the same everywhere.
+fn the_same(field: &Field) -> Option<f64> {
+    let first = field.values.first().copied()?;
+    field.values.iter().all(|value| *value == first).then_some(first)
 }
