@@ -40,7 +40,10 @@ fn contact_words(run: &Run) -> String {
         (maps["samples"].as_u64(), maps["contact_probability_largest_half_width"].as_f64())
     {
         let half = significant(half, 2);
-        words += &format!(" {samples} realisations: each value is known to ± {half} or better, with 95 %.");
+        words += &format!(
+            " {samples} realisations: each value is known to ± {half} or better, with 95 %; neighbouring \
+             cells share their errors."
+        );
     }
     let found = &pressure["homogeneity"];
     if let (Some(p_value), Some(cells)) = (found["p_value"].as_f64(), found["cells"].as_u64()) {

@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(table.names(), ["pressure_pa: local: height of the cell", "pressure_pa: local: ring 1"]);
         assert_eq!(table.column("total"), Some(&[0.75, 0.5][..]));
         assert_eq!(table.column("first_order_low"), Some(&[0.48, 0.23][..]));
-        let json = serde_json::to_value(&entries).expect("entries are JSON");
+        let json = serde_json::to_value(&entries).unwrap();
         assert_eq!((&json[0]["terms"], &json[0]["cross_validated_error"]), (&7.into(), &serde_json::Value::Null));
         assert_eq!(json[0]["indices"][1]["total_interval"], serde_json::json!([0.48, 0.52]));
         assert_eq!((&json[1]["quantity"], &json[1]["variables"]), (&"mean_pressure_pa".into(), &"global".into()));

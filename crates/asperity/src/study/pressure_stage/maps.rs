@@ -82,7 +82,7 @@ mod tests {
     use crate::pressure::QuantileMap;
 
     fn laws(global: Result<GlobalExpansion, MethodError>, homogeneity: Result<Homogeneity, MethodError>) -> FieldLaws {
-        let grid = Grid::covering(2, 2, 1.0, 1.0).expect("a grid of four cells");
+        let grid = Grid::covering(2, 2, 1.0, 1.0).unwrap();
         let shares = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
         let quantile =
             |probability| QuantileMap { probability, pressure_pa: Array2::from_elem((2, 2), 1e6 * probability) };
@@ -109,9 +109,8 @@ mod tests {
             coefficients: 3,
             leave_one_out_error: array![[0.5, f64::NAN], [1.0, 0.75]],
         };
-        let homogeneity =
-            Homogeneity { cells: 4, samples: 40, contact_p_value: 0.5, mean_p_value: 0.02, p_value: 0.04 };
-        let laws = laws(Ok(global), Ok(homogeneity));
+        let differ = Homogeneity { cells: 4, samples: 40, contact_p_value: 0.5, mean_p_value: 0.02, p_value: 0.04 };
+        let laws = laws(Ok(global), Ok(differ));
         let names: Vec<(&str, &str)> = fields(&laws).iter().map(|(name, field)| (*name, field.unit)).collect();
         let wanted = [
             ("contact_probability", "1"),
@@ -125,8 +124,8 @@ mod tests {
         let entry = entry(&laws);
         assert_eq!(global_expansion(&laws.global).leave_one_out_error, Some(0.75));
         assert_eq!((entry.contact_probability_largest_half_width, entry.mean_largest_se_pa), (Some(0.125), Some(2e5)));
-        let homogeneity = homogeneity(&laws.homogeneity);
-        assert_eq!((homogeneity.p_value, homogeneity.plausible), (Some(0.04), Some(false)));
+        let found = homogeneity(&laws.homogeneity);
+        assert_eq!((found.p_value, found.plausible), (Some(0.04), Some(false)));
     }
 
     #[test]
@@ -134,9 +133,9 @@ mod tests {
         let few = MethodError::TooFewSamples { samples: 3, wanted: 40 };
         let laws = laws(Err(few.clone()), Err(few));
         assert!(fields(&laws).iter().all(|(name, _)| *name != "expansion_error"));
-        let homogeneity = serde_json::to_value(homogeneity(&laws.homogeneity)).expect("an entry is JSON");
-        let expansion = serde_json::to_value(global_expansion(&laws.global)).expect("an entry is JSON");
-        for (entry, number) in [(homogeneity, "p_value"), (expansion, "leave_one_out_error")] {
+        let alike = serde_json::to_value(homogeneity(&laws.homogeneity)).unwrap();
+        let expansion = serde_json::to_value(global_expansion(&laws.global)).unwrap();
+        for (entry, number) in [(alike, "p_value"), (expansion, "leave_one_out_error")] {
             assert!(entry[number].is_null(), "{entry}");
             assert_eq!(entry["failure"], "3 samples are too few; at least 40 are needed");
         }
