@@ -76,10 +76,10 @@ fn indices(entry: &Value) -> Vec<&Value> {
 }
 
 fn caption(local: bool) -> String {
-    let mut words = "Sobol’ indices with 95 % intervals: the share of the variance that a variable explains alone (first order), and \
-                     together with all others (total), of what a sparse chaos expansion explains. How much of the whole \
-                     variance that is stands above each panel, by cross-validation; the rest is due to other variables and to \
-                     errors of the expansion. The pressure is continued below zero by the gap."
+    let mut words = "Sobol’ indices with 95 % intervals: the share of the variance that a variable explains alone \
+                     (first order), and together with all others (total), of what a sparse chaos expansion explains. How much of \
+                     the whole variance that is stands above each panel, by cross-validation; the rest is due to other variables \
+                     and to errors of the expansion. The pressure is continued below zero by the gap."
         .to_owned();
     if local {
         words += " Rings: mean heights around the cell, ring n within 2ⁿ⁻¹ grid spacings, each for what it says beyond those \

@@ -145,8 +145,8 @@ pub struct ScalarQuantile {
     pub value_interval: Pair,
 }
 
-/// What the maps of all cells rest on. They are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50` and `_90`,
-/// and `expansion_error`.
+/// What the maps of all cells rest on. They are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50`
+/// and `_90`, and `expansion_error`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MapsEntry {
     /// Samples of contact probabilities and means.
