@@ -37,8 +37,8 @@ pub struct Run {
     pub results: serde_json::Value,
     /// The tables of the run by the name of their CSV file, without its extension.
     pub tables: BTreeMap<String, Table>,
-    /// The fields of the run: `height_raw`, `height_levelled`, `surface_sample` in metre, `pressure_sample` and
-    /// `pressure_strip` in pascal.
+    /// The fields of the run: `height_raw`, `height_levelled`, `surface_sample` in metre, `pressure_sample`, `pressure_mean`,
+    /// `pressure_quantile_10`, `_50` and `_90` and `pressure_strip` in pascal, `contact_probability` and `expansion_error`.
     pub fields: BTreeMap<String, Field>,
     /// The inputs of the study as resolved, with units.
     pub inputs: Vec<Input>,

@@ -24,6 +24,10 @@ pub(crate) enum Kind {
     Height,
     /// Pressures: from zero; points at exactly zero carry no contact.
     Pressure,
+    /// Contact probabilities, between the least and the largest.
+    Probability,
+    /// Relative errors, from zero.
+    Error,
 }
 
 /// A field ready to be embedded.
@@ -103,12 +107,15 @@ impl Shown {
         let (low, high) = match kind {
             Kind::Height => (quantile(0.001), quantile(0.999)),
             Kind::Pressure => (0.0, quantile(0.999).max(0.5 * present[present.len() - 1])),
+            Kind::Probability => (present[0], present[present.len() - 1]),
+            Kind::Error => (0.0, present[present.len() - 1]),
         };
         // A flat field has no scale of its own; it lies in the middle of a small one.
         let magnitude = field.values.iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
         let scale = match kind {
             Kind::Height if high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
-            Kind::Pressure if high <= 0.0 => (0.0, 1.0),
+            Kind::Pressure | Kind::Error if high <= 0.0 => (0.0, 1.0),
+            Kind::Probability if high <= low => (0.0, 1.0),
             _ => (low, high),
         };
         Some(Self { nx, ny, values, block, scale })
@@ -232,6 +239,8 @@ impl Raster {
         let (name, dimension) = match self.kind {
             Kind::Height => ("Height", Dimension::Length),
             Kind::Pressure => ("Pressure", Dimension::Pressure),
+            Kind::Probability => ("P(contact)", Dimension::None),
+            Kind::Error => ("Leave-one-out error / variance", Dimension::None),
         };
         let axis = Axis::linear(name, dimension.unit(self.low.abs().max(self.high.abs())), (self.low, self.high));
         let mut widest: f64 = 0.0;

@@ -19,11 +19,14 @@ pub(crate) enum Shape {
     Down,
     Cross,
     Plus,
+    OpenDiamond,
+    OpenUp,
+    OpenDown,
 }
 
 impl Shape {
     /// All of them.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self::Disc,
         Self::Square,
         Self::Diamond,
@@ -33,6 +36,9 @@ impl Shape {
         Self::Frame,
         Self::Down,
         Self::Plus,
+        Self::OpenDiamond,
+        Self::OpenUp,
+        Self::OpenDown,
     ];
 
     /// Draws the symbol around a point; all shapes cover about the area of a disc of this radius.
@@ -59,6 +65,9 @@ impl Shape {
             Self::Square => canvas.polygon(&corners(4, 0.125, outer), colour, 1.0),
             Self::Frame => canvas.line(&closed(corners(4, 0.125, outer)), pen),
             Self::Diamond => canvas.polygon(&corners(4, 0.0, outer), colour, 1.0),
+            Self::OpenDiamond => canvas.line(&closed(corners(4, 0.0, outer)), pen),
+            Self::OpenUp => canvas.line(&closed(corners(3, 0.75, triangle)), pen),
+            Self::OpenDown => canvas.line(&closed(corners(3, 0.25, triangle)), pen),
             Self::Up => canvas.polygon(&corners(3, 0.75, triangle), colour, 1.0),
             Self::Down => canvas.polygon(&corners(3, 0.25, triangle), colour, 1.0),
             Self::Cross | Self::Plus => {

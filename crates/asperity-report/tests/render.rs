@@ -22,10 +22,14 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "height_acf",
         "height_psd",
         "pressure_sample",
+        "contact_probability",
+        "pressure_quantiles",
+        "expansion_error",
         "pressure_cdf",
         "pressure_intervals",
         "pressure_accuracy",
         "pressure_scalars",
+        "pressure_sensitivities",
         "friction_levels",
         "friction_histogram",
         "friction_acf",
@@ -288,6 +292,74 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     run.tables.remove("pressure_bands");
     run.tables.remove("pressure_scalar_laws");
     assert!(!words(&run, "pressure_cdf").iter().any(|word| word.contains("95 %")));
+}
+
+#[test]
+fn maps_of_all_cells_say_how_well_they_are_known() {
+    let run = full_run();
+    let drawn = words(&run, "pressure_quantiles");
+    for wanted in ["Mean", "90 % quantile", "Pressure (GPa)"] {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    assert!(!drawn.iter().any(|word| word == "no contact (p = 0)"), "no cell that is drawn has the value zero");
+    assert!(!drawn.iter().any(|word| word == "Median"), "what is the same everywhere has no panel");
+    let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in [
+        "500 realisations: each value is known to ± 0.044 or better",
+        "16 cells apart differ in law by more than chance (p = 0.0062)",
+        "Standard errors of the means are 29 MPa at most",
+        "The same in every cell, and not shown: the 10 % quantile (0 Pa) and the median (0 Pa).",
+        "of total degree 1 in the 8 leading variables, 0.93 on average",
+    ] {
+        assert!(html.contains(wanted), "the page says {wanted:?}");
+    }
+    // Without numbers beside them the maps are still there.
+    let mut bare = full_run();
+    let pressure = bare.results["pressure"].as_object_mut().unwrap();
+    for key in ["maps", "homogeneity", "global_expansion", "sensitivities"] {
+        pressure.remove(key);
+    }
+    let names = |run: &Run| render(run).unwrap().figures.into_iter().map(|figure| figure.name).collect::<Vec<_>>();
+    assert!(names(&bare).contains(&"expansion_error".to_owned()));
+    assert!(!names(&bare).contains(&"pressure_sensitivities".to_owned()));
+    // Runs from before there were maps.
+    bare.fields.retain(|name, _| name == "pressure_sample");
+    assert!(!names(&bare).iter().any(|name| name == "pressure_quantiles" || name == "contact_probability"));
+    // A patch that is never pressed is drawn as such.
+    let mut free = full_run();
+    free.fields.get_mut("pressure_mean").unwrap().values.fill(0.0);
+    free.fields.get_mut("pressure_quantile_90").unwrap().values.fill(0.0);
+    for wanted in ["Median", "no contact (p = 0)"] {
+        assert!(words(&free, "pressure_quantiles").iter().any(|word| word == wanted), "{wanted}");
+    }
+}
+
+#[test]
+fn sensitivities_name_every_variable_and_say_what_is_explained() {
+    let mut run = full_run();
+    let drawn = words(&run, "pressure_sensitivities");
+    for wanted in [
+        "height of the cell",
+        "ring 5",
+        "mode 8",
+        "Pressure at the cell: heights about the cell",
+        "Contact area: leading modes",
+        "explained: 83 % of the variance",
+        "Sobol’ index",
+    ] {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    assert!(
+        !drawn.iter().any(|word| word == "Contact area: heights about the cell"),
+        "a failed expansion has no panel"
+    );
+    // An expansion that predicts worse than the mean explains nothing.
+    run.results["pressure"]["sensitivities"][0]["cross_validated_error"] = json!(1.2);
+    assert!(words(&run, "pressure_sensitivities").contains(&"explained: 0 % of the variance".to_owned()));
+    run.results["pressure"]["sensitivities"][0]["indices"][1]["total"] = Value::Null;
+    assert!(!words(&run, "pressure_sensitivities").contains(&"ring 1".to_owned()));
+    run.results["pressure"]["sensitivities"] = json!([]);
+    assert!(render(&run).unwrap().figures.iter().all(|figure| figure.name != "pressure_sensitivities"));
 }
 
 #[test]

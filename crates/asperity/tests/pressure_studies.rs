@@ -103,7 +103,9 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
     let default = method(&outcome, "default");
     let (found, se) = (default.contact_probability.unwrap(), default.contact_probability_se.unwrap());
     assert!(found < 0.5 + 3.0 * se && found > 0.05, "{found} ± {se}");
-    assert!(method(&outcome, "pooled_sites").failure.as_ref().unwrap().contains("not stationary"));
+    // A free patch is stationary at no scale; so few samples may not show it.
+    let alike = pressure.homogeneity.as_ref().unwrap().plausible.unwrap();
+    assert_eq!(method(&outcome, "pooled_sites").failure.is_none(), alike);
 }
 
 #[test]
@@ -113,7 +115,7 @@ fn results_and_tables_say_the_same_of_every_method() {
     let pressure = &results["pressure"];
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     let table = &outcome.tables["pressure_methods"];
-    assert_eq!(table.names().len(), 10);
+    assert_eq!(table.names().len(), 13);
     assert_eq!(table.column("mean_low_pa").unwrap()[0], number(&pressure["mean_interval"][0]));
     for (row, method) in pressure["methods"].as_array().unwrap().iter().enumerate() {
         let name = method["name"].as_str().unwrap();
@@ -134,12 +136,6 @@ fn results_and_tables_say_the_same_of_every_method() {
             assert!(low <= value && value <= high, "{name}: {value} in {interval}");
         };
         within(&method["contact_probability"], &method["contact_probability_interval"]);
-        // The paper's expansions know no errors of their own.
-        if name.starts_with("polynomial") {
-            assert!(method["mean_se_pa"].is_null() && method["mean_interval"].is_null(), "{method}");
-            assert!(method["simultaneous_band_factor"].is_null());
-            continue;
-        }
         within(&method["mean_pa"], &method["mean_interval"]);
         within(&method["quantiles"][2]["pressure_pa"], &method["quantiles"][2]["pressure_pa_interval"]);
         let band = |what: &str| {
@@ -165,6 +161,58 @@ fn results_and_tables_say_the_same_of_every_method() {
     let [cell, patch] = [&pressure["mean_pa"], &scalars[1]["mean"]].map(number);
     let se = number(&pressure["mean_se_pa"]).hypot(number(&scalars[1]["mean_se"]));
     assert!((cell - patch).abs() < 4.0 * se, "{cell} {patch} ± {se}");
+}
+
+#[test]
+fn maps_hold_the_laws_of_all_cells_and_indices_are_shares() {
+    let outcome = run(&reduced("pressure_case_c.toml", 100, 100));
+    let results = serde_json::to_value(&outcome.results).unwrap();
+    let pressure = &results["pressure"];
+    let map = |name: &str, unit: &str| {
+        let field = &outcome.fields[name];
+        assert_eq!((field.values.dim(), field.grid.shape(), field.unit), ((64, 64), (64, 64), unit), "{name}");
+        &field.values
+    };
+    // At the cell that is studied the maps repeat the method that they rest on.
+    let monte_carlo = method(&outcome, "monte_carlo");
+    let quantiles = monte_carlo.quantiles.iter().map(|quantile| quantile.pressure_pa);
+    let (contact, mean) = (map("contact_probability", "1"), map("pressure_mean", "Pa"));
+    assert_eq!(Some(contact[[32, 32]]), monte_carlo.contact_probability);
+    assert!((mean[[32, 32]] / monte_carlo.mean_pa.unwrap() - 1.0).abs() < 1e-9);
+    let maps = ["pressure_quantile_10", "pressure_quantile_50", "pressure_quantile_90"].map(|name| map(name, "Pa"));
+    for (map, quantile) in maps.into_iter().zip(quantiles) {
+        assert!((map[[32, 32]] - quantile).abs() <= 1e-6 * quantile, "{} {quantile}", map[[32, 32]]);
+    }
+    assert!(map("expansion_error", "1").iter().all(|error| *error > 0.0));
+    assert_eq!((&pressure["maps"]["samples"], &pressure["maps"]["kept_samples"]), (&100.into(), &100.into()));
+    // A stationary surface on a periodic patch: one p-value of the fixed seed, not below one in a thousand.
+    assert!(pressure["homogeneity"]["p_value"].as_f64().unwrap() > 1e-3, "{}", pressure["homogeneity"]);
+    // The leading variables are all there are: they say something of every cell.
+    let global = &pressure["global_expansion"];
+    let (degree, error) = (global["degree"].as_u64().unwrap(), global["leave_one_out_error"].as_f64().unwrap());
+    assert_eq!(global["coefficients"], (1..=degree).fold(1, |product, i| product * (8 + i) / i), "{global}");
+    assert!(global["failure"].is_null() && error > 0.0 && error < 1.0, "{global}");
+    let sensitivities = pressure["sensitivities"].as_array().unwrap();
+    let of = |key: &str| sensitivities.iter().map(|entry| entry[key].as_str().unwrap()).collect::<Vec<_>>();
+    let quantities = ["pressure_pa", "contact_fraction", "mean_pressure_pa"];
+    assert_eq!(of("quantity"), quantities.iter().flat_map(|quantity| [*quantity; 2]).collect::<Vec<_>>());
+    assert_eq!(of("variables"), ["local", "global"].repeat(3));
+    let (table, mut row) = (&outcome.tables["pressure_sensitivities"], 0);
+    for entry in sensitivities {
+        let indices = entry["indices"].as_array().unwrap();
+        assert_eq!(entry["failure"].is_null(), !indices.is_empty(), "{entry}");
+        let mut sum = 0.0;
+        for index in indices {
+            let number = |key: &str| index[key].as_f64().unwrap();
+            assert!(number("first_order") <= number("total") + 1e-12 && number("total") <= 1.0 + 1e-12, "{index}");
+            assert_eq!(table.column("total").unwrap()[row], number("total"));
+            assert!(table.names()[row].ends_with(index["name"].as_str().unwrap()));
+            sum += number("first_order");
+            row += 1;
+        }
+        assert!(sum <= 1.0 + 1e-9, "{entry}");
+    }
+    assert_eq!(table.names().len(), row);
 }
 
 #[test]

@@ -1,15 +1,18 @@
-//! The contact pressure of one surface, its law at a point by every method, and what the methods cost and are worth.
+//! The contact pressure of one surface, its laws at all cells, its law at a point by every method, what the methods cost and
+//! are worth, and which variables matter.
 
 mod accuracy;
 mod distribution;
 mod intervals;
+mod maps;
 mod scalars;
+mod sensitivities;
 
 use plotters::prelude::RGBColor;
 
 use super::{Plate, Stage, map};
 use crate::canvas::{Dash, Pen};
-use crate::palette::{BLACK, BLUE, BROWN, GREEN, ORANGE, PURPLE, SKY, VERMILION, pen};
+use crate::palette::{BLACK, BLUE, BROWN, GREEN, OLIVE, ORANGE, PLUM, PURPLE, ROSE, SKY, VERMILION, pen};
 use crate::raster::Kind;
 use crate::symbol::Shape;
 use crate::{ReportError, Run};
@@ -22,11 +25,12 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
     let caption = "Pressure on one realisation of the surface; white points are not in contact. The colours saturate \
                    beyond the 99.9 % quantile.";
     plates.extend(map(run, ("pressure_sample", Stage::Pressure), Kind::Pressure, title, caption)?);
-    // Maps of the whole patch (contact probability, quantiles) and sensitivities belong here, beside the sample.
+    maps::plates(run, plates)?;
     distribution::plate(run, plates)?;
     intervals::plate(run, plates)?;
     accuracy::plate(run, plates)?;
-    scalars::plate(run, plates)
+    scalars::plate(run, plates)?;
+    sensitivities::plate(run, plates)
 }
 
 /// The curve and the symbol of a method, the same in all figures; `index` is its place among those shown.
@@ -37,6 +41,9 @@ fn style(method: &str, index: usize) -> (Pen, Shape) {
         "sobol" => (GREEN, 1.8, Dash::Alternating, Shape::Diamond),
         "polynomial_chaos" => (PURPLE, 1.8, Dash::Dotted, Shape::Cross),
         "polynomial_chaos_log" => (ORANGE, 1.8, Dash::Long, Shape::Plus),
+        "polynomial_chaos_local" => (PLUM, 1.8, Dash::Solid, Shape::OpenDiamond),
+        "latent_overlap" => (OLIVE, 1.8, Dash::Dashed, Shape::OpenUp),
+        "two_part" => (ROSE, 1.8, Dash::Alternating, Shape::OpenDown),
         "control_variate" => (BROWN, 1.8, Dash::Dashed, Shape::Up),
         "multilevel" => (BLACK, 1.8, Dash::Long, Shape::Down),
         "pooled_sites" => (BLACK, 1.8, Dash::Dotted, Shape::Square),

@@ -1,6 +1,8 @@
 //! The law of the random pressure on a patch.
 
 mod entries;
+mod indices;
+mod maps;
 mod tables;
 
 use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
@@ -100,10 +102,12 @@ pub(super) fn run(
     }
     let posed = Posed { cell: (row, column), shape: grid.shape(), mean_compliance_m_per_pa, separation_m };
     let result = entries::summary(&results, &posed);
+    let mut fields = sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?;
+    fields.extend(results.fields.iter().flat_map(maps::fields));
     Ok(PressureStage {
         output: StageOutput {
             tables: tables::tables(&results, &result),
-            fields: sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?,
+            fields,
             assumptions: patch.into_iter().chain(generated.correction.clone()).collect(),
             warnings,
         },

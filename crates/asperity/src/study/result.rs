@@ -16,7 +16,10 @@ use crate::study::{Field, PooledStatistics, Table};
 use crate::surface::pooling::Mean;
 use crate::surface::uncertainty::Estimates;
 
-pub use pressure::{CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile};
+pub use pressure::{
+    CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
+    PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
+};
 
 /// Everything a run computed.
 #[derive(Debug, Clone, PartialEq)]

@@ -17,6 +17,9 @@ use crate::{ReportError, Run, Table};
 const NAME: &str = "pressure_accuracy";
 /// Larger errors are beyond the frame: such a law has nothing to do with the one looked for.
 const LARGEST: f64 = 3.0;
+/// Works that differ by less than this share are taken as equal, and drawn so far apart, as a ratio.
+const NEAR: f64 = 0.02;
+const APART: f64 = 1.07;
 
 /// One measure of error.
 struct Measure {
@@ -52,7 +55,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
         if let Some(y) = measure.resolution {
             chart.add("resolution of the reference", Mark::Horizontal { y, pen: Pen::new(BLACK, 1.0, Dash::Dotted) });
         }
-        for &(index, x, y) in &measure.points {
+        for (&(index, _, y), x) in measure.points.iter().zip(side_by_side(&measure.points)) {
             let name = methods[index]["name"].as_str().unwrap_or("–");
             let (pen, shape) = style(name, index);
             chart.add_named(method_name(name), Mark::Symbol { x, y, shape, colour: pen.colour });
@@ -65,8 +68,8 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     *height += 42.0;
     let title = "What the methods cost and are worth";
     let caption = "Distance of every method from the reference, in one run, over its work: contact solutions, those on coarse \
-                   grids counted by their share of the fine grid’s cells. KS: largest difference of the distribution \
-                   functions; W₁: area between them, over the standard deviation of the pressure; last, the error of the \
+                   grids counted by their share of the fine grid’s cells; methods of equal work stand side by side. KS: \
+                   largest difference of the distribution functions; W₁: area between them, over the standard deviation of the pressure; last, the error of the \
                    contact probability. The grey lines are what so many independent samples are expected to be off (KS: of a \
                    law without an atom). Errors above 3 are not shown. Errors of one run are partly luck, and below the dotted line they are the \
                    reference’s own.";
@@ -81,6 +84,18 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
         svg,
     });
     Ok(())
+}
+
+/// The works, those of equal ones spread evenly about their value, so that no symbol hides another.
+fn side_by_side(points: &[(usize, f64, f64)]) -> Vec<f64> {
+    let near = |a: f64, b: f64| (a / b).ln().abs() < NEAR;
+    let place = |position: usize| {
+        let work = points[position].1;
+        let alike = |slice: &[(usize, f64, f64)]| slice.iter().filter(|point| near(point.1, work)).count() as f64;
+        let (before, all) = (alike(&points[..position]), alike(points));
+        work * APART.powf(before - 0.5 * (all - 1.0))
+    };
+    (0..points.len()).map(place).collect()
 }
 
 fn measures(run: &Run, pressure: &Value, methods: &[Value]) -> [Measure; 3] {
@@ -131,6 +146,13 @@ fn wasserstein_of_one(table: &Table) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn methods_of_equal_work_stand_side_by_side_about_it() {
+        let found = side_by_side(&[(0, 500.0, 0.1), (1, 1500.0, 0.1), (2, 500.0, 0.1), (3, 500.0, 0.2)]);
+        let wanted = [500.0 / APART, 1500.0, 500.0, 500.0 * APART];
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?}");
+    }
 
     #[test]
     fn the_expected_distance_of_one_sample_of_a_uniform_law_is_known() {

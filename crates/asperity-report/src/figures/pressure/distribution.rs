@@ -187,9 +187,9 @@ fn reach<'a>(below: &[(&'a str, String, Mark)], limits: Option<&Limits<'_>>) -> 
     let mut each: Vec<f64> = below.iter().map(|(_, _, mark)| largest(mark)).collect();
     each.sort_by(f64::total_cmp);
     let most = each.last().copied().unwrap_or(0.0);
-    // Twice what two thirds of the methods need.
-    let usual = each.get((2 * each.len()).div_ceil(3).saturating_sub(1)).copied().unwrap_or(0.0);
-    let reach = 1.1 * most.min((2.0 * usual).max(limits.map_or(0.0, Limits::reach)));
+    // Three times what half of the methods need: as many as that are models, which may be biased together.
+    let usual = each.get(each.len().div_ceil(2).saturating_sub(1)).copied().unwrap_or(0.0);
+    let reach = 1.1 * most.min((3.0 * usual).max(limits.map_or(0.0, Limits::reach)));
     let far = below.iter().filter(|(_, _, mark)| largest(mark) > reach).map(|(name, _, _)| *name).collect();
     (reach, far)
 }

@@ -2,6 +2,7 @@
 
 use crate::pressure::{Estimate, MethodResult, Quantity, Results, ScalarResult};
 use crate::stats::Interval;
+use crate::study::pressure_stage::{indices, maps};
 use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
 };
@@ -42,6 +43,10 @@ pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
         separation_m: posed.separation_m,
         methods: results.methods.iter().map(|method| method_entry(method, posed.shape)).collect(),
         scalars: results.scalars.iter().map(scalar_entry).collect(),
+        maps: results.fields.as_ref().map(maps::entry),
+        homogeneity: results.fields.as_ref().map(|laws| maps::homogeneity(&laws.homogeneity)),
+        global_expansion: results.fields.as_ref().map(|laws| maps::global_expansion(&laws.global)),
+        sensitivities: indices::entries(&results.sensitivities),
     }
 }
 

@@ -4,6 +4,7 @@ use crate::chaos::StepLaw;
 use crate::pressure::{Band, Method, Results};
 use crate::study::Table;
 use crate::study::pressure_stage::entries::scalar_name;
+use crate::study::pressure_stage::indices;
 use crate::study::result::{Pair, PressureResult};
 
 pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'static str, Table)> {
@@ -15,6 +16,9 @@ pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'stat
     if !results.scalars.is_empty() {
         tables.push(("pressure_scalars", scalars(summary)));
         tables.push(("pressure_scalar_laws", scalar_laws(results)));
+    }
+    if summary.sensitivities.iter().any(|entry| !entry.indices.is_empty()) {
+        tables.push(("pressure_sensitivities", indices::table(&summary.sensitivities)));
     }
     tables
 }

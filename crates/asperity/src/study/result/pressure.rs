@@ -41,6 +41,14 @@ pub struct PressureResult {
     pub methods: Vec<MethodEntry>,
     /// Scalars of the whole contact.
     pub scalars: Vec<ScalarEntry>,
+    /// What the maps of all cells rest on; absent without maps.
+    pub maps: Option<MapsEntry>,
+    /// Whether cells differ in law; absent without maps.
+    pub homogeneity: Option<HomogeneityEntry>,
+    /// The expansion of all cells; absent without maps.
+    pub global_expansion: Option<GlobalExpansionEntry>,
+    /// Sobol' indices, one entry for each quantity and set of variables.
+    pub sensitivities: Vec<SensitivityEntry>,
 }
 
 /// One method of the pressure stage.
@@ -135,4 +143,88 @@ pub struct ScalarQuantile {
     pub value: f64,
     /// Its interval.
     pub value_interval: Pair,
+}
+
+/// What the maps of all cells rest on. They are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50`
+/// and `_90`, and `expansion_error`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MapsEntry {
+    /// Samples of contact probabilities and means.
+    pub samples: usize,
+    /// Samples of quantiles, standard errors and the expansion.
+    pub kept_samples: usize,
+    /// Largest half width of the 95 % intervals of the contact probabilities, each cell by itself.
+    pub contact_probability_largest_half_width: Option<f64>,
+    /// Largest standard error of the mean pressures.
+    pub mean_largest_se_pa: Option<f64>,
+}
+
+/// Whether cells differ in contact probability or mean pressure.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct HomogeneityEntry {
+    /// Cells compared.
+    pub cells: Option<usize>,
+    /// Independent samples of them.
+    pub samples: Option<usize>,
+    /// p-value of equal contact probabilities.
+    pub contact_p_value: Option<f64>,
+    /// p-value of equal mean pressures.
+    pub mean_p_value: Option<f64>,
+    /// p-value of both.
+    pub p_value: Option<f64>,
+    /// Whether the samples do not show that cells differ, at 5 %.
+    pub plausible: Option<bool>,
+    /// Why it is not known.
+    pub failure: Option<String>,
+}
+
+/// An expansion of the pressures of all cells in the leading germ variables.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct GlobalExpansionEntry {
+    /// Leading germ variables.
+    pub variables: Option<usize>,
+    /// Total degree.
+    pub degree: Option<usize>,
+    /// Coefficients of each cell.
+    pub coefficients: Option<usize>,
+    /// Relative leave-one-out error, mean over the cells that vary.
+    pub leave_one_out_error: Option<f64>,
+    /// Why there is none.
+    pub failure: Option<String>,
+}
+
+/// Sobol' indices of one quantity with respect to one set of variables: shares of what an expansion explains.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct SensitivityEntry {
+    /// Name of the quantity with its unit.
+    pub quantity: String,
+    /// `local`: the height of the cell and of rings around it; `global`: the leading germ variables.
+    pub variables: String,
+    /// One entry for each variable.
+    pub indices: Vec<IndexEntry>,
+    /// Terms of the expansion.
+    pub terms: Option<usize>,
+    /// Share of the variance that the expansion does not predict, by cross-validation.
+    pub cross_validated_error: Option<f64>,
+    /// Why there are no indices.
+    pub failure: Option<String>,
+}
+
+/// Sobol' indices of one variable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IndexEntry {
+    /// Name of the variable.
+    pub name: String,
+    /// First-order index.
+    pub first_order: f64,
+    /// Its standard error.
+    pub first_order_se: f64,
+    /// Its interval.
+    pub first_order_interval: Pair,
+    /// Total index.
+    pub total: f64,
+    /// Its standard error.
+    pub total_se: f64,
+    /// Its interval.
+    pub total_interval: Pair,
 }

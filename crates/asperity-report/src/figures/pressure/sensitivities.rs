@@ -1,0 +1,145 @@
+//! Sobol' indices: which variables matter for which quantity.
+
+use serde_json::Value;
+
+use crate::axis::Axis;
+use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw, text_width};
+use crate::figures::{Plate, Stage, csv};
+use crate::format::{Unit, fixed};
+use crate::page::interval;
+use crate::palette::{BLACK, BLUE, ORANGE};
+use crate::{ReportError, Run};
+
+const NAME: &str = "pressure_sensitivities";
+/// Height of the rows of a variable, of a bar, and of what stands above and below the rows of a panel, in pixels.
+const ROW: f64 = 25.0;
+const BAR: f64 = 9.0;
+const HEAD: f64 = 46.0;
+const FOOT: f64 = 26.0;
+/// Quantities from above, sets of variables from the left.
+const QUANTITIES: [(&str, &str); 3] = [
+    ("pressure_pa", "Pressure at the cell"),
+    ("contact_fraction", "Contact area"),
+    ("mean_pressure_pa", "Mean pressure"),
+];
+const SETS: [(&str, &str); 2] = [("local", "heights about the cell"), ("global", "leading modes")];
+/// The two indices of each variable.
+const INDICES: [(&str, &str, plotters::prelude::RGBColor); 2] =
+    [("first_order", "first order: alone", BLUE), ("total", "total: with all others", ORANGE)];
+
+pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    let entries = run.results["pressure"]["sensitivities"].as_array().map_or(&[][..], Vec::as_slice);
+    let found = |quantity: &str, set: &str| {
+        entries
+            .iter()
+            .find(|entry| entry["quantity"] == quantity && entry["variables"] == set && !indices(entry).is_empty())
+    };
+    let sets: Vec<_> =
+        SETS.into_iter().filter(|(set, _)| QUANTITIES.iter().any(|(name, _)| found(name, set).is_some())).collect();
+    let rows: Vec<_> = QUANTITIES
+        .into_iter()
+        .filter(|(name, _)| sets.iter().any(|(set, _)| found(name, set).is_some()))
+        .map(|(name, title)| {
+            let most = sets.iter().filter_map(|(set, _)| found(name, set)).map(|entry| indices(entry).len()).max();
+            (name, title, ROW * most.unwrap_or(0) as f64)
+        })
+        .collect();
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let title = "Which variables matter";
+    let caption = caption(sets.iter().any(|(set, _)| *set == "local"));
+    let width = 640.0 / sets.len() as f64;
+    let height = 24.0 + rows.iter().map(|(_, _, height)| height + HEAD + FOOT).sum::<f64>();
+    let svg = draw((640.0, height + 24.0), title, &caption, |canvas| {
+        legend(canvas)?;
+        let mut top = 24.0;
+        for (row, (name, label, room)) in rows.iter().enumerate() {
+            for (column, (set, variables)) in sets.iter().enumerate() {
+                let Some(entry) = found(name, set) else { continue };
+                let outer = Rect::new(width * column as f64, top, width, HEAD + room + FOOT);
+                panel(canvas, outer, entry, &format!("{label}: {variables}"), row + 1 == rows.len())?;
+            }
+            top += HEAD + room + FOOT;
+        }
+        Ok(())
+    })?;
+    let sources = vec![csv(NAME)];
+    plates.push(Plate { name: NAME, stage: Stage::Pressure, title: title.into(), caption, sources, svg });
+    Ok(())
+}
+
+/// The indices of an entry that are numbers.
+fn indices(entry: &Value) -> Vec<&Value> {
+    let all = entry["indices"].as_array().map_or(&[][..], Vec::as_slice);
+    all.iter().filter(|index| index["first_order"].is_number() && index["total"].is_number()).collect()
+}
+
+fn caption(local: bool) -> String {
+    let mut words = "Sobol’ indices with 95 % intervals: the share of the variance that a variable explains alone \
+                     (first order), and together with all others (total), of what a sparse chaos expansion explains. How much of \
+                     the whole variance that is stands above each panel, by cross-validation; the rest is due to other variables \
+                     and to errors of the expansion. The pressure is continued below zero by the gap."
+        .to_owned();
+    if local {
+        words += " Rings: mean heights around the cell, ring n within 2ⁿ⁻¹ grid spacings, each for what it says beyond those \
+                  before it.";
+    }
+    words
+}
+
+fn legend(canvas: &mut Canvas<'_>) -> Result<(), ReportError> {
+    let mut x = 12.0;
+    for (_, text, colour) in INDICES {
+        canvas.fill(Rect::new(x, 8.0, 18.0, BAR), colour)?;
+        canvas.text((x + 24.0, 12.5), text, TEXT, Align::Start)?;
+        x += 24.0 + text_width(text, TEXT) + 24.0;
+    }
+    Ok(())
+}
+
+fn panel(canvas: &mut Canvas<'_>, outer: Rect, entry: &Value, title: &str, last: bool) -> Result<(), ReportError> {
+    let indices = indices(entry);
+    let names: Vec<&str> = indices.iter().map(|index| index["name"].as_str().unwrap_or("–")).collect();
+    let room = names.iter().map(|name| text_width(name, TEXT)).fold(40.0, f64::max) + 20.0;
+    let plot = Rect {
+        left: outer.left + room.min(0.5 * outer.width()),
+        top: outer.top + HEAD,
+        right: outer.right - 16.0,
+        bottom: outer.top + HEAD + ROW * indices.len() as f64,
+    };
+    canvas.text((outer.left + 12.0, outer.top + 14.0), title, LABEL, Align::Start)?;
+    if let Some(error) = entry["cross_validated_error"].as_f64() {
+        let explained = format!("explained: {} % of the variance", fixed((100.0 * (1.0 - error)).max(0.0), 0));
+        canvas.text((outer.left + 12.0, outer.top + 33.0), &explained, TEXT, Align::Start)?;
+    }
+    let axis = Axis::linear("Sobol’ index", Unit::none(), (0.0, 1.0));
+    for tick in axis.ticks(2) {
+        let x = plot.left + tick.position * plot.width();
+        canvas.line(&[(x, plot.top), (x, plot.bottom)], Pen::new(GRID, 0.8, Dash::Solid))?;
+        canvas.line(&[(x, plot.bottom), (x, plot.bottom + 5.0)], Pen::new(INK, 1.0, Dash::Solid))?;
+        canvas.text((x, plot.bottom + 15.0), &tick.label, TEXT, Align::Middle)?;
+    }
+    if last {
+        canvas.text((0.5 * (plot.left + plot.right), plot.bottom + 36.0), &axis.label(), LABEL, Align::Middle)?;
+    }
+    let place = |value: f64| plot.left + value.clamp(0.0, 1.0) * plot.width();
+    for (row, (index, name)) in indices.iter().zip(&names).enumerate() {
+        let middle = plot.top + ROW * (row as f64 + 0.5);
+        canvas.text((plot.left - 8.0, middle), name, TEXT, Align::End)?;
+        for ((key, _, colour), y) in INDICES.into_iter().zip([middle - 0.5 * BAR, middle + 0.5 * BAR]) {
+            let end = place(index[key].as_f64().unwrap_or(0.0));
+            if end > plot.left {
+                canvas.fill(Rect::new(plot.left, y - 0.5 * BAR, end - plot.left, BAR), colour)?;
+            }
+            if let Some((low, high)) = interval(index, key) {
+                let (low, high) = (place(low), place(high));
+                canvas.line(&[(low, y), (high, y)], Pen::new(BLACK, 1.2, Dash::Solid))?;
+                for x in [low, high] {
+                    canvas.line(&[(x, y - 3.0), (x, y + 3.0)], Pen::new(BLACK, 1.2, Dash::Solid))?;
+                }
+            }
+        }
+    }
+    canvas.frame(plot, Pen::new(INK, 1.0, Dash::Solid))
+}

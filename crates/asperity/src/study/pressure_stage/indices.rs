@@ -1,0 +1,113 @@
+//! Sobol' indices as entries of `results.json` and as a table.
+
+use crate::chaos::Estimate;
+use crate::pressure::{Sensitivity, VariableSet};
+use crate::study::Table;
+use crate::study::pressure_stage::entries::scalar_name;
+use crate::study::result::{IndexEntry, SensitivityEntry, finite, pair};
+
+pub(super) fn entries(sensitivities: &[Sensitivity]) -> Vec<SensitivityEntry> {
+    sensitivities.iter().map(entry).collect()
+}
+
+fn entry(sensitivity: &Sensitivity) -> SensitivityEntry {
+    let posed = SensitivityEntry {
+        quantity: scalar_name(sensitivity.quantity).into(),
+        variables: match sensitivity.variables {
+            VariableSet::Local => "local".into(),
+            VariableSet::Global => "global".into(),
+        },
+        ..SensitivityEntry::default()
+    };
+    let found = match &sensitivity.outcome {
+        Ok(found) => found,
+        Err(reason) => return SensitivityEntry { failure: Some(reason.to_string()), ..posed },
+    };
+    let both = found.indices.first_order.iter().zip(&found.indices.total);
+    SensitivityEntry {
+        terms: Some(found.terms),
+        cross_validated_error: found.cross_validated_error.and_then(finite),
+        indices: found.names.iter().zip(both).map(|(name, (first, total))| index(name, *first, *total)).collect(),
+        ..posed
+    }
+}
+
+fn index(name: &str, first: Estimate, total: Estimate) -> IndexEntry {
+    IndexEntry {
+        name: name.into(),
+        first_order: first.value,
+        first_order_se: first.standard_error,
+        first_order_interval: pair(first.interval),
+        total: total.value,
+        total_se: total.standard_error,
+        total_interval: pair(total.interval),
+    }
+}
+
+/// One row for each variable of each expansion; its name says quantity, variables and variable.
+pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
+    let rows = || entries.iter().flat_map(|entry| entry.indices.iter().map(move |index| (entry, index)));
+    let names = rows().map(|(entry, index)| format!("{}: {}: {}", entry.quantity, entry.variables, index.name));
+    type Value = fn(&SensitivityEntry, &IndexEntry) -> f64;
+    let columns: [(&str, Value); 10] = [
+        ("first_order", |_, index| index.first_order),
+        ("first_order_se", |_, index| index.first_order_se),
+        ("first_order_low", |_, index| index.first_order_interval[0]),
+        ("first_order_high", |_, index| index.first_order_interval[1]),
+        ("total", |_, index| index.total),
+        ("total_se", |_, index| index.total_se),
+        ("total_low", |_, index| index.total_interval[0]),
+        ("total_high", |_, index| index.total_interval[1]),
+        ("terms", |entry, _| entry.terms.map_or(f64::NAN, |terms| terms as f64)),
+        ("cross_validated_error", |entry, _| entry.cross_validated_error.unwrap_or(f64::NAN)),
+    ];
+    let columns = columns.map(|(name, value)| (name, rows().map(|(entry, index)| value(entry, index)).collect()));
+    Table::named(names.collect(), columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chaos::IndexEstimates;
+    use crate::pressure::{Quantity, SensitivityError, SensitivityIndices};
+    use crate::stats::Interval;
+
+    #[test]
+    fn indices_stand_by_variable_and_a_failed_expansion_has_a_reason_and_no_row() {
+        let estimate = |value: f64| Estimate {
+            value,
+            standard_error: 0.01,
+            interval: Interval { low: value - 0.02, high: value + 0.02 },
+        };
+        let found = SensitivityIndices {
+            names: vec!["height of the cell".into(), "ring 1".into()],
+            indices: IndexEstimates {
+                first_order: [0.5, 0.25].map(estimate).into(),
+                total: [0.75, 0.5].map(estimate).into(),
+                closed: Vec::new(),
+                failed: 0,
+            },
+            terms: 7,
+            cross_validated_error: None,
+        };
+        let sensitivities = [
+            Sensitivity { quantity: Quantity::Pressure, variables: VariableSet::Local, outcome: Ok(found) },
+            Sensitivity {
+                quantity: Quantity::MeanPressure,
+                variables: VariableSet::Global,
+                outcome: Err(SensitivityError::NoVariables),
+            },
+        ];
+        let entries = entries(&sensitivities);
+        let table = table(&entries);
+        assert_eq!(table.names(), ["pressure_pa: local: height of the cell", "pressure_pa: local: ring 1"]);
+        assert_eq!(table.column("total"), Some(&[0.75, 0.5][..]));
+        assert_eq!(table.column("first_order_low"), Some(&[0.48, 0.23][..]));
+        let json = serde_json::to_value(&entries).unwrap();
+        assert_eq!((&json[0]["terms"], &json[0]["cross_validated_error"]), (&7.into(), &serde_json::Value::Null));
+        assert_eq!(json[0]["indices"][1]["total_interval"], serde_json::json!([0.48, 0.52]));
+        assert_eq!((&json[1]["quantity"], &json[1]["variables"]), (&"mean_pressure_pa".into(), &"global".into()));
+        assert!(json[1]["failure"].is_string() && json[1]["terms"].is_null());
+        assert_eq!(json[1]["indices"], serde_json::json!([]));
+    }
+}

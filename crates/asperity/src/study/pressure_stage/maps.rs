@@ -1,0 +1,143 @@
+//! The laws of the pressures of all cells as fields and entries of `results.json`.
+
+use crate::pressure::{FieldLaws, GlobalExpansion, Homogeneity, MethodError};
+use crate::study::Field;
+use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, finite};
+
+/// The maps, in pascal and shares.
+pub(super) fn fields(laws: &FieldLaws) -> Vec<(&'static str, Field)> {
+    let field = |unit, values: &ndarray::Array2<f64>| Field { grid: laws.grid, unit, values: values.clone() };
+    let mut fields = vec![
+        ("contact_probability", field("1", &laws.contact_probability)),
+        ("pressure_mean", field("Pa", &laws.mean_pa)),
+    ];
+    for quantile in &laws.quantiles {
+        if let Some(name) = quantile_name(quantile.probability) {
+            fields.push((name, field("Pa", &quantile.pressure_pa)));
+        }
+    }
+    if let Ok(global) = &laws.global {
+        fields.push(("expansion_error", field("1", &global.leave_one_out_error)));
+    }
+    fields
+}
+
+fn quantile_name(probability: f64) -> Option<&'static str> {
+    match (100.0 * probability).round() as u32 {
+        10 => Some("pressure_quantile_10"),
+        50 => Some("pressure_quantile_50"),
+        90 => Some("pressure_quantile_90"),
+        _ => None,
+    }
+}
+
+pub(super) fn entry(laws: &FieldLaws) -> MapsEntry {
+    let largest = |values: &ndarray::Array2<f64>| values.iter().copied().fold(f64::NAN, f64::max);
+    let half_widths = (&laws.contact_probability_high - &laws.contact_probability_low) * 0.5;
+    MapsEntry {
+        samples: laws.samples,
+        kept_samples: laws.kept_samples,
+        contact_probability_largest_half_width: finite(largest(&half_widths)),
+        mean_largest_se_pa: finite(largest(&laws.mean_se_pa)),
+    }
+}
+
+pub(super) fn homogeneity(found: &Result<Homogeneity, MethodError>) -> HomogeneityEntry {
+    match found {
+        Ok(found) => HomogeneityEntry {
+            cells: Some(found.cells),
+            samples: Some(found.samples),
+            contact_p_value: finite(found.contact_p_value),
+            mean_p_value: finite(found.mean_p_value),
+            p_value: finite(found.p_value),
+            plausible: Some(found.is_plausible()),
+            failure: None,
+        },
+        Err(reason) => HomogeneityEntry { failure: Some(reason.to_string()), ..HomogeneityEntry::default() },
+    }
+}
+
+pub(super) fn global_expansion(found: &Result<GlobalExpansion, MethodError>) -> GlobalExpansionEntry {
+    match found {
+        Ok(found) => {
+            let errors: Vec<f64> = found.leave_one_out_error.iter().copied().filter(|e| e.is_finite()).collect();
+            GlobalExpansionEntry {
+                variables: Some(found.variables),
+                degree: Some(found.degree),
+                coefficients: Some(found.coefficients),
+                leave_one_out_error: finite(errors.iter().sum::<f64>() / errors.len() as f64),
+                failure: None,
+            }
+        }
+        Err(reason) => GlobalExpansionEntry { failure: Some(reason.to_string()), ..GlobalExpansionEntry::default() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::{Array2, array};
+
+    use super::*;
+    use crate::map::Grid;
+    use crate::pressure::QuantileMap;
+
+    fn laws(global: Result<GlobalExpansion, MethodError>, homogeneity: Result<Homogeneity, MethodError>) -> FieldLaws {
+        let grid = Grid::covering(2, 2, 1.0, 1.0).unwrap();
+        let shares = |by: f64| array![[0.25, 0.5], [0.5, 0.75]] + by;
+        let quantile =
+            |probability| QuantileMap { probability, pressure_pa: Array2::from_elem((2, 2), 1e6 * probability) };
+        FieldLaws {
+            grid,
+            samples: 40,
+            kept_samples: 30,
+            contact_probability: shares(0.0),
+            contact_probability_low: shares(-0.125),
+            contact_probability_high: shares(0.125),
+            mean_pa: Array2::from_elem((2, 2), 1e6),
+            mean_se_pa: array![[1e5, 2e5], [f64::NAN, 1e5]],
+            quantiles: [0.1, 0.5, 0.9].map(quantile).into(),
+            global,
+            homogeneity,
+        }
+    }
+
+    #[test]
+    fn maps_are_fields_in_their_units_and_means_go_over_the_cells_that_vary() {
+        let global = GlobalExpansion {
+            variables: 2,
+            degree: 1,
+            coefficients: 3,
+            leave_one_out_error: array![[0.5, f64::NAN], [1.0, 0.75]],
+        };
+        let differ = Homogeneity { cells: 4, samples: 40, contact_p_value: 0.5, mean_p_value: 0.02, p_value: 0.04 };
+        let laws = laws(Ok(global), Ok(differ));
+        let names: Vec<(&str, &str)> = fields(&laws).iter().map(|(name, field)| (*name, field.unit)).collect();
+        let wanted = [
+            ("contact_probability", "1"),
+            ("pressure_mean", "Pa"),
+            ("pressure_quantile_10", "Pa"),
+            ("pressure_quantile_50", "Pa"),
+            ("pressure_quantile_90", "Pa"),
+            ("expansion_error", "1"),
+        ];
+        assert_eq!(names, wanted);
+        let entry = entry(&laws);
+        assert_eq!(global_expansion(&laws.global).leave_one_out_error, Some(0.75));
+        assert_eq!((entry.contact_probability_largest_half_width, entry.mean_largest_se_pa), (Some(0.125), Some(2e5)));
+        let found = homogeneity(&laws.homogeneity);
+        assert_eq!((found.p_value, found.plausible), (Some(0.04), Some(false)));
+    }
+
+    #[test]
+    fn what_could_not_be_had_is_a_reason_and_no_field() {
+        let few = MethodError::TooFewSamples { samples: 3, wanted: 40 };
+        let laws = laws(Err(few.clone()), Err(few));
+        assert!(fields(&laws).iter().all(|(name, _)| *name != "expansion_error"));
+        let alike = serde_json::to_value(homogeneity(&laws.homogeneity)).unwrap();
+        let expansion = serde_json::to_value(global_expansion(&laws.global)).unwrap();
+        for (entry, number) in [(alike, "p_value"), (expansion, "leave_one_out_error")] {
+            assert!(entry[number].is_null(), "{entry}");
+            assert_eq!(entry["failure"], "3 samples are too few; at least 40 are needed");
+        }
+    }
+}
