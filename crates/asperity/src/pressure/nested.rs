@@ -95,12 +95,14 @@ pub(super) struct NestedSamples {
 }
 
 /// Solutions of one coarse model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoarseSolves {
-    /// Rows and columns of its grid.
+    /// Rows and columns of its grid; that of the fine one is solved to a loose tolerance.
     pub shape: (usize, usize),
     /// Number of solutions.
     pub solves: usize,
+    /// Their work over that of one fine solution, by their iterations.
+    pub work_in_fine_solves: f64,
 }
 
 impl NestedSamples {
@@ -273,10 +275,13 @@ impl NestedSamples {
         telescope::estimate(&self.nested(quantity, &used, |count| count), &settings)
     }
 
-    /// Number of solutions on each coarse model, the coarsest first.
-    pub(super) fn coarse_solves(&self) -> Vec<CoarseSolves> {
-        let count =
-            |(model, said): (&Coarse, &Vec<Observation>)| CoarseSolves { shape: model.shape(), solves: said.len() };
+    /// Solutions on each coarse model, the coarsest first.
+    pub(super) fn coarse_solves(&self, problem: &Problem<'_>) -> Vec<CoarseSolves> {
+        let fine = mean_work(problem.half_space().grid().shape(), &self.fine);
+        let count = |(model, said): (&Coarse, &Vec<Observation>)| {
+            let work_in_fine_solves = said.len() as f64 * mean_work(model.shape(), said) / fine;
+            CoarseSolves { shape: model.shape(), solves: said.len(), work_in_fine_solves }
+        };
         self.models.iter().zip(&self.coarse).map(count).collect()
     }
 

@@ -221,7 +221,7 @@ impl Study {
                 method,
                 fine_solves: samples.map_or(0, Samples::posed),
                 coarse_solves: match &nested {
-                    Ok(nested) if uses_coarse => nested.coarse_solves(),
+                    Ok(nested) if uses_coarse => nested.coarse_solves(problem),
                     _ => Vec::new(),
                 },
                 failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
@@ -254,7 +254,7 @@ impl Study {
         let samples = solve(problem, sampling, monitor)?;
         let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
         let estimate = nested.estimate(Quantity::Pressure, problem, self.seed)?.into();
-        Ok((estimate, nested.coarse_solves()))
+        Ok((estimate, nested.coarse_solves(problem)))
     }
 
     fn reference(&self, samples: &Samples) -> Result<Reference, PressureError> {

@@ -100,7 +100,7 @@ pub(super) fn run(
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
         }
     }
-    let posed = Posed { cell: (row, column), shape: grid.shape(), mean_compliance_m_per_pa, separation_m };
+    let posed = Posed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
     let result = entries::summary(&results, &posed);
     let mut fields = sample_fields(surface, &half_space, control, hardness_pa, solver, seed)?;
     fields.extend(results.fields.iter().flat_map(maps::fields));

@@ -68,7 +68,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     *height += 42.0;
     let title = "What the methods cost and are worth";
     let caption = "Distance of every method from the reference, in one run, over its work: contact solutions, those on coarse \
-                   grids counted by their share of the fine grid’s cells; methods of equal work stand side by side. KS: \
+                   grids counted by cells and iterations; methods of equal work stand side by side. KS: \
                    largest difference of the distribution functions; W₁: area between them, over the standard deviation of the pressure; last, the error of the \
                    contact probability. The grey lines are what so many independent samples are expected to be off (KS: of a \
                    law without an atom). Errors above 3 are not shown. Errors of one run are partly luck, and below the dotted line they are the \

@@ -15,8 +15,6 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// What was prescribed, beside the sizes.
 pub(super) struct Posed {
     pub(super) cell: (usize, usize),
-    /// Rows and columns of the patch.
-    pub(super) shape: (usize, usize),
     pub(super) mean_compliance_m_per_pa: Option<f64>,
     pub(super) separation_m: Option<f64>,
 }
@@ -41,7 +39,7 @@ pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
         failed_samples: reference.failures.len(),
         mean_compliance_m_per_pa: posed.mean_compliance_m_per_pa,
         separation_m: posed.separation_m,
-        methods: results.methods.iter().map(|method| method_entry(method, posed.shape)).collect(),
+        methods: results.methods.iter().map(method_entry).collect(),
         scalars: results.scalars.iter().map(scalar_entry).collect(),
         maps: results.fields.as_ref().map(maps::entry),
         homogeneity: results.fields.as_ref().map(|laws| maps::homogeneity(&laws.homogeneity)),
@@ -50,15 +48,14 @@ pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
     }
 }
 
-fn method_entry(method: &MethodResult, (ny, nx): (usize, usize)) -> MethodEntry {
+fn method_entry(method: &MethodResult) -> MethodEntry {
     let coarse_solves = method.coarse_solves.iter().map(|coarse| CoarseEntry {
         nx: coarse.shape.1,
         ny: coarse.shape.0,
         solves: coarse.solves,
     });
     let coarse_solves: Vec<CoarseEntry> = coarse_solves.collect();
-    let share = |coarse: &CoarseEntry| (coarse.nx * coarse.ny) as f64 / (nx * ny) as f64;
-    let coarse_work: f64 = coarse_solves.iter().map(|coarse| coarse.solves as f64 * share(coarse)).sum();
+    let coarse_work: f64 = method.coarse_solves.iter().map(|coarse| coarse.work_in_fine_solves).sum();
     let posed = MethodEntry {
         name: method.method.name().into(),
         fine_solves: method.fine_solves,

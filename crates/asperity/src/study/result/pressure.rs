@@ -60,7 +60,7 @@ pub struct MethodEntry {
     pub fine_solves: usize,
     /// Contact solves on coarser grids.
     pub coarse_solves: Vec<CoarseEntry>,
-    /// All of them in fine solves, each of the coarse ones by its share of the fine grid's cells.
+    /// Their work, that of coarse ones by cells and iterations, in fine solves.
     pub work_in_fine_solves: f64,
     /// Contact solves that failed.
     pub failed_samples: usize,
