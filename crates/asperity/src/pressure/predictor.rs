@@ -25,6 +25,8 @@ pub(super) enum Predictor {
 pub(super) struct Fitted {
     /// Of the variables that vary.
     scaling: Scaling,
+    /// Of the line in the first variable to which the expansion is added.
+    slope: f64,
     /// None where no variable varies.
     expansion: Option<Expansion>,
     /// Prediction without an expansion.
@@ -42,7 +44,11 @@ impl Predictor {
     pub(super) fn fit(rows: &[Vec<f64>], values: &[f64], degree: usize) -> Result<Self, MethodError> {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
-        let variance = values.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / n;
+        let variance = spread(values);
+        // A straight line in the first variable goes on where the polynomial's variables are held at the ends of their ranges: samples beyond
+        // those of the fit would all be mistaken to the same side.
+        let slope = slope(rows, values);
+        let bent: Vec<f64> = rows.iter().zip(values).map(|(row, q)| q - slope * row.first().unwrap_or(&0.0)).collect();
         let scaling = Scaling::of(rows);
         let scaled: Vec<Vec<f64>> = rows.iter().map(|row| scaling.apply(row)).collect();
         let variables = scaling.variables();
@@ -54,12 +60,13 @@ impl Predictor {
             }
             let basis = Basis::hermite(variables, degree)?;
             // A degree whose functions the samples cannot tell apart is no candidate.
-            let fit = match LeastSquares::new(basis.design_matrix(&scaled).view()).and_then(|fit| fit.fit(values)) {
+            let fit = match LeastSquares::new(basis.design_matrix(&scaled).view()).and_then(|fit| fit.fit(&bent)) {
                 Ok(fit) => fit,
                 Err(RegressionError::RankDeficient { .. }) => continue,
                 Err(error) => return Err(error.into()),
             };
             let Some(relative_error) = fit.leave_one_out.relative_error else { continue };
+            let relative_error = relative_error * spread(&bent) / variance;
             if relative_error < best.2 {
                 let errors = fit.leave_one_out.errors.iter().zip(&fit.residuals);
                 let pairs = errors.zip(values).map(|((error, rest), q)| (q - rest, error.unwrap_or(*rest))).collect();
@@ -69,7 +76,7 @@ impl Predictor {
         let (expansion, pairs, relative_error) = best;
         let relative_error = relative_error.is_finite().then_some(relative_error);
         let errors = ErrorLaws::new(pairs);
-        Ok(Self::Fitted(Box::new(Fitted { scaling, expansion, mean, errors, relative_error })))
+        Ok(Self::Fitted(Box::new(Fitted { scaling, slope, expansion, mean, errors, relative_error })))
     }
 
     /// The prediction s(x).
@@ -77,7 +84,7 @@ impl Predictor {
         match self {
             Self::Identity => row[0],
             Self::Fitted(fitted) => match &fitted.expansion {
-                Some(expansion) => expansion.evaluate(&fitted.scaling.apply(row)),
+                Some(expansion) => fitted.slope * row[0] + expansion.evaluate(&fitted.scaling.apply(row)),
                 None => fitted.mean,
             },
         }
@@ -101,6 +108,27 @@ impl Predictor {
         let Self::Fitted(fitted) = self else { return None };
         fitted.expansion.as_ref().map(|expansion| expansion.coefficients().len())
     }
+}
+
+/// Variance of a sample.
+fn spread(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    values.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / n
+}
+
+/// Slope of the least-squares line of the values over the first variable; 0 where that does not vary.
+fn slope(rows: &[Vec<f64>], values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let first = |row: &Vec<f64>| row.first().copied().unwrap_or(0.0);
+    let mean_x = rows.iter().map(first).sum::<f64>() / n;
+    let mean_q = values.iter().sum::<f64>() / n;
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for (row, q) in rows.iter().zip(values) {
+        covariance += (first(row) - mean_x) * (q - mean_q);
+        variance += (first(row) - mean_x).powi(2);
+    }
+    if variance > 0.0 { covariance / variance } else { 0.0 }
 }
 
 /// The errors in groups of samples with neighbouring predictions.
@@ -201,6 +229,14 @@ mod tests {
             // The relative standard error of the spread of 50 values is 1/√100.
             assert!((spread / (0.1 * (1.0 + x)) - 1.0).abs() < 0.4, "{spread}");
         }
+    }
+
+    #[test]
+    fn a_line_is_followed_beyond_the_samples() {
+        let rows: Vec<Vec<f64>> = (0..100).map(|i| vec![0.01 * f64::from(i)]).collect();
+        let values: Vec<f64> = rows.iter().map(|row| 3.0 * row[0] - 1.0).collect();
+        let predictor = Predictor::fit(&rows, &values, 2).unwrap();
+        assert!((predictor.predict(&[5.0]) - 14.0).abs() < 1e-9);
     }
 
     #[test]
