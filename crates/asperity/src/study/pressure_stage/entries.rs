@@ -53,9 +53,10 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
         nx: coarse.shape.1,
         ny: coarse.shape.0,
         solves: coarse.solves,
+        work_in_fine_solves: coarse.work_in_fine_solves,
     });
     let coarse_solves: Vec<CoarseEntry> = coarse_solves.collect();
-    let coarse_work: f64 = method.coarse_solves.iter().map(|coarse| coarse.work_in_fine_solves).sum();
+    let coarse_work: f64 = coarse_solves.iter().map(|coarse| coarse.work_in_fine_solves).sum();
     let posed = MethodEntry {
         name: method.method.name().into(),
         fine_solves: method.fine_solves,

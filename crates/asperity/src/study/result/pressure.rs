@@ -96,7 +96,7 @@ pub struct MethodEntry {
 }
 
 /// Contact solves on one coarser grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CoarseEntry {
     /// Points along x.
     pub nx: usize,
@@ -104,6 +104,8 @@ pub struct CoarseEntry {
     pub ny: usize,
     /// Number of solves.
     pub solves: usize,
+    /// Their work, by cells and iterations, in fine solves.
+    pub work_in_fine_solves: f64,
 }
 
 /// A quantile of the pressure.
