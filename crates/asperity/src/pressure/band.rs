@@ -4,10 +4,8 @@ use faer::{Mat, Side};
 
 use crate::chaos::StepLaw;
 use crate::random;
-use crate::stats::Interval;
+use crate::stats::{Interval, NORMAL_95};
 
-/// Two-sided 95 % point of the standard normal law.
-pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Draws from which the critical value of a simultaneous band is taken.
 const DRAWS: usize = 4000;
 

@@ -2,10 +2,10 @@
 
 use crate::chaos::StepLaw;
 use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
-use crate::pressure::band::{Band, Moments, NORMAL_95, Total};
+use crate::pressure::band::{Band, Moments, Total};
 use crate::pressure::telescope::{RARE, Telescoped};
 use crate::pressure::{PressureError, Samples};
-use crate::stats::{Interval, wilson_interval};
+use crate::stats::{Interval, NORMAL_95, wilson_interval};
 
 /// Values at which distribution functions have bands.
 const NODES: usize = 64;

@@ -11,6 +11,8 @@ use crate::pressure::coarse::{Coarse, generation_work, solution_work};
 use crate::pressure::telescope::{self, Nested, Settings, Telescoped};
 use crate::pressure::{MethodError, Observation, PressureError, Problem, Samples};
 
+/// Least share of the fine samples that a coarse model has to have.
+const LEAST_HAD: f64 = 0.95;
 /// Samples on which it is seen what a coarse model is worth.
 const PILOT: usize = 250;
 /// Coarse solutions beyond the fine samples may cost so many times the fine ones,
@@ -107,8 +109,8 @@ pub struct CoarseSolves {
 
 impl NestedSamples {
     /// Solves the germs of `fine` on the coarse models too, sees what these are worth for the pressure, and solves as many more
-    /// on them as pays: for the least variance at given work every model gets samples in proportion to √(V/w), with the variance V
-    /// that it takes away and its work w per sample.
+    /// on them as pays: every model gets samples in proportion to √(V/w), with the variance V that it takes away and its work w per
+    /// sample, until together they add little to the variance of the fine samples or the work is spent.
     ///
     /// # Errors
     /// The design cannot be made, or the monitor cancels.
@@ -118,26 +120,32 @@ impl NestedSamples {
         seed: u64,
         monitor: &dyn Monitor,
     ) -> Result<Result<Self, MethodError>, PressureError> {
-        let ladder = Coarse::ladder(problem);
+        let mut models = Coarse::ladder(problem);
         let germs: Vec<Vec<f64>> = (0..fine.len()).map(|i| fine.germ(i)).collect();
-        let solved = observe(problem, &ladder, &germs, "pressure/coarse", monitor)?;
-        // A sample that a coarse model cannot have is left out.
-        let kept: Vec<usize> = (0..fine.len()).filter(|i| solved[*i].is_some()).collect();
+        let mut solved = observe(problem, &models, &germs, "pressure/coarse", monitor)?;
+        // A model that many samples cannot have, as where its few points are all of one height, is none; and a sample is left out that
+        // one of the others cannot have.
+        let had = |l: usize| solved.iter().filter(|row| row[l].is_some()).count() as f64;
+        let serves: Vec<bool> = (0..models.len()).map(|l| had(l) >= LEAST_HAD * fine.len() as f64).collect();
+        retain(&mut models, &serves);
+        solved.iter_mut().for_each(|row| retain(row, &serves));
+        let rows: Vec<Option<Vec<Observation>>> = solved.into_iter().map(|row| row.into_iter().collect()).collect();
+        let kept: Vec<usize> = (0..fine.len()).filter(|i| rows[*i].is_some()).collect();
+        if kept.len() < telescope::LEAST_SAMPLES {
+            let (samples, wanted) = (kept.len(), telescope::LEAST_SAMPLES);
+            return Ok(Err(MethodError::TooFewSamples { samples, wanted }));
+        }
         let observations: Vec<Observation> = kept.iter().map(|i| fine.observations()[*i]).collect();
         let germs: Vec<Vec<f64>> = kept.iter().map(|i| germs[*i].clone()).collect();
-        let mut coarse = columns(solved.into_iter().flatten(), ladder.len());
+        let coarse = columns(rows.into_iter().flatten(), models.len());
         let kappa = kappa_pa_per_m(&observations);
         let values: Vec<f64> = observations.iter().map(|o| Quantity::Pressure.latent(o, kappa)).collect();
         let adapted = match Adapted::new(problem, MOST_VARIABLES, DEGREE, &germs, &values) {
             Ok(adapted) => adapted,
             Err(error) => return Ok(Err(error)),
         };
-        let mut samples = Self {
-            models: ladder,
-            coarse: std::mem::take(&mut coarse),
-            normal: germs.iter().map(|germ| adapted.of(germ)).collect(),
-            fine: observations,
-        };
+        let mut samples =
+            Self { models, coarse, normal: germs.iter().map(|germ| adapted.of(germ)).collect(), fine: observations };
         let plan = match samples.plan(problem, seed) {
             Ok(plan) => plan,
             Err(error) => return Ok(Err(error)),
@@ -184,17 +192,9 @@ impl NestedSamples {
 
     /// Keeps the models of the plan.
     fn keep(&mut self, plan: &[(usize, usize)]) {
-        let used = |l: usize| plan.iter().any(|(own, _)| *own == l);
-        let mut l = 0;
-        self.models.retain(|_| {
-            l += 1;
-            used(l - 1)
-        });
-        l = 0;
-        self.coarse.retain(|_| {
-            l += 1;
-            used(l - 1)
-        });
+        let used: Vec<bool> = (0..self.models.len()).map(|l| plan.iter().any(|(own, _)| *own == l)).collect();
+        retain(&mut self.models, &used);
+        retain(&mut self.coarse, &used);
     }
 
     /// Solves the leading `counts` germs of a design on the models.
@@ -240,7 +240,7 @@ impl NestedSamples {
         problem: &Problem<'_>,
         seed: u64,
     ) -> Result<Telescoped, MethodError> {
-        self.estimate_with(quantity, problem, self.settings(quantity, problem, seed))
+        self.estimate_with(quantity, self.settings(quantity, problem, seed))
     }
 
     /// The same without polynomials: models are taken at their word.
@@ -251,7 +251,7 @@ impl NestedSamples {
         seed: u64,
     ) -> Result<Telescoped, MethodError> {
         let settings = Settings { fitted: false, ..self.settings(quantity, problem, seed) };
-        self.estimate_with(quantity, problem, settings)
+        self.estimate_with(quantity, settings)
     }
 
     /// The same without coarse models, by the variables of the rotated germ alone.
@@ -265,12 +265,7 @@ impl NestedSamples {
         telescope::estimate(&nested, &self.settings(quantity, problem, seed))
     }
 
-    fn estimate_with(
-        &self,
-        quantity: Quantity,
-        _problem: &Problem<'_>,
-        settings: Settings,
-    ) -> Result<Telescoped, MethodError> {
+    fn estimate_with(&self, quantity: Quantity, settings: Settings) -> Result<Telescoped, MethodError> {
         let used: Vec<usize> = (0..self.models.len()).collect();
         telescope::estimate(&self.nested(quantity, &used, |count| count), &settings)
     }
@@ -328,7 +323,7 @@ fn allocate(variances: &[f64], works: &[f64], fine: usize) -> Vec<usize> {
         }
         counts = wanted.iter().map(|count| (count - n) as usize).collect();
         let added: f64 = wanted.iter().zip(&variances[1..]).map(|(count, v)| v / count).sum();
-        if added <= ADDED_VARIANCE * variances[0] / n {
+        if added.is_nan() || added <= ADDED_VARIANCE * variances[0] / n {
             return counts;
         }
         scale *= SCALE_STEP;
@@ -340,14 +335,14 @@ fn mean_work(shape: (usize, usize), observations: &[Observation]) -> f64 {
     solution_work(shape, iterations)
 }
 
-/// What every model says of each germ; `None` where one of them cannot.
+/// What every model says of each germ; `None` where it cannot.
 fn observe(
     problem: &Problem<'_>,
     models: &[Coarse],
     germs: &[Vec<f64>],
     stage: &str,
     monitor: &dyn Monitor,
-) -> Result<Vec<Option<Vec<Observation>>>, Cancelled> {
+) -> Result<Vec<Vec<Option<Observation>>>, Cancelled> {
     let done = AtomicUsize::new(0);
     germs
         .par_iter()
@@ -366,6 +361,12 @@ fn observe(
             },
         )
         .collect()
+}
+
+/// Keeps the items that are marked.
+fn retain<T>(items: &mut Vec<T>, marked: &[bool]) {
+    let mut marks = marked.iter();
+    items.retain(|_| marks.next() == Some(&true));
 }
 
 /// Rows as columns.

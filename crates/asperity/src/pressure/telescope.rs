@@ -23,6 +23,8 @@ use crate::pressure::{Band, MethodError};
 
 /// Parts into which the samples are split for cross-fitting.
 const FOLDS: usize = 5;
+/// Fewest fine samples.
+pub(super) const LEAST_SAMPLES: usize = 2 * FOLDS;
 /// Values at which the distribution function is estimated,
 const THRESHOLDS: usize = 1000;
 /// and those at which its covariance is.
@@ -224,8 +226,8 @@ impl<'a> Contribution<'a> {
 pub(super) fn estimate(nested: &Nested, settings: &Settings) -> Result<Telescoped, MethodError> {
     let last = nested.models.len() - 1;
     let fine = nested.count(last);
-    if fine < 2 * FOLDS {
-        return Err(MethodError::TooFewSamples { samples: fine, wanted: 2 * FOLDS });
+    if fine < LEAST_SAMPLES {
+        return Err(MethodError::TooFewSamples { samples: fine, wanted: LEAST_SAMPLES });
     }
     let folds = (0..FOLDS).map(|fold| Fold::fit(nested, fold, settings)).collect::<Result<Vec<_>, _>>()?;
     let drawn = folds.first().map_or(&[][..], |(_, values)| values.as_slice());

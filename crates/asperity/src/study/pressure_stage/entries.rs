@@ -1,7 +1,7 @@
 //! The law of the pressure as entries of `results.json`.
 
 use crate::pressure::{Estimate, MethodResult, Quantity, Results, ScalarResult};
-use crate::stats::Interval;
+use crate::stats::{Interval, NORMAL_95};
 use crate::study::pressure_stage::{indices, maps};
 use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
@@ -9,8 +9,6 @@ use crate::study::result::{
 
 /// Probabilities of the quantiles that are told.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
-/// Two-sided 95 % point of the standard normal law.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// What was prescribed, beside the sizes.
 pub(super) struct Posed {
