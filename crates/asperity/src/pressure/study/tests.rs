@@ -201,3 +201,21 @@ fn sizes_out_of_range_are_refused() {
     let error = Study { valid_share: 0.0, ..small_study() }.run(&problem, &Silent).unwrap_err();
     assert!(matches!(error, PressureError::Parameter { parameter: "valid_share", .. }));
 }
+
+#[test]
+fn a_coarse_model_of_one_height_is_left_out() {
+    // Every fourth point of the wave is a crest.
+    let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
+    let wave = Shape::new(grid, 1.0, |x, _| (std::f64::consts::FRAC_PI_2 * (x - 0.5)).cos());
+    let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
+    let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+    let problem = Problem::new(&wave, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+    let study = Study { fine_solves: 60, variables: 1, ..small_study() };
+    let (estimate, coarse) = study.law(&problem, &Silent).unwrap();
+    assert!(coarse.iter().all(|model| model.shape != (8, 8)), "{coarse:?}");
+    // A crest touches when ξ > −1.
+    let error = estimate.contact_probability - standard_normal_cdf(1.0);
+    assert!(error.abs() < 4.0 * (0.16 * 0.84_f64 / 60.0).sqrt(), "{error}");
+    let few = Study { fine_solves: 4, ..study };
+    assert!(matches!(few.law(&problem, &Silent), Err(PressureError::Method(MethodError::TooFewSamples { .. }))));
+}
