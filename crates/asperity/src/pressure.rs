@@ -42,6 +42,7 @@ mod predictor;
 mod problem;
 mod sample;
 mod sensitivity;
+mod stiffness;
 mod study;
 mod surrogate;
 mod telescope;

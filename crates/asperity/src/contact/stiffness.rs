@@ -74,6 +74,20 @@ impl StiffnessSolver {
         solution: &Solution,
         monitor: &dyn Monitor,
     ) -> Result<ContactStiffness, ContactError> {
+        self.solve_in(half_space, solution, &mut half_space.workspace(), monitor)
+    }
+
+    /// As [`StiffnessSolver::solve_with`], in a workspace that the contact may have been solved in.
+    ///
+    /// # Errors
+    /// As [`StiffnessSolver::solve`].
+    pub fn solve_in(
+        &self,
+        half_space: &HalfSpace,
+        solution: &Solution,
+        workspace: &mut Workspace,
+        monitor: &dyn Monitor,
+    ) -> Result<ContactStiffness, ContactError> {
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             let (parameter, unit, wanted) = ("tolerance", "(relative)", "positive");
             return Err(ContactError::Parameter { parameter, value: self.tolerance, unit, wanted });
@@ -104,7 +118,7 @@ impl StiffnessSolver {
         if cells.len() == half_space.grid().points() && periodic {
             return Ok(exactly(f64::INFINITY));
         }
-        let mut system = System::new(half_space, cells);
+        let mut system = System::new(half_space, workspace, cells);
         let found = self.descend(&mut system, monitor);
         let newton_per_m = found.sum_pa_per_m * half_space.grid().cell_area_m2();
         Ok(ContactStiffness {
@@ -158,7 +172,7 @@ struct Descended {
 /// The compliance between the cells that move with the plane, and its preconditioner.
 struct System<'a> {
     half_space: &'a HalfSpace,
-    workspace: Workspace,
+    workspace: &'a mut Workspace,
     cells: Vec<usize>,
     /// Zero but on the cells.
     field: Vec<f64>,
@@ -166,9 +180,8 @@ struct System<'a> {
 }
 
 impl<'a> System<'a> {
-    fn new(half_space: &'a HalfSpace, cells: Vec<usize>) -> Self {
+    fn new(half_space: &'a HalfSpace, workspace: &'a mut Workspace, cells: Vec<usize>) -> Self {
         let points = half_space.grid().points();
-        let workspace = half_space.workspace();
         Self { half_space, workspace, cells, field: vec![0.0; points], image: vec![0.0; points] }
     }
 
@@ -183,7 +196,7 @@ impl<'a> System<'a> {
     /// The displacement by pressures on the cells, counted from its mean on the periodic boundary.
     fn displace(&mut self, pressure_pa: &[f64], displacement_m: &mut [f64]) {
         self.spread(pressure_pa);
-        self.half_space.displace(&self.field, &mut self.image, &mut self.workspace);
+        self.half_space.displace(&self.field, &mut self.image, self.workspace);
         self.gather(displacement_m);
         if let Boundary::Periodic { mean_compliance_m_per_pa } = self.half_space.boundary() {
             let mean_m = mean_compliance_m_per_pa * pressure_pa.iter().sum::<f64>() / self.field.len() as f64;
@@ -208,7 +221,7 @@ impl<'a> System<'a> {
         let take = |(_, image): &mut Fields<'_>, row: usize, values: &[f32]| {
             image[piece(row)].iter_mut().zip(values).for_each(|(p, value)| *p = unit_pa * f64::from(*value));
         };
-        self.half_space.claim(&mut self.workspace);
+        self.half_space.claim(self.workspace);
         let mean = self.half_space.mean_mode(Some(0.0));
         self.half_space.stiffen(mean, &mut slabs, fill, take, &mut self.workspace.transforms);
         self.gather(pressure_pa);

@@ -4,7 +4,7 @@ use ndarray::{Array2, s};
 
 use crate::contact::{self, Control, HalfSpace, Solver, Workspace};
 use crate::map::{Grid, HeightMap};
-use crate::pressure::{Observation, Problem};
+use crate::pressure::{Observation, Problem, stiffness};
 
 /// Points kept of so many along either side, the coarsest first; of all, solved to a loose tolerance.
 const STRIDES: [usize; 3] = [4, 2, 1];
@@ -79,7 +79,13 @@ impl Coarse {
         let coarse = contact::Problem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
         let solver = Solver { tolerance: TOLERANCE, ..problem.solver() };
         let solution = solver.solve_with(&coarse, workspace).ok()?;
-        Some(Observation::of(&solution, self.cell))
+        let mut observation = Observation::of(&solution, self.cell);
+        if problem.has_stiffness() {
+            let tolerance = stiffness::LOOSE_TOLERANCE;
+            let found = stiffness::of_approach_pa_per_m(&self.half_space, &solution, tolerance, workspace).ok()?;
+            observation.stiffness_pa_per_m = Some(found.pascal_per_m);
+        }
+        Some(observation)
     }
 }
 

@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::chaos::{Design, SamplingMethod, StepLaw};
+use crate::chaos::{Design, DistanceError, SamplingMethod, StepLaw};
 use crate::monitor::{Cancelled, Monitor};
 use crate::pressure::adapted::Adapted;
 use crate::pressure::coarse::{Coarse, generation_work, solution_work};
 use crate::pressure::telescope::{self, Nested, Settings, Telescoped};
-use crate::pressure::{MethodError, Observation, PressureError, Problem, Samples};
+use crate::pressure::{MethodError, Observation, PressureError, Problem, Samples, stiffness};
 
 /// Least share of the fine samples that a coarse model has to have.
 const LEAST_HAD: f64 = 0.95;
@@ -36,11 +36,14 @@ pub enum Quantity {
     MeanPressure,
     /// Mean gap in metre.
     MeanGap,
+    /// Rise of the mean pressure as the plane comes down in Pa/m ([`Problem::with_stiffness`]); 0 without contact.
+    Stiffness,
 }
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Pressure, Self::ContactFraction, Self::MeanPressure, Self::MeanGap];
+    pub const ALL: [Self; 5] =
+        [Self::Pressure, Self::ContactFraction, Self::MeanPressure, Self::MeanGap, Self::Stiffness];
 
     /// The value, continued beyond its bounds where that is known: out of contact the pressure says nothing about how far from
     /// contact the cell is, the gap does; at the hardness it says nothing about how far the cell yields, the plastic displacement
@@ -53,6 +56,7 @@ impl Quantity {
             Self::ContactFraction => observation.contact_fraction,
             Self::MeanPressure => observation.mean_pressure_pa,
             Self::MeanGap => observation.mean_gap_m,
+            Self::Stiffness => observation.stiffness_pa_per_m.unwrap_or(f64::NAN),
         }
     }
 
@@ -69,6 +73,7 @@ impl Quantity {
     fn bounds(self, problem: &Problem<'_>) -> [f64; 2] {
         match self {
             Self::Pressure => [0.0, problem.hardness_pa().unwrap_or(f64::INFINITY)],
+            Self::Stiffness => [0.0, stiffness::largest_pa_per_m(problem.half_space())],
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
@@ -267,7 +272,14 @@ impl NestedSamples {
 
     fn estimate_with(&self, quantity: Quantity, settings: Settings) -> Result<Telescoped, MethodError> {
         let used: Vec<usize> = (0..self.models.len()).collect();
-        telescope::estimate(&self.nested(quantity, &used, |count| count), &settings)
+        let nested = self.nested(quantity, &used, |count| count);
+        // The stiffness where it was not asked for, and that of complete contact without mean compliance.
+        if let Some((index, value)) =
+            nested.models.iter().flat_map(|values| values.iter().copied().enumerate()).find(|(_, q)| !q.is_finite())
+        {
+            return Err(DistanceError::Value { index, value, weight: 1.0 }.into());
+        }
+        telescope::estimate(&nested, &settings)
     }
 
     /// Solutions on each coarse model, the coarsest first.

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::contact::{self, Boundary, ContactError, Control, HalfSpace, Solution, Solver, Workspace};
 use crate::map::MapError;
-use crate::pressure::PressureError;
+use crate::pressure::{PressureError, stiffness};
 use crate::surface::RandomSurface;
 
 /// The pressure at one cell of a random surface under a rigid plane.
@@ -18,6 +18,7 @@ pub struct Problem<'a> {
     hardness_pa: Option<f64>,
     cell: (usize, usize),
     solver: Solver,
+    stiffness: bool,
 }
 
 /// What one contact solution says about the cell.
@@ -40,12 +41,14 @@ pub struct Observation {
     pub mean_pressure_pa: f64,
     /// Mean gap in metre.
     pub mean_gap_m: f64,
+    /// Rise dp̄/dδ of the mean pressure as the plane comes down, in Pa/m, where it was asked for.
+    pub stiffness_pa_per_m: Option<f64>,
     /// Iterations of the solver.
     pub iterations: usize,
 }
 
 impl Observation {
-    /// What `solution` says about `cell`.
+    /// What `solution` says about `cell`; nothing of the stiffness.
     pub(super) fn of(solution: &Solution, cell: (usize, usize)) -> Self {
         Self {
             pressure_pa: solution.pressure_pa()[cell],
@@ -56,6 +59,7 @@ impl Observation {
             contact_fraction: solution.contact_fraction(),
             mean_pressure_pa: solution.mean_pressure_pa(),
             mean_gap_m: solution.mean_gap_m(),
+            stiffness_pa_per_m: None,
             iterations: solution.iterations(),
         }
     }
@@ -105,6 +109,16 @@ pub enum FailureReason {
         /// Tolerance of the solver.
         tolerance: f64,
     },
+    /// The stiffness of the contact was not found.
+    #[error("no stiffness in {iterations} iterations: residual {residual:.1e}, wanted {tolerance:.1e}")]
+    Stiffness {
+        /// Iterations made.
+        iterations: usize,
+        /// Residual reached.
+        residual: f64,
+        /// Residual wanted.
+        tolerance: f64,
+    },
 }
 
 impl fmt::Debug for Problem<'_> {
@@ -115,6 +129,7 @@ impl fmt::Debug for Problem<'_> {
             .field("control", &self.control)
             .field("hardness_pa", &self.hardness_pa)
             .field("cell", &self.cell)
+            .field("stiffness", &self.stiffness)
             .finish_non_exhaustive()
     }
 }
@@ -142,7 +157,7 @@ impl<'a> Problem<'a> {
             return Err(PressureError::Parameter { parameter: "hardness", value, wanted: "positive" });
         }
         let cell = (grid.ny() / 2, grid.nx() / 2);
-        Ok(Self { surface, half_space, control, hardness_pa, cell, solver: Solver::default() })
+        Ok(Self { surface, half_space, control, hardness_pa, cell, solver: Solver::default(), stiffness: false })
     }
 
     /// The same at another cell (row, column).
@@ -160,6 +175,14 @@ impl<'a> Problem<'a> {
     /// The same with another solver.
     pub fn with_solver(self, solver: Solver) -> Self {
         Self { solver, ..self }
+    }
+
+    /// The same with the stiffness of every contact, dp̄/dδ with the approach δ of the plane: one linear problem more for each.
+    ///
+    /// The cells in contact are held and plastic ones keep their pressure, as on the way down. The mean compliance of a periodic
+    /// half-space is part of it, 1/(dp̄/dδ) = 1/k + c, unlike in [`StiffnessSolver`](contact::StiffnessSolver), which has k alone.
+    pub fn with_stiffness(self) -> Self {
+        Self { stiffness: true, ..self }
     }
 
     /// The random surface.
@@ -192,6 +215,11 @@ impl<'a> Problem<'a> {
         self.solver
     }
 
+    /// Whether the stiffness of every contact is found too.
+    pub fn has_stiffness(&self) -> bool {
+        self.stiffness
+    }
+
     /// The cell (row, column).
     pub fn cell(&self) -> (usize, usize) {
         self.cell
@@ -221,7 +249,25 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// As [`Problem::solve`].
     pub fn observe(&self, germ: &[f64], workspace: &mut Workspace) -> Result<Observation, FailureReason> {
-        Ok(Observation::of(&self.solve(germ, workspace)?, self.cell))
+        let solution = self.solve(germ, workspace)?;
+        self.observation(&solution, workspace)
+    }
+
+    /// What a solution of this problem says about the cell, and its stiffness if that is asked for.
+    pub(super) fn observation(
+        &self,
+        solution: &Solution,
+        workspace: &mut Workspace,
+    ) -> Result<Observation, FailureReason> {
+        let observation = Observation::of(solution, self.cell);
+        if !self.stiffness {
+            return Ok(observation);
+        }
+        let found = stiffness::of_approach_pa_per_m(self.half_space, solution, stiffness::TOLERANCE, workspace)?;
+        match found.short {
+            Some(reason) => Err(reason),
+            None => Ok(Observation { stiffness_pa_per_m: Some(found.pascal_per_m), ..observation }),
+        }
     }
 }
 

@@ -92,7 +92,8 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
                     return Err(Cancelled);
                 }
                 designs[index / each].fill_germ(index % each, germ);
-                let outcome = problem.solve(germ, workspace).map(|solution| {
+                let outcome = problem.solve(germ, workspace).and_then(|solution| {
+                    let observation = problem.observation(&solution, workspace)?;
                     let stride = site_stride.unwrap_or(usize::MAX);
                     let sites = solution.pressure_pa().indexed_iter();
                     let sites = sites.filter(|((row, column), _)| {
@@ -102,7 +103,7 @@ pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monito
                     if let Some(sums) = &sums {
                         sums.add(solution.pressure_pa());
                     }
-                    (Observation::of(&solution, problem.cell()), sites, (index < kept).then(|| signed(&solution)))
+                    Ok((observation, sites, (index < kept).then(|| signed(&solution))))
                 });
                 monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, samples);
                 Ok(outcome)

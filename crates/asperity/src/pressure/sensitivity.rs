@@ -101,6 +101,9 @@ pub(super) fn of(
                 Quantity::ContactFraction => samples.observations().iter().map(|o| o.contact_fraction).collect(),
                 Quantity::MeanPressure => samples.observations().iter().map(|o| o.mean_pressure_pa).collect(),
                 Quantity::MeanGap => samples.observations().iter().map(|o| o.mean_gap_m).collect(),
+                Quantity::Stiffness => {
+                    samples.observations().iter().map(|o| o.stiffness_pa_per_m.unwrap_or(f64::NAN)).collect()
+                }
             };
             let (variables, names, rows) = &sets[set];
             Sensitivity { quantity, variables: *variables, outcome: indices(names, rows, &values, degree, seed) }

@@ -38,6 +38,9 @@ pub struct Study {
     pub surrogate_samples: usize,
     /// Least share of converged contact problems in a run.
     pub valid_share: f64,
+    /// Whether the stiffness of contacts is among the scalars: one linear problem more for each Monte Carlo and each coarse
+    /// solution. It changes nothing else.
+    pub stiffness: bool,
 }
 
 /// One method's answer.
@@ -112,6 +115,7 @@ impl Study {
             degree: 3,
             surrogate_samples: 10_000,
             valid_share: 0.95,
+            stiffness: false,
         }
     }
 
@@ -121,6 +125,8 @@ impl Study {
     /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
     pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
         self.validate(problem)?;
+        // What scalars are estimated of.
+        let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
         let stride = site_stride(problem);
         let reference = {
             let stage = "pressure/reference";
@@ -131,7 +137,7 @@ impl Study {
         let monte_carlo = {
             let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
             let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
-            solve(problem, kept, monitor)?
+            solve(&whole, kept, monitor)?
         };
         let site_shape = site_shape(problem, stride);
         let fields = FieldLaws::of(&monte_carlo, self.variables, self.degree, site_shape);
@@ -146,7 +152,7 @@ impl Study {
         };
         let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
         let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
-        let nested = NestedSamples::solve(problem, &monte_carlo, self.seed, monitor)?;
+        let nested = NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor)?;
         let fresh = self.fresh_germs(self.variables)?;
         let basis = Basis::hermite(self.variables, self.degree)?;
         let leading = latin.as_ref().map(|latin| (latin.leading_germs(self.variables), pressures_pa(latin)));

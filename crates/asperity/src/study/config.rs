@@ -344,6 +344,9 @@ pub struct PressureSection {
     /// Total degree of the chaos expansion.
     #[serde(default = "degree")]
     pub degree: usize,
+    /// Whether the normal stiffness of the contact is estimated too.
+    #[serde(default)]
+    pub stiffness: bool,
     /// Relative tolerance of each contact solve.
     #[serde(default = "solve_tolerance")]
     pub tolerance: f64,

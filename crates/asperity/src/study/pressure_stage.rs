@@ -83,6 +83,7 @@ pub(super) fn run(
         reference_samples: section.reference_samples,
         variables: section.variables.min(surface.germ_len()),
         degree: section.degree,
+        stiffness: section.stiffness,
         ..Sizes::new(seed)
     };
     let results = sizes.run(&problem, monitor)?;

@@ -219,3 +219,43 @@ fn a_coarse_model_of_one_height_is_left_out() {
     let few = Study { fine_solves: 4, ..study };
     assert!(matches!(few.law(&problem, &Silent), Err(PressureError::Method(MethodError::TooFewSamples { .. }))));
 }
+
+fn scalar(results: &Results, quantity: Quantity) -> Option<&ScalarResult> {
+    results.scalars.iter().find(|scalar| scalar.quantity == quantity)
+}
+
+#[test]
+fn the_stiffness_of_a_shifted_wave_is_that_of_its_mean_mode_or_none() {
+    shifted_wave(0.7e-6, |problem, cdf| {
+        let results = Study { variables: 1, stiffness: true, ..small_study() }.run(problem, &Silent).unwrap();
+        let stiffness = scalar(&results, Quantity::Stiffness).unwrap();
+        // Mean compliance 4e-15 m/Pa.
+        let wanted = (1.0 - cdf(0.0)) / 4e-15;
+        assert!((stiffness.mean - wanted).abs() < 4.0 * stiffness.mean_se, "{stiffness:?}");
+        assert!(stiffness.mean_se < 0.5 * wanted);
+        assert_eq!((stiffness.law.quantile(0.1), stiffness.law.quantile(0.9)), (0.0, 1.0 / 4e-15));
+    });
+}
+
+#[test]
+fn the_stiffness_is_one_more_scalar_and_changes_nothing_else() {
+    let (surface, half_space) = gaussian_surface(16, 30);
+    let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.3 }, Some(2.0)).unwrap();
+    let study = Study { fine_solves: 200, reference_samples: 60, surrogate_samples: 500, ..small_study() };
+    let without = study.run(&problem, &Silent).unwrap();
+    let with = Study { stiffness: true, ..study }.run(&problem, &Silent).unwrap();
+    let stiffness = scalar(&with, Quantity::Stiffness).unwrap();
+    assert!(scalar(&without, Quantity::Stiffness).is_none());
+    // Independent samples of the same contacts, without any model.
+    let sampling = Sampling::monte_carlo(77, "stiffness", 2000, 0.95);
+    let samples = solve(&problem.with_stiffness(), sampling, &Silent).unwrap();
+    let values: Vec<f64> = samples.observations().iter().map(|o| o.stiffness_pa_per_m.unwrap()).collect();
+    let plain = StepLaw::empirical(&values).unwrap();
+    let se = stiffness.mean_se.hypot(plain.std() / (values.len() as f64).sqrt());
+    assert!((stiffness.mean - plain.mean()).abs() < 4.0 * se, "{} {} ± {se}", stiffness.mean, plain.mean());
+    // Coarse grids and the germ say something of it.
+    assert!(stiffness.mean_se < 0.9 * plain.std() / 200.0_f64.sqrt(), "{} {}", stiffness.mean_se, plain.std());
+    let rest: Vec<ScalarResult> =
+        with.scalars.iter().filter(|scalar| scalar.quantity != Quantity::Stiffness).cloned().collect();
+    assert_eq!(Results { scalars: rest, ..with }, without);
+}

@@ -101,6 +101,7 @@ pub(super) fn scalar_name(quantity: Quantity) -> &'static str {
         Quantity::ContactFraction => "contact_fraction",
         Quantity::MeanPressure => "mean_pressure_pa",
         Quantity::MeanGap => "mean_gap_m",
+        Quantity::Stiffness => "stiffness_pa_per_m",
     }
 }
 
