@@ -371,6 +371,8 @@ impl<'a> Legend<'a> {
 pub(crate) enum Layout {
     /// From left to right, equally wide, this high.
     Row(f64),
+    /// Two beside each other, row by row, each row this high.
+    Pairs(f64),
     /// One above the other; each has its height in the list given to [`figure`].
     Column,
 }
@@ -390,17 +392,23 @@ pub(crate) fn figure(
     let top = legend.height();
     let height = match layout {
         Layout::Row(height) => top + height,
+        Layout::Pairs(height) => top + charts.len().div_ceil(2) as f64 * height,
         Layout::Column => top + charts.iter().map(|(height, _)| height).sum::<f64>(),
     };
     draw((WIDTH, height), title, description, |canvas| {
         legend.draw(canvas, 0.0)?;
         let mut at = (0.0, top);
-        for (share, chart) in charts {
+        for (place, (share, chart)) in charts.iter().enumerate() {
             match layout {
                 Layout::Row(height) => {
                     let width = WIDTH / charts.len() as f64;
                     chart.draw(canvas, Rect::new(at.0, at.1, width, height))?;
                     at.0 += width;
+                }
+                Layout::Pairs(height) => {
+                    let left = if place % 2 == 0 { 0.0 } else { 0.5 * WIDTH };
+                    let top = top + (place / 2) as f64 * height;
+                    chart.draw(canvas, Rect::new(left, top, 0.5 * WIDTH, height))?;
                 }
                 Layout::Column => {
                     chart.draw(canvas, Rect::new(at.0, at.1, WIDTH, *share))?;

@@ -42,16 +42,18 @@ pub(crate) enum Dimension {
     Area,
     Time,
     Compliance,
+    Stiffness,
     Angle,
     Other(&'static str),
 }
 
 /// Suffixes of keys with their dimension; longer suffixes first.
-const SUFFIXES: [(&str, Dimension); 15] = [
+const SUFFIXES: [(&str, Dimension); 16] = [
     ("_rad_per_m", Dimension::Wavenumber),
     ("_rad_per_s", Dimension::AngularFrequency),
     ("_m_per_pa", Dimension::Compliance),
     ("_m_per_s", Dimension::Velocity),
+    ("_pa_per_m", Dimension::Stiffness),
     ("_per_m", Dimension::Other("1/m")),
     ("_m2", Dimension::Area),
     ("_m3", Dimension::Other("m³")),
@@ -88,6 +90,7 @@ impl Dimension {
             Self::Area => &[("µm²", 1e-12), ("mm²", 1e-6), ("m²", 1.0)],
             Self::Time => &[("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)],
             Self::Compliance => &[("µm/GPa", 1e-15), ("µm/MPa", 1e-12), ("m/Pa", 1.0)],
+            Self::Stiffness => &[("Pa/m", 1.0), ("kPa/µm", 1e9), ("MPa/µm", 1e12), ("GPa/µm", 1e15)],
             Self::Angle => &[("°", PI / 180.0)],
             Self::Other(_) => &[],
         }
@@ -247,6 +250,8 @@ mod tests {
     fn keys_state_their_units() {
         assert_eq!(Dimension::of_key("penetration_m"), ("penetration", Dimension::Length));
         assert_eq!(Dimension::of_key("mean_compliance_m_per_pa"), ("mean_compliance", Dimension::Compliance));
+        assert_eq!(Dimension::of_key("stiffness_pa_per_m"), ("stiffness", Dimension::Stiffness));
+        assert_eq!(Dimension::Stiffness.show(2.5e13), "25.00\u{a0}MPa/µm");
         assert_eq!(Dimension::of_key("belt_velocity_m_per_s"), ("belt_velocity", Dimension::Velocity));
         assert_eq!(Dimension::of_key("Ssk"), ("Ssk", Dimension::None));
     }

@@ -288,6 +288,17 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
         let drawn = words(&run, name);
         assert!(drawn.iter().any(|word| word == largest), "{largest} in {drawn:?}");
     }
+    // The stiffness, where it was asked for.
+    let scalars = words(&run, "pressure_scalars");
+    assert!(
+        scalars.iter().any(|word| word.contains("Mean gap")) && !scalars.iter().any(|word| word.contains("Stiffness"))
+    );
+    let columns = &mut run.tables.get_mut("pressure_scalar_laws").unwrap().columns;
+    let gaps = columns.iter().find(|(name, _)| name == "mean_gap_m").unwrap();
+    let stiffness = gaps.1.iter().map(|gap| 5e19 * gap).collect();
+    columns.push(("stiffness_pa_per_m".into(), stiffness));
+    let scalars = words(&run, "pressure_scalars");
+    assert!(scalars.iter().any(|word| word == "Stiffness (MPa/µm)"), "{scalars:?}");
     // Runs from before there were bands.
     run.tables.remove("pressure_bands");
     run.tables.remove("pressure_scalar_laws");

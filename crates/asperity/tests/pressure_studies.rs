@@ -110,7 +110,8 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
 
 #[test]
 fn results_and_tables_say_the_same_of_every_method() {
-    let outcome = run(&reduced("pressure_case_c.toml", 100, 100));
+    let outcome =
+        run(&reduced("pressure_case_c.toml", 100, 100).replace("percentile =", "stiffness = true\npercentile ="));
     let results = serde_json::to_value(&outcome.results).unwrap();
     let pressure = &results["pressure"];
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
@@ -155,7 +156,7 @@ fn results_and_tables_say_the_same_of_every_method() {
     }
     let scalars = pressure["scalars"].as_array().unwrap();
     let names: Vec<&str> = scalars.iter().map(|scalar| scalar["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["contact_fraction", "mean_pressure_pa", "mean_gap_m"]);
+    assert_eq!(names, ["contact_fraction", "mean_pressure_pa", "mean_gap_m", "stiffness_pa_per_m"]);
     for scalar in scalars {
         let law = outcome.tables["pressure_scalar_laws"].column(scalar["name"].as_str().unwrap()).unwrap();
         assert!(law.is_sorted(), "{scalar}");

@@ -12,6 +12,8 @@ const FREE_SECONDS: f64 = 20e-9;
 /// Most work of the pressure stage on coarser models over that of the fine solves of one method: the same maps to a loose tolerance,
 /// with half and with a quarter of the points along either side, and what pays beyond that.
 const COARSE_WORK: f64 = 4.0 + 0.5 + 0.25 + 0.0625;
+/// Work of finding the stiffness of a contact over that of solving it.
+const STIFFNESS_WORK: f64 = 0.5;
 /// Seconds per unit of dimensionless time of a trajectory.
 const TRAJECTORY_SECONDS: f64 = 1.2e-6;
 /// Bytes per point of a strip's generator: its covariance embedded in twice the width and height, in complex numbers.
@@ -57,8 +59,14 @@ impl Study {
             let modes = self.surface.as_ref().map_or(0, |surface| surface.modes);
             // The reference, and three samplers that the other methods share.
             let solutions = p.reference_samples + 3 * p.fine_solves;
-            let solutions = (solutions, COARSE_WORK * p.fine_solves as f64);
-            stages.push(contact(Stage::Pressure, solutions, p.points, p.boundary, modes));
+            let coarse = COARSE_WORK * p.fine_solves as f64;
+            let mut stage = contact(Stage::Pressure, (solutions, coarse), p.points, p.boundary, modes);
+            if p.stiffness {
+                // Of the Monte Carlo samples and of those on coarser grids.
+                let more = STIFFNESS_WORK * (p.fine_solves as f64 + coarse);
+                stage.core_seconds *= 1.0 + more / (solutions as f64 + coarse);
+            }
+            stages.push(stage);
         }
         if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
@@ -120,12 +128,18 @@ belt_velocity = "23.7 mm/s"
 damping_sweep = [0.05, 0.30, 11]
 trajectories = 50
 "#;
-        let stages = Study::parse(text, "study.toml").unwrap().estimate(2);
+        let estimate = |text: &str| Study::parse(text, "study.toml").unwrap().estimate(2);
+        let stages = estimate(text);
         // Two stated levels and the one at N/A_nom.
         assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
         assert_eq!(stages[2].trajectories, 1100);
         // The hundred fine solves of the default may be followed by as much work again, four times over, and that on the same maps.
         assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 0.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
+        // The stiffness of the Monte Carlo and of the coarse contacts, and of no others.
+        let stiff = estimate(&text.replace("percentile = 50.0", "percentile = 50.0\nstiffness = true"));
+        let more = stiff[0].core_seconds / stages[0].core_seconds - 1.0;
+        assert!((more - STIFFNESS_WORK * 581.25 / 1781.25).abs() < 1e-12, "{more}");
+        assert_eq!(stiff[1..], stages[1..]);
     }
 }

@@ -1,4 +1,4 @@
-//! The laws of what belongs to the whole contact: area, load and gap.
+//! The laws of what belongs to the whole contact: area, load, gap and stiffness.
 
 use serde_json::Value;
 
@@ -18,11 +18,13 @@ const LAWS: &str = "pressure_scalar_laws";
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let Some(table) = run.tables.get(LAWS) else { return Ok(()) };
     let Some([probability]) = columns(table, ["probability"]) else { return Ok(()) };
+    let stiffness = table.column("stiffness_pa_per_m").is_some();
     let mut charts = Vec::new();
     for (name, label) in [
         ("contact_fraction", "Contact area / nominal"),
         ("mean_pressure_pa", "Mean pressure"),
         ("mean_gap_m", "Mean gap"),
+        ("stiffness_pa_per_m", "Stiffness"),
     ] {
         let Some(values) = table.column(name) else { continue };
         let Some((low, high)) = range(values) else { continue };
@@ -30,7 +32,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
             Dimension::None => Unit::none(),
             dimension => dimension.unit(high.abs().max(low.abs())),
         };
-        let y = if charts.is_empty() { "CDF" } else { "" };
+        let y = if charts.is_empty() || charts.len() == 2 && stiffness { "CDF" } else { "" };
         let mut chart =
             Chart::new(Axis::padded(label, unit, (low, high), 0.05), Axis::linear(y, Unit::none(), (0.0, 1.0)));
         let pen = Pen::new(BLUE, 1.8, Dash::Solid);
@@ -49,20 +51,20 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     if charts.is_empty() {
         return Ok(());
     }
-    let title = "Laws of contact area, load and gap";
-    let caption = "Distribution functions over the realisations of the surface: contact area over nominal area, load over \
-                   nominal area, and mean gap, by the method that is the default for the pressure. Intervals \
-                   that are not seen are narrower than their rings.";
-    let svg = figure(title, caption, Layout::Row(250.0), &charts)?;
+    let (title, also, layout) = if stiffness {
+        let also = ", mean gap, and rise of the mean pressure per approach of the plane";
+        ("Laws of contact area, load, gap and stiffness", also, Layout::Pairs(230.0))
+    } else {
+        ("Laws of contact area, load and gap", ", and mean gap", Layout::Row(250.0))
+    };
+    let caption = format!(
+        "Distribution functions over the realisations of the surface: contact area over nominal area, load over nominal \
+         area{also}, by the method that is the default for the pressure. Intervals that are not seen are narrower than their \
+         rings."
+    );
+    let svg = figure(title, &caption, layout, &charts)?;
     let sources = vec![csv(LAWS), csv("pressure_scalars")];
-    plates.push(Plate {
-        name: NAME,
-        stage: Stage::Pressure,
-        title: title.into(),
-        caption: caption.into(),
-        sources,
-        svg,
-    });
+    plates.push(Plate { name: NAME, stage: Stage::Pressure, title: title.into(), caption, sources, svg });
     Ok(())
 }
 
