@@ -6,6 +6,8 @@ mod filling;
 pub mod filter;
 pub mod fractal;
 mod gaussian;
+#[cfg(test)]
+mod germ_response;
 mod karhunen_loeve;
 pub mod level;
 pub mod pooling;
@@ -30,6 +32,8 @@ pub use translation::{
 };
 pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};
 
+use ndarray::Array2;
+
 use crate::map::{Grid, HeightMap};
 
 /// A random surface: a map that is a deterministic function of a germ, the vector ξ of independent standard normal
@@ -46,6 +50,17 @@ pub trait RandomSurface: Sync {
     /// # Panics
     /// If the germ has another length or a value that is not finite.
     fn generate(&self, germ: &[f64]) -> HeightMap;
+
+    /// Response of the weighted sum Σ w z of heights to each germ variable at ξ = 0, in metre; `weights` has shape `[ny, nx]`.
+    ///
+    /// The adjoint of the generator, at about the cost of one map; exact for all ξ where the map is linear in the germ. `None`
+    /// where it has to be found by differences.
+    ///
+    /// # Panics
+    /// If the weights have another shape.
+    fn germ_response(&self, _weights: &Array2<f64>) -> Option<Vec<f64>> {
+        None
+    }
 
     /// Whether maps that differ by a shift on the periodic grid are equally likely, up to a thousandth of the variance.
     fn is_periodic_and_stationary(&self) -> bool {

@@ -9,13 +9,14 @@
 //! R. Tipireddy and R. Ghanem, *J. Comput. Phys.* **259** (2014) 304, <https://doi.org/10.1016/j.jcp.2013.12.009> (basis
 //! adaptation).
 
+use ndarray::Array2;
 use rayon::prelude::*;
 
 use crate::contact::Boundary;
 use crate::pressure::predictor::Predictor;
 use crate::pressure::{MethodError, Problem};
 
-/// Longest germ whose response is found by finite differences.
+/// Longest germ whose response is found by finite differences, where the surface does not state it.
 const LONGEST_GERM: usize = 2048;
 /// Half width of such a difference.
 const DIFFERENCE: f64 = 1e-3;
@@ -104,14 +105,31 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Response of the mean height of each ring to each germ variable, with the number of the ring: 0 is the cell itself, n those up to
-/// 2ⁿ⁻¹ times the finer pitch away. None of a surface whose germ is too long.
+/// 2ⁿ⁻¹ times the finer pitch away; up to a factor that is the same for all. None of a surface that does not state its response
+/// and whose germ is too long.
 pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
+    let rings = rings(problem);
+    let used: Vec<usize> = (0..rings.len()).filter(|ring| !rings[*ring].is_empty()).collect();
+    let stated: Option<Vec<Vec<f64>>> = used.iter().map(|ring| stated_response(problem, &rings[*ring])).collect();
+    let responses = stated.unwrap_or_else(|| by_differences(problem, &rings, &used));
+    used.into_iter().zip(responses).filter(|(_, response)| response.iter().all(|x| x.is_finite())).collect()
+}
+
+/// Response of the mean height of a ring, where the surface states it.
+fn stated_response(problem: &Problem<'_>, ring: &[usize]) -> Option<Vec<f64>> {
+    let (ny, nx) = problem.surface().grid().shape();
+    let mut weights = Array2::zeros((ny, nx));
+    ring.iter().for_each(|i| weights[[i / nx, i % nx]] = 1.0 / ring.len() as f64);
+    problem.surface().germ_response(&weights)
+}
+
+/// Differences of the mean heights of the used rings for each germ variable.
+fn by_differences(problem: &Problem<'_>, rings: &[Vec<usize>], used: &[usize]) -> Vec<Vec<f64>> {
     let surface = problem.surface();
     let germ_len = surface.germ_len();
     if germ_len > LONGEST_GERM {
         return Vec::new();
     }
-    let rings = rings(problem);
     let columns: Vec<Vec<f64>> = (0..germ_len)
         .into_par_iter()
         .map(|j| {
@@ -127,9 +145,7 @@ pub(super) fn responses(problem: &Problem<'_>) -> Vec<(usize, Vec<f64>)> {
             above.iter().zip(&below).map(|(above, below)| above - below).collect()
         })
         .collect();
-    let response = |ring: usize| columns.iter().map(|column| column[ring]).collect::<Vec<f64>>();
-    let used = (0..rings.len()).filter(|ring| !rings[*ring].is_empty());
-    used.map(|ring| (ring, response(ring))).filter(|(_, response)| response.iter().all(|x| x.is_finite())).collect()
+    used.iter().map(|ring| columns.iter().map(|column| column[*ring]).collect()).collect()
 }
 
 /// The cell alone, and the cells of rings around it whose radii double; some may have none.
@@ -180,6 +196,23 @@ mod tests {
         let mut all: Vec<usize> = rings.concat();
         all.sort_unstable();
         assert_eq!(all, (0..63).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn stated_responses_are_those_of_differences() {
+        let (surface, half_space) = gaussian_surface(12, 30);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let problem = problem.at_cell(3, 5).unwrap();
+        let rings = rings(&problem);
+        let used: Vec<usize> = (0..rings.len()).filter(|ring| !rings[*ring].is_empty()).collect();
+        let by_differences = by_differences(&problem, &rings, &used);
+        let stated = responses(&problem);
+        assert_eq!(stated.iter().map(|(ring, _)| *ring).collect::<Vec<_>>(), used);
+        for ((_, stated), differences) in stated.iter().zip(&by_differences) {
+            for (stated, difference) in stated.iter().zip(differences) {
+                assert!((2.0 * DIFFERENCE * stated - difference).abs() < 1e-13, "{stated} {difference}");
+            }
+        }
     }
 
     #[test]

@@ -94,6 +94,10 @@ impl<S: RandomSurface + ?Sized> RandomSurface for Box<S> {
     fn generate(&self, germ: &[f64]) -> HeightMap {
         (**self).generate(germ)
     }
+
+    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        (**self).germ_response(weights)
+    }
 }
 
 impl<S: GaussianSurface + ?Sized> GaussianSurface for Box<S> {
@@ -110,6 +114,12 @@ impl<S: GaussianSurface + ?Sized> GaussianSurface for Box<S> {
 pub(super) fn check_germ(germ: &[f64], len: usize) {
     assert_eq!(germ.len(), len, "the germ has the wrong length");
     assert!(germ.iter().all(|xi| xi.is_finite()), "the germ has a value that is not finite");
+}
+
+/// Weights in row order, checked at the door of a generator.
+pub(super) fn row_order(weights: &Array2<f64>, grid: Grid) -> Vec<f64> {
+    assert_eq!(weights.dim(), grid.shape(), "the weights have the wrong shape");
+    weights.iter().copied().collect()
 }
 
 /// The map of finite heights in row order.

@@ -9,7 +9,7 @@ use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use self::general::ClassModes;
-use super::gaussian::{check_germ, map_of};
+use super::gaussian::{check_germ, map_of, row_order};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use crate::correlation::{CorrelationModel, Covariance, StationaryCovariance};
@@ -240,6 +240,25 @@ impl RandomSurface for KarhunenLoeve {
             _ => germ.iter().zip(&self.eigenvalues_m2).map(|(xi, value)| self.std_m * value.sqrt() * xi).collect(),
         };
         map_of(self.grid, self.superpose(&weights))
+    }
+
+    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        let weights = row_order(weights, self.grid);
+        let (ny, nx) = self.grid.shape();
+        let products = match &self.basis {
+            Basis::Tensor { x, y, pairs } => {
+                let weights = Array2::from_shape_fn((ny, nx), |(row, column)| weights[row * nx + column]);
+                let products = y.dot(&weights).dot(&x.t());
+                pairs.iter().map(|&(a, b)| products[[b, a]]).collect()
+            }
+            Basis::Classes(found) => found.products(&weights),
+            Basis::Fourier(fourier) => {
+                let scaled = fourier.analyse(&weights, ny, nx);
+                return Some(scaled.into_iter().map(|value| self.std_m * value).collect());
+            }
+        };
+        let scaled = |(product, value): (f64, &f64)| self.std_m * value.sqrt() * product;
+        Some(Vec::into_iter(products).zip(&self.eigenvalues_m2).map(scaled).collect())
     }
 
     fn is_periodic_and_stationary(&self) -> bool {

@@ -6,7 +6,7 @@ mod round_trip;
 
 use ndarray::Array2;
 
-use super::gaussian::{check_germ, map_of};
+use super::gaussian::{check_germ, map_of, row_order};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use crate::correlation::{Covariance, StationaryCovariance};
 use crate::fourier::{RealFft2, good_length, signed_index};
@@ -154,6 +154,13 @@ impl RandomSurface for SpectralField {
             *z *= self.std_m;
         }
         map_of(self.grid, heights)
+    }
+
+    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        let weights = row_order(weights, self.grid);
+        let mut response = self.modes.analyse(&weights, self.grid.ny(), self.grid.nx());
+        response.iter_mut().for_each(|value| *value *= self.std_m);
+        Some(response)
     }
 
     fn is_periodic_and_stationary(&self) -> bool {

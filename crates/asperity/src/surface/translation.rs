@@ -22,6 +22,8 @@ use normal_to_law::NormalToLaw;
 
 /// Least pointwise variance, over the largest on the map, that may be scaled up to a full marginal.
 const LEAST_SHARE: f64 = 1e-6;
+/// Half width of the difference that is the slope of the map from normal heights.
+const SLOPE_STEP: f64 = 1e-3;
 
 /// A surface z(x) = F⁻¹(Φ(g(x)/σ_g(x))) whose heights have the law F at every point.
 ///
@@ -166,6 +168,18 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
         let heights =
             map.heights_m().iter().zip(&self.inverse_std_per_m).map(|(g, inverse)| self.map.value(g * inverse));
         map_of(self.gaussian.grid(), heights.collect())
+    }
+
+    /// Every point has the same map from normal heights over their standard deviation, and so the same slope at zero.
+    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        let nx = self.gaussian.grid().nx();
+        let normal = Array2::from_shape_fn(weights.dim(), |(row, column)| {
+            weights[[row, column]] * self.inverse_std_per_m[row * nx + column]
+        });
+        let mut response = self.gaussian.germ_response(&normal)?;
+        let slope_m = (self.map.value(SLOPE_STEP) - self.map.value(-SLOPE_STEP)) / (2.0 * SLOPE_STEP);
+        response.iter_mut().for_each(|value| *value *= slope_m);
+        Some(response)
     }
 
     fn is_periodic_and_stationary(&self) -> bool {

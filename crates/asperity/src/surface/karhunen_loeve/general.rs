@@ -185,6 +185,24 @@ impl ClassModes {
         map
     }
 
+    /// Σ_x w(x) φ_j(x) for all j, `weights` in row order.
+    pub(super) fn products(&self, weights: &[f64]) -> Vec<f64> {
+        let folded = |class: &Class| {
+            let mut folded = vec![0.0; class.len()];
+            for (place, weight) in weights.iter().enumerate() {
+                if let Some((i, factor)) = class.coordinate_at(place) {
+                    folded[i] += factor * weight;
+                }
+            }
+            folded
+        };
+        let folded: Vec<Vec<f64>> = self.classes.iter().map(folded).collect();
+        let product = |&(class, row): &(usize, usize)| {
+            self.functions[class].row(row).iter().zip(&folded[class]).map(|(phi, weight)| phi * weight).sum()
+        };
+        self.places.iter().map(product).collect()
+    }
+
     /// Σ_j w_j φ_j² in row order.
     pub(super) fn superpose_squares(&self, weights: &[f64]) -> Vec<f64> {
         let mut map = vec![0.0; self.points];

@@ -188,6 +188,18 @@ impl FourierModes {
         )
     }
 
+    /// √λ_j Σ_x w(x) φ_j(x) for every j by one transform: the adjoint of [`FourierModes::synthesise`].
+    pub(in crate::surface) fn analyse(&self, weights: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+        let mut spectrum = self.fft.spectrum();
+        self.fft.forward_padded(weights, rows, columns, &mut spectrum, &mut self.fft.workspace());
+        let product = |mode: &Mode| {
+            let norm = if mode.mirror == Some(mode.place) { 1.0 } else { 2.0 };
+            let sum = spectrum[mode.place];
+            (norm * mode.eigenvalue_m2 / self.area_m2).sqrt() * if mode.sine { -sum.im } else { sum.re }
+        };
+        self.modes.iter().map(product).collect()
+    }
+
     /// Σ_j λ_j φ_j(x₀) φ_j(x) for the domain's point x₀ = (`row`, `column`), cropped.
     pub(in crate::surface) fn covariance_with(
         &self,
