@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(Dimension::of_key("penetration_m"), ("penetration", Dimension::Length));
         assert_eq!(Dimension::of_key("mean_compliance_m_per_pa"), ("mean_compliance", Dimension::Compliance));
         assert_eq!(Dimension::of_key("stiffness_pa_per_m"), ("stiffness", Dimension::Stiffness));
-        assert_eq!(Dimension::Stiffness.show(2.5e13), "25.00\u{a0}MPa/µm");
+        assert_eq!(Dimension::Stiffness.show(2.512e13), "25.12\u{a0}MPa/µm");
         assert_eq!(Dimension::of_key("belt_velocity_m_per_s"), ("belt_velocity", Dimension::Velocity));
         assert_eq!(Dimension::of_key("Ssk"), ("Ssk", Dimension::None));
     }
