@@ -33,7 +33,9 @@ pub enum LoadCurveError {
         deep_pa: f64,
     },
     /// The curve ends before.
-    #[error("{value:e} {unit} lies outside of the solved levels, {low:e} {unit} to {high:e} {unit}; solve one more level")]
+    #[error(
+        "{value:e} {unit} lies outside of the solved levels, {low:e} {unit} to {high:e} {unit}; solve one more level"
+    )]
     Outside {
         /// Value asked for.
         value: f64,
@@ -116,9 +118,8 @@ impl LoadCurve {
         if points.len() < 2 {
             return Err(LoadCurveError::TooFew { loaded: points.len() });
         }
-        let grows = |a: &LoadPoint, b: &LoadPoint| {
-            a.penetration_m < b.penetration_m && a.mean_pressure_pa < b.mean_pressure_pa
-        };
+        let grows =
+            |a: &LoadPoint, b: &LoadPoint| a.penetration_m < b.penetration_m && a.mean_pressure_pa < b.mean_pressure_pa;
         if let Some(pair) = points.windows(2).find(|pair| !grows(&pair[0], &pair[1])) {
             return Err(LoadCurveError::NotMonotone {
                 shallow_m: pair[0].penetration_m,

@@ -194,8 +194,8 @@ impl Strips<'_> {
         start: Option<&Array2<f64>>,
         workspace: &mut Workspace,
     ) -> Result<Solution, String> {
-        let problem = Problem::new(self.half_space, heights_m, control, self.hardness_pa)
-            .map_err(|error| error.to_string())?;
+        let problem =
+            Problem::new(self.half_space, heights_m, control, self.hardness_pa).map_err(|error| error.to_string())?;
         let solution =
             self.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
         if solution.converged() {

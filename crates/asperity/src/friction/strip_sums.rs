@@ -86,7 +86,8 @@ impl StripSums {
             true if solution.is_plastic(cell) => Cell::Plastic,
             true => Cell::Elastic,
         });
-        let hardness_pa = |cell| solution.hardness_pa().or_else(|| solution.hardness_field_pa().map(|field| field[cell]));
+        let hardness_pa =
+            |cell| solution.hardness_pa().or_else(|| solution.hardness_field_pa().map(|field| field[cell]));
         let tally = |cell: (usize, usize)| {
             let (here, pressure_pa) = (states[cell], p[cell]);
             let ploughed = ploughing_heights_m.filter(|_| here == Cell::Plastic);

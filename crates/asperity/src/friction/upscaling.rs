@@ -110,7 +110,8 @@ mod tests {
         // The window's moving average has the correlation triangle ⊛ e^{−s/ℓ}; its mean over L ≫ W differs at the ends alone.
         let (window_m, length_m, side_m) = (600e-6, 250e-6, 29e-3);
         let direct = variance_function(side_m, &|s| windowed_exponential(s, window_m, length_m));
-        let by_ratio = variance_function(side_m, &exponential(length_m)) / variance_function(window_m, &exponential(length_m));
+        let by_ratio =
+            variance_function(side_m, &exponential(length_m)) / variance_function(window_m, &exponential(length_m));
         assert!((direct / by_ratio - 1.0).abs() < window_m / side_m, "{direct} {by_ratio}");
     }
 }

@@ -265,8 +265,10 @@ impl Study {
         if let Some(width) = f.window_width {
             within(SECTION, "window_width", width.0, positive, POSITIVE)?;
             if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
-                let message =
-                    format!("found {width}, wanted at least two cells of the strip and at most its width of {}", f.strip[1]);
+                let message = format!(
+                    "found {width}, wanted at least two cells of the strip and at most its width of {}",
+                    f.strip[1]
+                );
                 return Err(problem(SECTION, "window_width", message));
             }
         }

@@ -68,8 +68,7 @@ impl SolvedLevel {
 
     /// Both upscalings.
     fn upscaling(&self, window: &Window, nominal_area_m2: f64) -> UpscalingResult {
-        let (std, variance_reduction) =
-            (self.process.moments.std, self.variance_reduction(window, nominal_area_m2));
+        let (std, variance_reduction) = (self.process.moments.std, self.variance_reduction(window, nominal_area_m2));
         UpscalingResult {
             paper: PaperScatter { std },
             area: AreaScatter {
@@ -204,7 +203,9 @@ fn sentences(
         WindowShape::Ellipse => "an elliptic window",
     };
     let width = match lead.level.lanes {
-        1 if window.width_m() > strips.half_space.grid().height_m() * (1.0 - 1e-9) => "the width of the strip".to_owned(),
+        1 if window.width_m() > strips.half_space.grid().height_m() * (1.0 - 1e-9) => {
+            "the width of the strip".to_owned()
+        }
         1 => sentence::si(window.width_m(), "m"),
         lanes => format!("{}, {lanes} side by side", sentence::si(window.width_m(), "m")),
     };
@@ -337,7 +338,10 @@ fn trace_table(levels: &[SolvedLevel]) -> Table {
     let rows = columns[0].1.len();
     for level in levels {
         let trace = level.level.records.first().filter(|record| record.friction.len() == rows);
-        columns.push((level.control.column(), trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone())));
+        columns.push((
+            level.control.column(),
+            trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
+        ));
     }
     Table::new(columns)
 }
