@@ -53,7 +53,7 @@ fn the_plane_that_carries_a_pressure_carries_it() {
                 let level = &planes(strips, &[found.plane_m])[0];
                 assert!((level.mean_pressure_pa / pressure_pa - 1.0).abs() < 2e-5, "{}", level.mean_pressure_pa);
                 assert!((level.penetration_m - found.penetration_m).abs() < 1e-15);
-                assert!(found.passes <= 12, "{found:?}");
+                assert!(found.passes <= 15, "{found:?}");
             }
         });
     }
@@ -183,7 +183,9 @@ fn a_study_chooses_law_and_window() {
     // The same strips: narrower windows scatter more about the same mean.
     let (narrow, words) = level("window_width = \"8 um\"\n");
     assert!(words.contains("60 µm × 8 µm, 4 side by side"), "{words}");
-    assert!((narrow.at_mean_load.mean / sheared.at_mean_load.mean - 1.0).abs() < 1e-12);
+    // Nothing but the least area N/H of a window tells one window from four: it can only add.
+    let more = narrow.at_mean_load.mean / sheared.at_mean_load.mean - 1.0;
+    assert!((-1e-12..1e-3).contains(&more), "{more:e}");
     assert!(narrow.at_mean_load.std > 1.3 * sheared.at_mean_load.std);
     let (ellipse, words) = level("window_shape = \"ellipse\"\n");
     assert!(words.contains("an elliptic window"), "{words}");

@@ -10,7 +10,7 @@ use crate::monitor::{Cancelled, Monitor};
 
 /// Cells of all strips up to which their pressures are kept, to start the next search step from: 256 MiB.
 const MOST_KEPT: usize = 1 << 25;
-/// Steps of a search that halves its interval at worst every other time.
+/// Steps before the search is given up, many times those that it takes.
 const MOST_STEPS: usize = 60;
 
 /// A plane fixed in space and what it carries.
@@ -40,11 +40,14 @@ impl Strips<'_> {
     /// curve by solving, to ten times the tolerance of the solver.
     ///
     /// Each strip pressed to that pressure alone rests at a plane of its own. At the lowest of these every strip carries at
-    /// least that much, at the highest at most, so the plane lies between; the search is by false position in ln p̄, and each
-    /// solve starts from the last pressure of its strip where memory allows.
+    /// least that much, at the highest at most, so the plane lies between; the search is by false position in ln p̄ with the
+    /// weights of Anderson and Björck, and each solve starts from the last pressure of its strip where memory allows.
     ///
     /// # Errors
     /// A strip could not be solved, or the monitor cancelled.
+    ///
+    /// # References
+    /// N. Anderson and Å. Björck, *BIT* **13** (1973) 253, <https://doi.org/10.1007/BF01951936>.
     pub fn plane_for(&self, mean_pressure_pa: f64, monitor: &dyn Monitor) -> Result<PlaneAtLoad, FrictionError> {
         let keep = self.realisations.saturating_mul(self.half_space.grid().points()) <= MOST_KEPT;
         let mut pressures: Vec<Option<Array2<f64>>> = vec![None; self.realisations];
@@ -74,6 +77,7 @@ impl Strips<'_> {
         }
         let ends = [(alone.mean_plane_m, middle), (other_m, other)];
         let [mut low, mut high] = if middle > 0.0 { ends } else { [ends[1], ends[0]] };
+        let mut replaced_low = None;
         for _ in 0..MOST_STEPS {
             let height_m = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
             let (error, found) = at(height_m)?;
@@ -81,14 +85,15 @@ impl Strips<'_> {
             if near(error) {
                 break;
             }
-            // The end that stays counts half (Illinois), so that it does not stay for ever.
-            if error > 0.0 {
-                low = (height_m, error);
-                high.1 *= 0.5;
-            } else {
-                high = (height_m, error);
-                low.1 *= 0.5;
+            // Where the same end is replaced again, the other counts less, so that it does not stay for ever.
+            let replaces_low = error > 0.0;
+            let (end, stays) = if replaces_low { (&mut low, &mut high) } else { (&mut high, &mut low) };
+            if replaced_low == Some(replaces_low) {
+                let share = 1.0 - error / end.1;
+                stays.1 *= if share > 0.0 { share } else { 0.5 };
             }
+            *end = (height_m, error);
+            replaced_low = Some(replaces_low);
         }
         Ok(best)
     }

@@ -12,6 +12,6 @@ pub struct Coulomb {
 
 impl FrictionLaw for Coulomb {
     fn force_n(&self, window: &WindowContact) -> Option<f64> {
-        window.loaded().then(|| self.coefficient * window.load_n)
+        window.loaded().then_some(self.coefficient * window.load_n)
     }
 }
