@@ -139,6 +139,9 @@ impl Strips<'_> {
     /// Solves every strip at every level. The strips are the same at all levels. A level of which fewer than 95 % of the
     /// strips converged is an error of its own.
     ///
+    /// Levels do not start from one another: at the distance of percentiles that takes more iterations than the solver's own
+    /// start (`examples/time_friction`: 8 to 17 after 8 to 11).
+    ///
     /// # Errors
     /// The monitor cancelled.
     pub fn solve(
