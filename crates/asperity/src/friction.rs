@@ -1,18 +1,24 @@
 //! The friction coefficient as a stochastic process (paper §4).
 //!
-//! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and
-//! [`bowden_tabor::BowdenTabor`] turns contact area and load into μ(s); [`record::FrictionStatistics`] says what kind of
+//! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and a
+//! [`law::FrictionLaw`] turns what it sees into μ(s); [`load_curve::LoadCurve`] is load against depth; [`record::FrictionStatistics`] says what kind of
 //! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
 
 use thiserror::Error;
 
-pub mod bowden_tabor;
+pub mod law;
+pub mod load_curve;
+mod plane_search;
 pub mod process;
 pub mod record;
 pub mod strip;
+mod strip_sums;
 pub mod upscaling;
 pub mod window;
 pub mod window_study;
+
+pub use plane_search::PlaneAtLoad;
+pub use strip_sums::StripSums;
 
 use crate::monitor::Cancelled;
 use crate::stats::StatsError;

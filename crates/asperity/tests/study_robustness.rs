@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use asperity::correlation::{CorrelationModel, Covariance};
-use asperity::friction::upscaling::variance_reduction;
+use asperity::friction::upscaling::{exponential, variance_reduction};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random;
@@ -573,7 +573,7 @@ fn the_oscillator_takes_the_leading_level_in_its_own_units() {
         assert!((vibration.correlation_length / length - 1.0).abs() < 1e-12);
         assert!((vibration.belt_velocity / (20e-3 * 316.0 / 30e3) - 1.0).abs() < 1e-12);
         let own_length_m = leading.correlation_length_without_window_m.unwrap();
-        let kept = variance_reduction(friction.window_m, friction.strip_width_m, own_length_m, 833e-6);
+        let kept = variance_reduction(friction.window_m, friction.window_width_m, 833e-6, &exponential(own_length_m));
         assert_eq!(vibration.variance_reduction, kept);
     }
 }

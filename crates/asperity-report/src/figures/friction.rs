@@ -150,9 +150,17 @@ fn autocorrelation(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportE
     Ok(())
 }
 
-/// `mu_p5` is the level of the 5 % percentile; other columns keep their name.
+/// `mu_p5` is the level of the 5 % percentile, `mu_pressure_3e6_pa` and `mu_penetration_5e-7_m` those of a mean pressure and of a
+/// depth; other columns keep their name.
 fn level_name(column: &str) -> String {
     let name = column.strip_prefix("mu_").unwrap_or(column);
+    let stated = |prefix: &str, unit: &str| name.strip_prefix(prefix)?.strip_suffix(unit)?.parse::<f64>().ok();
+    if let Some(pascal) = stated("pressure_", "_pa") {
+        return format!("at {}", Dimension::Pressure.show(pascal));
+    }
+    if let Some(metre) = stated("penetration_", "_m") {
+        return format!("{} deep", Dimension::Length.show(metre));
+    }
     match name.strip_prefix('p').and_then(|percent| percent.replace('_', ".").parse::<f64>().ok()) {
         Some(percent) => format!("{} %", significant(percent, 3)),
         None if name == "load" => "at load".into(),
@@ -258,6 +266,8 @@ mod tests {
     fn columns_of_the_trace_are_named_by_their_percentile() {
         assert_eq!(level_name("mu_p5"), "5 %");
         assert_eq!(level_name("mu_p12_5"), "12.5 %");
+        assert_eq!(level_name("mu_pressure_3e6_pa"), format!("at {}", Dimension::Pressure.show(3e6)));
+        assert_eq!(level_name("mu_penetration_5e-7_m"), format!("{} deep", Dimension::Length.show(5e-7)));
         assert_eq!(level_name("mu_mean_pressure"), "mean pressure");
         assert_eq!(level_name("mu"), "mu");
     }

@@ -122,8 +122,11 @@ fn scalars(pressure: &Value) -> DataTable {
     DataTable::new(caption, &headers, rows.collect(), "tables/pressure_scalars.csv")
 }
 
-/// How a level is named: by percentile, or by the mean pressure that defines it.
+/// How a level is named: by percentile, or by the depth or the mean pressure that defines it.
 pub(super) fn level_name(level: &Value) -> String {
+    if let ("penetration", Some(metre)) = (level["control"].as_str().unwrap_or(""), level["penetration_m"].as_f64()) {
+        return format!("{} deep", Dimension::Length.show(metre));
+    }
     match (level["percentile"].as_f64(), level["mean_pressure_pa"].as_f64()) {
         (Some(percentile), _) => format!("{} %", significant(percentile, 3)),
         (None, Some(pressure)) => format!("at {}", Dimension::Pressure.show(pressure)),

@@ -4,11 +4,13 @@ use ndarray::Array2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::contact::{Control, HalfSpace, Problem, Solver, Workspace};
+use crate::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, Workspace};
 use crate::friction::FrictionError;
-use crate::friction::bowden_tabor::BowdenTabor;
+use crate::friction::StripSums;
+use crate::friction::law::FrictionLaw;
 use crate::friction::window::{Window, WindowContact};
-use crate::monitor::{Cancelled, Monitor};
+use crate::map::HeightMap;
+use crate::monitor::{Cancelled, Monitor, Silent};
 use crate::random;
 use crate::surface::RandomSurface;
 
@@ -22,10 +24,12 @@ pub struct Strips<'a> {
     pub surface: &'a dyn RandomSurface,
     /// Half-space on the strips' grid.
     pub half_space: &'a HalfSpace,
-    /// Sliding window; halves of it are slid too, for the window study.
-    pub window: Window,
-    /// Friction law of the contacts; its hardness caps the pressure.
-    pub friction: BowdenTabor,
+    /// Sliding window; [`Window::narrower`] ones are slid too, for the window study.
+    pub window: &'a Window,
+    /// Friction law of the contacts.
+    pub law: &'a dyn FrictionLaw,
+    /// Hardness in pascal, which caps the pressure; `None` is elastic.
+    pub hardness_pa: Option<f64>,
     /// Contact solver.
     pub solver: Solver,
     /// Number of strips.
@@ -34,7 +38,7 @@ pub struct Strips<'a> {
     pub seed: u64,
 }
 
-/// μ(s) of one strip.
+/// μ(s) of one strip, or of one lane of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// Positions of the window in metre.
@@ -51,15 +55,13 @@ pub struct Record {
 
 impl Record {
     /// What the windows of one strip say.
-    fn of(windows: &[WindowContact], law: BowdenTabor) -> Self {
-        let friction: Vec<f64> = windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect();
-        let force_n = |(mu, w): (&f64, &WindowContact)| if mu.is_nan() { 0.0 } else { mu * w.load_n };
+    fn of(windows: &[WindowContact], law: &dyn FrictionLaw) -> Self {
         Self {
             position_m: windows.iter().map(|w| w.position_m).collect(),
+            friction: windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect(),
             contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
-            friction_force_n: friction.iter().zip(windows).map(force_n).collect(),
+            friction_force_n: windows.iter().map(|w| law.force_n(w).unwrap_or(0.0)).collect(),
             load_n: windows.iter().map(|w| w.load_n).collect(),
-            friction,
         }
     }
 
@@ -99,9 +101,11 @@ pub struct FailedStrip {
 /// All strips at one level of contact.
 #[derive(Debug, Clone)]
 pub struct Level {
-    /// Records in the order of realisations, failed strips left out.
+    /// Records in the order of realisations and then of lanes, failed strips left out.
     pub records: Vec<Record>,
-    /// The same seen through a half, a quarter and an eighth of the window.
+    /// Records per strip: lanes of the window.
+    pub lanes: usize,
+    /// The same seen through the rectangles of [`Window::narrower`].
     pub narrower: Vec<(Window, Vec<Record>)>,
     /// Strips left out.
     pub failures: Vec<FailedStrip>,
@@ -109,6 +113,8 @@ pub struct Level {
     pub penetration_m: f64,
     /// Mean pressure over all strips in pascal.
     pub mean_pressure_pa: f64,
+    /// Mean pressure of every strip in pascal, failed ones left out.
+    pub strip_pressures_pa: Vec<f64>,
     /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
     pub contact_fraction: f64,
     /// Share of the contact cells with p = H.
@@ -119,8 +125,8 @@ pub struct Level {
 
 /// One strip at one level.
 struct StripResult {
-    record: Record,
-    narrower: Vec<Record>,
+    records: Vec<Record>,
+    narrower: Vec<Vec<Record>>,
     penetration_m: f64,
     mean_pressure_pa: f64,
     contact_fraction: f64,
@@ -132,6 +138,9 @@ struct StripResult {
 impl Strips<'_> {
     /// Solves every strip at every level. The strips are the same at all levels. A level of which fewer than 95 % of the
     /// strips converged is an error of its own.
+    ///
+    /// Levels do not start from one another: at the distance of percentiles that takes more iterations than the solver's own
+    /// start (`examples/time_friction`: 8 to 17 after 8 to 11).
     ///
     /// # Errors
     /// The monitor cancelled.
@@ -147,9 +156,7 @@ impl Strips<'_> {
             .map_init(
                 || self.half_space.workspace(),
                 |workspace, index| {
-                    let mut stream = random::stream(self.seed, "friction/strip", index as u64);
-                    let germ = random::standard_normal(&mut stream, self.surface.germ_len());
-                    let map = self.surface.generate(&germ);
+                    let map = self.map(index);
                     levels
                         .iter()
                         .map(|&control| {
@@ -176,6 +183,31 @@ impl Strips<'_> {
         Ok(by_level.into_iter().map(|results| self.gather(results)).collect())
     }
 
+    /// The map of one strip.
+    pub(super) fn map(&self, index: usize) -> HeightMap {
+        let mut stream = random::stream(self.seed, "friction/strip", index as u64);
+        self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
+    }
+
+    /// The converged solution of one strip, or why there is none.
+    pub(super) fn solution(
+        &self,
+        heights_m: &Array2<f64>,
+        control: Control,
+        start: Option<&Array2<f64>>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, String> {
+        let problem =
+            Problem::new(self.half_space, heights_m, control, self.hardness_pa).map_err(|error| error.to_string())?;
+        let solution =
+            self.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
+        if solution.converged() {
+            return Ok(solution);
+        }
+        let (iterations, residual) = (solution.iterations(), solution.residual().worst());
+        Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"))
+    }
+
     fn solve_one(
         &self,
         heights_m: &Array2<f64>,
@@ -183,18 +215,17 @@ impl Strips<'_> {
         keep: bool,
         workspace: &mut Workspace,
     ) -> Result<StripResult, String> {
-        let problem = Problem::new(self.half_space, heights_m, control, self.friction.hardness_pa)
-            .map_err(|error| error.to_string())?;
-        let solution = self.solver.solve_with(&problem, workspace).map_err(|error| error.to_string())?;
-        if !solution.converged() {
-            let (iterations, residual) = (solution.iterations(), solution.residual().worst());
-            return Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"));
-        }
-        let seen = |window: &Window| Record::of(&window.slide(&solution), self.friction);
+        let solution = self.solution(heights_m, control, None, workspace)?;
+        let narrower = self.window.narrower();
+        let windows: Vec<&Window> = std::iter::once(self.window).chain(&narrower).collect();
+        let sums = StripSums::of(&solution, self.law.ploughs().then_some(heights_m), &windows);
+        let seen = |window: &Window| -> Vec<Record> {
+            window.slide(&sums).iter().map(|lane| Record::of(lane, self.law)).collect()
+        };
         let points = heights_m.len() as f64;
         Ok(StripResult {
-            record: seen(&self.window),
-            narrower: self.window.narrower().iter().map(seen).collect(),
+            records: seen(self.window),
+            narrower: narrower.iter().map(seen).collect(),
             penetration_m: solution.penetration_m(),
             mean_pressure_pa: solution.mean_pressure_pa(),
             contact_fraction: solution.corrected_contact_fraction(),
@@ -207,10 +238,12 @@ impl Strips<'_> {
     fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
         let mut level = Level {
             records: Vec::new(),
+            lanes: self.window.lanes(matches!(self.half_space.boundary(), Boundary::Periodic { .. })).len(),
             narrower: self.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
             failures: Vec::new(),
             penetration_m: 0.0,
             mean_pressure_pa: 0.0,
+            strip_pressures_pa: Vec::new(),
             contact_fraction: 0.0,
             plastic_share: 0.0,
             sample_pressure_pa: None,
@@ -221,12 +254,13 @@ impl Strips<'_> {
                 Ok(strip) => {
                     level.penetration_m += strip.penetration_m;
                     level.mean_pressure_pa += strip.mean_pressure_pa;
+                    level.strip_pressures_pa.push(strip.mean_pressure_pa);
                     level.contact_fraction += strip.contact_fraction;
                     contact_cells += strip.contact_cells;
                     plastic_cells += strip.plastic_cells;
-                    level.records.push(strip.record);
-                    for ((_, records), record) in level.narrower.iter_mut().zip(strip.narrower) {
-                        records.push(record);
+                    level.records.extend(strip.records);
+                    for ((_, records), lanes) in level.narrower.iter_mut().zip(strip.narrower) {
+                        records.extend(lanes);
                     }
                     if strip.pressure_pa.is_some() {
                         level.sample_pressure_pa = strip.pressure_pa;
@@ -235,7 +269,7 @@ impl Strips<'_> {
                 Err(reason) => level.failures.push(FailedStrip { index, reason }),
             }
         }
-        let (valid, total) = (level.records.len(), self.realisations);
+        let (valid, total) = (self.realisations - level.failures.len(), self.realisations);
         if (valid as f64) < LEAST_VALID_SHARE * total as f64 {
             let first = level.failures.first().map_or_else(String::new, |failure| failure.reason.clone());
             return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_SHARE, first });

@@ -61,7 +61,7 @@ impl WindowStudy {
         let spread = Moments::of(&left_out?).std;
         let half_width_m = NORMAL_95 * spread * ((groups - 1) as f64).sqrt();
         let windows: Result<Vec<WindowCorrelation>, EstimateError> =
-            records.iter().map(|(window, records)| WindowCorrelation::of(*window, records)).collect();
+            records.iter().map(|(window, records)| WindowCorrelation::of(window, records)).collect();
         Ok(Self {
             windows: windows?,
             length_m,
@@ -78,7 +78,7 @@ impl WindowStudy {
 }
 
 impl WindowCorrelation {
-    fn of(window: Window, records: &[Record]) -> Result<Self, EstimateError> {
+    fn of(window: &Window, records: &[Record]) -> Result<Self, EstimateError> {
         let estimate = correlation(window, records, |_| true)?;
         let length_m = fit_record(&estimate, RecordModel::Exponential)?.length_m;
         Ok(Self { window_m: window.length_m(), std: estimate.variance.sqrt(), length_m })
@@ -91,7 +91,7 @@ fn joint_fit(
     kept: impl Fn(usize) -> bool + Copy,
 ) -> Result<(f64, f64), EstimateError> {
     let estimates: Result<Vec<(f64, RecordCorrelation)>, EstimateError> =
-        records.iter().map(|(window, records)| Ok((window.length_m(), correlation(*window, records, kept)?))).collect();
+        records.iter().map(|(window, records)| Ok((window.length_m(), correlation(window, records, kept)?))).collect();
     let estimates = estimates?;
     let views: Vec<(f64, &RecordCorrelation)> = estimates.iter().map(|(window_m, found)| (*window_m, found)).collect();
     let (length_m, misfit) = fit_windowed_exponential(&views)?;
@@ -105,7 +105,7 @@ fn resolution_m(records: &[(Window, Vec<Record>)]) -> f64 {
 }
 
 fn correlation(
-    window: Window,
+    window: &Window,
     records: &[Record],
     kept: impl Fn(usize) -> bool,
 ) -> Result<RecordCorrelation, EstimateError> {

@@ -7,7 +7,9 @@ use thiserror::Error;
 use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::law::Marginal;
 use crate::map::PITCH_RANGE_M;
-use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Study, SurfaceSection};
+use crate::study::config::{
+    BoundaryChoice, CovarianceChoice, FrictionSection, GeneratorChoice, LawChoice, Study, SurfaceSection,
+};
 
 /// A value that is well-formed but cannot be right.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -39,6 +41,16 @@ fn within(
 
 fn at_least(section: &'static str, key: &'static str, value: usize, least: usize) -> Result<(), Problem> {
     if value >= least { Ok(()) } else { Err(problem(section, key, format!("found {value}, wanted at least {least}"))) }
+}
+
+/// `Err` if a value of a list comes twice.
+fn once<T: PartialEq + std::fmt::Display>(
+    section: &'static str,
+    key: &'static str,
+    values: &[T],
+) -> Result<(), Problem> {
+    let repeated = values.iter().enumerate().find(|(index, value)| values[..*index].contains(value));
+    repeated.map_or(Ok(()), |(_, value)| Err(problem(section, key, format!("found {value} twice"))))
 }
 
 const POSITIVE: &str = "a positive value";
@@ -234,9 +246,7 @@ impl Study {
     fn check_friction(&self) -> Result<(), Problem> {
         const SECTION: &str = "friction";
         let Some(f) = &self.friction else { return Ok(()) };
-        if self.material.as_ref().is_none_or(|m| m.shear_strength.is_none()) {
-            return Err(problem("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
-        }
+        self.check_friction_law(f)?;
         for side in f.strip {
             within(SECTION, "strip", side.0, positive, POSITIVE)?;
         }
@@ -252,6 +262,16 @@ impl Study {
             let message = format!("found {}, but the strip of {} must hold at least ten windows", f.window, f.strip[0]);
             return Err(problem(SECTION, "window", message));
         }
+        if let Some(width) = f.window_width {
+            within(SECTION, "window_width", width.0, positive, POSITIVE)?;
+            if width.0 > f.strip[1].0 * (1.0 + 1e-9) || width.0 < 1.5 * f.strip[1].0 / f.points[1] as f64 {
+                let message = format!(
+                    "found {width}, wanted at least two cells of the strip and at most its width of {}",
+                    f.strip[1]
+                );
+                return Err(problem(SECTION, "window_width", message));
+            }
+        }
         let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
         if f.boundary == BoundaryChoice::Free && inner < least {
             let message = "the ends of a free strip, as long as it is wide, are left out; no window fits between them";
@@ -260,17 +280,64 @@ impl Study {
         if let Some(compliance) = f.mean_compliance {
             within(SECTION, "mean_compliance", compliance.0, positive, POSITIVE)?;
         }
-        if f.percentiles.is_empty() {
-            return Err(problem(SECTION, "percentiles", "found none, wanted at least one level"));
-        }
-        for (index, percentile) in f.percentiles.iter().enumerate() {
-            within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
-            if f.percentiles[..index].contains(percentile) {
-                return Err(problem(SECTION, "percentiles", format!("found {percentile} twice")));
+        self.check_levels(f)?;
+        if let Some(area) = f.nominal_area {
+            within(SECTION, "nominal_area", area.0, positive, POSITIVE)?;
+            if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
+                let message = format!("found {area}, but [vibration] states {other}; leave one of them out");
+                return Err(problem(SECTION, "nominal_area", message));
             }
         }
         at_least(SECTION, "realisations", f.realisations, 2)?;
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
+    }
+
+    fn check_friction_law(&self, f: &FrictionSection) -> Result<(), Problem> {
+        const SECTION: &str = "friction";
+        let material = self.material.as_ref();
+        if f.law != LawChoice::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
+            return Err(problem("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
+        }
+        if f.law == LawChoice::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
+            let message = "nothing ploughs that does not yield; law = \"adhesion_ploughing\" needs the hardness";
+            return Err(problem("material", "hardness", message));
+        }
+        let missing = |key, message: &str| Err(problem(SECTION, key, message));
+        match (f.law, f.pressure_coefficient, f.coefficient) {
+            (LawChoice::PressureDependent, None, _) => {
+                missing("pressure_coefficient", "law = \"pressure_dependent\" needs its α, such as 0.05")
+            }
+            (LawChoice::PressureDependent, Some(alpha), _) => {
+                within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")
+            }
+            (LawChoice::Coulomb, _, None) => missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2"),
+            (LawChoice::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_levels(&self, f: &FrictionSection) -> Result<(), Problem> {
+        const SECTION: &str = "friction";
+        if f.levels() == 0 {
+            return Err(problem(SECTION, "percentiles", "found none, wanted at least one level"));
+        }
+        for percentile in &f.percentiles {
+            within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
+        }
+        let hardness = self.material.as_ref().and_then(|m| m.hardness);
+        for pressure in &f.mean_pressures {
+            within(SECTION, "mean_pressures", pressure.0, positive, POSITIVE)?;
+            if let Some(hardness) = hardness.filter(|h| pressure.0 >= h.0) {
+                let message = format!("found {pressure}, which is not below the hardness {hardness}");
+                return Err(problem(SECTION, "mean_pressures", message));
+            }
+        }
+        for penetration in &f.penetrations {
+            within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
+        }
+        once(SECTION, "percentiles", &f.percentiles)?;
+        once(SECTION, "mean_pressures", &f.mean_pressures)?;
+        once(SECTION, "penetrations", &f.penetrations)
     }
 
     fn check_vibration(&self) -> Result<(), Problem> {
@@ -379,7 +446,26 @@ impl Study {
         if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryChoice::Free && f.mean_compliance.is_some()) {
             idle.push(periodic_only("friction"));
         }
+        idle.extend(self.friction.iter().flat_map(FrictionSection::idle_keys));
+        if self.friction.as_ref().is_some_and(|f| f.law == LawChoice::Coulomb)
+            && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
+        {
+            idle.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
+        }
         idle
+    }
+}
+
+impl FrictionSection {
+    /// Its keys that are stated and change nothing, each in a sentence.
+    fn idle_keys(&self) -> Vec<String> {
+        let pressure = self.pressure_coefficient.is_some() && self.law != LawChoice::PressureDependent;
+        let coulomb = self.coefficient.is_some() && self.law != LawChoice::Coulomb;
+        [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
+            .into_iter()
+            .filter(|(_, idle, _)| *idle)
+            .map(|(key, _, law)| format!("[friction] {key} has no effect without law = \"{law}\""))
+            .collect()
     }
 }
 

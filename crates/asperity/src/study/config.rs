@@ -352,6 +352,32 @@ pub struct PressureSection {
     pub tolerance: f64,
 }
 
+/// From what a window sees to the friction force on it; see [`crate::friction::law`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LawChoice {
+    /// F = τ_max A_c (the paper's).
+    #[default]
+    BowdenTabor,
+    /// F = τ_max A_c + αN.
+    PressureDependent,
+    /// F = τ_max A_c and the ploughing of yielded contacts.
+    AdhesionPloughing,
+    /// F = μN.
+    Coulomb,
+}
+
+/// Shape of the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WindowShape {
+    /// All of its length and width.
+    #[default]
+    Rectangle,
+    /// The ellipse in it.
+    Ellipse,
+}
+
 /// `[friction]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -365,15 +391,40 @@ pub struct FrictionSection {
     /// Length of the window along x.
     #[serde(default = "window")]
     pub window: Length,
+    /// Width of the window along y; when left out, that of the strip. Windows narrower than a periodic strip are laid side by
+    /// side, and what each sees is a record of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_width: Option<Length>,
+    /// Shape of the window.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub window_shape: WindowShape,
+    /// Law of friction. `shear_strength` of `[material]` is its τ_max.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub law: LawChoice,
+    /// α of the pressure-dependent law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_coefficient: Option<f64>,
+    /// μ of Coulomb's law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
     /// Boundary of a strip.
     #[serde(default = "periodic")]
     pub boundary: BoundaryChoice,
     /// Mean compliance of a periodic strip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_compliance: Option<Compliance>,
-    /// Levels: percentages of the heights (of the ensemble) above the plane.
+    /// Levels: percentages of the heights (of the ensemble) above the plane, which is one plane in space for all strips.
     #[serde(default = "percentiles")]
     pub percentiles: Vec<f64>,
+    /// Further levels: mean pressures on every strip.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mean_pressures: Vec<Pressure>,
+    /// Further levels: depths of the plane below the highest point of every strip.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub penetrations: Vec<Length>,
+    /// Area over which windows average, for the `area` upscaling; when left out, that of `[vibration]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nominal_area: Option<Area>,
     /// Strips per level.
     #[serde(default = "realisations")]
     pub realisations: usize,
@@ -382,15 +433,35 @@ pub struct FrictionSection {
     pub tolerance: f64,
 }
 
+impl FrictionSection {
+    /// Width of the window.
+    pub fn window_width(&self) -> Length {
+        self.window_width.unwrap_or(self.strip[1])
+    }
+
+    /// Number of levels that it states.
+    pub fn levels(&self) -> usize {
+        self.percentiles.len() + self.mean_pressures.len() + self.penetrations.len()
+    }
+}
+
 impl Default for FrictionSection {
     fn default() -> Self {
         Self {
             strip: strip(),
             points: strip_points(),
             window: window(),
+            window_width: None,
+            window_shape: WindowShape::default(),
+            law: LawChoice::default(),
+            pressure_coefficient: None,
+            coefficient: None,
             boundary: periodic(),
             mean_compliance: None,
             percentiles: percentiles(),
+            mean_pressures: Vec::new(),
+            penetrations: Vec::new(),
+            nominal_area: None,
             realisations: realisations(),
             tolerance: solve_tolerance(),
         }
@@ -479,6 +550,9 @@ fn yes() -> bool {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
 fn is_true(value: &bool) -> bool {
     *value
+}
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 fn poisson_ratio() -> f64 {
     0.3

@@ -70,7 +70,7 @@ impl Study {
         }
         if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
-            let solutions = (f.percentiles.len() + usize::from(nominal)) * f.realisations;
+            let solutions = (f.levels() + usize::from(nominal)) * f.realisations;
             let mut stage = contact(Stage::Friction, (solutions, 0.0), f.points, f.boundary, 0);
             // The generator, and on every thread a germ, a map and its transform.
             let cells = f.points[0] as f64 * f.points[1] as f64;

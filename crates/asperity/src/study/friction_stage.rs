@@ -2,19 +2,24 @@
 
 use crate::contact::{Control, Solver};
 use crate::correlation::windowed_exponential;
-use crate::friction::bowden_tabor::BowdenTabor;
+use crate::friction::load_curve::LoadPoint;
 use crate::friction::record::{FrictionStatistics, WANTED_CONTACT_CELLS};
 use crate::friction::strip::{Level, Record, Strips};
+use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::stats::Histogram;
-use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection};
+use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
+use crate::study::friction_law::friction_law;
+use crate::study::level_control::{Lead, LevelControl};
 use crate::study::output::StageOutput;
-use crate::study::pressure_stage::{half_space, plane};
-use crate::study::result::{AtMeanLoad, FrictionResult, LevelResult, finite, pair};
+use crate::study::pressure_stage::half_space;
+use crate::study::result::{
+    AreaScatter, AtMeanLoad, FrictionResult, LevelResult, PaperScatter, UpscalingResult, finite, pair,
+};
 use crate::study::surface_model::SurfaceModel;
 use crate::study::surface_stage::law_result;
 use crate::study::{Field, StudyError, Table, sentence};
@@ -24,7 +29,7 @@ const SPARSE_SHARE: f64 = 0.1;
 
 /// One level with its statistics.
 pub(super) struct SolvedLevel {
-    pub(super) percentile: Option<f64>,
+    pub(super) control: LevelControl,
     pub(super) level: Level,
     /// Of the quotient F/N of each window.
     statistics: FrictionStatistics,
@@ -39,29 +44,49 @@ pub(super) struct SolvedLevel {
 }
 
 impl SolvedLevel {
-    fn new(percentile: Option<f64>, level: Level, window: Window, seed: u64) -> Result<Self, StudyError> {
-        let failed = |error| StudyError::Friction { level: name_of(percentile), error };
+    fn new(control: LevelControl, level: Level, window: &Window, seed: u64) -> Result<Self, StudyError> {
+        let failed = |error| StudyError::Friction { level: control.name(), error };
         let statistics = FrictionStatistics::of(&level.records, window.step_m(), seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
         let process = FrictionStatistics::of(&at_mean_load, window.step_m(), seed).map_err(failed)?;
-        let mut windows = vec![(window, at_mean_load.clone())];
-        windows.extend(level.narrower.iter().map(|(window, records)| (*window, Record::at_mean_load(records).1)));
+        // The study knows the correlation under rectangles.
+        let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
+        let narrower = level.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
+        let windows: Vec<(Window, Vec<Record>)> = own.into_iter().chain(narrower).collect();
         let varies = process.moments.std > 0.0;
         let window_study = if varies { WindowStudy::of(&windows).ok() } else { None };
-        Ok(Self { percentile, level, statistics, mean, at_mean_load, process, window_study })
+        Ok(Self { control, level, statistics, mean, at_mean_load, process, window_study })
     }
-}
 
-/// A level in words.
-fn name_of(percentile: Option<f64>) -> String {
-    percentile.map_or_else(|| "the nominal pressure".to_owned(), |p| format!("percentile {p}"))
+    /// Variance of μ over the nominal area over that of one window, by the correlation that is left without the window.
+    pub(super) fn variance_reduction(&self, window: &Window, nominal_area_m2: f64) -> f64 {
+        let length_m = self.window_study.as_ref().map_or(0.0, |study| study.length_m);
+        // Windows of another shape count as rectangles of their area and width.
+        let rectangle_m = window.area_m2() / window.width_m();
+        variance_reduction(rectangle_m, window.width_m(), nominal_area_m2, &exponential(length_m))
+    }
+
+    /// Both upscalings.
+    fn upscaling(&self, window: &Window, nominal_area_m2: f64) -> UpscalingResult {
+        let (std, variance_reduction) = (self.process.moments.std, self.variance_reduction(window, nominal_area_m2));
+        UpscalingResult {
+            paper: PaperScatter { std },
+            area: AreaScatter {
+                nominal_area_m2,
+                windows: nominal_area_m2 / window.area_m2(),
+                variance_reduction,
+                std: std * variance_reduction.sqrt(),
+            },
+        }
+    }
 }
 
 /// Every level, and the windows that it was seen through.
 pub(super) struct SolvedStrips {
-    pub(super) window_m: f64,
-    pub(super) strip_width_m: f64,
+    pub(super) window: Window,
     pub(super) levels: Vec<SolvedLevel>,
+    /// Index of the level that leads.
+    pub(super) lead: usize,
 }
 
 /// What the friction stage hands on.
@@ -71,23 +96,13 @@ pub(super) struct FrictionStage {
     pub(super) output: StageOutput,
 }
 
-/// Which level leads: is shown in full, and handed to the vibration stage.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Lead {
-    /// The deepest percentile: there is no vibration stage.
-    Deepest,
-    /// The percentile that the study names.
-    Percentile(f64),
-    /// One more level, at this mean pressure in pascal.
-    NominalPressure(f64),
-}
-
-/// Solves the strips at the percentiles of the section and, where it leads, at the nominal pressure.
+/// Solves the strips at the levels of the section and, where it leads, at the nominal pressure.
 pub(super) fn run(
     section: &FrictionSection,
     material: &MaterialSection,
     model: &SurfaceModel,
     lead: Lead,
+    nominal_area_m2: Option<f64>,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
@@ -97,71 +112,69 @@ pub(super) fn run(
     let periodic = section.boundary == BoundaryChoice::Periodic;
     let compliance = section.mean_compliance.map(|c| c.0);
     let (half_space, mean_compliance_m_per_pa) = half_space("friction", grid, material, section.boundary, compliance)?;
-    let window = Window::new(section.window.0, grid)?;
-    let generated = model.strip(grid, periodic)?;
-    let friction = BowdenTabor {
-        shear_strength_pa: material.shear_strength.ok_or(StudyError::NoStage("material"))?.0,
-        hardness_pa: material.hardness.map(|h| h.0),
+    let window = match section.window_shape {
+        WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
+        WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
     };
+    let generated = model.strip(grid, periodic)?;
+    let (law, law_in_words) = friction_law(section, material)?;
     let strips = Strips {
         surface: generated.surface.as_ref(),
         half_space: &half_space,
-        window,
-        friction,
+        window: &window,
+        law: law.as_ref(),
+        hardness_pa: material.hardness.map(|h| h.0),
         solver: Solver { tolerance: section.tolerance, ..Solver::default() },
         realisations: section.realisations,
         seed,
     };
-    let mut names: Vec<Option<f64>> = section.percentiles.iter().copied().map(Some).collect();
-    let mut controls: Vec<Control> = section.percentiles.iter().map(|p| plane(&model.marginal, *p)).collect();
-    if let Lead::NominalPressure(pascal) = lead {
-        names.push(None);
-        controls.push(Control::MeanPressure { pascal });
-    }
+    let stated = LevelControl::of(section, lead);
+    let controls: Vec<Control> = stated.iter().map(|level| level.contact(&model.marginal)).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
-    for (percentile, level) in names.into_iter().zip(strips.solve(&controls, monitor)?) {
-        let level = level.map_err(|error| StudyError::Friction { level: name_of(percentile), error })?;
-        let level = SolvedLevel::new(percentile, level, window, seed)?;
+    for (control, level) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
+        let level = level.map_err(|error| StudyError::Friction { level: control.name(), error })?;
+        let level = SolvedLevel::new(control, level, &window, seed)?;
         output.warnings.extend(level_warnings(&level));
         levels.push(level);
     }
-    let lead = leading(&levels, lead);
+    let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
+    let lead = lead.among(&pressures);
     let result = FrictionResult {
         window_m: window.length_m(),
+        window_width_m: window.width_m(),
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
         realisations: section.realisations,
-        levels: levels.iter().enumerate().map(|(index, level)| level_result(level, index == lead)).collect(),
+        levels: levels
+            .iter()
+            .enumerate()
+            .map(|(index, level)| LevelResult {
+                leading: index == lead,
+                upscaling: nominal_area_m2.map(|area_m2| level.upscaling(&window, area_m2)),
+                ..level_result(level)
+            })
+            .collect(),
     };
-    output.tables = vec![("friction_levels", levels_table(&levels)), ("friction_trace", trace_table(&levels))];
-    output.tables.extend(lead_tables(&levels[lead], window));
+    output.tables = vec![
+        ("friction_levels", levels_table(&levels)),
+        ("friction_load_curve", load_curve_table(&levels)),
+        ("friction_trace", trace_table(&levels)),
+    ];
+    output.tables.extend(lead_tables(&levels[lead], &window));
     if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {
         output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
-    output.assumptions = sentences(section, &strips, mean_compliance_m_per_pa, &levels[lead]);
+    output.assumptions = sentences(section, &strips, &law_in_words, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());
-    let solved = SolvedStrips { window_m: window.length_m(), strip_width_m: grid.height_m(), levels };
+    let solved = SolvedStrips { window, levels, lead };
     Ok(FrictionStage { solved, result, output })
-}
-
-/// Index of the level that leads.
-fn leading(levels: &[SolvedLevel], lead: Lead) -> usize {
-    let deepest = || {
-        let depth = |index: &usize| levels[*index].percentile.unwrap_or(0.0);
-        (0..levels.len()).max_by(|a, b| depth(a).total_cmp(&depth(b)))
-    };
-    let wanted = match lead {
-        Lead::Deepest => None,
-        Lead::Percentile(percentile) => levels.iter().position(|level| level.percentile == Some(percentile)),
-        Lead::NominalPressure(_) => levels.iter().position(|level| level.percentile.is_none()),
-    };
-    wanted.or_else(deepest).unwrap_or(0)
 }
 
 fn sentences(
     section: &FrictionSection,
     strips: &Strips<'_>,
+    law: &str,
     mean_compliance_m_per_pa: Option<f64>,
     lead: &SolvedLevel,
 ) -> Vec<String> {
@@ -172,8 +185,7 @@ fn sentences(
         }
     };
     let window = strips.window;
-    let window_m = sentence::si(window.length_m(), "m");
-    let name = name_of(lead.percentile);
+    let name = lead.control.name();
     let correlation = match &lead.window_study {
         None => format!("At {name} friction does not vary, so it has no correlation."),
         Some(study) => format!(
@@ -186,11 +198,21 @@ fn sentences(
             if study.window_only() { ": the correlation is the window's alone" } else { " beside the window's" }
         ),
     };
-    vec![
+    let shape = match section.window_shape {
+        WindowShape::Rectangle => "a window",
+        WindowShape::Ellipse => "an elliptic window",
+    };
+    let width = match lead.level.lanes {
+        1 if window.width_m() > strips.half_space.grid().height_m() * (1.0 - 1e-9) => {
+            "the width of the strip".to_owned()
+        }
+        1 => sentence::si(window.width_m(), "m"),
+        lanes => format!("{}, {lanes} side by side", sentence::si(window.width_m(), "m")),
+    };
+    let mut sentences = vec![
         format!(
-            "Friction is shear-dominated, μ = τ_max A_c/N with τ_max = {} and the contact area A_c corrected for its \
-             perimeter, over a window of {window_m} × the width of the strip, moved by {}.",
-            sentence::si(strips.friction.shear_strength_pa, "Pa"),
+            "{law}, over {shape} of {} × {width}, moved by {}.",
+            sentence::si(window.length_m(), "m"),
             sentence::si(window.step_m(), "m"),
         ),
         format!(
@@ -203,11 +225,19 @@ fn sentences(
          at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries."
             .into(),
         correlation,
-    ]
+    ];
+    if !section.penetrations.is_empty() {
+        sentences.push(
+            "A percentile is of the ensemble: one plane in space, to which strips are pressed more or less. A penetration is \
+             counted from the highest point of each strip, so that the plane differs from strip to strip."
+                .into(),
+        );
+    }
+    sentences
 }
 
 fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
-    let (name, statistics) = (name_of(solved.percentile), &solved.statistics);
+    let (name, statistics) = (solved.control.name(), &solved.statistics);
     let mut warnings = Vec::new();
     if statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > SPARSE_SHARE {
         warnings.push(format!(
@@ -228,14 +258,15 @@ fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
     warnings
 }
 
-fn level_result(solved: &SolvedLevel, leading: bool) -> LevelResult {
+fn level_result(solved: &SolvedLevel) -> LevelResult {
     let (level, statistics) = (&solved.level, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();
     let process = &solved.process;
     LevelResult {
-        leading,
-        percentile: solved.percentile,
+        leading: false,
+        control: solved.control.key(),
+        percentile: solved.control.percentile(),
         penetration_m: level.penetration_m,
         mean_pressure_pa: level.mean_pressure_pa,
         contact_fraction: level.contact_fraction,
@@ -261,6 +292,7 @@ fn level_result(solved: &SolvedLevel, leading: bool) -> LevelResult {
             correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
             marginal: process.marginal().map(|fit| law_result(&fit.law)),
         },
+        upscaling: None,
         empty_windows: statistics.empty_windows,
         contact_cells_per_window: statistics.contact_cells,
         sparse_window_share: statistics.sparse_share,
@@ -272,7 +304,7 @@ fn level_result(solved: &SolvedLevel, leading: bool) -> LevelResult {
 fn levels_table(levels: &[SolvedLevel]) -> Table {
     let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
     Table::new([
-        ("percentile", column(&|l| l.percentile.unwrap_or(f64::NAN))),
+        ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
         ("penetration_m", column(&|l| l.level.penetration_m)),
         ("mean_pressure_pa", column(&|l| l.level.mean_pressure_pa)),
         ("mean", column(&|l| l.statistics.moments.mean)),
@@ -285,24 +317,37 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
     ])
 }
 
+/// Load against depth, from the shallowest level.
+fn load_curve_table(levels: &[SolvedLevel]) -> Table {
+    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::of(&level.level)).collect();
+    points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
+    let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
+    Table::new([
+        ("penetration_m", column(&|p| p.penetration_m)),
+        ("mean_pressure_pa", column(&|p| p.mean_pressure_pa)),
+        ("low", column(&|p| p.interval.low)),
+        ("high", column(&|p| p.interval.high)),
+        ("contact_fraction", column(&|p| p.contact_fraction)),
+    ])
+}
+
 /// μ(s) of the first strip at every level.
 fn trace_table(levels: &[SolvedLevel]) -> Table {
     let first = levels.iter().filter_map(|level| level.level.records.first()).next();
     let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];
     let rows = columns[0].1.len();
     for level in levels {
-        let name = match level.percentile {
-            Some(percentile) => format!("mu_p{percentile}").replace('.', "_"),
-            None => "mu_load".into(),
-        };
         let trace = level.level.records.first().filter(|record| record.friction.len() == rows);
-        columns.push((name, trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone())));
+        columns.push((
+            level.control.column(),
+            trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
+        ));
     }
     Table::new(columns)
 }
 
 /// Law, correlation and window study of the leading level, at the mean load.
-fn lead_tables(lead: &SolvedLevel, window: Window) -> Vec<(&'static str, Table)> {
+fn lead_tables(lead: &SolvedLevel, window: &Window) -> Vec<(&'static str, Table)> {
     let mut tables = Vec::new();
     let process = &lead.process;
     let pooled: Vec<f64> = lead.at_mean_load.iter().flat_map(|record| record.friction.iter().copied()).collect();

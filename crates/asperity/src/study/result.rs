@@ -319,6 +319,8 @@ pub struct KarhunenLoeveResult {
 pub struct FrictionResult {
     /// Length of the window.
     pub window_m: f64,
+    /// Width of the window.
+    pub window_width_m: f64,
     /// Width of the strip.
     pub strip_width_m: f64,
     /// Mean compliance of a periodic strip.
@@ -334,7 +336,9 @@ pub struct FrictionResult {
 pub struct LevelResult {
     /// Whether this is the level that is shown in full and handed to the vibration stage.
     pub leading: bool,
-    /// Percentage of the heights above the plane; `null` for the level solved at a mean pressure.
+    /// What is prescribed: `percentile`, `mean_pressure` or `penetration`.
+    pub control: &'static str,
+    /// Percentage of the heights above the plane; `null` where that is not prescribed.
     pub percentile: Option<f64>,
     /// Mean depth of the plane below the highest point of each strip.
     pub penetration_m: f64,
@@ -375,6 +379,8 @@ pub struct LevelResult {
     pub empty_windows: usize,
     /// The process that a body feels which rests on many windows.
     pub at_mean_load: AtMeanLoad,
+    /// From one window to the nominal area; `null` where no nominal area is stated.
+    pub upscaling: Option<UpscalingResult>,
     /// Mean number of contact cells in a window.
     pub contact_cells_per_window: f64,
     /// Share of windows with fewer than 30 contact cells.
@@ -400,6 +406,35 @@ pub struct AtMeanLoad {
     pub correlation_length_m: Option<f64>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
+}
+
+/// The scatter of friction at the mean load under both upscalings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UpscalingResult {
+    /// One window carries the whole normal force (the paper).
+    pub paper: PaperScatter,
+    /// Windows average over the nominal area.
+    pub area: AreaScatter,
+}
+
+/// Friction of one window.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PaperScatter {
+    /// Standard deviation of μ.
+    pub std: f64,
+}
+
+/// Friction of the nominal area.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AreaScatter {
+    /// The nominal area.
+    pub nominal_area_m2: f64,
+    /// Windows that it holds.
+    pub windows: f64,
+    /// Variance of μ over the nominal area over that of one window.
+    pub variance_reduction: f64,
+    /// Standard deviation of μ.
+    pub std: f64,
 }
 
 /// The vibration stage.

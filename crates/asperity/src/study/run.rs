@@ -6,7 +6,7 @@ use std::str::FromStr;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::study::config::{BoundaryChoice, SurfaceSection};
-use crate::study::friction_stage::Lead;
+use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::window_friction::WindowFriction;
@@ -114,7 +114,9 @@ impl Study {
                 Some((Some(percentile), _)) => Lead::Percentile(percentile),
                 Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
             };
-            let stage = friction_stage::run(section, material, surface, lead, self.seed, monitor)?;
+            let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
+            let nominal_area_m2 = section.nominal_area.or_else(of_vibration).map(|area| area.0);
+            let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             friction = Some(stage.solved);

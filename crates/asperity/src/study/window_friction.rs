@@ -1,6 +1,6 @@
 //! The friction that the oscillator slides on: of one window, computed or stated, and how much of it the nominal area keeps.
 
-use crate::friction::upscaling::variance_reduction;
+use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::law::Marginal;
 use crate::study::StudyError;
 use crate::study::config::{FrictionSection, VibrationSection};
@@ -30,11 +30,7 @@ pub(super) struct WindowFriction {
 impl WindowFriction {
     /// That of the level that the study names, or of the one at the nominal pressure, at the mean load.
     pub(super) fn computed(section: &VibrationSection, strips: &SolvedStrips) -> Result<Self, StudyError> {
-        let level = strips
-            .levels
-            .iter()
-            .find(|level| level.percentile == section.level)
-            .ok_or(StudyError::NoStage("friction"))?;
+        let level = strips.levels.get(strips.lead).ok_or(StudyError::NoStage("friction"))?;
         let process = &level.process;
         let mut warnings = Vec::new();
         let varies = process.moments.std > 0.0;
@@ -46,7 +42,7 @@ impl WindowFriction {
                     warnings
                         .push(format!("friction has no correlation ({error}); the window's length is taken for it"));
                 }
-                strips.window_m
+                strips.window.length_m()
             }
         };
         let marginal = process.marginal().map(|fit| fit.law.clone()).unwrap_or_else(|| {
@@ -57,7 +53,7 @@ impl WindowFriction {
         });
         let pressure_pa = level.level.mean_pressure_pa;
         let pressure = sentence::si(pressure_pa, "Pa");
-        let origin = match level.percentile {
+        let origin = match level.control.percentile() {
             None => format!("of the level at the nominal pressure, {pressure}, at the mean load"),
             Some(percentile) => {
                 let nominal_pa = section.normal_force.0 / section.nominal_area.0;
@@ -65,17 +61,15 @@ impl WindowFriction {
                 format!("of the level at percentile {percentile}, {pressure}, at the mean load")
             }
         };
-        let own_length_m = level.window_study.as_ref().map_or(0.0, |study| study.length_m);
-        let (window_m, width_m) = (strips.window_m, strips.strip_width_m);
         Ok(Self {
             mean: level.mean,
             std: process.moments.std,
             length_m,
             marginal,
-            area_m2: window_m * width_m,
-            level_percentile: level.percentile,
+            area_m2: strips.window.area_m2(),
+            level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
-            variance_reduction: variance_reduction(window_m, width_m, own_length_m, section.nominal_area.0),
+            variance_reduction: level.variance_reduction(&strips.window, section.nominal_area.0),
             origin,
             warnings,
         })
@@ -96,7 +90,7 @@ impl WindowFriction {
             area_m2: window_m * width_m,
             level_percentile: None,
             level_mean_pressure_pa: None,
-            variance_reduction: variance_reduction(window_m, width_m, length_m, section.nominal_area.0),
+            variance_reduction: variance_reduction(window_m, width_m, section.nominal_area.0, &exponential(length_m)),
             origin: format!(
                 "stated, taken for that of a window of {} whose correlation is not the window's",
                 sentence::size(window_m, width_m)
