@@ -7,6 +7,7 @@ mod check;
 pub mod config;
 mod error;
 mod estimate;
+mod friction_process;
 mod friction_stage;
 mod height_fits;
 mod measured;

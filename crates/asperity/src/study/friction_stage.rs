@@ -67,6 +67,8 @@ pub(super) struct SolvedStrips {
 /// What the friction stage hands on.
 pub(super) struct FrictionStage {
     pub(super) solved: SolvedStrips,
+    /// Index of the level that leads.
+    pub(super) lead: usize,
     pub(super) result: FrictionResult,
     pub(super) output: StageOutput,
 }
@@ -142,7 +144,7 @@ pub(super) fn run(
     output.assumptions = sentences(section, &strips, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());
     let solved = SolvedStrips { window_m: window.length_m(), strip_width_m: grid.height_m(), levels };
-    Ok(FrictionStage { solved, result, output })
+    Ok(FrictionStage { solved, lead, result, output })
 }
 
 /// Index of the level that leads.
