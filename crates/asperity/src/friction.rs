@@ -2,11 +2,12 @@
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and
 //! [`bowden_tabor::BowdenTabor`] turns contact area and load into μ(s); [`record::FrictionStatistics`] says what kind of
-//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
+//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it. [`measured`] fits a process to a record from a tribometer.
 
 use thiserror::Error;
 
 pub mod bowden_tabor;
+pub mod measured;
 pub mod process;
 pub mod record;
 pub mod strip;

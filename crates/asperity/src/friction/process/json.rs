@@ -1,6 +1,7 @@
 //! A fitted process as a JSON file.
 
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind, ProcessError};
@@ -67,6 +68,40 @@ pub enum ProcessFileError {
     Process(#[from] ProcessError),
 }
 
+/// The file, in the order in which it is written.
+#[derive(Serialize)]
+struct Document<'a> {
+    format: &'static str,
+    version: u64,
+    mean: f64,
+    mean_interval: Option<[f64; 2]>,
+    std: f64,
+    std_interval: Option<[f64; 2]>,
+    marginal: Option<&'a Marginal>,
+    correlation: Option<CorrelationDocument>,
+    stribeck_s_per_m: Option<f64>,
+    averaged_over_m: Option<[f64; 2]>,
+    mean_pressure_pa: Option<f64>,
+    origin: OriginDocument<'a>,
+}
+
+#[derive(Serialize)]
+struct CorrelationDocument {
+    model: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nu: Option<f64>,
+    length_m: f64,
+    length_m_interval: Option<[f64; 2]>,
+    window_m: Option<f64>,
+    length_without_window_m: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct OriginDocument<'a> {
+    kind: &'static str,
+    description: &'a str,
+}
+
 impl FittedProcess {
     /// Indented JSON with a final newline; it reads back to the same bits.
     ///
@@ -74,33 +109,34 @@ impl FittedProcess {
     /// As [`FittedProcess::check`].
     pub fn to_json(&self) -> Result<String, ProcessError> {
         self.check()?;
-        let correlation = self.correlation.as_ref().map(|correlation| {
-            let mut fields = Map::new();
-            fields.insert("model".into(), correlation.shape.name().into());
-            if let CorrelationShape::Matern { nu } = correlation.shape {
-                fields.insert("nu".into(), nu.into());
-            }
-            fields.insert("length_m".into(), correlation.length_m.into());
-            fields.insert("length_m_interval".into(), json!(correlation.length_interval_m));
-            fields.insert("window_m".into(), json!(correlation.window_m));
-            fields.insert("length_without_window_m".into(), json!(correlation.length_without_window_m));
-            fields
+        let correlation = self.correlation.as_ref().map(|correlation| CorrelationDocument {
+            model: correlation.shape.name(),
+            nu: match correlation.shape {
+                CorrelationShape::Matern { nu } => Some(nu),
+                _ => None,
+            },
+            length_m: correlation.length_m,
+            length_m_interval: correlation.length_interval_m,
+            window_m: correlation.window_m,
+            length_without_window_m: correlation.length_without_window_m,
         });
-        let value = json!({
-            "format": FORMAT,
-            "version": VERSION,
-            "mean": self.mean,
-            "mean_interval": self.mean_interval,
-            "std": self.std,
-            "std_interval": self.std_interval,
-            "marginal": self.marginal,
-            "correlation": correlation,
-            "stribeck_s_per_m": self.stribeck_s_per_m,
-            "averaged_over_m": self.averaged_over_m,
-            "mean_pressure_pa": self.mean_pressure_pa,
-            "origin": { "kind": self.origin.kind.name(), "description": self.origin.description },
-        });
-        Ok(format!("{value:#}\n"))
+        let document = Document {
+            format: FORMAT,
+            version: VERSION,
+            mean: self.mean,
+            mean_interval: self.mean_interval,
+            std: self.std,
+            std_interval: self.std_interval,
+            marginal: self.marginal.as_ref(),
+            correlation,
+            stribeck_s_per_m: self.stribeck_s_per_m,
+            averaged_over_m: self.averaged_over_m,
+            mean_pressure_pa: self.mean_pressure_pa,
+            origin: OriginDocument { kind: self.origin.kind.name(), description: &self.origin.description },
+        };
+        // Numbers, names and texts: nothing that JSON could not hold.
+        let text = serde_json::to_string_pretty(&document).unwrap_or_default();
+        Ok(text + "\n")
     }
 
     /// Reads what [`FittedProcess::to_json`] wrote, or a person did.
