@@ -31,6 +31,7 @@ mod window_friction;
 pub use config::Study;
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
+pub use friction_process::simulated_record;
 pub use measured::statistics;
 pub use parse::StudyFileError;
 pub use pooled::PooledStatistics;

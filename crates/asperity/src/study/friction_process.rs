@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
-use crate::study::StudyError;
+use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind, ProcessError};
 use crate::study::friction_stage::{SolvedLevel, SolvedStrips};
 use crate::study::result::pair;
 use crate::study::sentence;
+use crate::study::{StudyError, Table};
 
 /// The process of one level at the mean load. Constant friction has neither law nor correlation; of varying friction without a
 /// correlation there is no process, and the reason is given.
@@ -54,6 +54,19 @@ pub(super) fn of_level(
     };
     fitted.check().map_err(|error| error.to_string())?;
     Ok(fitted)
+}
+
+/// A record drawn from a process: `position_m`, `mu` and `fluctuation`, what μ has beyond its mean.
+///
+/// # Errors
+/// As [`FittedProcess::simulate`].
+pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, seed: u64) -> Result<Table, ProcessError> {
+    let mu = process.simulate(length_m, step_m, seed, 0)?;
+    Ok(Table::new([
+        ("position_m", (0..mu.len()).map(|index| index as f64 * step_m).collect()),
+        ("fluctuation", mu.iter().map(|mu| mu - process.mean).collect()),
+        ("mu", mu),
+    ]))
 }
 
 /// Reads a process that a study names; `path` is where it lies, `name` what the study calls it.

@@ -142,8 +142,10 @@ impl WindowFriction {
                 "{file} does not say over which area its friction is averaged; it is taken for that of the nominal area, and                  both upscalings are the same"
             ));
         }
-        let stribeck = process.stribeck(velocity_m_per_s).unwrap_or(section.stribeck);
-        if (stribeck - section.stribeck).abs() > 1e-9 * section.stribeck {
+        // The same but for the rounding of units is the same.
+        let own = |a: &f64| (a - section.stribeck).abs() > 1e-9 * section.stribeck;
+        let stribeck = process.stribeck(velocity_m_per_s).filter(own).unwrap_or(section.stribeck);
+        if stribeck != section.stribeck {
             warnings.push(format!(
                 "the Stribeck coefficient of {file}, {} s/m or {} per unit of dimensionless velocity, takes the place of                  `stribeck` = {}",
                 sentence::digits(stribeck / velocity_m_per_s),

@@ -189,18 +189,6 @@ fn length_interval(values: &[f64], step_m: f64, fit: &RecordFit) -> Option<[f64;
     Some([(fit.length_m - reach).max(0.0), fit.length_m + reach])
 }
 
-fn shape(model: RecordModel) -> CorrelationShape {
-    match model {
-        RecordModel::Exponential => CorrelationShape::Exponential,
-        RecordModel::SquaredExponential => CorrelationShape::SquaredExponential,
-        RecordModel::WindowedExponential { window_m } => CorrelationShape::WindowedExponential { window: window_m },
-    }
-}
-
-fn model_name(model: RecordModel) -> &'static str {
-    shape(model).name()
-}
-
 impl FittedRecord {
     /// Fits a process to a prepared record; `description` says where it comes from.
     ///
@@ -226,7 +214,7 @@ impl FittedRecord {
         if independent < LEAST_INDEPENDENT {
             return Err(MeasuredError::TooShort { present, effective: independent, wanted: LEAST_INDEPENDENT });
         }
-        let shape = shape(best.model);
+        let shape = CorrelationShape::from(best.model);
         let process = FittedProcess {
             mean: moments.mean,
             mean_interval: Some(mean_interval),
@@ -316,7 +304,7 @@ impl FittedRecord {
         let lag_m: Vec<f64> = (0..lags).map(|lag| lag as f64 * step_m).collect();
         let model = |fit: &RecordFit| -> (String, Vec<f64>) {
             let values = lag_m.iter().map(|lag| fit.model.correlation(*lag, fit.length_m)).collect();
-            (model_name(fit.model).into(), values)
+            (CorrelationShape::from(fit.model).name().into(), values)
         };
         let mut columns =
             vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];

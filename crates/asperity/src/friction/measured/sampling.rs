@@ -73,7 +73,7 @@ pub(super) fn even(
     if total > 100.0 * rows.len() as f64 {
         return Err(MeasuredError::LongGap { line: line(rows.len() - 1), steps: total, rows: rows.len() });
     }
-    let (start, step) = line_through(&index, |place| at(place));
+    let (start, step) = line_through(&index, at);
     let offset = |place: usize| (at(place) - start) / step - index[place];
     let off = (0..rows.len()).map(|place| offset(place).abs()).fold(0.0, f64::max);
     let mut even = vec![f64::NAN; total as usize + 1];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{ProcessError, positive};
-use crate::correlation::{CorrelationModel, windowed_exponential};
+use crate::correlation::{CorrelationModel, RecordModel, windowed_exponential};
 use crate::law::standard_normal_quantile;
 use crate::stats::student_quantile;
 
@@ -32,6 +32,16 @@ pub enum CorrelationShape {
         /// Window W, in the unit of the sliding distance.
         window: f64,
     },
+}
+
+impl From<RecordModel> for CorrelationShape {
+    fn from(model: RecordModel) -> Self {
+        match model {
+            RecordModel::Exponential => Self::Exponential,
+            RecordModel::SquaredExponential => Self::SquaredExponential,
+            RecordModel::WindowedExponential { window_m } => Self::WindowedExponential { window: window_m },
+        }
+    }
 }
 
 impl CorrelationShape {
