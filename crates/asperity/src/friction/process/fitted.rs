@@ -245,6 +245,9 @@ pub(super) mod tests {
         }
     }
 
+    /// Moments and correlation of one simulated record.
+    type Drawn = (Moments, Vec<f64>);
+
     #[test]
     fn a_simulated_record_has_the_moments_and_the_correlation_of_its_process() {
         for shape in [
@@ -254,7 +257,7 @@ pub(super) mod tests {
             CorrelationShape::WindowedExponential { window: 500e-6 },
         ] {
             let process = fitted(shape);
-            let found: Vec<(Moments, Vec<f64>)> = (0..24)
+            let found: Vec<Drawn> = (0..24)
                 .map(|index| {
                     let mu = process.simulate(0.5, 50e-6, 4, index).unwrap();
                     assert_eq!(mu.len(), 10_001);
@@ -262,7 +265,7 @@ pub(super) mod tests {
                     (Moments::of(&mu), acf.unwrap().correlation)
                 })
                 .collect();
-            let close = |name: &str, wanted: f64, bias: f64, value: &dyn Fn(&(Moments, Vec<f64>)) -> f64| {
+            let close = |name: &str, wanted: f64, bias: f64, value: &dyn Fn(&Drawn) -> f64| {
                 let over = Moments::of(&found.iter().map(value).collect::<Vec<_>>());
                 let error = (over.mean - wanted).abs();
                 assert!(
