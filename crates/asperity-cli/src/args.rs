@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt::Display;
 use std::str::FromStr;
 
-use asperity::quantity::{Compliance, Force, Length, Pressure};
+use asperity::quantity::{Compliance, Force, Frequency, Length, Pressure, Velocity};
 
 /// Why a value was refused; clap prints it behind the name of the flag.
 pub(crate) type Refusal = Box<dyn Error + Send + Sync>;
@@ -28,6 +28,18 @@ impl Si for Pressure {
 }
 
 impl Si for Force {
+    fn si(&self) -> f64 {
+        self.0
+    }
+}
+
+impl Si for Velocity {
+    fn si(&self) -> f64 {
+        self.0
+    }
+}
+
+impl Si for Frequency {
     fn si(&self) -> f64 {
         self.0
     }

@@ -3,6 +3,7 @@
 mod check;
 mod contact;
 mod formats;
+mod friction;
 mod init;
 mod report;
 mod run;
@@ -27,6 +28,9 @@ pub(crate) enum Command {
     Surface(surface::Surface),
     Formats(formats::Formats),
     Contact(contact::Contact),
+    /// The friction coefficient as a process: fitted to measured records, and drawn from.
+    #[command(subcommand)]
+    Friction(friction::Friction),
     /// A mass on a moving belt, in dimensionless form.
     #[command(subcommand)]
     Vibration(vibration::Vibration),
@@ -42,6 +46,7 @@ impl Command {
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),
             Self::Contact(contact) => contact.run(monitor),
+            Self::Friction(friction) => friction.run(monitor),
             Self::Vibration(vibration) => vibration.run(monitor),
         }
     }

@@ -139,6 +139,7 @@ const UNITS: &[(&str, &str, bool)] = &[
     ("_m_per_pa", "m/Pa", false),
     ("_pa_per_m", "Pa/m", true),
     ("_n_per_m", "N/m", true),
+    ("_s_per_m", "s/m", false),
     ("_rad", "rad", false),
     ("_pa", "Pa", true),
     ("_m2", "m²", false),

@@ -67,7 +67,9 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         StoreError::Unnamed { .. } => Failure::usage(format_args!("--out {error}")),
         StoreError::NotARun { .. } | StoreError::Corrupt { .. } => Failure::new(Kind::Data, error.to_string()),
         StoreError::Io { path, source } => Failure::io(Kind::Runtime, path.display(), source),
-        StoreError::Table(_) | StoreError::Json(_) => Failure::new(Kind::Runtime, chain(error)),
+        StoreError::Table(_) | StoreError::Process(_) | StoreError::Json(_) => {
+            Failure::new(Kind::Runtime, chain(error))
+        }
     }
 }
 

@@ -53,7 +53,7 @@ pub use error::{FormatError, Location};
 pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, write};
 pub use format::{Description, Format, Tested, descriptions};
 pub use gwy::write_gwy;
-pub use npy::write_npy;
+pub use npy::{write_npy, write_series};
 pub use scan::{MAX_POINTS, Scan};
 pub use sdf::{SdfData, write_sdf};
 pub use selection::{Channel, ReadOptions};

@@ -243,17 +243,26 @@ fn element_type(input: &Input, literal: &str) -> Result<(Sample, ByteOrder), For
 /// The pixel size and the metadata are not stored.
 pub fn write_npy(scan: &Scan) -> Vec<u8> {
     let (rows, columns) = scan.heights_m.dim();
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    array_file(&format!("{rows}, {columns}"), scan.heights_m.len(), scan.heights_m.iter().copied())
+}
+
+/// A record along a path as a one-dimensional NumPy array file, as [`crate::read_series`] reads it; NaN where missing.
+pub fn write_series(values: &[f64]) -> Vec<u8> {
+    array_file(&format!("{},", values.len()), values.len(), values.iter().copied())
+}
+
+fn array_file(shape: &str, length: usize, values: impl Iterator<Item = f64>) -> Vec<u8> {
+    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
     let unpadded = VERSION_END + 2 + header.len() + 1;
     header.push_str(&" ".repeat(unpadded.next_multiple_of(ALIGNMENT) - unpadded));
     header.push('\n');
-    let mut bytes = Vec::with_capacity(VERSION_END + 2 + header.len() + 8 * scan.heights_m.len());
+    let mut bytes = Vec::with_capacity(VERSION_END + 2 + header.len() + 8 * length);
     bytes.extend(MAGIC);
     bytes.extend([1, 0]);
     // Two dimensions of at most 20 digits keep the header far below the 65535 bytes of version 1.0.
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
-    for &z in &scan.heights_m {
+    for z in values {
         bytes.extend(if z.is_finite() { z } else { f64::NAN }.to_le_bytes());
     }
     bytes

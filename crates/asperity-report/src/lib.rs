@@ -19,6 +19,7 @@ mod page;
 mod palette;
 mod polyline;
 mod raster;
+mod record;
 mod symbol;
 mod twin;
 
@@ -26,6 +27,7 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
+pub use record::record_figures;
 pub use twin::{TwinRun, render_twins};
 
 /// Everything that the report shows of one study.

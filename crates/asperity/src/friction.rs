@@ -2,13 +2,15 @@
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and a
 //! [`law::FrictionLaw`] turns what it sees into μ(s); [`load_curve::LoadCurve`] is load against depth; [`record::FrictionStatistics`] says what kind of
-//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
+//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it, and
+//! [`measured`] fits one to a record from a tribometer.
 
 use thiserror::Error;
 
 pub mod law;
 pub mod load_curve;
 mod plane_search;
+pub mod measured;
 pub mod process;
 pub mod record;
 pub mod strip;

@@ -160,6 +160,27 @@ const ANGULAR_FREQUENCY: Dimension = Dimension {
         ("kHz", 1e3 * std::f64::consts::TAU),
     ],
 };
+const TIME: Dimension = Dimension {
+    name: "time",
+    example: "2.5 s",
+    si: "s",
+    units: &[
+        ("s", 1.0),
+        ("ms", 1e-3),
+        ("us", 1e-6),
+        ("µs", 1e-6),
+        ("μs", 1e-6),
+        ("ns", 1e-9),
+        ("min", 60.0),
+        ("h", 3600.0),
+    ],
+};
+const FREQUENCY: Dimension = Dimension {
+    name: "frequency",
+    example: "1 kHz",
+    si: "Hz",
+    units: &[("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6), ("1/s", 1.0), ("s^-1", 1.0)],
+};
 const COMPLIANCE: Dimension = Dimension {
     name: "compliance",
     example: "5e-15 m/Pa",
@@ -291,6 +312,10 @@ quantities! {
     Velocity = VELOCITY;
     /// An angular frequency in radian per second.
     AngularFrequency = ANGULAR_FREQUENCY;
+    /// A time in second.
+    Time = TIME;
+    /// A frequency, such as a sampling rate, in hertz: not radian per second.
+    Frequency = FREQUENCY;
     /// A displacement per pressure in metre per pascal.
     Compliance = COMPLIANCE;
 }
@@ -307,6 +332,8 @@ mod tests {
         assert_eq!("0.5um".parse(), Ok(Length(0.5e-6)));
         assert_eq!("-1.5 µm".parse(), Ok(Length(-1.5e-6)));
         assert_eq!("23.7 mm/s".parse(), Ok(Velocity(23.7e-3)));
+        assert_eq!("2 min".parse(), Ok(Time(120.0)));
+        assert_eq!("1 kHz".parse(), Ok(Frequency(1000.0)));
     }
 
     #[test]

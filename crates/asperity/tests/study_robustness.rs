@@ -604,3 +604,59 @@ fn friction_stays_positive_by_a_clamp_that_is_told() {
     assert!(calm.warnings.is_empty(), "{:?}", calm.warnings);
     assert!(calm.assumptions.iter().any(|sentence| sentence.contains("its law becomes normal")));
 }
+
+#[test]
+fn a_study_that_reads_the_process_of_another_finds_the_same_vibration() {
+    let whole = run(MODEL, Some(Stage::Vibration));
+    let process = whole.friction_process.clone().unwrap();
+    let (friction, vibration) = (whole.results.friction.unwrap(), whole.results.vibration.unwrap());
+    let leading = &friction.levels.iter().find(|level| level.leading).unwrap().at_mean_load;
+    assert_eq!((process.mean, process.std), (leading.mean, leading.std));
+    assert_eq!(process.averaged_over_m, Some([friction.window_m, friction.strip_width_m]));
+    assert_eq!(process.correlation.unwrap().window_m, Some(friction.window_m));
+    // a per metre and second, times N/(mω₀).
+    assert!((process.stribeck_s_per_m.unwrap() * 30e3 / 316.0 / 4.2 - 1.0).abs() < 1e-12);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("process.json"), process.to_json().unwrap()).unwrap();
+    let reads = "seed = 11\n".to_owned()
+        + &MODEL[MODEL.find("[vibration]").unwrap()..]
+        + "friction_process = \"process.json\"\n";
+    let outcome = run_in(folder.path(), &reads, None).unwrap();
+    assert!(outcome.friction_process.is_none());
+    let read = outcome.results.vibration.unwrap();
+    assert_eq!(
+        asperity::study::result::VibrationResult { level_percentile: vibration.level_percentile, ..read },
+        vibration
+    );
+
+    // A process of its own: other Stribeck curve, smooth correlation, area not known.
+    let mut other = process;
+    other.stribeck_s_per_m = Some(0.03);
+    other.averaged_over_m = None;
+    other.mean_pressure_pa = None;
+    let shape = asperity::friction::process::CorrelationShape::SquaredExponential;
+    other.correlation.as_mut().unwrap().shape = shape;
+    fs::write(folder.path().join("process.json"), other.to_json().unwrap()).unwrap();
+    let results = run_in(folder.path(), &reads, None).unwrap().results;
+    let vibration = results.vibration.unwrap();
+    assert_eq!((vibration.variance_reduction, &vibration.area), (1.0, &vibration.paper));
+    let warnings = results.warnings.join("\n");
+    assert!(warnings.contains("Stribeck") && warnings.contains("does not say over which area"), "{warnings}");
+
+    // Files that are none, and studies that say it twice.
+    fs::write(folder.path().join("process.json"), "{\"format\": 3}").unwrap();
+    for (text, wanted) in [
+        (reads.clone(), "process.json: no friction process"),
+        (reads.replace("process.json", "no.json"), "no such file"),
+    ] {
+        let error = run_in(folder.path(), &text, None).unwrap_err();
+        assert!(error.kind() == FailureKind::Input && error.to_string().contains(wanted), "{error}");
+    }
+    for text in [
+        stated("0.1", "833 mm^2") + "friction_process = \"process.json\"\n",
+        MODEL.to_owned() + "friction_process = \"process.json\"\n",
+    ] {
+        let error = Study::parse(&text, "study.toml").unwrap_err();
+        assert!(error.message.contains("friction_process") && error.message.contains("leave one out"), "{error}");
+    }
+}

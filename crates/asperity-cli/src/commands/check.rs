@@ -55,10 +55,12 @@ impl Check {
         print(&(text + "\n" + &resolved))
     }
 
-    /// What is doubtful about the scan. A scan that cannot be used at all is an error.
+    /// What is doubtful about the scan. A scan or a friction process that cannot be used at all is an error.
     fn problems(&self, study: &Study) -> Result<Vec<String>, Failure> {
+        let folder = study_file::folder_of(&self.study);
+        study.read_friction_process(folder).map_err(|e| study_file::ended(&self.study, &e))?;
         let Some(section) = &study.surface else { return Ok(Vec::new()) };
-        let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
+        let scans = section.read_scans(folder).map_err(|e| unreadable(&e))?;
         let mut problems = Vec::new();
         let several = scans.len() > 1;
         for (file, mut scan) in section.files().iter().zip(scans) {

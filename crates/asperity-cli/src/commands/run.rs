@@ -29,7 +29,7 @@ pub(crate) struct Run {
     /// Only this stage and what it needs.
     #[arg(long, value_enum, value_name = "STAGE")]
     only: Option<Only>,
-    /// Replace a folder that is not empty, unless it holds the study or a scan.
+    /// Replace a folder that is not empty, unless it holds the study or a file it reads.
     #[arg(long)]
     force: bool,
     /// Print results.json to stdout as well.
@@ -75,9 +75,10 @@ impl Run {
             only.map(|stage| stage.name().to_owned()),
         );
         provenance.input(&self.study)?;
-        let scans = study.scan_paths(folder);
-        for scan in &scans {
-            provenance.input(scan)?;
+        let read: Vec<PathBuf> =
+            study.scan_paths(folder).into_iter().chain(study.friction_process_path(folder)).collect();
+        for file in &read {
+            provenance.input(file)?;
         }
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
             .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
@@ -89,7 +90,7 @@ impl Run {
         // Before hours are spent: may the folder be written?
         let _parents = NewParents::of(&destination);
         let inputs: Vec<&Path> =
-            std::iter::once(self.study.as_path()).chain(scans.iter().map(PathBuf::as_path)).collect();
+            std::iter::once(self.study.as_path()).chain(read.iter().map(PathBuf::as_path)).collect();
         let staging = Staging::open(&destination, self.force, &inputs).map_err(|e| store_failure(&e))?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
@@ -117,13 +118,16 @@ impl Run {
     }
 }
 
-/// The study with its scans named so that they are found from every folder, that of the run included.
+/// The study with the files it reads named so that they are found from every folder, that of the run included.
 fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
     let mut study = study.clone();
     // TOML holds no path that is not Unicode; such a one stays as it was given.
     let absolute = |scan: &Path| path::absolute(folder.join(scan)).ok().filter(|path| path.to_str().is_some());
     if let Some(files) = study.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
         *files = files.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
+    }
+    if let Some(file) = study.vibration.as_mut().and_then(|vibration| vibration.friction_process.as_mut()) {
+        *file = absolute(file).unwrap_or_else(|| file.clone());
     }
     study
 }

@@ -5,6 +5,7 @@
 mod contact;
 mod contact_analysis;
 mod formats;
+mod friction;
 mod outputs;
 mod study;
 mod support;

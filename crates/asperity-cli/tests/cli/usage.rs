@@ -13,6 +13,7 @@ fn help_and_version_are_data_and_name_every_command_and_exit_code() {
         "report",
         "surface",
         "contact",
+        "friction",
         "vibration",
         "--threads",
         "--quiet",
@@ -45,6 +46,7 @@ fn a_wrong_seed_is_told_as_one_and_files_that_are_written_are_not_listed_in_vain
         "surface fill scan.x3p --out a.x3p --seed",
         "surface twin scan.x3p --out twins --seed",
         "vibration ensemble --seed",
+        "friction simulate process.json --length 1mm --step 1um --out m.csv --seed",
     ] {
         for seed in ["-1", "1.5", "18446744073709551616"] {
             asperity(&format!("{line} {seed}")).refuses(2, &["--seed", "whole number from 0 to 18446744073709551615"]);

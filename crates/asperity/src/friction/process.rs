@@ -1,17 +1,25 @@
 //! A friction coefficient that fluctuates along the sliding distance: m(s) with a given law and correlation length.
 //!
-//! m(s) = σ·(F⁻¹(Φ(g(s))) − mean)/std, a translation of a stationary standard normal process g of correlation e^{−|s|/ℓ},
-//! sampled at knots a fraction of ℓ apart and a straight line between them.
+//! m(s) = σ·(F⁻¹(Φ(g(s))) − mean)/std, a translation of a stationary standard normal process g of correlation e^{−|s|/ℓ} or
+//! another [`CorrelationShape`], sampled at knots a fraction of ℓ apart and a straight line between them. A
+//! [`FittedProcess`] is what a study or a measured record says of such a process, in SI and as a file.
 
+mod fitted;
+mod json;
 mod model;
+mod moving_average;
 mod recorded;
+mod shape;
 mod spectral;
 mod table;
 
 use thiserror::Error;
 
+pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
+pub use json::ProcessFileError;
 pub use model::{Correlation, FrictionProcess, Generator, Path, ProcessModel, window_variance_factor};
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
+pub use shape::CorrelationShape;
 
 use crate::law::LawError;
 
@@ -48,6 +56,34 @@ pub enum ProcessError {
         value: f64,
         /// Values allowed.
         wanted: &'static str,
+    },
+    /// A process that varies lacks a part.
+    #[error("`{absent}` is absent, but friction of standard deviation {std} has one")]
+    Absent {
+        /// The part.
+        absent: &'static str,
+        /// The standard deviation.
+        std: f64,
+    },
+    /// The generator cannot make the correlation.
+    #[error("the {generator} generator cannot make a {correlation} correlation; the {able} one can")]
+    Generator {
+        /// The generator.
+        generator: &'static str,
+        /// The correlation.
+        correlation: &'static str,
+        /// A generator that can.
+        able: &'static str,
+    },
+    /// A window is no whole number of steps.
+    #[error("a step of {step} does not go into the window of {window} a whole number of times; {nearest} does")]
+    StepInWindow {
+        /// The step.
+        step: f64,
+        /// The window of the correlation.
+        window: f64,
+        /// The nearest step that does.
+        nearest: f64,
     },
     /// The marginal law is no law, or has no finite standard deviation.
     #[error("marginal of the friction coefficient: {0}")]

@@ -403,16 +403,20 @@ impl Study {
         {
             return Err(problem(SECTION, absent, format!("`{first}` is stated, so this must be too")));
         }
-        match (v.states_friction(), self.friction.is_some()) {
-            (false, false) => {
-                let message = "without a [friction] section the friction process must be stated here";
-                return Err(problem(SECTION, "static_friction", message));
-            }
-            (true, true) => {
-                let message = "the friction process is stated here and computed by [friction]; leave one out";
-                return Err(problem(SECTION, "static_friction", message));
-            }
-            _ => {}
+        let (states, computes, reads) = (v.states_friction(), self.friction.is_some(), v.friction_process.is_some());
+        if !(states || computes || reads) {
+            let message =
+                "without a [friction] section the friction process must be stated here, or read by `friction_process`";
+            return Err(problem(SECTION, "static_friction", message));
+        }
+        if states && computes {
+            let message = "the friction process is stated here and computed by [friction]; leave one out";
+            return Err(problem(SECTION, "static_friction", message));
+        }
+        if reads && (states || computes) {
+            let other = if states { "stated beside it" } else { "computed by [friction]" };
+            let message = format!("the friction process is read here and {other}; leave one out");
+            return Err(problem(SECTION, "friction_process", message));
         }
         if let Some(value) = v.static_friction {
             within(SECTION, "static_friction", value, positive, POSITIVE)?;

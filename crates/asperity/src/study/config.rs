@@ -517,6 +517,11 @@ pub struct VibrationSection {
     /// Dimensionless duration ω₀t of a trajectory.
     #[serde(default = "duration")]
     pub duration: f64,
+    /// A fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, when there is no friction
+    /// stage: the `friction_process.json` of another study, or of a measured record. Its Stribeck coefficient, if it has one,
+    /// takes the place of `stribeck`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_process: Option<PathBuf>,
     /// Mean (static) friction coefficient, when there is no friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_friction: Option<f64>,
@@ -532,7 +537,7 @@ pub struct VibrationSection {
 }
 
 impl VibrationSection {
-    /// Whether the friction process is stated rather than computed.
+    /// Whether the friction process is stated, rather than computed or read.
     pub fn states_friction(&self) -> bool {
         self.static_friction.is_some()
     }

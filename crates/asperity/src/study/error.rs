@@ -157,6 +157,14 @@ pub enum StudyError {
     /// The friction process cannot be made.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),
+    /// The file of a fitted process cannot be used.
+    #[error("[vibration] friction_process: {file}: {reason}")]
+    FrictionProcess {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// The vibration stage failed.
     #[error("vibration: {0}")]
     Vibration(#[from] VibrationError),
@@ -202,7 +210,8 @@ impl StudyError {
             | Self::Estimate(_)
             | Self::Fit(_)
             | Self::Empirical(_)
-            | Self::Heights(_) => FailureKind::Input,
+            | Self::Heights(_)
+            | Self::FrictionProcess { .. } => FailureKind::Input,
             Self::Cancelled(_)
             | Self::Pressure(PressureError::Cancelled(_))
             | Self::Friction { error: FrictionError::Cancelled(_), .. }

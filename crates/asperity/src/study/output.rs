@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::friction::process::FittedProcess;
 use crate::study::result::{Outcome, Results};
 use crate::study::{Field, Table};
 
@@ -22,6 +23,7 @@ pub(super) struct Gathered {
     pub(super) results: Results,
     tables: BTreeMap<String, Table>,
     fields: BTreeMap<String, Field>,
+    pub(super) friction_process: Option<FittedProcess>,
 }
 
 impl Gathered {
@@ -33,6 +35,11 @@ impl Gathered {
     }
 
     pub(super) fn outcome(self) -> Outcome {
-        Outcome { results: self.results, tables: self.tables, fields: self.fields }
+        Outcome {
+            results: self.results,
+            tables: self.tables,
+            fields: self.fields,
+            friction_process: self.friction_process,
+        }
     }
 }

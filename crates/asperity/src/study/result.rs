@@ -11,6 +11,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::correlation::MeasuredReport;
+use crate::friction::process::FittedProcess;
 use crate::stats::Interval;
 use crate::study::{Field, PooledStatistics, Table};
 use crate::surface::pooling::Mean;
@@ -30,6 +31,8 @@ pub struct Outcome {
     pub tables: BTreeMap<String, Table>,
     /// Maps by name.
     pub fields: BTreeMap<String, Field>,
+    /// The process of the leading level of the friction stage.
+    pub friction_process: Option<FittedProcess>,
 }
 
 /// `results.json`.

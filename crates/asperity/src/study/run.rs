@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use crate::friction::process::FittedProcess;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::study::config::{BoundaryChoice, SurfaceSection};
@@ -10,7 +11,9 @@ use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
 use crate::study::window_friction::WindowFriction;
-use crate::study::{Study, StudyError, friction_stage, pressure_stage, surface_stage, vibration_stage};
+use crate::study::{
+    Study, StudyError, friction_process, friction_stage, pressure_stage, surface_stage, vibration_stage,
+};
 
 /// A stage of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +58,20 @@ impl Study {
     /// The scan files, `folder` being that of the study file.
     pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
         self.surface.iter().flat_map(SurfaceSection::files).map(|file| folder.join(file)).collect()
+    }
+
+    /// The file of the friction process that the study reads, `folder` being that of the study file.
+    pub fn friction_process_path(&self, folder: &Path) -> Option<PathBuf> {
+        self.vibration.as_ref()?.friction_process.as_ref().map(|file| folder.join(file))
+    }
+
+    /// The friction process that the study reads, if it does.
+    ///
+    /// # Errors
+    /// The file cannot be read, or holds no process.
+    pub fn read_friction_process(&self, folder: &Path) -> Result<Option<FittedProcess>, StudyError> {
+        let file = self.vibration.as_ref().and_then(|vibration| vibration.friction_process.as_ref());
+        file.map(|file| friction_process::read(&folder.join(file), file)).transpose()
     }
 
     /// Whether the study has a section for the stage.
@@ -119,12 +136,23 @@ impl Study {
             let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
+            let stribeck_s_per_m = match &self.vibration {
+                Some(section) => Some(section.stribeck / vibration_stage::scales(section)?.velocity_m_per_s()),
+                None => None,
+            };
+            match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
+                Ok(process) => gathered.friction_process = Some(process),
+                Err(reason) => gathered.results.warnings.push(format!("no friction_process.json is written: {reason}")),
+            }
             friction = Some(stage.solved);
         }
         if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
-            let friction = match &friction {
-                Some(solved) => WindowFriction::computed(section, solved)?,
-                None => WindowFriction::stated(section)?,
+            let friction = match (&friction, self.read_friction_process(folder)?) {
+                (Some(solved), _) => WindowFriction::computed(section, solved)?,
+                (None, Some(process)) => {
+                    WindowFriction::fitted(section, &process, vibration_stage::scales(section)?.velocity_m_per_s())
+                }
+                (None, None) => WindowFriction::stated(section)?,
             };
             let stage = vibration_stage::run(section, &friction, self.seed, monitor)?;
             gathered.add(stage.output);

@@ -11,10 +11,13 @@ use std::path::{Path, PathBuf};
 use asperity_formats::Scan;
 use thiserror::Error;
 
+use crate::friction::process::ProcessError;
 use crate::study::{Outcome, Table, TableError};
 
 /// Last file of a run folder.
 const COMPLETE: &str = "COMPLETE";
+/// The process that the friction stage hands on.
+const FRICTION_PROCESS: &str = "friction_process.json";
 /// Grids and units of the fields.
 const FIELD_INDEX: &str = "fields/index.json";
 
@@ -68,6 +71,9 @@ pub enum StoreError {
     /// A table could not be written.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// The process of the friction stage is none.
+    #[error("friction process: {0}")]
+    Process(#[from] ProcessError),
     /// A value could not be written as JSON.
     #[error("cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -140,7 +146,7 @@ impl Staging {
         Ok(path)
     }
 
-    /// Writes results, tables and fields.
+    /// Writes results, tables, fields, and the process of the friction stage.
     ///
     /// # Errors
     /// The file system refused.
@@ -148,6 +154,9 @@ impl Staging {
         self.write("results.json", &json_bytes(&outcome.results)?)?;
         for (name, table) in &outcome.tables {
             self.write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
+        }
+        if let Some(process) = &outcome.friction_process {
+            self.write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
         }
         let mut index = BTreeMap::new();
         for (name, field) in &outcome.fields {

@@ -1,6 +1,6 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
-use crate::friction::process::{FrictionProcess, ProcessModel, Steady};
+use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, Steady};
 use crate::law::Marginal;
 use crate::monitor::Monitor;
 use crate::stats::{Histogram, NORMAL_95};
@@ -37,21 +37,27 @@ pub(super) struct VibrationStage {
     pub(super) output: StageOutput,
 }
 
+/// The units of the machine.
+pub(super) fn scales(section: &VibrationSection) -> Result<Scales, StudyError> {
+    Ok(Scales::new(section.mass.0, section.natural_frequency.0, section.normal_force.0)?)
+}
+
 pub(super) fn run(
     section: &VibrationSection,
     window: &WindowFriction,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
-    let scales = Scales::new(section.mass.0, section.natural_frequency.0, section.normal_force.0)?;
+    let scales = scales(section)?;
     let belt_velocity = match (section.belt_velocity, section.dimensionless_belt_velocity) {
         (Some(velocity), _) => velocity.0 / scales.velocity_m_per_s(),
         (None, Some(value)) => value,
         (None, None) => return Err(StudyError::NoStage("vibration")),
     };
-    let oscillator = Oscillator::stribeck(window.mean, section.stribeck, section.damping_ratio, belt_velocity)?;
+    let oscillator = Oscillator::stribeck(window.mean, window.stribeck, section.damping_ratio, belt_velocity)?;
     let correlation_length = window.length_m / scales.length_m();
-    let ensembles = Ensembles { section, oscillator, window, correlation_length, seed };
+    let shape = window.shape.in_unit(scales.length_m());
+    let ensembles = Ensembles { section, oscillator, window, shape, correlation_length, seed };
     let mut warnings = window.warnings.clone();
     let paper_scatter = Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() };
     let area_std = window.std * window.variance_reduction.sqrt();
@@ -100,6 +106,7 @@ struct Ensembles<'a> {
     section: &'a VibrationSection,
     oscillator: Oscillator,
     window: &'a WindowFriction,
+    shape: CorrelationShape,
     correlation_length: f64,
     seed: u64,
 }
@@ -110,8 +117,13 @@ impl Ensembles<'_> {
         if scatter.std < NO_SCATTER {
             return Ok(None);
         }
-        let mut model = ProcessModel::new(scatter.marginal.clone(), scatter.std, self.correlation_length);
-        model.least = Some(self.least(speeds));
+        let model = ProcessModel {
+            shape: self.shape,
+            generator: Generator::of(self.shape),
+            correlation: self.window.correlation,
+            least: Some(self.least(speeds)),
+            ..ProcessModel::new(scatter.marginal.clone(), scatter.std, self.correlation_length)
+        };
         Ok(Some(FrictionProcess::new(model)?))
     }
 
@@ -119,7 +131,7 @@ impl Ensembles<'_> {
     /// scale with μ_st, so |v_rel| hardly exceeds V + μ_st, or `speeds` times that under violent friction.
     fn least(&self, speeds: f64) -> f64 {
         let fastest = speeds * (self.oscillator.belt_velocity() + self.window.mean);
-        -0.9 * self.window.mean / (1.0 + self.section.stribeck * fastest)
+        -0.9 * self.window.mean / (1.0 + self.window.stribeck * fastest)
     }
 
     fn settings(&self) -> EnsembleSettings {
@@ -248,7 +260,7 @@ impl Ensembles<'_> {
         let mut sentences = vec![format!(
             "The oscillator slides with μ_st/(1 + a|v|) + μ_s, a = {} per unit of dimensionless velocity, at V = {}. Cycles are \
              slips that reach a negative velocity within τ = {}, starting in stick.",
-            section.stribeck,
+            sentence::digits(window.stribeck),
             sentence::digits(self.oscillator.belt_velocity()),
             section.duration
         )];
@@ -269,16 +281,18 @@ impl Ensembles<'_> {
             sentence::si(window.length_m, "m"),
             sentence::digits(self.correlation_length)
         ));
-        sentences.push(format!(
-            "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the windows \
-             of a square nominal area of {} average, so that the scatter falls to {}{}. Both keep the correlation length of \
-             one window.",
-            section.normal_force,
-            sentence::si(section.normal_force.0 / window.area_m2, "Pa"),
-            section.nominal_area,
-            sentence::digits(area_std),
-            if window.holds_many() { " and its law becomes normal" } else { "" }
-        ));
+        sentences.extend(window.area_m2.map(|area_m2| {
+            format!(
+                "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the \
+                 windows of a square nominal area of {} average, so that the scatter falls to {}{}. Both keep the correlation \
+                 length of one window.",
+                section.normal_force,
+                sentence::si(section.normal_force.0 / area_m2, "Pa"),
+                section.nominal_area,
+                sentence::digits(area_std),
+                if window.holds_many() { " and its law becomes normal" } else { "" }
+            )
+        }));
         sentences
     }
 }

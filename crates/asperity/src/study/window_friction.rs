@@ -1,5 +1,8 @@
 //! The friction that the oscillator slides on: of one window, computed or stated, and how much of it the nominal area keeps.
 
+use std::path::Path;
+
+use crate::friction::process::{Correlation, CorrelationShape, FittedProcess};
 use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::law::Marginal;
 use crate::study::StudyError;
@@ -14,10 +17,17 @@ const MANY_WINDOWS: f64 = 30.0;
 pub(super) struct WindowFriction {
     pub(super) mean: f64,
     pub(super) std: f64,
-    /// Correlation length, which contains the window.
+    /// Shape of the correlation, a window in metre.
+    pub(super) shape: CorrelationShape,
+    /// Correlation length, which contains the window unless the shape has it.
     pub(super) length_m: f64,
+    /// Whose correlation it is.
+    pub(super) correlation: Correlation,
     pub(super) marginal: Marginal,
-    pub(super) area_m2: f64,
+    /// Area over which this friction is averaged, where it is known.
+    pub(super) area_m2: Option<f64>,
+    /// Stribeck coefficient per unit of dimensionless velocity.
+    pub(super) stribeck: f64,
     pub(super) level_percentile: Option<f64>,
     pub(super) level_mean_pressure_pa: Option<f64>,
     /// Variance over the nominal area over that of one window.
@@ -57,16 +67,19 @@ impl WindowFriction {
             None => format!("of the level at the nominal pressure, {pressure}, at the mean load"),
             Some(percentile) => {
                 let nominal_pa = section.normal_force.0 / section.nominal_area.0;
-                warnings.extend(unlike(percentile, pressure_pa, nominal_pa));
+                warnings.extend(unlike(&format!("at percentile {percentile}"), pressure_pa, nominal_pa));
                 format!("of the level at percentile {percentile}, {pressure}, at the mean load")
             }
         };
         Ok(Self {
             mean: level.mean,
             std: process.moments.std,
+            shape: CorrelationShape::Exponential,
             length_m,
+            correlation: Correlation::Corrected,
             marginal,
-            area_m2: strips.window.area_m2(),
+            area_m2: Some(strips.window.area_m2()),
+            stribeck: section.stribeck,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
             variance_reduction: level.variance_reduction(&strips.window, section.nominal_area.0),
@@ -85,9 +98,12 @@ impl WindowFriction {
         Ok(Self {
             mean: section.static_friction.ok_or_else(absent)?,
             std: section.friction_std.ok_or_else(absent)?,
+            shape: CorrelationShape::Exponential,
             length_m,
+            correlation: Correlation::Plain,
             marginal: section.friction_marginal.as_deref().ok_or_else(absent)?.parse()?,
-            area_m2: window_m * width_m,
+            area_m2: Some(window_m * width_m),
+            stribeck: section.stribeck,
             level_percentile: None,
             level_mean_pressure_pa: None,
             variance_reduction: variance_reduction(window_m, width_m, section.nominal_area.0, &exponential(length_m)),
@@ -97,6 +113,62 @@ impl WindowFriction {
             ),
             warnings: Vec::new(),
         })
+    }
+
+    /// That of a fitted process, which the study reads; `velocity_m_per_s` is the unit of dimensionless velocity. A process
+    /// that has a Stribeck coefficient brings it along. Friction of an unknown area is taken for that of the nominal area.
+    pub(super) fn fitted(section: &VibrationSection, process: &FittedProcess, velocity_m_per_s: f64) -> Self {
+        let mut warnings = Vec::new();
+        let file = section.friction_process.as_deref().unwrap_or(Path::new("")).display();
+        let area_m2 = process.averaged_over_m.map(|[length_m, width_m]| length_m * width_m);
+        // Constant friction has no correlation and no law; any will do, since nothing is drawn.
+        let (shape, length_m) =
+            process.correlation.map_or((CorrelationShape::Exponential, 1e-3), |c| (c.shape, c.length_m));
+        let own_length_m = process.correlation.map_or(0.0, |correlation| {
+            let free = correlation.window_m.is_none() || matches!(shape, CorrelationShape::WindowedExponential { .. });
+            correlation.length_without_window_m.unwrap_or(if free { length_m } else { 0.0 })
+        });
+        let variance_reduction = process.averaged_over_m.map_or(1.0, |[along_m, across_m]| {
+            variance_reduction(along_m, across_m, section.nominal_area.0, &exponential(own_length_m))
+        });
+        if area_m2.is_none() && !process.is_constant() {
+            warnings.push(format!(
+                "{file} does not say over which area its friction is averaged; it is taken for that of the nominal area, and \
+                 both upscalings are the same"
+            ));
+        }
+        // The same but for the rounding of units is the same.
+        let own = |a: &f64| (a - section.stribeck).abs() > 1e-9 * section.stribeck;
+        let stribeck = process.stribeck(velocity_m_per_s).filter(own).unwrap_or(section.stribeck);
+        if stribeck != section.stribeck {
+            warnings.push(format!(
+                "the Stribeck coefficient of {file}, {} s/m or {} per unit of dimensionless velocity, takes the place of \
+                 `stribeck` = {}",
+                sentence::digits(stribeck / velocity_m_per_s),
+                sentence::digits(stribeck),
+                sentence::digits(section.stribeck)
+            ));
+        }
+        let nominal_pa = section.normal_force.0 / section.nominal_area.0;
+        if let Some(pressure_pa) = process.mean_pressure_pa {
+            warnings.extend(unlike(&format!("from {file}"), pressure_pa, nominal_pa));
+        }
+        let described = if process.origin.description.is_empty() { "stated" } else { &process.origin.description };
+        Self {
+            mean: process.mean,
+            std: process.std,
+            shape,
+            length_m,
+            correlation: Correlation::Corrected,
+            marginal: process.marginal.clone().unwrap_or(Marginal::STANDARD_NORMAL),
+            area_m2,
+            stribeck,
+            level_percentile: None,
+            level_mean_pressure_pa: process.mean_pressure_pa,
+            variance_reduction,
+            origin: format!("from {file}: {described}"),
+            warnings,
+        }
     }
 
     /// Whether the nominal area holds so many windows that their mean is normal, by the central limit theorem.
@@ -111,11 +183,11 @@ impl WindowFriction {
 }
 
 /// A warning where the level that the study names is pressed otherwise than the normal force presses the nominal area.
-fn unlike(percentile: f64, pressure_pa: f64, nominal_pa: f64) -> Option<String> {
+fn unlike(place: &str, pressure_pa: f64, nominal_pa: f64) -> Option<String> {
     let ratio = pressure_pa / nominal_pa;
     (!(0.5..=2.0).contains(&ratio)).then(|| {
         format!(
-            "friction is taken at percentile {percentile}, whose mean pressure of {} is {} times the {} of the normal force on \
+            "friction is taken {place}, whose mean pressure of {} is {} times the {} of the normal force on \
              the nominal area",
             sentence::si(pressure_pa, "Pa"),
             sentence::digits(ratio),

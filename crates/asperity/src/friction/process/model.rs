@@ -3,9 +3,10 @@
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use super::moving_average::MovingAverage;
 use super::spectral::Harmonics;
 use super::table::TranslationTable;
-use super::{Fluctuation, ProcessError, positive};
+use super::{CorrelationShape, Fluctuation, ProcessError, positive};
 use crate::law::Marginal;
 use crate::law::translation::Translation;
 use crate::random::{self, Stream};
@@ -17,17 +18,26 @@ const STAGE: &str = "friction process";
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Generator {
-    /// The exact recursion of a sampled Ornstein–Uhlenbeck process, g_{i+1} = φg_i + √(1 − φ²)ξ; endless.
+    /// The exact recursion of a sampled Ornstein–Uhlenbeck process, g_{i+1} = φg_i + √(1 − φ²)ξ, or of its moving average
+    /// over a window; endless. For exponential and windowed exponential correlations.
     #[default]
     Autoregressive,
-    /// A sum of harmonics with random frequencies and phases, after the paper.
+    /// A sum of harmonics with random frequencies and phases, after the paper. For every correlation without a window.
     Spectral {
         /// Number of harmonics.
         harmonics: usize,
     },
 }
 
-/// Whose correlation is exponential with the given length.
+impl Generator {
+    /// The recursion where it makes a shape, which is exact, and otherwise 256 harmonics, with which the excess kurtosis of the
+    /// normal process is −0.006.
+    pub fn of(shape: CorrelationShape) -> Self {
+        if shape.has_recursion() { Self::Autoregressive } else { Self::Spectral { harmonics: 256 } }
+    }
+}
+
+/// Whose correlation has the given shape and length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Correlation {
@@ -48,7 +58,10 @@ pub struct ProcessModel {
     pub std: f64,
     /// Correlation length ℓ, in the unit of the sliding distance.
     pub correlation_length: f64,
-    /// Knots per correlation length.
+    /// Shape of the correlation.
+    #[serde(default)]
+    pub shape: CorrelationShape,
+    /// Knots per lag at which the correlation falls to 1/e, which is ℓ of an exponential.
     pub steps_per_length: usize,
     /// How the normal process is made.
     pub generator: Generator,
@@ -65,11 +78,38 @@ impl ProcessModel {
             marginal,
             std,
             correlation_length,
+            shape: CorrelationShape::default(),
             steps_per_length: 20,
             generator: Generator::default(),
             correlation: Correlation::default(),
             least: None,
         }
+    }
+
+    fn check(&self) -> Result<(), ProcessError> {
+        self.marginal.check()?;
+        positive("friction standard deviation", self.std)?;
+        self.shape.check(self.correlation_length)?;
+        positive("standard deviation of the marginal law", self.marginal.std())?;
+        positive("steps per correlation length", self.steps_per_length as f64)?;
+        let makes = match self.generator {
+            Generator::Autoregressive => self.shape.has_recursion(),
+            Generator::Spectral { harmonics } => {
+                positive("number of harmonics", harmonics as f64)?;
+                self.shape.spectral_quantile(0.5).is_some()
+            }
+        };
+        if !makes {
+            let (generator, able) = match self.generator {
+                Generator::Autoregressive => ("autoregressive", "spectral"),
+                Generator::Spectral { .. } => ("spectral", "autoregressive"),
+            };
+            return Err(ProcessError::Generator { generator, correlation: self.shape.name(), able });
+        }
+        if let Some(value) = self.least.filter(|least| least.is_nan() || *least >= 0.0) {
+            return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
+        }
+        Ok(())
     }
 }
 
@@ -81,34 +121,54 @@ pub struct FrictionProcess {
     translation: Translation,
     /// Correlation length of the normal process.
     normal_length: f64,
+    /// Distance between knots.
+    step: f64,
 }
 
 impl FrictionProcess {
     /// Checks a model and tabulates its translation.
     ///
-    /// Fails if a parameter is not positive, the law is none or has no finite standard deviation, or the clamp is not
-    /// negative.
+    /// Fails if a parameter is not positive, the law is none or has no finite standard deviation, the generator cannot make
+    /// the correlation, or the clamp is not negative.
     pub fn new(model: ProcessModel) -> Result<Self, ProcessError> {
-        model.marginal.check()?;
-        positive("friction standard deviation", model.std)?;
-        positive("correlation length", model.correlation_length)?;
-        positive("standard deviation of the marginal law", model.marginal.std())?;
-        positive("steps per correlation length", model.steps_per_length as f64)?;
-        if let Generator::Spectral { harmonics } = model.generator {
-            positive("number of harmonics", harmonics as f64)?;
+        model.check()?;
+        let step = model.shape.decay_length(model.correlation_length) / model.steps_per_length as f64;
+        let step = match model.shape {
+            // A window is a whole number of steps.
+            CorrelationShape::WindowedExponential { window } => window / (window / step).ceil(),
+            _ => step,
+        };
+        Self::made(model, step)
+    }
+
+    /// The same with knots `step` apart, whatever the model says of them.
+    ///
+    /// Fails as [`FrictionProcess::new`] and if a window is no whole number of steps.
+    pub fn with_step(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
+        model.check()?;
+        positive("step", step)?;
+        if let CorrelationShape::WindowedExponential { window } = model.shape {
+            let steps = (window / step).round();
+            if steps < 1.0 || (window / step - steps).abs() > 1e-6 * steps {
+                let nearest = window / steps.max(1.0);
+                return Err(ProcessError::StepInWindow { step, window, nearest });
+            }
         }
-        if let Some(value) = model.least.filter(|least| least.is_nan() || *least >= 0.0) {
-            return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
-        }
+        Self::made(model, step)
+    }
+
+    fn made(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
         let translation = Translation::new(&model.marginal)?;
         let normal_length = match model.correlation {
             Correlation::Plain => model.correlation_length,
             Correlation::Corrected => {
-                -model.correlation_length / translation.normal_correlation((-1.0_f64).exp())?.ln()
+                let wanted = translation.normal_correlation((-1.0_f64).exp())?;
+                let decay = model.shape.decay_length(model.correlation_length);
+                model.shape.longer(model.correlation_length, decay, wanted)
             }
         };
         let table = TranslationTable::new(&model.marginal, model.std);
-        Ok(Self { model, table, translation, normal_length })
+        Ok(Self { model, table, translation, normal_length, step })
     }
 
     /// The model it was made of.
@@ -116,19 +176,20 @@ impl FrictionProcess {
         &self.model
     }
 
-    /// Distance between knots, ℓ/N.
+    /// Distance between knots: 1/N of the lag at which the correlation is 1/e, ℓ/N of an exponential; under a window a
+    /// little less, so that the window is a whole number of steps.
     pub fn step(&self) -> f64 {
-        self.model.correlation_length / self.model.steps_per_length as f64
+        self.step
     }
 
-    /// Correlation of the normal process from knot to knot, e^{−h/ℓ_G}.
+    /// Correlation of the normal process from knot to knot, e^{−h/ℓ_G} of an exponential.
     pub fn normal_step_correlation(&self) -> f64 {
-        (-self.step() / self.normal_length).exp()
+        self.model.shape.correlation(self.step, self.normal_length)
     }
 
     /// Correlation of m at two knots a distance `lag` apart, after the translation (without clamp).
     pub fn correlation_at(&self, lag: f64) -> f64 {
-        self.translation.correlation((-lag.abs() / self.normal_length).exp())
+        self.translation.correlation(self.model.shape.correlation(lag, self.normal_length))
     }
 
     /// Lower and upper end of the support of m; infinite for unbounded laws.
@@ -144,15 +205,21 @@ impl FrictionProcess {
     /// Realisation `index` under `seed`.
     pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
         let mut rng = random::stream(seed, STAGE, index);
-        let source = match self.model.generator {
-            Generator::Autoregressive => {
+        let step_share = self.step / self.normal_length;
+        let source = match (self.model.generator, self.model.shape) {
+            (Generator::Autoregressive, CorrelationShape::WindowedExponential { window }) => {
+                let steps = (window / self.step).round() as usize;
+                Source::Averaged(MovingAverage::draw(steps, step_share, &mut rng))
+            }
+            (Generator::Autoregressive, _) => {
                 let coefficient = self.normal_step_correlation();
                 // 1 − φ² without cancellation.
-                let innovation = (-(-2.0 * self.step() / self.normal_length).exp_m1()).sqrt();
+                let innovation = (-(-2.0 * step_share).exp_m1()).sqrt();
                 Source::Autoregressive { g: StandardNormal.sample(&mut rng), coefficient, innovation }
             }
-            Generator::Spectral { harmonics } => {
-                Source::Spectral(Harmonics::draw(harmonics, self.step() / self.normal_length, &mut rng))
+            (Generator::Spectral { harmonics }, shape) => {
+                let quantile = |probability| shape.spectral_quantile(probability).unwrap_or(f64::NAN);
+                Source::Spectral(Harmonics::draw(harmonics, step_share, quantile, &mut rng))
             }
         };
         Path { process: self, rng, source, clamped: 0 }
@@ -171,6 +238,7 @@ pub struct Path<'a> {
 #[derive(Debug, Clone)]
 enum Source {
     Autoregressive { g: f64, coefficient: f64, innovation: f64 },
+    Averaged(MovingAverage),
     Spectral(Harmonics),
 }
 
@@ -193,6 +261,7 @@ impl Fluctuation for Path<'_> {
                 let xi: f64 = StandardNormal.sample(&mut self.rng);
                 std::mem::replace(g, *coefficient * *g + *innovation * xi)
             }
+            Source::Averaged(average) => average.advance(&mut self.rng),
             Source::Spectral(harmonics) => harmonics.advance(),
         };
         let m = self.process.table.value(normal);
@@ -256,12 +325,20 @@ mod tests {
 
     #[test]
     fn knots_have_the_wanted_moments_and_correlation_whatever_the_generator() {
-        for (generator, correlation) in [
-            (Generator::Autoregressive, Correlation::Plain),
-            (Generator::Autoregressive, Correlation::Corrected),
-            (Generator::Spectral { harmonics: 64 }, Correlation::Plain),
+        let (recursion, harmonics) = (Generator::Autoregressive, Generator::Spectral { harmonics: 64 });
+        let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
+        for (generator, correlation, shape, length) in [
+            (recursion, Correlation::Plain, CorrelationShape::Exponential, 3.0),
+            (recursion, Correlation::Corrected, CorrelationShape::Exponential, 3.0),
+            (recursion, Correlation::Plain, windowed, 3.0),
+            (recursion, Correlation::Corrected, windowed, 0.3),
+            (recursion, Correlation::Plain, windowed, 0.0),
+            (harmonics, Correlation::Plain, CorrelationShape::Exponential, 3.0),
+            (harmonics, Correlation::Corrected, CorrelationShape::SquaredExponential, 3.0),
+            (harmonics, Correlation::Plain, CorrelationShape::Matern { nu: 1.5 }, 3.0),
         ] {
-            let process = FrictionProcess::new(ProcessModel { generator, correlation, ..beta(0.002, 3.0) }).unwrap();
+            let model = ProcessModel { generator, correlation, shape, ..beta(0.002, length) };
+            let process = FrictionProcess::new(model).unwrap();
             let paths: Vec<Vec<f64>> = (0..20_000).map(|i| knots(&process, i, 41)).collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
                 let values: Vec<f64> = paths.iter().map(|m| f(m)).collect();
@@ -270,12 +347,12 @@ mod tests {
             };
             for (power, wanted) in [(1, 0.0), (2, 1.0), (3, 0.5598)] {
                 let (found, margin) = mean_of(&|m| (m[40] / 0.002).powi(power));
-                assert!((found - wanted).abs() < margin, "{generator:?}: mean of m^{power} is {found}");
+                assert!((found - wanted).abs() < margin, "{generator:?}, {shape:?}: mean of m^{power} is {found}");
             }
             for lag in [1, 10, 20, 40] {
                 let wanted = process.correlation_at(lag as f64 * process.step());
                 let (found, margin) = mean_of(&|m| m[0] * m[lag] / 0.002_f64.powi(2));
-                assert!((found - wanted).abs() < margin, "{generator:?}: {found} at {lag}, not {wanted}");
+                assert!((found - wanted).abs() < margin, "{generator:?}, {shape:?}: {found} at {lag}, not {wanted}");
             }
         }
     }
@@ -289,6 +366,32 @@ mod tests {
         assert!((corrected.correlation_at(2.0) - (-1.0_f64).exp()).abs() < 1e-12);
         assert!((plain.normal_step_correlation() - (-0.05_f64).exp()).abs() < 1e-15);
         assert!(plain.correlation_at(2.0) < corrected.correlation_at(2.0));
+    }
+
+    #[test]
+    fn the_correction_meets_the_decay_of_every_shape() {
+        for (generator, shape) in [
+            (Generator::Autoregressive, CorrelationShape::WindowedExponential { window: 3.0 }),
+            (Generator::Spectral { harmonics: 8 }, CorrelationShape::SquaredExponential),
+            (Generator::Spectral { harmonics: 8 }, CorrelationShape::Matern { nu: 2.2 }),
+        ] {
+            let model = ProcessModel { correlation: Correlation::Corrected, generator, shape, ..beta(1.0, 2.0) };
+            let found = FrictionProcess::new(model).unwrap().correlation_at(shape.decay_length(2.0));
+            assert!((found - (-1.0_f64).exp()).abs() < 1e-11, "{shape:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_generator_that_cannot_make_a_correlation_says_which_can() {
+        let windowed = CorrelationShape::WindowedExponential { window: 1.0 };
+        for (generator, shape, able) in [
+            (Generator::Autoregressive, CorrelationShape::SquaredExponential, "spectral"),
+            (Generator::Autoregressive, CorrelationShape::Matern { nu: 1.5 }, "spectral"),
+            (Generator::Spectral { harmonics: 8 }, windowed, "autoregressive"),
+        ] {
+            let error = FrictionProcess::new(ProcessModel { generator, shape, ..beta(1.0, 1.0) }).unwrap_err();
+            assert!(error.to_string().contains(able) && error.to_string().contains(shape.name()), "{error}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Spectral representation of a standard normal process of exponential correlation.
+//! Spectral representation of a standard normal process.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 use rand_distr::{Distribution, Open01};
 
@@ -8,8 +8,8 @@ use crate::random::Stream;
 
 /// A sum of harmonics √(2/K) Σ cos(ω_k s + φ_k), advanced knot by knot.
 ///
-/// The spectral distribution of e^{−|s|/ℓ}, F(ω) = (2/π) atan(ωℓ), is cut into K strata of equal weight; each gives one
-/// harmonic of random frequency and phase. So the correlation at the knots is exact at every lag, without a period and
+/// The spectral distribution over positive frequencies, for e^{−|s|/ℓ} that is F(ω) = (2/π) atan(ωℓ), is cut into K strata
+/// of equal weight; each gives one harmonic of random frequency and phase. So the correlation at the knots is exact at every lag, without a period and
 /// without a cut-off frequency, and every realisation has unit power. The law is normal in the limit of many harmonics
 /// (excess kurtosis −3/(2K)).
 ///
@@ -23,12 +23,12 @@ pub(super) struct Harmonics {
 }
 
 impl Harmonics {
-    /// Draws `count` harmonics for knots `step_share` correlation lengths apart.
-    pub(super) fn draw(count: usize, step_share: f64, rng: &mut Stream) -> Self {
+    /// Draws `count` harmonics for knots `step_share` correlation lengths apart; `quantile` is the inverse of F, of ωℓ.
+    pub(super) fn draw(count: usize, step_share: f64, quantile: impl Fn(f64) -> f64, rng: &mut Stream) -> Self {
         let uniform = |rng: &mut Stream| -> f64 { Open01.sample(rng) };
         let phasors = (0..count)
             .map(|k| {
-                let frequency = (FRAC_PI_2 * (k as f64 + uniform(rng)) / count as f64).tan();
+                let frequency = quantile((k as f64 + uniform(rng)) / count as f64);
                 let phase = TAU * uniform(rng);
                 let angle = frequency * step_share;
                 [phase.cos(), phase.sin(), angle.cos(), angle.sin()]

@@ -1,0 +1,25 @@
+//! Friction processes: fitted to measured records, and drawn from.
+
+mod fit;
+mod simulate;
+
+use clap::Subcommand;
+
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+
+/// Commands of friction processes; help shows what stands at each of them.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Friction {
+    Fit(Box<fit::FitRecord>),
+    Simulate(simulate::Simulate),
+}
+
+impl Friction {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        match self {
+            Self::Fit(fit) => fit.run(monitor),
+            Self::Simulate(simulate) => simulate.run(monitor),
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! A measured record as a process.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use asperity::friction::measured::{
+    Abscissa, ColumnTable, Cut, Detrend, FittedRecord, LawChoice, MeasuredError, MeasuredRecord, NormalForce,
+    Preparation, Prepared, RecordColumns,
+};
+use asperity::friction::process::CorrelationShape;
+use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
+use asperity::study::{Staging, Table, json_bytes};
+use asperity_report::record_figures;
+use clap::Args;
+use serde_json::json;
+
+use crate::args;
+use crate::commands::run::NewParents;
+use crate::failure::{Failure, Kind, chain};
+use crate::monitor::Terminal;
+use crate::output::{Answer, check_target, replace_file, said_of_writing};
+use crate::page::store_failure;
+
+/// Fits a process to a measured friction record: moments, law and correlation, with 95 % intervals.
+///
+/// A record is a text file of columns, separated by semicolons, tabs, commas or spaces, with decimal points or commas. Columns
+/// are named by the header or by their number, counted from 1; units stand in the header, `Force [N]`, `t (s)`, or in a flag.
+/// Missing values stay gaps. Steps that differ by less than 1 % are resampled, with a warning; more are refused.
+#[derive(Debug, Args)]
+pub(crate) struct FitRecord {
+    /// Text file of columns.
+    record: PathBuf,
+    #[command(flatten)]
+    columns: ColumnOptions,
+    #[command(flatten)]
+    preparation: PreparationOptions,
+    /// Law to fit: auto, normal, lognormal, weibull, beta, beta:LOW,HIGH with known bounds, johnson, or empirical.
+    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = law, allow_hyphen_values = true)]
+    law: LawChoice,
+    /// Write the process to this file, for `[vibration] friction_process` and `asperity friction simulate`.
+    #[arg(long, value_name = "PROCESS.json")]
+    out: Option<PathBuf>,
+    /// Write process, tables and figures to this folder, which appears complete or not at all.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Replace a report folder that is not empty, unless it holds the record.
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Columns")]
+struct ColumnOptions {
+    /// Column of the friction force or coefficient.
+    #[arg(long, value_name = "NAME|N")]
+    column: String,
+    /// Its unit, when the header states none or another; - for a coefficient.
+    #[arg(long, value_name = "UNIT", allow_hyphen_values = true)]
+    unit: Option<String>,
+    /// Column of times.
+    #[arg(long, value_name = "NAME|N", group = "abscissa")]
+    time_column: Option<String>,
+    /// Its unit.
+    #[arg(long, value_name = "UNIT", requires = "time_column")]
+    time_unit: Option<String>,
+    /// Column of sliding distances.
+    #[arg(long, value_name = "NAME|N", group = "abscissa")]
+    distance_column: Option<String>,
+    /// Its unit.
+    #[arg(long, value_name = "UNIT", requires = "distance_column")]
+    distance_unit: Option<String>,
+    /// Values per second, when there is no such column.
+    #[arg(long, value_name = "Q", group = "abscissa", value_parser = args::positive_quantity::<Frequency>,
+          allow_hyphen_values = true)]
+    sampling_rate: Option<Frequency>,
+    /// Sliding velocity, which makes distances of times.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Velocity>, allow_hyphen_values = true)]
+    velocity: Option<Velocity>,
+    /// Normal force, which makes a coefficient of a friction force.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Force>, allow_hyphen_values = true,
+          conflicts_with = "normal_force_column")]
+    normal_force: Option<Force>,
+    /// Column of the normal force.
+    #[arg(long, value_name = "NAME|N")]
+    normal_force_column: Option<String>,
+    /// Its unit.
+    #[arg(long, value_name = "UNIT", requires = "normal_force_column")]
+    normal_force_unit: Option<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Preparation, in this order")]
+struct PreparationOptions {
+    /// Part to keep, as the file counts: two times or two distances.
+    #[arg(long, value_name = "A,B", value_parser = cut, allow_hyphen_values = true)]
+    cut: Option<Cut>,
+    /// Trend to take out: none, mean, linear, polynomial:DEGREE or high_pass:CUTOFF; the mean stays.
+    #[arg(long, value_name = "TREND", default_value = "none", value_parser = detrend, allow_hyphen_values = true)]
+    detrend: Detrend,
+    /// Cutoff length of a Gaussian filter that takes faster waves out.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    low_pass: Option<Length>,
+    /// Number of values that become their mean.
+    #[arg(long, value_name = "K", default_value = "1", value_parser = args::count, allow_hyphen_values = true)]
+    decimate: usize,
+}
+
+fn law(text: &str) -> Result<LawChoice, args::Refusal> {
+    text.parse().map_err(|e: String| e.into())
+}
+
+fn detrend(text: &str) -> Result<Detrend, args::Refusal> {
+    text.parse().map_err(|e: String| e.into())
+}
+
+fn cut(text: &str) -> Result<Cut, args::Refusal> {
+    let wanted = "two times or two distances are wanted, such as 2s,30s or 1mm,20mm";
+    let (from, to) = text.split_once(',').ok_or(wanted)?;
+    if let (Ok(from), Ok(to)) = (from.parse::<Time>(), to.parse::<Time>()) {
+        return Ok(Cut::Time(from.0, to.0));
+    }
+    match (from.parse::<Length>(), to.parse::<Length>()) {
+        (Ok(from), Ok(to)) => Ok(Cut::Distance(from.0, to.0)),
+        (Err(e), _) | (_, Err(e)) => Err(format!("{wanted}: {e}").into()),
+    }
+}
+
+impl ColumnOptions {
+    fn columns(&self) -> Result<RecordColumns, Failure> {
+        let abscissa = match (&self.time_column, &self.distance_column, self.sampling_rate) {
+            (Some(column), _, _) => Abscissa::Time { column: column.clone(), unit: self.time_unit.clone() },
+            (_, Some(column), _) => Abscissa::Distance { column: column.clone(), unit: self.distance_unit.clone() },
+            (_, _, Some(rate)) => Abscissa::SamplingRate { hertz: rate.0 },
+            (None, None, None) => {
+                return Err(Failure::usage("state one of --time-column, --distance-column and --sampling-rate"));
+            }
+        };
+        let column =
+            |column: &String| NormalForce::Column { column: column.clone(), unit: self.normal_force_unit.clone() };
+        let constant = self.normal_force.map(|force| NormalForce::Constant { newton: force.0 });
+        Ok(RecordColumns {
+            column: self.column.clone(),
+            unit: self.unit.clone(),
+            abscissa,
+            velocity_m_per_s: self.velocity.map(|velocity| velocity.0),
+            normal_force: constant.or(self.normal_force_column.as_ref().map(column)),
+        })
+    }
+}
+
+impl FitRecord {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let columns = self.columns.columns()?;
+        let preparation = Preparation {
+            cut: self.preparation.cut,
+            detrend: self.preparation.detrend,
+            low_pass_m: self.preparation.low_pass.map(|cutoff| cutoff.0),
+            decimation: self.preparation.decimate,
+        };
+        if let Some(out) = &self.out {
+            check_target("--out", out, &[&self.record])?;
+        }
+        if let Some(folder) = &self.report {
+            // Before anything is computed: may the folder be written? Nothing of this attempt stays.
+            let _parents = NewParents::of(folder);
+            Staging::open(folder, self.force, &[&self.record]).map_err(|e| store_failure(&e))?;
+        }
+        let bytes = fs::read(&self.record).map_err(|e| Failure::io(Kind::Data, self.record.display(), &e))?;
+        let name = self.record.file_name().unwrap_or_default().to_string_lossy();
+        let description = format!("{name}, column {}, trend {}", columns.column, preparation.detrend);
+        let (prepared, fitted) = monitor
+            .at_once(|| {
+                let record = MeasuredRecord::new(&ColumnTable::read(&bytes)?, &columns)?;
+                let prepared = preparation.apply(&record)?;
+                let fitted = FittedRecord::of(&prepared, self.law, &description)?;
+                Ok((prepared, fitted))
+            })?
+            .or_else(|e| Err(self.refused(&e).told(Answer::default().with("reason", e.to_string()), self.json)?))?;
+        for warning in prepared.record.warnings.iter().chain(&fitted.warnings) {
+            monitor.warn(&format!("{}: {warning}", self.record.display()));
+        }
+        let process = fitted.process.to_json().map_err(|e| Failure::data(self.record.display(), &e))?;
+        if let Some(out) = &self.out {
+            let said = said_of_writing(out);
+            replace_file(out, |file| file.write_all(process.as_bytes()))?;
+            monitor.note(&format!("{said} {}", out.display()));
+        }
+        let answer = answer(&prepared, &fitted, self.json);
+        if let Some(folder) = &self.report {
+            let _parents = NewParents::of(folder);
+            let written = self.write(folder, &prepared, &fitted, &process, &answer)?;
+            monitor.note(&format!("wrote {}", written.display()));
+        }
+        answer.print(self.json)
+    }
+
+    fn refused(&self, error: &MeasuredError) -> Failure {
+        let kind = match error {
+            error if error.is_request() => Kind::Usage,
+            error if error.is_too_few() => Kind::NotConverged,
+            _ => Kind::Data,
+        };
+        Failure::new(kind, format!("{}: {}", self.record.display(), chain(error)))
+    }
+
+    fn write(
+        &self,
+        folder: &Path,
+        prepared: &Prepared,
+        fitted: &FittedRecord,
+        process: &str,
+        answer: &Answer,
+    ) -> Result<PathBuf, Failure> {
+        let staging = Staging::open(folder, self.force, &[&self.record]).map_err(|e| store_failure(&e))?;
+        let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
+        write("friction_process.json", process.as_bytes())?;
+        write("fit.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
+        let mut drawn = BTreeMap::new();
+        for (name, columns) in fitted.tables(prepared) {
+            let table = Table::new(columns);
+            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
+            drawn.insert(name.to_owned(), asperity_report::Table { columns: table.columns().to_vec() });
+        }
+        let figures = record_figures(&drawn)
+            .map_err(|e| Failure::new(Kind::Runtime, format!("the figures could not be drawn: {}", chain(&e))))?;
+        for figure in figures {
+            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        }
+        staging.commit_unmarked().map_err(|e| store_failure(&e))
+    }
+}
+
+/// The numbers; JSON names every law and model that was tried.
+fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
+    let (record, process, moments) = (&prepared.record, &fitted.process, &fitted.moments);
+    let correlation = process.correlation;
+    let fit = fitted.goodness.map(|fit| fit.kolmogorov_smirnov);
+    let mut answer = Answer::default()
+        .with("values", record.friction.len())
+        .with("present", record.present())
+        .with("step_m", record.step_m)
+        .with("effective_size", fitted.effective_size)
+        .with("mean", process.mean)
+        .with("mean_interval", json!(process.mean_interval))
+        .with("std", process.std)
+        .with("std_interval", json!(process.std_interval))
+        .with("coefficient_of_variation", moments.coefficient_of_variation())
+        .with("skewness", moments.skewness)
+        .with("excess_kurtosis", moments.excess_kurtosis)
+        .with("correlation", correlation.map(|correlation| correlation.shape.name()))
+        .with("correlation_length_m", correlation.map(|correlation| correlation.length_m))
+        .with("correlation_length_m_interval", json!(correlation.and_then(|correlation| correlation.length_interval_m)))
+        .with("law", process.marginal.as_ref().map(ToString::to_string))
+        .with("law_distance", fit.map(|fit| fit.statistic))
+        .with("law_p_value", fit.map(|fit| fit.p_value));
+    for removal in &prepared.removed {
+        answer = answer.with(&format!("{}_variance_share", removal.step), removal.variance_share);
+    }
+    if !json {
+        return answer;
+    }
+    let laws = &fitted.laws;
+    let law = |fit: &asperity::law::fit::Fit| json!({ "name": fit.family.name(), "law": fit.law.to_string(), "aic": fit.aic_correlated(laws.effective_size) });
+    let model = |fit: &asperity::correlation::RecordFit| json!({ "model": CorrelationShape::from(fit.model).name(), "length_m": fit.length_m, "misfit": fit.misfit });
+    let warnings: Vec<&String> = record.warnings.iter().chain(&fitted.warnings).collect();
+    answer
+        .with("laws", laws.fits.iter().map(law).collect::<Vec<_>>())
+        .with("correlation_models", fitted.models.iter().map(model).collect::<Vec<_>>())
+        .with("warnings", json!(warnings))
+}

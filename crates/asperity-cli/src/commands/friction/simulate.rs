@@ -1,0 +1,86 @@
+//! A record drawn from a fitted process.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use asperity::friction::process::FittedProcess;
+use asperity::quantity::Length;
+use asperity::stats::Moments;
+use asperity::study::simulated_record;
+use asperity_formats::write_series;
+use clap::Args;
+
+use crate::args;
+use crate::failure::{Failure, Kind, chain};
+use crate::monitor::Terminal;
+use crate::output::{Answer, check_target, replace_file, said_of_writing};
+
+/// Draws a record of the friction coefficient from a fitted process: a twin of the record it was fitted to.
+///
+/// CSV holds position, coefficient, and its fluctuation about the mean. NPY holds the fluctuation alone, as `asperity vibration
+/// trajectory --friction-file` reads it.
+#[derive(Debug, Args)]
+pub(crate) struct Simulate {
+    /// Fitted process, as `asperity friction fit --out` or a study wrote it.
+    process: PathBuf,
+    /// Sliding distance.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    length: Length,
+    /// Distance between values.
+    #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
+    step: Length,
+    /// Seed of every random draw.
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    seed: u64,
+    /// File to write, .csv or .npy.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Simulate {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let extension = self.out.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        let npy = match extension.as_deref() {
+            Some("npy") => true,
+            Some("csv") => false,
+            _ => {
+                return Err(Failure::usage(format!(
+                    "--out {}: write a name that ends in .csv or .npy",
+                    self.out.display()
+                )));
+            }
+        };
+        check_target("--out", &self.out, &[&self.process])?;
+        let process = read_process(&self.process)?;
+        let record = monitor
+            .at_once(|| simulated_record(&process, self.length.0, self.step.0, self.seed))?
+            .map_err(|e| Failure::usage(format_args!("{}: {e}", self.process.display())))?;
+        let bytes = match record.column("fluctuation").filter(|_| npy) {
+            Some(fluctuation) => write_series(fluctuation),
+            None => record.to_csv().map_err(|e| Failure::new(Kind::Runtime, chain(&e)))?,
+        };
+        let said = said_of_writing(&self.out);
+        replace_file(&self.out, |file| file.write_all(&bytes))?;
+        monitor.note(&format!("{said} {}", self.out.display()));
+        let mu = record.column("mu").unwrap_or_default();
+        let moments = Moments::of(mu);
+        Answer::default()
+            .with("values", mu.len())
+            .with("step_m", self.step.0)
+            .with("mean", moments.mean)
+            .with("std", moments.std)
+            .with("process_mean", process.mean)
+            .with("process_std", process.std)
+            .print(self.json)
+    }
+}
+
+/// Reads a fitted process.
+pub(super) fn read_process(path: &Path) -> Result<FittedProcess, Failure> {
+    let text = fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
+    FittedProcess::from_json(&text).map_err(|e| Failure::data(path.display(), &e))
+}
