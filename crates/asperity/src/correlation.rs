@@ -21,8 +21,8 @@ pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWar
 pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
 pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use record::{
-    LagNormalisation, RecordCorrelation, RecordFit, RecordModel, autocorrelation_1d, fit_record,
-    fit_windowed_exponential, windowed_exponential,
+    LagNormalisation, LengthFit, LengthSettings, RecordCorrelation, RecordEnds, RecordFit, RecordModel, WindowedModel,
+    WindowedRecords, autocorrelation_1d, fit_length, fit_record, windowed_exponential,
 };
 pub use spectrum::{
     AngularSpectrum, AreaSpectrum, BinnedSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute,
