@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use asperity::correlation::{LengthFit, LengthSettings, RecordEnds, RecordModel, WindowedRecords, fit_length};
+use asperity::correlation::{
+    LengthFit, LengthSettings, RecordEnds, RecordModel, Stationarity, WindowedRecords, cross_correlation, fit_length,
+};
 use asperity::law::Marginal;
 use asperity::random;
 use asperity::stats::wilson_interval;
@@ -16,6 +18,8 @@ pub fn section(runs: usize) -> Result<String> {
     let mut text = String::from("## Correlation\n");
     text += &lengths(runs)?;
     text += &window_study(runs)?;
+    text += &drifts(runs)?;
+    text += &cross(runs)?;
     Ok(text)
 }
 
@@ -60,7 +64,10 @@ fn lengths(runs: usize) -> Result<String> {
                     RecordEnds::Free => {
                         // Six ℓ between strips of one field.
                         let whole = field.draw(name, run as u64);
-                        (0..strips).map(|s| s * (cells + 6 * LENGTH)).map(|start| averaged(&whole[start..start + cells], 16, 1, false)).collect()
+                        (0..strips)
+                            .map(|s| s * (cells + 6 * LENGTH))
+                            .map(|start| averaged(&whole[start..start + cells], 16, 1, false))
+                            .collect()
                     }
                 };
                 let channel = WindowedRecords {
@@ -68,7 +75,11 @@ fn lengths(runs: usize) -> Result<String> {
                     step_m: 25e-6 / 16.0,
                     records: records.iter().map(Vec::as_slice).collect(),
                 };
-                Ok(fit_length(&[channel], RecordModel::Exponential, LengthSettings { ends, ..LengthSettings::default() })?)
+                Ok(fit_length(
+                    &[channel],
+                    RecordModel::Exponential,
+                    LengthSettings { ends, ..LengthSettings::default() },
+                )?)
             };
             let fits = all(runs, run)?;
             writeln!(text, "| {name} | {layout} | {} |", summary(&fits, 250e-6))?;
@@ -100,7 +111,8 @@ fn window_study(runs: usize) -> Result<String> {
             }
         }
     }
-    text += "\n| uncorrelated cells, strips | window only % (95 %) | mean ℓ/W | mean upper end/W |\n|---:|---|---:|---:|\n";
+    text +=
+        "\n| uncorrelated cells, strips | window only % (95 %) | mean ℓ/W | mean upper end/W |\n|---:|---|---:|---:|\n";
     for strips in [2, 5, 20] {
         let window = 64;
         let cells = 400 * window / strips;
@@ -145,6 +157,89 @@ fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
         })
         .collect();
     Ok(fit_length(&channels, RecordModel::Exponential, LengthSettings::default())?)
+}
+
+/// A record without drift: mean and scale along it.
+fn still(_: f64) -> (f64, f64) {
+    (0.0, 1.0)
+}
+
+/// A mean that rises by one and a half standard deviations from end to end.
+fn rising(x: f64) -> (f64, f64) {
+    (1.5 * x, 1.0)
+}
+
+/// Shares of runs in which the tests of stationarity call out.
+fn drifts(runs: usize) -> Result<String> {
+    let mut text = String::from(
+        "\n### Stationarity\n\nShare of runs, in per cent, in which a test at 5 % calls out: 200 ℓ, W = ℓ/10, normal.\n\n\
+         | process | strips | trend | mean of halves | ends | variance | wander |\n|---|---:|---:|---:|---:|---:|---:|\n",
+    );
+    let field = Field::new(LENGTH as f64, 1 << 16, None)?;
+    let drifts: [(&str, fn(f64) -> (f64, f64)); 2] = [("stationary", still), ("mean rises by 1.5 sd", rising)];
+    for (name, drift) in drifts {
+        for strips in [1, 5, 20] {
+            let cells = 200 * LENGTH / strips;
+            let found = all(runs, |run| {
+                let whole = field.draw("drift", run as u64);
+                let of = |strip: usize| -> Vec<f64> {
+                    let start = strip * (cells + 6 * LENGTH);
+                    let values = averaged(&whole[start..start + cells], LENGTH / 10, LENGTH / 40, false);
+                    let n = values.len() as f64;
+                    let add = |(i, value): (usize, f64)| drift(i as f64 / n).0 + drift(i as f64 / n).1 * value;
+                    values.into_iter().enumerate().map(add).collect()
+                };
+                let records: Vec<Vec<f64>> = (0..strips).map(of).collect();
+                let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
+                Ok(Stationarity::of(&views, CELL_M * LENGTH as f64 / 40.0)?)
+            })?;
+            let rate = |called: &dyn Fn(&Stationarity) -> bool| {
+                100.0 * found.iter().filter(|tests| called(tests)).count() as f64 / runs as f64
+            };
+            let wander = if found.iter().any(|tests| tests.wander.is_some()) {
+                format!("{:.1}", rate(&|tests| tests.wander.is_some_and(|wander| wander.significant())))
+            } else {
+                "–".into()
+            };
+            writeln!(
+                text,
+                "| {name} | {strips} | {:.1} | {:.1} | {:.1} | {:.1} | {wander} |",
+                rate(&|tests| tests.trend.significant()),
+                rate(&|tests| tests.mean_change.significant()),
+                rate(&|tests| tests.ends.significant()),
+                rate(&|tests| tests.variance_change.significant()),
+            )?;
+        }
+    }
+    Ok(text)
+}
+
+/// Coverage of the cross-correlation at lag zero.
+fn cross(runs: usize) -> Result<String> {
+    let mut text = String::from(
+        "\n### Cross-correlation\n\nTwo normal processes of ℓ = 250 µm under W = 25 µm, 200 ℓ in all.\n\n| ρ | strips | \
+         coverage % (95 %) |\n|---:|---:|---|\n",
+    );
+    let field = Field::new(LENGTH as f64, 1 << 16, None)?;
+    for rho in [0.0, 0.6, 0.95] {
+        for strips in [1, 5, 20] {
+            let cells = 200 * LENGTH / strips;
+            let hits = all(runs, |run| {
+                let (a, own) = (field.draw("cross/a", run as u64), field.draw("cross/b", run as u64));
+                let b: Vec<f64> =
+                    a.iter().zip(&own).map(|(a, own)| rho * a + (1.0_f64 - rho * rho).sqrt() * own).collect();
+                let of = |whole: &[f64], strip: usize| {
+                    let start = strip * (cells + 6 * LENGTH);
+                    averaged(&whole[start..start + cells], LENGTH / 10, LENGTH / 40, false)
+                };
+                let records: Vec<(Vec<f64>, Vec<f64>)> = (0..strips).map(|s| (of(&a, s), of(&b, s))).collect();
+                let views: Vec<(&[f64], &[f64])> = records.iter().map(|(a, b)| (a.as_slice(), b.as_slice())).collect();
+                Ok(cross_correlation(&views, CELL_M * LENGTH as f64 / 40.0, 0)?.interval.contains(rho))
+            })?;
+            writeln!(text, "| {rho} | {strips} | {} |", share(hits.iter().filter(|hit| **hit).count(), runs))?;
+        }
+    }
+    Ok(text)
 }
 
 /// Every run's answer, in order.

@@ -3,16 +3,24 @@
 use super::estimate::{EstimateError, first_crossing};
 use crate::stats::{Moments, lag_sums};
 
+mod cross;
 mod fit;
 mod length;
 mod likelihood;
 mod model;
+mod ranking;
+mod spectrum;
+mod stationarity;
 mod tail;
 
+pub use cross::{CrossCorrelation, cross_correlation};
 pub use fit::{RecordFit, fit_record};
 pub use length::{LengthFit, LengthSettings, fit_length};
 pub use likelihood::{RecordEnds, WindowedRecords};
 pub use model::{RecordModel, WindowedModel, windowed_exponential};
+pub use ranking::{RankedLength, fit_matern, rank_lengths};
+pub use spectrum::{RecordSpectrum, record_spectrum};
+pub use stationarity::{DriftTest, Stationarity, Wander};
 
 /// How the sum of products at a lag becomes a covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +101,8 @@ impl RecordCorrelation {
     /// Root mean square difference from a model over the lags up to where the correlation first falls to zero, weighted by
     /// pairs.
     pub fn misfit(&self, model: &WindowedModel, length_m: f64) -> f64 {
-        let square = |(lag_m, rho, weight): (f64, f64, f64)| (weight * (model.correlation(lag_m, length_m) - rho)).powi(2);
+        let square =
+            |(lag_m, rho, weight): (f64, f64, f64)| (weight * (model.correlation(lag_m, length_m) - rho)).powi(2);
         self.fitted_lags().into_iter().map(square).sum::<f64>().sqrt()
     }
 

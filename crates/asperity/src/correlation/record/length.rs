@@ -121,8 +121,7 @@ fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords
 
 /// Lengths that are tried: below the first nothing is told from zero, beyond the last nothing from a trend.
 fn range_m(channels: &[WindowedRecords<'_>]) -> (f64, f64) {
-    let finest =
-        channels.iter().map(|c| f64::max(c.step_m, c.window_m / 16.0)).fold(f64::INFINITY, f64::min);
+    let finest = channels.iter().map(|c| f64::max(c.step_m, c.window_m / 16.0)).fold(f64::INFINITY, f64::min);
     let longest = channels.iter().map(WindowedRecords::longest_m).fold(0.0, f64::max);
     (0.02 * finest, longest)
 }
@@ -132,10 +131,8 @@ fn minimum(curve: &dyn Fn(f64) -> f64, low_m: f64, high_m: f64) -> (f64, f64) {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let factor: f64 = 2.0;
     let steps = ((high_m / low_m).ln() / factor.ln()).ceil() as i32;
-    let scanned: Vec<(f64, f64)> = (0..=steps)
-        .map(|i| (low_m * factor.powi(i)).min(high_m))
-        .map(|length_m| (length_m, curve(length_m)))
-        .collect();
+    let scanned: Vec<(f64, f64)> =
+        (0..=steps).map(|i| (low_m * factor.powi(i)).min(high_m)).map(|length_m| (length_m, curve(length_m))).collect();
     let best = scanned.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map_or(0, |(index, _)| index);
     let mut a = scanned[best.saturating_sub(1)].0.ln();
     let mut b = scanned[(best + 1).min(scanned.len() - 1)].0.ln();
@@ -204,18 +201,13 @@ fn theoretical_dispersion(ends: RecordEnds) -> f64 {
 }
 
 /// Pieces of records under the narrowest window.
-struct Pieces {
+pub(super) struct Pieces {
     likelihood: Likelihood,
     count: usize,
 }
 
 impl Pieces {
-    fn of(
-        channel: &WindowedRecords<'_>,
-        length_m: f64,
-        ends: RecordEnds,
-        shape: &WindowedModel,
-    ) -> Option<Self> {
+    fn of(channel: &WindowedRecords<'_>, length_m: f64, ends: RecordEnds, shape: &WindowedModel) -> Option<Self> {
         let wanted = PIECES.div_ceil(channel.records.len());
         let shortest = SHORTEST_PIECE * (length_m + channel.window_m) / channel.step_m;
         let mut pieces: Vec<&[f64]> = Vec::new();
@@ -231,6 +223,21 @@ impl Pieces {
         let ends = if whole { ends } else { RecordEnds::Free };
         let likelihood = Likelihood::of(&[cut], &owners, ends, shape)?;
         (count > 1).then_some(Self { likelihood, count })
+    }
+
+    /// Those of the narrowest window of several.
+    pub(super) fn of_narrowest(
+        channels: &[WindowedRecords<'_>],
+        length_m: f64,
+        ends: RecordEnds,
+        shape: &WindowedModel,
+    ) -> Option<Self> {
+        Self::of(narrowest(channels), length_m, ends, shape)
+    }
+
+    /// −ln L of every piece.
+    pub(super) fn negative_logs(&self, length_m: f64) -> Vec<f64> {
+        self.likelihood.negative_log_by_owner(&self.likelihood.spectra(length_m), self.count)
     }
 
     /// Variance of the pieces' scores over their information, and the number of pieces.
@@ -269,8 +276,7 @@ mod tests {
     #[test]
     fn a_planted_length_lies_inside_its_interval_in_most_runs() {
         // The docs' page counts 1,000 runs; here 60 of 100 ℓ: 95 % are 57, and fewer than 51 have a probability of .003.
-        let fits: Vec<LengthFit> =
-            (0..60).map(|index| fit(&[averaged(40.0, 8, 1, 4000, index)], 8.0, 1.0)).collect();
+        let fits: Vec<LengthFit> = (0..60).map(|index| fit(&[averaged(40.0, 8, 1, 4000, index)], 8.0, 1.0)).collect();
         let hits = fits.iter().filter(|fit| fit.interval.contains(40.0)).count();
         let mean = fits.iter().map(|fit| fit.length_m).sum::<f64>() / 60.0;
         let sd = (fits.iter().map(|fit| (fit.length_m - mean).powi(2)).sum::<f64>() / 59.0).sqrt();

@@ -340,8 +340,7 @@ mod tests {
         let values: Vec<f64> = (0..60_u8).map(|i| f64::from(i % 7)).collect();
         let mut holed = values.clone();
         holed[17] = f64::NAN;
-        for (record, ends) in
-            [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
+        for (record, ends) in [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
         {
             let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, records: vec![record] };
             let likelihood = Likelihood::of(&[channel], &[0], ends, &model).unwrap();

@@ -142,7 +142,8 @@ impl WindowedModel {
     pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
         let lag_m = lag_m.abs();
         if length_m <= 1e-9 * self.window_m || length_m == 0.0 {
-            let alone = if self.window_m > 0.0 { 1.0 - lag_m / self.window_m } else { f64::from(u8::from(lag_m == 0.0)) };
+            let alone =
+                if self.window_m > 0.0 { 1.0 - lag_m / self.window_m } else { f64::from(u8::from(lag_m == 0.0)) };
             return alone.max(0.0);
         }
         self.covariance(lag_m, length_m) / self.covariance(0.0, length_m)
