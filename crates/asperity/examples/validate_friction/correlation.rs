@@ -14,7 +14,7 @@ use super::Result;
 use super::field::{Field, averaged};
 
 /// The part on correlation, as Markdown.
-pub fn section(runs: usize) -> Result<String> {
+pub(crate) fn section(runs: usize) -> Result<String> {
     let mut text = String::from("## Correlation\n");
     text += &lengths(runs)?;
     text += &window_study(runs)?;
@@ -83,7 +83,6 @@ fn lengths(runs: usize) -> Result<String> {
             };
             let fits = all(runs, run)?;
             writeln!(text, "| {name} | {layout} | {} |", summary(&fits, 250e-6))?;
-            eprintln!("| {name} | {layout} | {} |", summary(&fits, 250e-6));
         }
     }
     Ok(text)
@@ -107,7 +106,6 @@ fn window_study(runs: usize) -> Result<String> {
                     joint(&starts.map(|start| &whole[start..start + cells]).collect::<Vec<_>>(), window)
                 })?;
                 writeln!(text, "| {name} | {ratio} | {strips} | {} |", summary(&fits, 250e-6))?;
-                eprintln!("| {name} | {ratio} | {strips} | {} |", summary(&fits, 250e-6));
             }
         }
     }
@@ -159,6 +157,9 @@ fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
     Ok(fit_length(&channels, RecordModel::Exponential, LengthSettings::default())?)
 }
 
+/// Mean and scale at a position from 0 to 1.
+type Drift = fn(f64) -> (f64, f64);
+
 /// A record without drift: mean and scale along it.
 fn still(_: f64) -> (f64, f64) {
     (0.0, 1.0)
@@ -176,7 +177,7 @@ fn drifts(runs: usize) -> Result<String> {
          | process | strips | trend | mean of halves | ends | variance | wander |\n|---|---:|---:|---:|---:|---:|---:|\n",
     );
     let field = Field::new(LENGTH as f64, 1 << 16, None)?;
-    let drifts: [(&str, fn(f64) -> (f64, f64)); 2] = [("stationary", still), ("mean rises by 1.5 sd", rising)];
+    let drifts: [(&str, Drift); 2] = [("stationary", still), ("mean rises by 1.5 sd", rising)];
     for (name, drift) in drifts {
         for strips in [1, 5, 20] {
             let cells = 200 * LENGTH / strips;

@@ -8,7 +8,7 @@ use asperity::random;
 use super::Result;
 
 /// A periodic process of correlation e^{−s/ℓ} and a given law, on cells of length 1.
-pub struct Field {
+pub(crate) struct Field {
     law: Option<Marginal>,
     fft: RealFft2,
     /// Standard deviations of the Fourier coefficients of the normal process.
@@ -17,7 +17,7 @@ pub struct Field {
 
 impl Field {
     /// A process of ℓ = `length` cells on `cells` cells, all periods of e^{−s/ℓ} added up, and normal without a law.
-    pub fn new(length: f64, cells: usize, law: Option<Marginal>) -> Result<Self> {
+    pub(crate) fn new(length: f64, cells: usize, law: Option<Marginal>) -> Result<Self> {
         let fft = RealFft2::new(cells, 1);
         // Σ e^{−|s + mP|/ℓ} over all periods is a ratio of cosh.
         let half = cells as f64 / 2.0;
@@ -38,7 +38,7 @@ impl Field {
     }
 
     /// One realisation.
-    pub fn draw(&self, stage: &str, index: u64) -> Vec<f64> {
+    pub(crate) fn draw(&self, stage: &str, index: u64) -> Vec<f64> {
         let n = self.fft.nx();
         let mut values = random::standard_normal(&mut random::stream(77, stage, index), n);
         let (mut spectrum, mut work) = (self.fft.spectrum(), self.fft.workspace());
@@ -55,7 +55,7 @@ impl Field {
 }
 
 /// Means over windows of `window` cells moved by `step` cells; a periodic record goes round.
-pub fn averaged(cells: &[f64], window: usize, step: usize, periodic: bool) -> Vec<f64> {
+pub(crate) fn averaged(cells: &[f64], window: usize, step: usize, periodic: bool) -> Vec<f64> {
     let mut sums = vec![0.0];
     let extra = if periodic { window } else { 0 };
     for value in cells.iter().chain(&cells[..extra]) {
