@@ -21,8 +21,10 @@ pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWar
 pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
 pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use record::{
-    LagNormalisation, RecordCorrelation, RecordFit, RecordModel, autocorrelation_1d, fit_record,
-    fit_windowed_exponential, windowed_exponential,
+    CrossCorrelation, DriftTest, LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation,
+    RecordEnds, RecordFit, RecordModel, RecordSpectrum, Stationarity, Wander, WindowedModel, WindowedRecords,
+    autocorrelation_1d, cross_correlation, fit_length, fit_matern, fit_record, rank_lengths, record_spectrum,
+    windowed_exponential,
 };
 pub use spectrum::{
     AngularSpectrum, AreaSpectrum, BinnedSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute,

@@ -1,8 +1,26 @@
 //! Correlation of one-dimensional records, such as a friction coefficient along a sliding path.
 
 use super::estimate::{EstimateError, first_crossing};
-use super::least_squares::{Range, minimise};
 use crate::stats::{Moments, lag_sums};
+
+mod cross;
+mod fit;
+mod length;
+mod likelihood;
+mod model;
+mod ranking;
+mod spectrum;
+mod stationarity;
+mod tail;
+
+pub use cross::{CrossCorrelation, cross_correlation};
+pub use fit::{RecordFit, fit_record};
+pub use length::{LengthFit, LengthSettings, fit_length};
+pub use likelihood::{RecordEnds, WindowedRecords};
+pub use model::{RecordModel, WindowedModel, windowed_exponential};
+pub use ranking::{RankedLength, fit_matern, rank_lengths};
+pub use spectrum::{RecordSpectrum, record_spectrum};
+pub use stationarity::{DriftTest, Stationarity, Wander};
 
 /// How the sum of products at a lag becomes a covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,6 +98,14 @@ impl RecordCorrelation {
         first_crossing(&self.correlation, (-1.0_f64).exp()).map(|lags| lags * self.step_m)
     }
 
+    /// Root mean square difference from a model over the lags up to where the correlation first falls to zero, weighted by
+    /// pairs.
+    pub fn misfit(&self, model: &WindowedModel, length_m: f64) -> f64 {
+        let square =
+            |(lag_m, rho, weight): (f64, f64, f64)| (weight * (model.correlation(lag_m, length_m) - rho)).powi(2);
+        self.fitted_lags().into_iter().map(square).sum::<f64>().sqrt()
+    }
+
     /// Lags 1, 2, … that enter a fit: up to where the correlation first falls to zero, at least three, with the root of
     /// their share of the pairs.
     fn fitted_lags(&self) -> Vec<(f64, f64, f64)> {
@@ -90,10 +116,6 @@ impl RecordCorrelation {
             .map(|lag| (lag as f64 * self.step_m, self.correlation[lag], (self.pairs[lag] / all).sqrt()))
             .collect()
     }
-
-    fn length_range(&self) -> Range {
-        Range { low: 1e-3 * self.step_m, high: 100.0 * self.step_m * self.correlation.len() as f64 }
-    }
 }
 
 /// Autocorrelation of one record at the lags 0 … n − 1; NaN is a missing value.
@@ -102,130 +124,6 @@ impl RecordCorrelation {
 /// As [`RecordCorrelation::estimate`].
 pub fn autocorrelation_1d(values: &[f64], normalisation: LagNormalisation) -> Result<Vec<f64>, EstimateError> {
     RecordCorrelation::estimate(&[values], 1.0, values.len(), normalisation).map(|found| found.correlation)
-}
-
-/// Correlation of the moving average, over a window W, of a process with correlation e^{−|s|/ℓ}:
-/// triangle_W ⊛ e^{−|s|/ℓ}, scaled to 1 at s = 0.
-///
-/// With a = W/ℓ, t = |s|/ℓ and G(x) = e^{−x} − 1 + x the covariance is [G(t + a) + G(|t − a|) − 2G(t)]/a². ℓ = 0 leaves
-/// the triangle of the window alone, W = 0 the exponential.
-///
-/// # Panics
-/// If a length is negative, or both are zero.
-pub fn windowed_exponential(lag_m: f64, window_m: f64, length_m: f64) -> f64 {
-    assert!(
-        window_m >= 0.0 && length_m >= 0.0 && window_m + length_m > 0.0,
-        "window {window_m} m, length {length_m} m"
-    );
-    let lag_m = lag_m.abs();
-    if length_m < 1e-9 * window_m {
-        return (1.0 - lag_m / window_m).max(0.0);
-    }
-    let (a, t) = (window_m / length_m, lag_m / length_m);
-    if a < 1e-9 {
-        return (-t).exp();
-    }
-    let covariance =
-        if t >= a { (a - t).exp() * (-a).exp_m1().powi(2) } else { bend(t + a) + bend(a - t) - 2.0 * bend(t) };
-    covariance / (2.0 * bend(a))
-}
-
-/// G(x) = e^{−x} − 1 + x without cancellation.
-fn bend(x: f64) -> f64 {
-    if x > 0.05 {
-        return (-x).exp_m1() + x;
-    }
-    // Σ_{n≥2} (−x)ⁿ/n!
-    let mut term = 0.5 * x * x;
-    let mut sum = term;
-    for n in 3..12 {
-        term *= -x / f64::from(n);
-        sum += term;
-    }
-    sum
-}
-
-/// A correlation model of a record.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RecordModel {
-    /// e^{−s/ℓ}.
-    Exponential,
-    /// e^{−(s/ℓ)²}.
-    SquaredExponential,
-    /// The moving average over a window of an exponential; see [`windowed_exponential`].
-    WindowedExponential {
-        /// Window W in metre.
-        window_m: f64,
-    },
-}
-
-impl RecordModel {
-    /// Correlation at a lag, for the length ℓ, both in metre.
-    pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
-        match self {
-            Self::Exponential => (-lag_m / length_m).exp(),
-            Self::SquaredExponential => (-(lag_m / length_m).powi(2)).exp(),
-            Self::WindowedExponential { window_m } => windowed_exponential(lag_m, *window_m, length_m),
-        }
-    }
-}
-
-/// A model fitted to a record.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RecordFit {
-    /// The model.
-    pub model: RecordModel,
-    /// Fitted ℓ in metre. Values near 10⁻³ steps mean that the window alone explains the record.
-    pub length_m: f64,
-    /// Weighted root mean square of estimated minus fitted correlation over the lags used.
-    pub misfit: f64,
-}
-
-/// Fits ℓ of one model over the lags up to where the correlation first falls to zero, weighted by pairs.
-///
-/// # Errors
-/// Fewer than one lag besides zero.
-pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<RecordFit, EstimateError> {
-    let (length_m, misfit) = fit_length(&[(model, record)])?;
-    Ok(RecordFit { model, length_m, misfit })
-}
-
-/// Fits one ℓ to records averaged over different windows, each (W in metre, correlation): the exponential process under
-/// all of them. Returns ℓ in metre and the misfit. Every record weighs the same.
-///
-/// # Errors
-/// No record, or one without a lag besides zero.
-pub fn fit_windowed_exponential(records: &[(f64, &RecordCorrelation)]) -> Result<(f64, f64), EstimateError> {
-    let with_models: Vec<_> = records
-        .iter()
-        .map(|(window_m, record)| (RecordModel::WindowedExponential { window_m: *window_m }, *record))
-        .collect();
-    fit_length(&with_models)
-}
-
-fn fit_length(records: &[(RecordModel, &RecordCorrelation)]) -> Result<(f64, f64), EstimateError> {
-    let mut terms = Vec::new();
-    let share = 1.0 / (records.len() as f64).sqrt();
-    for (model, record) in records {
-        let lags = record.fitted_lags();
-        if lags.is_empty() {
-            return Err(EstimateError::TooFew { present: record.correlation.len(), wanted: 2 });
-        }
-        terms.extend(lags.into_iter().map(|(lag_m, rho, weight)| (*model, lag_m, rho, weight * share)));
-    }
-    let Some((_, first)) = records.first() else {
-        return Err(EstimateError::TooFew { present: 0, wanted: 1 });
-    };
-    let ranges = records.iter().map(|(_, record)| record.length_range());
-    let range = ranges.fold(first.length_range(), |a, b| Range { low: a.low.min(b.low), high: a.high.max(b.high) });
-    let residuals = |p: &[f64]| -> Vec<f64> {
-        terms.iter().map(|(model, lag_m, rho, weight)| weight * (model.correlation(*lag_m, p[0]) - rho)).collect()
-    };
-    let decay = first.correlation_length_m().unwrap_or(first.step_m * first.correlation.len() as f64);
-    // One start may lie on the plateau where the window hides ℓ; the best of three is kept.
-    let candidates = [1.0, 0.1, 0.01].map(|factor| minimise(&residuals, &[factor * decay], &[range]));
-    let best = candidates.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    best.map(|(found, sum)| (found[0], sum.sqrt())).ok_or(EstimateError::TooFew { present: 0, wanted: 1 })
 }
 
 #[cfg(test)]
@@ -267,81 +165,28 @@ mod tests {
         }
     }
 
-    /// The correlation of a window mean by a fine double sum over the window.
-    fn direct(lag: f64, window: f64, length: f64) -> f64 {
-        let n = 400_i32;
-        let step = window / f64::from(n);
-        let at = |lag: f64| {
-            let mut sum = 0.0;
-            for i in -(n - 1)..n {
-                sum += f64::from(n - i.abs()) * (-(lag + step * f64::from(i)).abs() / length).exp();
-            }
-            sum
-        };
-        at(lag) / at(0.0)
-    }
-
-    #[test]
-    fn the_windowed_exponential_is_the_average_over_the_window() {
-        for (window, length) in [(600.0, 250.0), (600.0, 2000.0), (75.0, 250.0), (600.0, 60.0)] {
-            for lag in [0.0, 20.0, 74.0, 300.0, 599.0, 601.0, 1500.0] {
-                let error = (windowed_exponential(lag, window, length) - direct(lag, window, length)).abs();
-                // The sum over cells h errs by (h/ℓ)²/12 of the smooth part and h²/(4ℓW) at the kink.
-                let cell = window / 400.0;
-                assert!(
-                    error < cell * cell / length * (1.0 / length + 1.0 / window),
-                    "W {window} ℓ {length} lag {lag}: {error:e}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn the_window_limits_are_the_triangle_and_the_exponential() {
-        for s in [0.0_f64, 0.3, 0.99, 1.7] {
-            assert!((windowed_exponential(s, 1.0, 1e-7) - (1.0 - s).max(0.0)).abs() < 1e-6);
-            assert!((windowed_exponential(s, 1.0, 0.0) - (1.0 - s).max(0.0)).abs() < 1e-15);
-            assert!((windowed_exponential(s, 1e-5, 1.0) - (-s).exp()).abs() < 1e-5);
-            assert!((windowed_exponential(s, 1e-12, 1.0) - (-s).exp()).abs() < 1e-9);
-        }
-        // Its variance is the published factor 2ℓ/W[1 − (ℓ/W)(1 − e^{−W/ℓ})] = .51761 for W = 600, ℓ = 250.
-        let a: f64 = 600.0 / 250.0;
-        assert!((2.0 * bend(a) / (a * a) - 0.51761).abs() < 5e-6);
-        assert!((bend(0.05) - ((-0.05_f64).exp_m1() + 0.05)).abs() < 1e-16);
-    }
-
     /// The exact correlation of a model at lags of one metre, as if estimated.
-    fn exact(model: RecordModel, length_m: f64, lags: usize) -> RecordCorrelation {
+    fn exact(model: &WindowedModel, length_m: f64, lags: usize) -> RecordCorrelation {
         let correlation = (0..lags).map(|lag| model.correlation(10.0 * lag as f64, length_m)).collect();
         RecordCorrelation { step_m: 10.0, correlation, pairs: vec![100.0; lags], mean: 0.0, variance: 1.0 }
     }
 
     #[test]
     fn exact_correlations_give_their_length_back_and_no_misfit() {
-        for model in [
-            RecordModel::Exponential,
-            RecordModel::SquaredExponential,
-            RecordModel::WindowedExponential { window_m: 600.0 },
-            RecordModel::WindowedExponential { window_m: 75.0 },
-        ] {
-            let fit = fit_record(&exact(model, 250.0, 400), model).unwrap();
+        for model in RecordModel::USUAL {
+            let fit = fit_record(&exact(&WindowedModel::new(model, 0.0), 250.0, 400), model).unwrap();
             assert!((fit.length_m / 250.0 - 1.0).abs() < 1e-5 && fit.misfit < 1e-7, "{fit:?}");
         }
-        let windows = [75.0, 150.0, 300.0, 600.0];
-        let records = windows.map(|window_m| exact(RecordModel::WindowedExponential { window_m }, 120.0, 300));
-        let pairs: Vec<_> = windows.into_iter().zip(&records).collect();
-        let (length_m, misfit) = fit_windowed_exponential(&pairs).unwrap();
-        assert!((length_m / 120.0 - 1.0).abs() < 1e-5 && misfit < 1e-7);
     }
 
     #[test]
     fn an_exponential_fitted_to_the_triangle_of_a_window_finds_a_length_of_the_window() {
         // W = 600 µm alone returns 322–368 µm, depending on how far the fit reaches.
-        let triangle = exact(RecordModel::WindowedExponential { window_m: 600.0 }, 0.0, 100);
+        let triangle = exact(&WindowedModel::new(RecordModel::Exponential, 600.0), 0.0, 100);
         let fit = fit_record(&triangle, RecordModel::Exponential).unwrap();
         assert!(fit.length_m > 322.0 && fit.length_m < 368.0, "{}", fit.length_m);
-        let own = fit_record(&triangle, RecordModel::WindowedExponential { window_m: 600.0 }).unwrap();
-        assert!(own.length_m < 5.0 && own.misfit < 0.2 * fit.misfit, "{own:?}");
+        let own = fit_record(&triangle, RecordModel::Triangle).unwrap();
+        assert!((own.length_m / 600.0 - 1.0).abs() < 1e-5 && own.misfit < 1e-6, "{own:?}");
     }
 
     #[test]

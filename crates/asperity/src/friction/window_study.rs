@@ -6,25 +6,29 @@
 use rayon::prelude::*;
 
 use crate::correlation::{
-    EstimateError, LagNormalisation, RecordCorrelation, RecordModel, fit_record, fit_windowed_exponential,
+    EstimateError, LagNormalisation, LengthFit, LengthSettings, RecordCorrelation, RecordModel, WindowedModel,
+    WindowedRecords, fit_length, fit_record,
 };
 use crate::friction::strip::Record;
 use crate::friction::window::Window;
-use crate::stats::{Interval, Moments, NORMAL_95};
+use crate::stats::Interval;
 
-/// Most groups of strips of the jackknife.
-const MOST_GROUPS: usize = 20;
-
-/// One exponential process under several windows: ρ_W = triangle_W ⊛ e^{−s/ℓ}, fitted jointly.
+/// One process under several windows, ρ_W = triangle_W ⊛ ρ_0(ℓ), fitted jointly by [`fit_length`].
+///
+/// Records of several windows are moving averages of the same strips. Where two windows show the same wavenumber they say the
+/// same, so it counts once, and the narrowest window says nearly everything: the others show whether one ℓ holds under
+/// all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindowStudy {
     /// What each window sees, from the longest.
     pub windows: Vec<WindowCorrelation>,
+    /// Model ρ_0 without the window.
+    pub model: RecordModel,
     /// ℓ in metre, without the window; 0 where the windows explain everything.
     pub length_m: f64,
-    /// 95 % interval of ℓ by the jackknife over strips, cut at 0.
+    /// 95 % interval of ℓ.
     pub interval: Interval,
-    /// Root mean square misfit of the correlations.
+    /// Root mean square misfit of the correlations under all windows.
     pub misfit: f64,
     /// Shortest step of a window in metre: a shorter ℓ cannot be told from 0.
     pub resolution_m: f64,
@@ -37,37 +41,62 @@ pub struct WindowCorrelation {
     pub window_m: f64,
     /// Standard deviation of μ.
     pub std: f64,
-    /// ℓ in metre of e^{−s/ℓ} fitted to this window alone, which contains the window.
+    /// Standard deviation that the joint fit expects.
+    pub expected_std: f64,
+    /// ℓ in metre of e^{−s/ℓ} fitted to the correlation under this window, which contains the window.
     pub length_m: f64,
+    /// ℓ of ρ_0 without the window, from this window alone; absent where the strips hold too few windows.
+    pub own: Option<LengthFit>,
 }
 
 impl WindowStudy {
-    /// The study of records at the mean load ([`Record::at_mean_load`]), which are moving averages; the same strips, in the
-    /// same order, under every window.
+    /// The study with ρ_0 = e^{−s/ℓ} of records at the mean load ([`Record::at_mean_load`]), which are moving averages; the
+    /// same strips, in the same order, under every window. Strips are taken for free ones.
     ///
     /// # Errors
-    /// Fewer than two strips, or records that do not vary.
+    /// No strip, records that do not vary, or strips shorter than about three windows.
     pub fn of(records: &[(Window, Vec<Record>)]) -> Result<Self, EstimateError> {
-        let strips = records.iter().map(|(_, records)| records.len()).min().unwrap_or(0);
-        if strips < 2 {
-            return Err(EstimateError::TooFew { present: strips, wanted: 2 });
-        }
-        let (length_m, misfit) = joint_fit(records, |_| true)?;
-        let groups = strips.min(MOST_GROUPS);
-        let left_out: Result<Vec<f64>, EstimateError> = (0..groups)
-            .into_par_iter()
-            .map(|group| joint_fit(records, |strip| strip % groups != group).map(|(length_m, _)| length_m))
+        Self::with(records, RecordModel::Exponential, LengthSettings::default())
+    }
+
+    /// The study with another model or other ends. Ends are periodic only where the positions of every window go round the
+    /// strip evenly.
+    ///
+    /// # Errors
+    /// As [`WindowStudy::of`].
+    pub fn with(
+        records: &[(Window, Vec<Record>)],
+        model: RecordModel,
+        settings: LengthSettings,
+    ) -> Result<Self, EstimateError> {
+        let channels: Vec<WindowedRecords<'_>> =
+            records.iter().map(|(window, records)| under(window, records)).collect();
+        let joint = fit_length(&channels, model, settings)?;
+        let shape = WindowedModel::new(model, 0.0);
+        let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
+        let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = channels
+            .par_iter()
+            .map(|channel| {
+                let estimate = correlation(channel)?;
+                let fitted = WindowCorrelation {
+                    window_m: channel.window_m,
+                    std: estimate.variance.sqrt(),
+                    expected_std: joint.std * std_ratio(&shape, joint.length_m, channel.window_m, narrowest_m),
+                    length_m: fit_record(&estimate, RecordModel::Exponential)?.length_m,
+                    own: fit_length(std::slice::from_ref(channel), model, settings).ok(),
+                };
+                Ok((fitted, estimate.misfit(&shape.under(channel.window_m), joint.length_m)))
+            })
             .collect();
-        let spread = Moments::of(&left_out?).std;
-        let half_width_m = NORMAL_95 * spread * ((groups - 1) as f64).sqrt();
-        let windows: Result<Vec<WindowCorrelation>, EstimateError> =
-            records.iter().map(|(window, records)| WindowCorrelation::of(window, records)).collect();
+        let seen = seen?;
+        let mean_square = seen.iter().map(|(_, misfit)| misfit * misfit).sum::<f64>() / seen.len() as f64;
         Ok(Self {
-            windows: windows?,
-            length_m,
-            interval: Interval { low: (length_m - half_width_m).max(0.0), high: length_m + half_width_m },
-            misfit,
-            resolution_m: resolution_m(records),
+            windows: seen.into_iter().map(|(seen, _)| seen).collect(),
+            model,
+            length_m: joint.length_m,
+            interval: joint.interval,
+            misfit: mean_square.sqrt(),
+            resolution_m: channels.iter().map(|channel| channel.step_m).fold(f64::INFINITY, f64::min),
         })
     }
 
@@ -77,42 +106,27 @@ impl WindowStudy {
     }
 }
 
-impl WindowCorrelation {
-    fn of(window: &Window, records: &[Record]) -> Result<Self, EstimateError> {
-        let estimate = correlation(window, records, |_| true)?;
-        let length_m = fit_record(&estimate, RecordModel::Exponential)?.length_m;
-        Ok(Self { window_m: window.length_m(), std: estimate.variance.sqrt(), length_m })
+fn under(window: &Window, records: &[Record]) -> WindowedRecords<'_> {
+    WindowedRecords {
+        window_m: window.length_m(),
+        step_m: window.step_m(),
+        records: records.iter().map(|record| record.friction.as_slice()).collect(),
     }
 }
 
-/// ℓ and misfit over the strips that are `kept`.
-fn joint_fit(
-    records: &[(Window, Vec<Record>)],
-    kept: impl Fn(usize) -> bool + Copy,
-) -> Result<(f64, f64), EstimateError> {
-    let estimates: Result<Vec<(f64, RecordCorrelation)>, EstimateError> =
-        records.iter().map(|(window, records)| Ok((window.length_m(), correlation(window, records, kept)?))).collect();
-    let estimates = estimates?;
-    let views: Vec<(f64, &RecordCorrelation)> = estimates.iter().map(|(window_m, found)| (*window_m, found)).collect();
-    let (length_m, misfit) = fit_windowed_exponential(&views)?;
-    // A length far below every step is the lower end of the fit, and means zero.
-    Ok((if length_m < 0.1 * resolution_m(records) { 0.0 } else { length_m }, misfit))
+/// Standard deviation under a window over that under a narrower one.
+fn std_ratio(shape: &WindowedModel, length_m: f64, window_m: f64, narrower_m: f64) -> f64 {
+    if length_m == 0.0 {
+        return (narrower_m / window_m).sqrt();
+    }
+    let variance = |window_m: f64| shape.under(window_m).covariance(0.0, length_m);
+    (variance(window_m) / variance(narrower_m)).sqrt()
 }
 
-/// Shortest step of the windows in metre.
-fn resolution_m(records: &[(Window, Vec<Record>)]) -> f64 {
-    records.iter().map(|(window, _)| window.step_m()).fold(f64::INFINITY, f64::min)
-}
-
-fn correlation(
-    window: &Window,
-    records: &[Record],
-    kept: impl Fn(usize) -> bool,
-) -> Result<RecordCorrelation, EstimateError> {
-    let chosen = records.iter().enumerate().filter(|(strip, _)| kept(*strip));
-    let series: Vec<&[f64]> = chosen.map(|(_, record)| record.friction.as_slice()).collect();
+fn correlation(channel: &WindowedRecords<'_>) -> Result<RecordCorrelation, EstimateError> {
     // Beyond four windows there is nothing left to see of either.
-    let lags = (4.0 * window.length_m() / window.step_m()) as usize;
-    let longest = series.iter().map(|record| record.len()).max().unwrap_or(0);
-    RecordCorrelation::estimate(&series, window.step_m(), lags.min(longest / 2), LagNormalisation::PairNormalised)
+    let lags = (4.0 * channel.window_m / channel.step_m) as usize;
+    let longest = channel.records.iter().map(|record| record.len()).max().unwrap_or(0);
+    let normalisation = LagNormalisation::PairNormalised;
+    RecordCorrelation::estimate(&channel.records, channel.step_m, lags.min(longest / 2), normalisation)
 }

@@ -252,7 +252,7 @@ fn degrees_of_freedom(sums: &[Sums], densities: &[f64]) -> Vec<f64> {
 }
 
 /// Edges of bins from half a wavenumber to beyond the `last`, in wavenumbers: equal ratios, at least one apart.
-fn edges(last: usize) -> Vec<f64> {
+pub(in crate::correlation) fn edges(last: usize) -> Vec<f64> {
     let (ratio, end) = ((1.0 / PER_OCTAVE).exp2(), last as f64 + 0.5);
     let mut edges = vec![0.5];
     let mut edge: f64 = 0.5;
@@ -267,7 +267,7 @@ fn edges(last: usize) -> Vec<f64> {
 }
 
 /// Which bin a wavenumber lies in.
-fn bin_of(edges: &[f64], q: f64) -> Option<usize> {
+pub(in crate::correlation) fn bin_of(edges: &[f64], q: f64) -> Option<usize> {
     let above = edges.partition_point(|edge| *edge <= q);
     (above > 0 && above < edges.len()).then(|| above - 1)
 }

@@ -1,0 +1,365 @@
+//! The likelihood of a correlation model of records, wavenumber by wavenumber.
+
+use std::f64::consts::PI;
+
+use super::model::WindowedModel;
+use crate::fourier::RealFft2;
+use crate::stats::lag_sums;
+
+/// Shortest record that has a spectrum.
+const SHORTEST: usize = 8;
+
+/// What lies beyond the ends of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RecordEnds {
+    /// Nothing: the record is a piece of a longer one.
+    #[default]
+    Free,
+    /// The record again: it is one period, number of values times step.
+    Periodic,
+}
+
+/// Records of one process with equal steps, each value the mean over a window. NaN is a missing value.
+#[derive(Debug, Clone)]
+pub struct WindowedRecords<'a> {
+    /// Window W in metre; 0 for values at points.
+    pub window_m: f64,
+    /// Distance between values in metre.
+    pub step_m: f64,
+    /// Independent records, such as strips.
+    pub records: Vec<&'a [f64]>,
+}
+
+impl WindowedRecords<'_> {
+    /// Length of the longest record in metre.
+    pub(super) fn longest_m(&self) -> f64 {
+        self.records.iter().map(|record| record.len()).max().unwrap_or(0) as f64 * self.step_m
+    }
+
+    /// Every how many-th value says all: four in a window are enough below 1/(2W), and a period must stay one.
+    fn stride(&self, ends: RecordEnds) -> usize {
+        let wanted = ((self.window_m / self.step_m / 4.0) as usize).max(1);
+        let fits = |stride: usize| {
+            ends == RecordEnds::Free || self.records.iter().all(|record| record.len().is_multiple_of(stride))
+        };
+        (1..=wanted).rev().find(|stride| fits(*stride)).unwrap_or(1)
+    }
+}
+
+/// The taper of a record: of a free one a cosine over `share` of the values at either end, of a periodic one none.
+pub(super) fn taper(n: usize, ends: RecordEnds, share: f64) -> Vec<f64> {
+    let ramp = share * n as f64;
+    let at = |i: usize| {
+        let from_end = (i.min(n - 1 - i) as f64 + 0.5) / ramp;
+        if ends == RecordEnds::Periodic || from_end >= 1.0 { 1.0 } else { 0.5 - 0.5 * (PI * from_end).cos() }
+    };
+    (0..n).map(at).collect()
+}
+
+/// The record times its taper, without its weighted mean, missing values as zeros; and the weights that are left.
+pub(super) fn tapered(record: &[f64], taper: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let weights: Vec<f64> =
+        record.iter().zip(taper).map(|(value, weight)| if value.is_finite() { *weight } else { 0.0 }).collect();
+    let sum: f64 = weights.iter().sum();
+    let present = || record.iter().zip(&weights).filter(|(_, weight)| **weight > 0.0);
+    // Counted from the first value, so that a large mean loses no digits.
+    let origin = present().next().map_or(0.0, |(value, _)| *value);
+    let mean = origin + present().map(|(value, weight)| weight * (value - origin)).sum::<f64>() / sum;
+    let values = record.iter().zip(&weights).map(|(value, w)| if *w > 0.0 { w * (value - mean) } else { 0.0 });
+    (values.collect(), weights)
+}
+
+/// Records of one length and step under one window.
+struct Group {
+    n: usize,
+    step_m: f64,
+    window: WindowedModel,
+    ends: RecordEnds,
+    plan: RealFft2,
+    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; none for periodic records, where it is 1.
+    lag_weights: Vec<f64>,
+    /// How much each of the wavenumbers 1, 2, … counts.
+    shares: Vec<f64>,
+    /// Periodograms at the wavenumbers 1, 2, …, and the owners of the records.
+    powers: Vec<(usize, Vec<f64>)>,
+}
+
+impl Group {
+    fn periodogram(&self, values: &[f64], squares: f64) -> Vec<f64> {
+        let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
+        self.plan.forward(values, &mut spectrum, &mut work);
+        spectrum[1..=self.shares.len()].iter().map(|value| self.step_m * value.norm_sqr() / squares).collect()
+    }
+
+    /// The periodogram that is expected for the length ℓ, where the process has the given variance at a point.
+    fn expected(&self, length_m: f64, variance: impl Fn(&WindowedModel, f64) -> f64) -> Vec<f64> {
+        let n = self.n;
+        let covariance = |lag: usize| variance(&self.window, lag as f64 * self.step_m);
+        // Beyond this nothing is left of any model.
+        let end = ((40.0 * length_m + self.window.window_m()) / self.step_m).ceil();
+        let mut folded = vec![0.0; n];
+        match self.ends {
+            RecordEnds::Free => {
+                let lags = (end.min(n as f64) as usize).max(1).min(n);
+                for lag in 0..lags {
+                    let value = self.lag_weights[lag] * covariance(lag);
+                    folded[lag] += value;
+                    if lag > 0 {
+                        folded[n - lag] += value;
+                    }
+                }
+            }
+            RecordEnds::Periodic => {
+                // All periods add up.
+                let lags = (end as usize).max(1);
+                for lag in 0..lags {
+                    let value = covariance(lag);
+                    folded[lag % n] += value;
+                    if lag > 0 {
+                        folded[(n - lag % n) % n] += value;
+                    }
+                }
+            }
+        }
+        let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
+        self.plan.forward(&folded, &mut spectrum, &mut work);
+        spectrum[1..=self.shares.len()].iter().map(|value| self.step_m * value.re).collect()
+    }
+}
+
+/// −ln of Whittle's likelihood of one model for records under one or more windows, as a function of its length ℓ alone: the
+/// variance that suits ℓ best is put in.
+///
+/// Every periodogram ordinate I is compared with its expectation E for the record's own length, step, taper and window, in
+/// which sampling, leakage and missing values are contained (Sykulski, Olhede, Guillaumin, Lilly & Early, *Biometrika* **106**
+/// (2019) 251, <https://doi.org/10.1093/biomet/asy071>): −ln L = Σ [ln E + I/E]. The wavenumber 0, and with it the unknown
+/// mean, is left out.
+///
+/// A window keeps nothing at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are left out. Where
+/// several windows show a wavenumber, each of them counts with its share of one: windows on the same strip say the same.
+pub(super) struct Likelihood {
+    groups: Vec<Group>,
+    narrowest: WindowedModel,
+}
+
+/// Expected periodograms of all groups, for unit variance under the narrowest window.
+pub(super) struct Spectra(Vec<Vec<f64>>);
+
+impl Likelihood {
+    /// Highest frequency that is used, in units of 1/W: there the window leaves 4/π² of the power.
+    pub(super) const BAND: f64 = 0.5;
+    /// Share of a free record that its taper lowers at either end.
+    pub(super) const TAPER: f64 = 0.1;
+
+    /// Of records under one or more windows; `owners` numbers the records of every channel. `None` where fewer than three
+    /// wavenumbers are left.
+    pub(super) fn of(
+        channels: &[WindowedRecords<'_>],
+        owners: &[usize],
+        ends: RecordEnds,
+        model: &WindowedModel,
+    ) -> Option<Self> {
+        let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
+        if !narrowest_m.is_finite() {
+            return None;
+        }
+        let highest = |channel: &WindowedRecords<'_>| f64::min(Self::BAND / channel.window_m, 0.5 / channel.step_m);
+        let mut groups: Vec<Group> = Vec::new();
+        for channel in channels {
+            let window = model.under(channel.window_m);
+            let stride = channel.stride(ends);
+            let step_m = channel.step_m * stride as f64;
+            let mut of_length: Vec<(usize, usize)> = Vec::new();
+            for (record, owner) in channel.records.iter().zip(owners) {
+                let record: Vec<f64> = record.iter().step_by(stride).copied().collect();
+                let n = record.len();
+                let complete = record.iter().all(|value| value.is_finite());
+                let step_per_m = 1.0 / (n as f64 * step_m);
+                let last = (highest(channel) / step_per_m).floor() as usize;
+                let last = last.min(n.saturating_sub(1) / 2);
+                if n < SHORTEST || last == 0 {
+                    continue;
+                }
+                let (values, weights) = tapered(&record, &taper(n, ends, Self::TAPER));
+                let squares: f64 = weights.iter().map(|w| w * w).sum();
+                let known = of_length.iter().find(|(length, _)| complete && *length == n).map(|(_, group)| *group);
+                let group = known.unwrap_or_else(|| {
+                    let periodic = complete && ends == RecordEnds::Periodic;
+                    let lag_weights = if periodic {
+                        Vec::new()
+                    } else {
+                        lag_sums(&weights, 0.0, n).0.into_iter().map(|sum| sum / squares).collect()
+                    };
+                    let share = |k: usize| {
+                        let frequency = k as f64 * step_per_m;
+                        let seen = channels.iter().filter(|other| frequency <= highest(other) * (1.0 + 1e-9)).count();
+                        1.0 / seen.max(1) as f64
+                    };
+                    groups.push(Group {
+                        n,
+                        step_m,
+                        window: window.clone(),
+                        ends: if periodic { RecordEnds::Periodic } else { RecordEnds::Free },
+                        plan: RealFft2::new(n, 1),
+                        lag_weights,
+                        shares: (1..=last).map(share).collect(),
+                        powers: Vec::new(),
+                    });
+                    groups.len() - 1
+                });
+                if complete && known.is_none() {
+                    of_length.push((n, group));
+                }
+                if squares > 0.0 {
+                    let power = groups[group].periodogram(&values, squares);
+                    groups[group].powers.push((*owner, power));
+                }
+            }
+        }
+        let used: f64 = groups.iter().map(|g| g.shares.iter().sum::<f64>() * g.powers.len() as f64).sum();
+        (used >= 3.0).then(|| Self { groups, narrowest: model.under(narrowest_m) })
+    }
+
+    /// Expected periodograms for the length ℓ ≥ 0 in metre.
+    pub(super) fn spectra(&self, length_m: f64) -> Spectra {
+        let narrowest_m = self.narrowest.window_m();
+        // Uncorrelated values leave a variance ∝ 1/W.
+        let alone = length_m <= 1e-9 * narrowest_m || length_m == 0.0;
+        let unit = if alone { 1.0 } else { self.narrowest.covariance(0.0, length_m) };
+        let variance = |window: &WindowedModel, lag_m: f64| {
+            if alone {
+                let share = if narrowest_m > 0.0 { narrowest_m / window.window_m() } else { 1.0 };
+                share * window.correlation(lag_m, 0.0)
+            } else {
+                window.covariance(lag_m, length_m) / unit
+            }
+        };
+        Spectra(self.groups.iter().map(|group| group.expected(length_m, variance)).collect())
+    }
+
+    /// Weighted sum of I/E over the wavenumbers of all records, and that of one.
+    fn ratio_sums(&self, spectra: &Spectra) -> (f64, f64) {
+        let (mut ratios, mut count) = (0.0, 0.0);
+        for (group, expected) in self.groups.iter().zip(&spectra.0) {
+            for (_, power) in &group.powers {
+                for ((i, e), share) in power.iter().zip(expected).zip(&group.shares) {
+                    ratios += share * i / e;
+                    count += share;
+                }
+            }
+        }
+        (ratios, count)
+    }
+
+    /// Variance under the narrowest window that suits the length best.
+    pub(super) fn variance(&self, spectra: &Spectra) -> f64 {
+        let (ratios, count) = self.ratio_sums(spectra);
+        ratios / count
+    }
+
+    /// −ln L at a length, the variance being the best one.
+    pub(super) fn negative_log(&self, spectra: &Spectra) -> f64 {
+        let (ratios, count) = self.ratio_sums(spectra);
+        let mut logs = 0.0;
+        for (group, expected) in self.groups.iter().zip(&spectra.0) {
+            let sum: f64 = expected.iter().zip(&group.shares).map(|(e, share)| share * e.ln()).sum();
+            logs += sum * group.powers.len() as f64;
+        }
+        count * ((ratios / count).ln() + 1.0) + logs
+    }
+
+    /// −ln L of every owner's part at the variance that suits all best.
+    pub(super) fn negative_log_by_owner(&self, spectra: &Spectra, owners: usize) -> Vec<f64> {
+        let variance = self.variance(spectra);
+        let mut parts = vec![0.0; owners];
+        for (group, expected) in self.groups.iter().zip(&spectra.0) {
+            for (owner, power) in &group.powers {
+                for ((i, e), share) in power.iter().zip(expected).zip(&group.shares) {
+                    let e = variance * e;
+                    parts[*owner] += share * (e.ln() + i / e);
+                }
+            }
+        }
+        parts
+    }
+
+    /// Scores ∂ ln L/∂ ln ℓ of every owner's part, free of the variance, and their expected information.
+    pub(super) fn scores(&self, length_m: f64, owners: usize) -> (Vec<f64>, f64) {
+        let step: f64 = 1e-3;
+        let (below, at, above) =
+            (self.spectra(length_m * (-step).exp()), self.spectra(length_m), self.spectra(length_m * step.exp()));
+        let variance = self.variance(&at);
+        let slopes: Vec<Vec<f64>> = below
+            .0
+            .iter()
+            .zip(&above.0)
+            .map(|(low, high)| low.iter().zip(high).map(|(l, h)| (h / l).ln() / (2.0 * step)).collect())
+            .collect();
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (group, slopes) in self.groups.iter().zip(&slopes) {
+            let records = group.powers.len() as f64;
+            sum += records * slopes.iter().zip(&group.shares).map(|(g, share)| share * g).sum::<f64>();
+            count += records * group.shares.iter().sum::<f64>();
+        }
+        let mean = sum / count;
+        let (mut scores, mut information) = (vec![0.0; owners], 0.0);
+        for ((group, slopes), expected) in self.groups.iter().zip(&slopes).zip(&at.0) {
+            for (owner, power) in &group.powers {
+                for (((i, e), g), share) in power.iter().zip(expected).zip(slopes).zip(&group.shares) {
+                    scores[*owner] += share * (i / (variance * e) - 1.0) * (g - mean);
+                    information += share * (g - mean) * (g - mean);
+                }
+            }
+        }
+        (scores, information)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::model::RecordModel;
+    use super::*;
+
+    /// E of the periodogram by its double sum.
+    fn direct(n: usize, step: f64, k: usize, weights: &[f64], covariance: impl Fn(f64) -> f64) -> f64 {
+        let squares: f64 = weights.iter().map(|w| w * w).sum();
+        let mut sum = 0.0;
+        for i in 0..n {
+            for j in 0..n {
+                let lag = i as f64 - j as f64;
+                let phase = 2.0 * PI * k as f64 * lag / n as f64;
+                sum += weights[i] * weights[j] * covariance(lag * step) * phase.cos();
+            }
+        }
+        step * sum / squares
+    }
+
+    #[test]
+    fn expected_periodograms_are_their_double_sums() {
+        let model = WindowedModel::new(RecordModel::Exponential, 0.0);
+        let values: Vec<f64> = (0..60_u8).map(|i| f64::from(i % 7)).collect();
+        let mut holed = values.clone();
+        holed[17] = f64::NAN;
+        for (record, ends) in [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
+        {
+            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, records: vec![record] };
+            let likelihood = Likelihood::of(&[channel], &[0], ends, &model).unwrap();
+            for length in [0.0, 0.2, 4.0] {
+                let found = likelihood.spectra(length);
+                let window = model.under(3.0);
+                let mut weights = taper(60, ends, Likelihood::TAPER);
+                record.iter().zip(&mut weights).filter(|(v, _)| v.is_nan()).for_each(|(_, w)| *w = 0.0);
+                let covariance = |lag: f64| match ends {
+                    RecordEnds::Free => window.correlation(lag, length),
+                    RecordEnds::Periodic => {
+                        (-9..=9).map(|turn| window.correlation(lag + 30.0 * f64::from(turn), length)).sum()
+                    }
+                };
+                for (k, e) in found.0[0].iter().enumerate() {
+                    let wanted = direct(60, 0.5, k + 1, &weights, covariance);
+                    assert!((e - wanted).abs() < 1e-10 * wanted.max(1e-3), "{ends:?} ℓ {length} k {k}: {e} {wanted}");
+                }
+            }
+        }
+    }
+}

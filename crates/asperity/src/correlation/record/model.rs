@@ -1,0 +1,288 @@
+//! Correlation models of records, alone and under a sliding window.
+
+use std::f64::consts::PI;
+
+use statrs::function::erf::erfc;
+use statrs::function::gamma::ln_gamma;
+
+use super::tail::TailTable;
+use crate::correlation::bessel::matern;
+
+/// Windows shorter than this share of ℓ change nothing, and their second differences would be rounding.
+const NO_WINDOW: f64 = 1e-5;
+
+/// A correlation ρ_0(s; ℓ) of a stationary record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RecordModel {
+    /// e^{−s/ℓ}.
+    Exponential,
+    /// e^{−(s/ℓ)²}.
+    SquaredExponential,
+    /// max(0, 1 − s/ℓ): what a window of length ℓ makes of uncorrelated values.
+    Triangle,
+    /// 2^{1−ν}/Γ(ν) (√(2ν) s/ℓ)^ν K_ν(√(2ν) s/ℓ).
+    Matern {
+        /// Smoothness ν, from 0.1 to 20.
+        nu: f64,
+    },
+}
+
+impl RecordModel {
+    /// Models that are compared when nobody asks for others.
+    pub const USUAL: [Self; 4] =
+        [Self::Exponential, Self::SquaredExponential, Self::Matern { nu: 1.5 }, Self::Triangle];
+
+    /// Name of the model.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Exponential => "exponential",
+            Self::SquaredExponential => "squared_exponential",
+            Self::Triangle => "triangle",
+            Self::Matern { .. } => "matern",
+        }
+    }
+
+    /// ρ_0 at a lag s ≥ 0, for the length ℓ > 0, both in metre.
+    pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
+        self.scaled(lag_m / length_m)
+    }
+
+    /// ∫₀^∞ ρ_0 ds in metre, by which lengths of different models compare.
+    pub fn integral_scale_m(&self, length_m: f64) -> f64 {
+        self.integral() * length_m
+    }
+
+    /// ρ_0 at r = s/ℓ.
+    pub(super) fn scaled(&self, r: f64) -> f64 {
+        match *self {
+            Self::Exponential => (-r).exp(),
+            Self::SquaredExponential => (-r * r).exp(),
+            Self::Triangle => (1.0 - r).max(0.0),
+            Self::Matern { nu } => {
+                let y = (2.0 * nu).sqrt() * r;
+                if nu == 0.5 {
+                    (-y).exp()
+                } else if nu == 1.5 {
+                    (1.0 + y) * (-y).exp()
+                } else if nu == 2.5 {
+                    (1.0 + y + y * y / 3.0) * (-y).exp()
+                } else {
+                    matern(nu, y)
+                }
+            }
+        }
+    }
+
+    /// ∫₀^∞ ρ_0 dr.
+    fn integral(&self) -> f64 {
+        match *self {
+            Self::Exponential => 1.0,
+            Self::SquaredExponential => 0.5 * PI.sqrt(),
+            Self::Triangle => 0.5,
+            Self::Matern { nu } => PI.sqrt() * (ln_gamma(nu + 0.5) - ln_gamma(nu)).exp() / (2.0 * nu).sqrt(),
+        }
+    }
+}
+
+/// A model under a sliding window W: triangle_W ⊛ ρ_0, the covariance of the moving average over W of a process of unit
+/// variance.
+///
+/// With a = W/ℓ, t = |s|/ℓ and the twice integrated tail T(x) = ∫_x^∞ (u − x) ρ_0(u) du it is
+///
+/// > [2 max(0, a − t) ∫₀^∞ρ_0 du + T(t + a) + T(|t − a|) − 2 T(t)]/a²,
+///
+/// in closed form for all models but the Matérn ones of ν other than 1/2, 3/2 and 5/2, whose T is tabulated once.
+#[derive(Debug, Clone)]
+pub struct WindowedModel {
+    model: RecordModel,
+    window_m: f64,
+    integral: f64,
+    table: Option<TailTable>,
+}
+
+impl WindowedModel {
+    /// A model under a window W ≥ 0 in metre; 0 is none.
+    ///
+    /// # Panics
+    /// If the window is negative or infinite, or ν lies outside [0.1, 20].
+    pub fn new(model: RecordModel, window_m: f64) -> Self {
+        assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
+        let table = match model {
+            RecordModel::Matern { nu } if nu != 0.5 && nu != 1.5 && nu != 2.5 => {
+                assert!((0.1..=20.0).contains(&nu), "ν = {nu} lies outside [0.1, 20]");
+                Some(TailTable::of(&|r| model.scaled(r), 60.0 / (2.0 * nu).sqrt()))
+            }
+            _ => None,
+        };
+        Self { model, window_m, integral: model.integral(), table }
+    }
+
+    /// The same under another window.
+    ///
+    /// # Panics
+    /// If the window is negative or infinite.
+    #[must_use]
+    pub fn under(&self, window_m: f64) -> Self {
+        assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
+        Self { window_m, ..self.clone() }
+    }
+
+    /// The model without window.
+    pub fn model(&self) -> RecordModel {
+        self.model
+    }
+
+    /// Window W in metre.
+    pub fn window_m(&self) -> f64 {
+        self.window_m
+    }
+
+    /// Correlation at a lag for the length ℓ ≥ 0, both in metre. ℓ = 0 leaves the triangle of the window, or no correlation
+    /// where there is no window.
+    pub fn correlation(&self, lag_m: f64, length_m: f64) -> f64 {
+        let lag_m = lag_m.abs();
+        if length_m <= 1e-9 * self.window_m || length_m == 0.0 {
+            let alone =
+                if self.window_m > 0.0 { 1.0 - lag_m / self.window_m } else { f64::from(u8::from(lag_m == 0.0)) };
+            return alone.max(0.0);
+        }
+        self.covariance(lag_m, length_m) / self.covariance(0.0, length_m)
+    }
+
+    /// Covariance under the window at a lag where that of the process is ρ_0, for ℓ > 0, both in metre. At lag 0 it is the
+    /// share of the variance that the window leaves.
+    pub fn covariance(&self, lag_m: f64, length_m: f64) -> f64 {
+        let (a, t) = (self.window_m / length_m, lag_m.abs() / length_m);
+        if a < NO_WINDOW {
+            return self.model.scaled(t);
+        }
+        let kink = 2.0 * self.integral * (a - t).max(0.0);
+        (kink + self.tail(t + a) + self.tail((t - a).abs()) - 2.0 * self.tail(t)) / (a * a)
+    }
+
+    /// T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
+    fn tail(&self, x: f64) -> f64 {
+        match self.model {
+            RecordModel::Exponential => (-x).exp(),
+            RecordModel::SquaredExponential => 0.5 * ((-x * x).exp() - x * PI.sqrt() * erfc(x)),
+            RecordModel::Triangle => (1.0 - x).max(0.0).powi(3) / 6.0,
+            RecordModel::Matern { nu } => {
+                let y = (2.0 * nu).sqrt() * x;
+                let polynomial = if nu == 0.5 {
+                    1.0
+                } else if nu == 1.5 {
+                    3.0 + y
+                } else if nu == 2.5 {
+                    5.0 + 7.0 / 3.0 * y + y * y / 3.0
+                } else {
+                    return self.table.as_ref().map_or(f64::NAN, |table| table.tail(x));
+                };
+                polynomial * (-y).exp() / (2.0 * nu)
+            }
+        }
+    }
+}
+
+/// Correlation of the moving average, over a window W, of a process with correlation e^{−|s|/ℓ}:
+/// triangle_W ⊛ e^{−|s|/ℓ}, scaled to 1 at s = 0. ℓ = 0 leaves the triangle of the window alone, W = 0 the exponential.
+///
+/// # Panics
+/// If a length is negative, or both are zero.
+pub fn windowed_exponential(lag_m: f64, window_m: f64, length_m: f64) -> f64 {
+    assert!(
+        window_m >= 0.0 && length_m >= 0.0 && window_m + length_m > 0.0,
+        "window {window_m} m, length {length_m} m"
+    );
+    WindowedModel::new(RecordModel::Exponential, window_m).correlation(lag_m, length_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODELS: [RecordModel; 7] = [
+        RecordModel::Exponential,
+        RecordModel::SquaredExponential,
+        RecordModel::Triangle,
+        RecordModel::Matern { nu: 0.3 },
+        RecordModel::Matern { nu: 1.0 },
+        RecordModel::Matern { nu: 1.5 },
+        RecordModel::Matern { nu: 2.5 },
+    ];
+
+    /// ∫ of (1 − |u|) ρ_0(s + uW) du over (−1, 1) by the midpoint rule in `n` cells of a variable that is finer at kinks.
+    fn direct(model: RecordModel, lag: f64, window: f64, length: f64) -> f64 {
+        let mut kinks = vec![-1.0, 0.0, 1.0];
+        for kink in [-lag / window, (length - lag) / window, (-length - lag) / window] {
+            if kink > -1.0 && kink < 1.0 {
+                kinks.push(kink);
+            }
+        }
+        kinks.sort_by(f64::total_cmp);
+        let n = 4000_i32;
+        let mut sum = 0.0;
+        for pair in kinks.windows(2) {
+            let (low, width) = (pair[0], pair[1] - pair[0]);
+            for i in 0..n {
+                // x = v³(10 − 15v + 6v²) crowds points to both ends, where a small ν has its cusp.
+                let v = (f64::from(i) + 0.5) / f64::from(n);
+                let (x, slope) = (v.powi(3) * (10.0 - 15.0 * v + 6.0 * v * v), 30.0 * (v * (1.0 - v)).powi(2));
+                let u = low + width * x;
+                sum += width * slope / f64::from(n)
+                    * (1.0 - u.abs())
+                    * model.correlation((lag + u * window).abs(), length);
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn models_under_a_window_are_the_average_over_the_window() {
+        for model in MODELS {
+            for (window, length) in [(600.0, 250.0), (600.0, 2000.0), (75.0, 250.0), (600.0, 60.0)] {
+                let windowed = WindowedModel::new(model, window);
+                for lag in [0.0, 20.0, 74.0, 300.0, 599.0, 601.0, 1500.0] {
+                    let error = (windowed.covariance(lag, length) - direct(model, lag, window, length)).abs();
+                    assert!(error < 2e-8, "{model:?} W {window} ℓ {length} lag {lag}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_window_limits_are_the_triangle_and_the_model() {
+        for model in MODELS {
+            for s in [0.0_f64, 0.3, 0.99, 1.7] {
+                let windowed = WindowedModel::new(model, 1.0);
+                assert!((windowed.correlation(s, 1e-7) - (1.0 - s).max(0.0)).abs() < 1e-6, "{model:?} {s}");
+                assert_eq!(windowed.correlation(s, 0.0), (1.0 - s).max(0.0));
+                // A cusp r^{2ν} of ν = 0.3 forgets a window W like W^{0.6}.
+                for (window, error) in [(1e-4, 6e-3), (1e-6, 1e-9)] {
+                    let found = WindowedModel::new(model, window).correlation(s, 1.0);
+                    assert!((found - model.scaled(s)).abs() < error, "{model:?} {s} {window}");
+                }
+            }
+        }
+        // Its variance is the published factor 2ℓ/W[1 − (ℓ/W)(1 − e^{−W/ℓ})] = .51761 for W = 600, ℓ = 250.
+        let factor = WindowedModel::new(RecordModel::Exponential, 600.0).covariance(0.0, 250.0);
+        assert!((factor - 0.51761).abs() < 5e-6);
+    }
+
+    #[test]
+    fn the_triangle_of_a_window_falls_to_one_over_e_at_its_known_share() {
+        let at = 600.0 * (1.0 - (-1.0_f64).exp());
+        assert!((at / 600.0 - 0.632_12).abs() < 1e-5);
+        let windowed = WindowedModel::new(RecordModel::Exponential, 600.0);
+        assert!((windowed.correlation(at, 0.0) - (-1.0_f64).exp()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn integral_scales_are_the_integrals() {
+        for model in MODELS {
+            let n = 200_000_i32;
+            let sum: f64 = (0..n).map(|i| model.scaled((f64::from(i) + 0.5) * 1e-3 * 0.5)).sum::<f64>() * 0.5e-3;
+            // The midpoint rule at a cusp r^{2ν} errs by about h^{1 + 2ν}.
+            assert!((sum - model.integral_scale_m(1.0)).abs() < 1e-5, "{model:?}");
+        }
+    }
+}

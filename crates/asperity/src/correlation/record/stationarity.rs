@@ -1,0 +1,292 @@
+//! Whether records drift: tests that know the correlation.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::correlation::estimate::EstimateError;
+use crate::random;
+use crate::stats::{Moments, correlation_time};
+
+/// Records from which each is one independent observation; fewer are cut into blocks.
+const MANY: usize = 10;
+/// Block in integrated correlation times; means of neighbouring blocks then correlate by about 1/40.
+const BLOCK: f64 = 10.0;
+/// Shortest block where a record would otherwise hold fewer than four.
+const SHORTEST_BLOCK: f64 = 5.0;
+/// Most blocks of a record.
+const MOST_BLOCKS: usize = 32;
+/// Draws of the null law of the wander.
+const DRAWS: usize = 4000;
+
+/// A two-sided Student test of a drift that all records share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftTest {
+    /// What was found; see [`Stationarity`].
+    pub estimate: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// Degrees of freedom.
+    pub degrees_of_freedom: f64,
+    /// Probability of at least as much in stationary records.
+    pub p_value: f64,
+}
+
+/// Whether block means wander: the mean square of their cumulative sums within the records over their variance, after
+/// Kwiatkowski, Phillips, Schmidt & Shin, *J. Econometrics* **54** (1992) 159,
+/// <https://doi.org/10.1016/0304-4076(92)90104-Y>. Blocks take the place of their correction for correlation, and the null law
+/// is that of as many independent normal blocks, drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wander {
+    /// η = Σ S²/(records · blocks² · variance).
+    pub statistic: f64,
+    /// Probability of at least as much in stationary records.
+    pub p_value: f64,
+}
+
+/// Tests of records against drifts along them, whose common origin is their first position: on free strips the ends carry
+/// more load, and measured records run in.
+///
+/// From ten records on, every record gives one value of each drift, and no correlation has to be known. Fewer are cut into
+/// blocks of ten integrated correlation times (at least five), whose means are next to independent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stationarity {
+    /// Slope per metre.
+    pub trend: DriftTest,
+    /// Mean of the second half less that of the first.
+    pub mean_change: DriftTest,
+    /// Mean of the outer quarters less that of the inner half.
+    pub ends: DriftTest,
+    /// Variance of the second half less that of the first, over the variance.
+    pub variance_change: DriftTest,
+    /// Wander of the mean of each record; absent where records hold fewer than four blocks.
+    pub wander: Option<Wander>,
+    /// Blocks in a record; 1 where whole records are compared.
+    pub blocks: usize,
+}
+
+impl Stationarity {
+    /// Tests records of equal step; values beyond the shortest record are left out, NaN is a missing value.
+    ///
+    /// # Errors
+    /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation times.
+    pub fn of(records: &[&[f64]], step_m: f64) -> Result<Self, EstimateError> {
+        if !(step_m > 0.0 && step_m.is_finite()) {
+            return Err(EstimateError::BadStep { step_m });
+        }
+        let n = records.iter().map(|record| record.len()).min().unwrap_or(0);
+        let records: Vec<&[f64]> = records.iter().map(|record| &record[..n]).collect();
+        let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
+        if n < 8 || moments.n < 8 {
+            return Err(EstimateError::TooFew { present: moments.n, wanted: 8 });
+        }
+        if moments.std == 0.0 {
+            return Err(EstimateError::Constant { present: moments.n });
+        }
+        let times: Vec<f64> = records
+            .iter()
+            .filter_map(|record| correlation_time(&without_drift(record)).ok())
+            .map(|time| time.steps)
+            .collect();
+        let time = times.iter().sum::<f64>() / times.len().max(1) as f64;
+        let within = blocks_within(n, time);
+        let wander = within.and_then(|blocks| Wander::of(&means(&records, blocks, |value| value)));
+        let many = records.len() >= MANY;
+        let blocks = match within {
+            _ if many => 4 * (n / 8).clamp(1, 4),
+            Some(blocks) => blocks,
+            None => return Err(EstimateError::TooFew { present: n, wanted: (4.0 * SHORTEST_BLOCK * time) as usize }),
+        };
+        let values = means(&records, blocks, |value| value);
+        let variance = moments.std * moments.std;
+        let squares = means(&records, blocks, |value| (value - moments.mean).powi(2) / variance);
+        let middle = 0.5 * (blocks as f64 - 1.0);
+        let block_m = n as f64 * step_m / blocks as f64;
+        let line: Vec<f64> = (0..blocks).map(|b| b as f64 - middle).collect();
+        let halves: Vec<f64> = (0..blocks).map(|b| if 2 * b < blocks { -0.5 } else { 0.5 }).collect();
+        let outer: Vec<f64> =
+            (0..blocks).map(|b| if 4 * b < blocks || 4 * b >= 3 * blocks { 0.5 } else { -0.5 }).collect();
+        let test = |values: &[Vec<f64>], contrast: &[f64]| DriftTest::of(values, contrast, many);
+        let slope = test(&values, &line);
+        Ok(Self {
+            trend: DriftTest {
+                estimate: slope.estimate / block_m,
+                standard_error: slope.standard_error / block_m,
+                ..slope
+            },
+            mean_change: test(&values, &halves),
+            ends: test(&values, &outer),
+            variance_change: test(&squares, &halves),
+            wander,
+            blocks: if many { 1 } else { blocks },
+        })
+    }
+}
+
+/// The record without the parabola that fits it best: a drift must not pass for correlation.
+fn without_drift(record: &[f64]) -> Vec<f64> {
+    let n = record.len() as f64;
+    let at = |i: usize| (2.0 * i as f64 + 1.0) / n - 1.0;
+    let mean = Moments::of(record).mean;
+    let mut left: Vec<f64> = record.iter().map(|value| value - mean).collect();
+    // Legendre's polynomials are next to orthogonal on the points.
+    for polynomial in [|x: f64| x, |x: f64| 1.5 * x * x - 0.5] {
+        let present = || left.iter().enumerate().filter(|(_, value)| value.is_finite());
+        let square: f64 = present().map(|(i, _)| polynomial(at(i)).powi(2)).sum();
+        let share = present().map(|(i, value)| polynomial(at(i)) * value).sum::<f64>() / square;
+        left.iter_mut().enumerate().for_each(|(i, value)| *value -= share * polynomial(at(i)));
+    }
+    left
+}
+
+/// Blocks of a record, a multiple of four; none where there are fewer than four.
+fn blocks_within(n: usize, time: f64) -> Option<usize> {
+    let of = |times: f64| (n as f64 / (times * time)) as usize / 4 * 4;
+    let blocks = if of(BLOCK) >= 4 { of(BLOCK) } else { of(SHORTEST_BLOCK).min(4) };
+    (blocks >= 4).then_some(blocks.min(MOST_BLOCKS))
+}
+
+/// Means of a function of the values over equal blocks of every record; the mean of the record where a block is empty.
+fn means(records: &[&[f64]], blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+    let mean = |values: &[f64]| Moments::of_values(values.iter().map(|value| of(*value))).mean;
+    records
+        .iter()
+        .map(|record| {
+            let all = mean(record);
+            let block = |b: usize| mean(&record[b * record.len() / blocks..(b + 1) * record.len() / blocks]);
+            (0..blocks).map(block).map(|value| if value.is_nan() { all } else { value }).collect()
+        })
+        .filter(|means: &Vec<f64>| means.iter().all(|value| value.is_finite()))
+        .collect()
+}
+
+impl DriftTest {
+    /// The coefficient of a contrast of sum zero in block means: from one value per record, or from the residuals of all blocks
+    /// about the mean of their record and the contrast.
+    fn of(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
+        let records = values.len() as f64;
+        let norm: f64 = contrast.iter().map(|c| c * c).sum();
+        let coefficients: Vec<f64> =
+            values.iter().map(|means| means.iter().zip(contrast).map(|(y, c)| y * c).sum::<f64>() / norm).collect();
+        let estimate = coefficients.iter().sum::<f64>() / records;
+        let (standard_error, degrees_of_freedom) = if by_record {
+            (Moments::of(&coefficients).standard_error(), records - 1.0)
+        } else {
+            let residual = |means: &Vec<f64>| {
+                let mean = means.iter().sum::<f64>() / means.len() as f64;
+                means.iter().zip(contrast).map(|(y, c)| (y - mean - estimate * c).powi(2)).sum::<f64>()
+            };
+            let freedom = records * (contrast.len() as f64 - 1.0) - 1.0;
+            let variance = values.iter().map(residual).sum::<f64>() / freedom;
+            ((variance / (records * norm)).sqrt(), freedom)
+        };
+        let t = estimate.abs() / standard_error;
+        let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+        let p_value = law.map_or(f64::NAN, |law| 2.0 * law.cdf(-t));
+        Self { estimate, standard_error, degrees_of_freedom, p_value }
+    }
+
+    /// Whether the drift is significant at 5 %.
+    pub fn significant(&self) -> bool {
+        self.p_value < 0.05
+    }
+}
+
+impl Wander {
+    fn of(values: &[Vec<f64>]) -> Option<Self> {
+        let (records, blocks) = (values.len(), values.first()?.len());
+        let statistic = wander(values);
+        let mut stream = random::stream(0, "stationarity/wander", 0);
+        let above = (0..DRAWS)
+            .filter(|_| {
+                let drawn: Vec<Vec<f64>> = (0..records).map(|_| random::standard_normal(&mut stream, blocks)).collect();
+                wander(&drawn) >= statistic
+            })
+            .count();
+        Some(Self { statistic, p_value: (above + 1) as f64 / (DRAWS + 1) as f64 })
+    }
+
+    /// Whether the wander is significant at 5 %.
+    pub fn significant(&self) -> bool {
+        self.p_value < 0.05
+    }
+}
+
+fn wander(values: &[Vec<f64>]) -> f64 {
+    let (mut cumulative, mut squares) = (0.0, 0.0);
+    for means in values {
+        let mean = means.iter().sum::<f64>() / means.len() as f64;
+        let mut sum = 0.0;
+        for value in means {
+            sum += value - mean;
+            cumulative += sum * sum;
+            squares += (value - mean).powi(2);
+        }
+    }
+    let (records, blocks) = (values.len() as f64, values.first().map_or(0, Vec::len) as f64);
+    cumulative / (records * blocks * blocks * (squares / (records * (blocks - 1.0))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stationary record of correlation φ^lag plus a drift of position along the record from 0 to 1.
+    fn record(phi: f64, n: usize, index: u64, drift: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
+        let noise = random::standard_normal(&mut random::stream(47, "stationarity", index), n);
+        let mut last = noise[0];
+        let at = |(i, e): (usize, &f64)| {
+            last = phi * last + (1.0 - phi * phi).sqrt() * e;
+            let (mean, scale) = drift(i as f64 / n as f64);
+            mean + scale * last
+        };
+        noise.iter().enumerate().map(at).collect()
+    }
+
+    fn shares(records: usize, n: usize, drift: impl Fn(f64) -> (f64, f64) + Copy) -> [f64; 5] {
+        let runs = 150_u64;
+        let mut counts = [0.0; 5];
+        for run in 0..runs {
+            let drawn: Vec<Vec<f64>> =
+                (0..records as u64).map(|r| record(0.9, n, run * records as u64 + r, drift)).collect();
+            let views: Vec<&[f64]> = drawn.iter().map(Vec::as_slice).collect();
+            let found = Stationarity::of(&views, 1.0).unwrap();
+            let wander = found.wander.is_some_and(|wander| wander.significant());
+            let flags = [
+                found.trend.significant(),
+                found.mean_change.significant(),
+                found.ends.significant(),
+                found.variance_change.significant(),
+                wander,
+            ];
+            counts.iter_mut().zip(flags).for_each(|(count, flag)| *count += f64::from(u8::from(flag)) / runs as f64);
+        }
+        counts
+    }
+
+    #[test]
+    fn stationary_records_are_called_so() {
+        // 5 % of 150 runs ± 1.8 %: three errors and the blocks' correlation of some per cent.
+        for (records, n) in [(1, 4000), (3, 1500), (20, 200)] {
+            for (test, share) in shares(records, n, |_| (0.0, 1.0)).into_iter().enumerate() {
+                assert!(share < 0.115 && (share > 0.0 || test == 4), "{records} records, test {test}: {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn planted_drifts_are_seen() {
+        // A rise by one standard deviation along 200 correlation lengths: the mean of a half is known to √(2·2/200)/… ≈ .14.
+        let trend = shares(1, 4000, |x| (1.5 * x, 1.0));
+        assert!(trend[0] > 0.9 && trend[1] > 0.8, "{trend:?}");
+        let ends = shares(20, 200, |x| (if !(0.25..0.75).contains(&x) { 0.5 } else { 0.0 }, 1.0));
+        assert!(ends[2] > 0.8 && ends[0] < 0.15, "{ends:?}");
+        let louder = shares(3, 1500, |x| (0.0, 1.0 + x));
+        assert!(louder[3] > 0.8, "{louder:?}");
+    }
+
+    #[test]
+    fn too_short_a_record_is_told() {
+        let short = record(0.99, 200, 1, |_| (0.0, 1.0));
+        assert!(matches!(Stationarity::of(&[&short], 1.0), Err(EstimateError::TooFew { present: 200, .. })));
+        assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1.0), Err(EstimateError::Constant { .. })));
+    }
+}

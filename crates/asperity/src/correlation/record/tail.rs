@@ -1,0 +1,87 @@
+//! The twice integrated tail of a correlation without closed form, tabulated.
+
+/// Cells of the table.
+const CELLS: usize = 1500;
+/// Points lie at r_max (i/n)^POWER: close together at zero, where a rough process has a cusp.
+const POWER: i32 = 3;
+
+/// T(x) = ∫_x^∞ (u − x) ρ(u) du, read off a table by Hermite's quintic: T, T′ and T″ = ρ are known at every point.
+#[derive(Debug, Clone)]
+pub(super) struct TailTable {
+    last: f64,
+    /// (T, −T′, ρ) at every point.
+    points: Vec<[f64; 3]>,
+}
+
+impl TailTable {
+    /// The table of a correlation that vanishes to rounding beyond `last`.
+    pub(super) fn of(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
+        let mut points = vec![[0.0, 0.0, correlation(last)]; CELLS + 1];
+        for cell in (0..CELLS).rev() {
+            let (low, high) = (at(last, cell), at(last, cell + 1));
+            // Moments of the cell about its lower end.
+            let [mass, moment] = gauss_legendre_8(low, high, |x| {
+                let rho = correlation(x);
+                [rho, (x - low) * rho]
+            });
+            let [tail, slope, _] = points[cell + 1];
+            points[cell] = [tail + slope * (high - low) + moment, slope + mass, correlation(low)];
+        }
+        Self { last, points }
+    }
+
+    /// T(x).
+    pub(super) fn tail(&self, x: f64) -> f64 {
+        let Some((cell, width, v)) = self.place(x) else { return 0.0 };
+        let ([f0, s0, c0], [f1, s1, c1]) = (self.points[cell], self.points[cell + 1]);
+        let (d0, d1, e0, e1) = (-s0 * width, -s1 * width, c0 * width * width, c1 * width * width);
+        // Quintic with values f, slopes d and curvatures e at both ends.
+        let jump = f1 - f0 - d0 - 0.5 * e0;
+        let (slope, curve) = (d1 - d0 - e0, e1 - e0);
+        let a3 = 10.0 * jump - 4.0 * slope + 0.5 * curve;
+        let a4 = -15.0 * jump + 7.0 * slope - curve;
+        let a5 = 6.0 * jump - 3.0 * slope + 0.5 * curve;
+        f0 + v * (d0 + v * (0.5 * e0 + v * (a3 + v * (a4 + v * a5))))
+    }
+
+    /// Cell, its width, and where in it x lies; none beyond the table.
+    fn place(&self, x: f64) -> Option<(usize, f64, f64)> {
+        if x >= self.last {
+            return None;
+        }
+        let guess = ((x / self.last).cbrt() * CELLS as f64) as usize;
+        let mut cell = guess.min(CELLS - 1);
+        if cell > 0 && at(self.last, cell) > x {
+            cell -= 1;
+        } else if cell + 1 < CELLS && at(self.last, cell + 1) <= x {
+            cell += 1;
+        }
+        let (low, high) = (at(self.last, cell), at(self.last, cell + 1));
+        Some((cell, high - low, (x - low) / (high - low)))
+    }
+}
+
+fn at(last: f64, index: usize) -> f64 {
+    last * (index as f64 / CELLS as f64).powi(POWER)
+}
+
+/// Nodes and weights of the Gauss–Legendre rule of eight points, one of each pair ±node.
+const RULE: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
+];
+
+/// Integrals of both values of `f` from `low` to `high`.
+fn gauss_legendre_8(low: f64, high: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
+    let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let mut sums = [0.0; 2];
+    for (node, weight) in RULE {
+        for x in [centre - half * node, centre + half * node] {
+            let value = f(x);
+            sums = [sums[0] + half * weight * value[0], sums[1] + half * weight * value[1]];
+        }
+    }
+    sums
+}
