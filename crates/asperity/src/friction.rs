@@ -1,14 +1,14 @@
 //! The friction coefficient as a stochastic process (paper §4).
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and
-//! [`bowden_tabor::BowdenTabor`] turns contact area and load into μ(s); [`record::FrictionStatistics`] says what kind of
+//! [`bowden_tabor::BowdenTabor`] turns contact area and load into μ(s); [`statistics::FrictionStatistics`] says what kind of
 //! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it.
 
 use thiserror::Error;
 
 pub mod bowden_tabor;
 pub mod process;
-pub mod record;
+pub mod statistics;
 pub mod strip;
 pub mod upscaling;
 pub mod window;

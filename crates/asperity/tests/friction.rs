@@ -10,7 +10,7 @@ use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver}
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::friction::FrictionError;
 use asperity::friction::bowden_tabor::BowdenTabor;
-use asperity::friction::record::FrictionStatistics;
+use asperity::friction::statistics::FrictionStatistics;
 use asperity::friction::strip::{Record, Strips};
 use asperity::friction::window::{Window, WindowContact, WindowError};
 use asperity::friction::window_study::WindowStudy;
@@ -180,7 +180,7 @@ fn friction_is_never_below_shear_strength_over_hardness() {
                 assert!(mu.is_nan() || *mu >= 385.0 / 2000.0 * (1.0 - 1e-12), "{mu}");
             }
         }
-        let statistics = FrictionStatistics::of(&level.records, 6e-6, 1).unwrap();
+        let statistics = FrictionStatistics::of(&level.records, 6e-6, true, 1).unwrap();
         let nan = level.records.iter().flat_map(|record| &record.friction).filter(|mu| mu.is_nan()).count();
         assert_eq!(statistics.empty_windows, nan);
         empty += nan;
@@ -196,13 +196,13 @@ fn fully_plastic_friction_is_shear_strength_over_hardness_without_scatter() {
     let strips = strips(&surface, &half_space, friction, 60e-6);
     let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
     assert_eq!(level.plastic_share, 1.0);
-    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), 1).unwrap();
+    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), true, 1).unwrap();
     assert_eq!((statistics.moments.mean, statistics.moments.std), (0.2, 0.0));
     assert!(statistics.correlation.is_err(), "what does not vary has no correlation");
     let (mean, records) = Record::at_mean_load(&level.records);
     assert!((mean - 0.2).abs() < 1e-13);
     // Sums over hundreds of windows round, and rounding is no process.
-    let process = FrictionStatistics::of(&records, strips.window.step_m(), 1).unwrap();
+    let process = FrictionStatistics::of(&records, strips.window.step_m(), true, 1).unwrap();
     assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
     assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
 }
@@ -358,7 +358,7 @@ fn a_planted_length_is_found_under_the_windows() {
 #[test]
 fn too_few_loaded_windows_have_no_statistics() {
     let nothing = record(vec![0.0; 30], vec![0.0; 30]);
-    let error = FrictionStatistics::of(&[nothing], 1e-6, 1).unwrap_err();
+    let error = FrictionStatistics::of(&[nothing], 1e-6, false, 1).unwrap_err();
     assert_eq!(error, FrictionError::NoContact { windows: 30, with_contact: 0 });
     let friction = BowdenTabor { shear_strength_pa: 1.0, hardness_pa: None };
     let empty = WindowContact { position_m: 0.0, contact_cells: 0.0, area_m2: 0.0, load_n: 0.0 };
