@@ -1,5 +1,7 @@
 //! Records of a process that is known: a translated Ornstein–Uhlenbeck process, seen as it is or through a window.
 
+#![expect(clippy::expect_used, reason = "the laws are written in this program")]
+
 use asperity::law::{Marginal, Translator};
 use asperity::random;
 
@@ -25,6 +27,10 @@ impl Planted {
         format!("{}, {} × {} ℓ, {ends}{window}", self.law, self.strips, self.lengths / self.strips)
     }
 
+    pub(crate) fn law(&self) -> Marginal {
+        self.law.parse().expect("a law")
+    }
+
     /// Values to a window.
     pub(crate) fn cells(&self) -> usize {
         ((self.window * STEPS as f64) as usize).max(1)
@@ -32,8 +38,7 @@ impl Planted {
 
     /// The records of a run.
     pub(crate) fn records(&self, run: u64) -> Vec<Vec<f64>> {
-        let law: Marginal = self.law.parse().expect("a law");
-        let translator = Translator::new(&law).expect("a law");
+        let translator = Translator::new(&self.law()).expect("a law");
         let n = self.lengths * STEPS / self.strips;
         (0..self.strips as u64)
             .map(|strip| {
@@ -66,22 +71,15 @@ fn line(n: usize, index: u64) -> Vec<f64> {
 fn circle(n: usize, index: u64) -> Vec<f64> {
     let phi = phi();
     let noise = random::standard_normal(&mut random::stream(7, "planted", index), n);
-    let mut last = 0.0;
-    let scale = ((1.0 - phi * phi) * (1.0 - phi.powi(n as i32)) / (1.0 + phi.powi(n as i32))).sqrt();
-    // Two turns lead from nothing to the closed path.
-    let turns = noise.iter().chain(&noise).map(|e| {
-        last = phi * last + e;
-        last
-    });
-    let path: Vec<f64> = turns.collect();
-    // What the missing earlier turns would have added is a geometric series.
-    let start = (path[n - 1]) / (1.0 - phi.powi(n as i32));
-    let mut x = start;
+    let closed = 1.0 - phi.powi(n as i32);
+    // One turn from nothing ends where the path is, but for the turns before, a geometric series.
+    let mut last = noise.iter().fold(0.0, |last, e| phi * last + e) / closed;
+    let scale = ((1.0 - phi * phi) * closed / (1.0 + phi.powi(n as i32))).sqrt();
     noise
         .iter()
         .map(|e| {
-            x = phi * x + e;
-            scale * x
+            last = phi * last + e;
+            scale * last
         })
         .collect()
 }

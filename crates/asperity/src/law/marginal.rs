@@ -150,7 +150,9 @@ impl Marginal {
         match *self {
             Self::Normal { mean, std } => vec![("mean", mean), ("std", std)],
             Self::Lognormal { mu, sigma, shift } => vec![("mu", mu), ("sigma", sigma), ("shift", shift)],
-            Self::Weibull { shape, scale, shift } | Self::Gamma { shape, scale, shift } => vec![("shape", shape), ("scale", scale), ("shift", shift)],
+            Self::Weibull { shape, scale, shift } | Self::Gamma { shape, scale, shift } => {
+                vec![("shape", shape), ("scale", scale), ("shift", shift)]
+            }
             Self::Beta { a, b, low, high } => vec![("a", a), ("b", b), ("low", low), ("high", high)],
             Self::Johnson(Johnson { gamma, delta, xi, lambda, .. }) => {
                 vec![("gamma", gamma), ("delta", delta), ("xi", xi), ("lambda", lambda)]
@@ -389,7 +391,7 @@ pub(super) mod tests {
             Marginal::weibull(1.7, 2.0, 0.5).unwrap(),
             Marginal::weibull(1.0, 1.0, 0.0).unwrap(),
             Marginal::gamma(2.5, 2.0, 0.5).unwrap(),
-            Marginal::gamma(0.4, 1.0, 0.0).unwrap(),
+            Marginal::gamma(0.9, 2.0, 0.0).unwrap(),
             Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap(),
             Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(),
             Marginal::johnson(JohnsonSystem::Unbounded, -1.1, 1.5, -1.0, 2.0).unwrap(),
@@ -402,7 +404,14 @@ pub(super) mod tests {
 
     #[test]
     fn a_standardised_law_is_shifted_and_stretched() {
-        for text in ["normal:1,2", "lognormal:0.2,0.4,1", "weibull:1.5,2,-1", "gamma:1.5,2,-1", "beta:2.1,5,0,3", "johnson:-1,5,2,3"] {
+        for text in [
+            "normal:1,2",
+            "lognormal:0.2,0.4,1",
+            "weibull:1.5,2,-1",
+            "gamma:1.5,2,-1",
+            "beta:2.1,5,0,3",
+            "johnson:-1,5,2,3",
+        ] {
             let law: Marginal = text.parse().unwrap();
             let moved = law.standardised(-3.0, 0.5).unwrap();
             let values: Vec<f64> = moved.parameters().into_iter().map(|(_, value)| value).collect();

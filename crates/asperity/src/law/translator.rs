@@ -32,7 +32,9 @@ impl Translator {
             (x, step * standard_normal_pdf(g) / law.pdf(x))
         };
         let nodes = match law {
-            Marginal::Beta { .. } | Marginal::Gamma { .. } => (0..=2 * REACH as usize * NODES_PER_UNIT).map(node).collect(),
+            Marginal::Beta { .. } | Marginal::Gamma { .. } => {
+                (0..=2 * REACH as usize * NODES_PER_UNIT).map(node).collect()
+            }
             _ => vec![],
         };
         // At an end of the support that lies within rounding the slope has no meaning: such a law stays direct.

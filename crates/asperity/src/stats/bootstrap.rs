@@ -193,7 +193,8 @@ mod tests {
         let sound = |drawn: &[f64]| {
             let runs = runs(drawn);
             let last = runs.len() - 1;
-            let whole = |(i, (value, n)): (usize, &(f64, usize))| i == last || n % if *value > 0.0 { 3 } else { 7 } == 0;
+            let whole =
+                |(i, (value, n)): (usize, &(f64, usize))| i == last || n % if *value > 0.0 { 3 } else { 7 } == 0;
             f64::from(u8::from(runs.iter().enumerate().all(whole)))
         };
         let all = bootstrap.interval_of_records(&[&short, &long, &[]], sound).unwrap();

@@ -109,10 +109,10 @@ impl ProcessMoments {
         found.coefficient_of_variation = spread(2.0, &|v| 0.5 * (v * v - 1.0) - variation * v)
             .and_then(|s| Estimate::logarithmic(variation.abs(), lift, s))
             .filter(|_| away);
-        found.skewness = spread(3.0, &|v| v.powi(3) - g - 3.0 * v - 1.5 * g * (v * v - 1.0))
-            .and_then(|s| skewness(g, s));
-        found.excess_kurtosis = spread(4.0, &|v| v.powi(4) - h - 4.0 * g * v - 2.0 * h * (v * v - 1.0))
-            .and_then(|s| excess_kurtosis(h, s));
+        found.skewness =
+            spread(3.0, &|v| v.powi(3) - g - 3.0 * v - 1.5 * g * (v * v - 1.0)).and_then(|s| skewness(g, s));
+        found.excess_kurtosis =
+            spread(4.0, &|v| v.powi(4) - h - 4.0 * g * v - 2.0 * h * (v * v - 1.0)).and_then(|s| excess_kurtosis(h, s));
         found
     }
 }
@@ -146,7 +146,7 @@ pub fn share_above(records: &[&[f64]], level: f64, periodic: bool) -> (f64, Opti
     let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
     let above = |value: &f64| if value.is_nan() { f64::NAN } else { f64::from(u8::from(*value > level)) };
     let indicators: Vec<Vec<f64>> = records.iter().map(|record| record.iter().map(above).collect()).collect();
-    let share = Moments::of_values(indicators.iter().flatten().copied()).mean;
+    let share = indicators.iter().flatten().filter(|above| **above > 0.0).count() as f64 / moments.n as f64;
     if !(share > 0.0 && share < 1.0) {
         return (share, None);
     }

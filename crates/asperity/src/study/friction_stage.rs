@@ -267,7 +267,10 @@ fn level_result(solved: &SolvedLevel, leading: bool) -> LevelResult {
         marginal: statistics.marginal().map(|fit| law_result(&fit.law)),
         marginal_parameter_intervals: parameter_intervals(statistics),
         gof: goodness(statistics),
-        return_levels: statistics.tail.as_ref().map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
+        return_levels: statistics
+            .tail
+            .as_ref()
+            .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
         beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
         at_mean_load: AtMeanLoad {
             mean: solved.mean,

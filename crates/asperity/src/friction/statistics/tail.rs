@@ -228,7 +228,7 @@ impl Excesses {
             let near = maximum(at, SHAPES);
             at(near) > height - DROP
         };
-        if !(centre > 0.0) {
+        if centre.is_nan() || centre <= 0.0 {
             return (None, None);
         }
         (edge(inside, centre, 1e-3 * centre), edge(inside, centre, 50.0 * centre))

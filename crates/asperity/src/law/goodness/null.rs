@@ -309,4 +309,45 @@ mod tests {
         assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.06), "{ratio:?}");
         assert!(worst < 0.5);
     }
+
+    #[test]
+    fn right_laws_are_refused_as_often_as_stated_and_wrong_ones_more_often() {
+        let runs = 120;
+        let law: Marginal = "beta:2.1,5".parse().unwrap();
+        let phi = (-0.2_f64).exp();
+        let mut refused = [0; 3];
+        for run in 0..runs {
+            let mut g = random::standard_normal(&mut random::stream(37, "null level", run), 1000);
+            for t in 1..1000 {
+                g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
+            }
+            let values: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
+            let records: Vec<&[f64]> = values.chunks(250).collect();
+            let null = ProcessNull::of(&records, 99, run).unwrap();
+            let p = |family| null.goodness(&fit(family, &values).unwrap(), &values).unwrap();
+            let (right, wrong) = (p(Family::Beta { low: 0.0, high: 1.0 }), p(Family::Normal));
+            refused[0] += usize::from(right.kolmogorov_smirnov.p_value <= 0.1);
+            refused[1] += usize::from(right.anderson_darling.unwrap().p_value <= 0.1);
+            refused[2] += usize::from(wrong.anderson_darling.unwrap().p_value <= 0.1);
+        }
+        println!("{refused:?}");
+        // 10 % of 120 with a standard error of 3.3.
+        assert!(refused[..2].iter().all(|count| *count <= 12 + 11), "{refused:?} of {runs}");
+        assert!(refused[2] > 30, "{refused:?} of {runs}");
+    }
+
+    #[test]
+    fn p_values_do_not_depend_on_the_unit_or_the_number_of_threads() {
+        let values = autoregression().path(random::standard_normal(&mut random::stream(5, "null", 0), 500));
+        let small: Vec<f64> = values.iter().map(|x| 1e-9 * x).collect();
+        let p = |values: &[f64]| {
+            let null = ProcessNull::of(&[values], 99, 3).unwrap();
+            null.goodness(&fit(Family::Normal, values).unwrap(), values).unwrap().kolmogorov_smirnov.p_value
+        };
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let three = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        assert_eq!(one.install(|| p(&values)), three.install(|| p(&values)));
+        assert!((p(&values) - p(&small)).abs() < 0.021, "one draw more or less");
+        assert!(ProcessNull::of(&[&[1.0; 20]], 9, 0).is_err() && ProcessNull::of(&[&values[..5]], 9, 0).is_err());
+    }
 }
