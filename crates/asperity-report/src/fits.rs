@@ -3,13 +3,14 @@
 use crate::Table;
 
 /// Laws as columns name them, and as a reader does.
-const LAWS: [(&str, &str); 8] = [
+const LAWS: [(&str, &str); 9] = [
     ("johnson_su", "Johnson SU"),
     ("johnson_sb", "Johnson SB"),
     ("johnson_sl", "Johnson SL"),
     ("johnson_sn", "Johnson SN"),
     ("lognormal", "Lognormal"),
     ("weibull", "Weibull"),
+    ("gamma", "Gamma"),
     ("normal", "Normal"),
     ("beta", "Beta"),
 ];

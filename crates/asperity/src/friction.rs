@@ -1,7 +1,7 @@
 //! The friction coefficient as a stochastic process (paper §4).
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and a
-//! [`law::FrictionLaw`] turns what it sees into μ(s); [`load_curve::LoadCurve`] is load against depth; [`record::FrictionStatistics`] says what kind of
+//! [`law::FrictionLaw`] turns what it sees into μ(s); [`load_curve::LoadCurve`] is load against depth; [`statistics::FrictionStatistics`] says what kind of
 //! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it, and
 //! [`measured`] fits one to a record from a tribometer.
 
@@ -9,10 +9,10 @@ use thiserror::Error;
 
 pub mod law;
 pub mod load_curve;
-mod plane_search;
 pub mod measured;
+mod plane_search;
 pub mod process;
-pub mod record;
+pub mod statistics;
 pub mod strip;
 mod strip_sums;
 pub mod upscaling;

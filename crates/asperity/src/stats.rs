@@ -5,7 +5,10 @@ pub(crate) mod blocks;
 mod bootstrap;
 mod histogram;
 mod moments;
+mod process;
+mod record_sum;
 mod sorting;
+mod spread;
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
@@ -15,7 +18,10 @@ pub use autocorrelation::{CorrelationTime, correlation_time};
 pub use bootstrap::{Bootstrap, Resampling};
 pub use histogram::Histogram;
 pub use moments::{Extent, Moments};
+pub use process::{Estimate, ProcessMoments, share_above};
+pub(crate) use record_sum::RecordSum;
 pub(crate) use sorting::{Order, sorted};
+pub(crate) use spread::{Spread, flat_top};
 
 /// Why a statistic is undefined.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -8,11 +8,13 @@ use asperity::contact::area::PERIMETER_WEIGHT;
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::friction::law::{BowdenTabor, FrictionLaw};
-use asperity::friction::record::FrictionStatistics;
+use asperity::friction::statistics::FrictionStatistics;
 use asperity::friction::strip::{Record, Strips};
 use asperity::friction::window::{Window, WindowContact, WindowError};
 use asperity::friction::window_study::WindowStudy;
 use asperity::friction::{FrictionError, StripSums};
+use asperity::law::Marginal;
+use asperity::law::fit::Family;
 use asperity::map::{Grid, HeightMap};
 use asperity::monitor::Silent;
 use asperity::random;
@@ -188,7 +190,7 @@ fn friction_is_never_below_shear_strength_over_hardness() {
                 assert!(mu.is_nan() || *mu >= 385.0 / 2000.0 * (1.0 - 1e-12), "{mu}");
             }
         }
-        let statistics = FrictionStatistics::of(&level.records, 6e-6, 1).unwrap();
+        let statistics = FrictionStatistics::of(&level.records, 6e-6, true, 1).unwrap();
         let nan = level.records.iter().flat_map(|record| &record.friction).filter(|mu| mu.is_nan()).count();
         assert_eq!(statistics.empty_windows, nan);
         empty += nan;
@@ -204,13 +206,13 @@ fn fully_plastic_friction_is_shear_strength_over_hardness_without_scatter() {
     let strips = strips(&surface, &half_space, &law, Some(1.0), &window);
     let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
     assert_eq!(level.plastic_share, 1.0);
-    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), 1).unwrap();
+    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), true, 1).unwrap();
     assert!((statistics.moments.mean - 0.2).abs() < 1e-15 && statistics.moments.std == 0.0);
     assert!(statistics.correlation.is_err(), "what does not vary has no correlation");
     let (mean, records) = Record::at_mean_load(&level.records);
     assert!((mean - 0.2).abs() < 1e-13);
     // Sums over hundreds of windows round, and rounding is no process.
-    let process = FrictionStatistics::of(&records, strips.window.step_m(), 1).unwrap();
+    let process = FrictionStatistics::of(&records, strips.window.step_m(), true, 1).unwrap();
     assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
     assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
 }
@@ -330,10 +332,83 @@ fn a_planted_length_is_found_under_the_windows() {
     assert!(covering >= 6, "{covering} of 8 intervals hold the truth");
 }
 
+/// Strips of a Beta(2.1, 5) process on [.1, .4] whose normal variables have the correlation e^{−s/ℓ}, ℓ ten steps.
+fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
+    let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
+    let phi = (-0.1_f64).exp();
+    let strip = |strip: usize| {
+        let mut g = random::standard_normal(&mut random::stream(seed, "beta strips", strip as u64), steps);
+        for t in 1..steps {
+            g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
+        }
+        let friction: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
+        record(friction, vec![1.0; steps])
+    };
+    (0..strips).map(strip).collect()
+}
+
+#[test]
+fn statistics_of_a_planted_process_are_its_own() {
+    let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
+    let mut records = beta_strips(20, 500, 3);
+    // Windows without load leave gaps.
+    for window in 40..45 {
+        records[7].friction[window] = f64::NAN;
+    }
+    let found = FrictionStatistics::of(&records, 1e-5, false, 1).unwrap();
+    assert_eq!((found.empty_windows, found.moments.n), (5, 9995));
+    // 1,000 ℓ: a mean is worth 500 values, less what translation takes off the correlation.
+    assert!(found.effective_windows > 350.0 && found.effective_windows < 800.0, "{}", found.effective_windows);
+    let estimates = found.estimates;
+    for (estimate, truth) in [
+        (estimates.mean, law.mean()),
+        (estimates.std, law.std()),
+        (estimates.coefficient_of_variation, law.std() / law.mean()),
+        (estimates.skewness, law.skewness()),
+        (estimates.excess_kurtosis, law.excess_kurtosis()),
+    ] {
+        let estimate = estimate.unwrap();
+        assert!((estimate.value - truth).abs() < 4.0 * estimate.standard_error, "{estimate:?} for {truth}");
+        assert!(estimate.interval.contains(estimate.value));
+    }
+    let (place, beta) = (found.marginal_place().unwrap(), found.beta.as_ref().unwrap());
+    println!("{} {:?}", found.marginal().unwrap().law, found.marginals.goodness[place]);
+    assert!((beta.law.mean() / law.mean() - 1.0).abs() < 0.01 && (beta.law.std() / law.std() - 1.0).abs() < 0.05);
+    assert_eq!(found.parameters.len(), found.marginals.fits.len());
+    let normal = found.marginals.fits.iter().position(|fit| fit.family == Family::Normal).unwrap();
+    let p = |place: usize| found.marginals.goodness[place].anderson_darling.unwrap().p_value;
+    assert!(p(place) > 0.01 && p(normal) < 0.05, "{} {}", p(place), p(normal));
+    // The upper tail of a Beta law of shape b ends with ξ = −1/b.
+    let tail = found.tail.as_ref().unwrap();
+    assert!(tail.shape_interval.contains(-0.2) && tail.largest < 0.4, "{tail:?}");
+    assert_eq!(tail.laws.len(), found.marginals.fits.len());
+    for mu in [0.2, 0.25, 0.3] {
+        let (share, estimate) = found.share_above(mu);
+        let estimate = estimate.unwrap();
+        assert!((share - law.survival(mu)).abs() < 4.0 * estimate.standard_error, "{mu}: {estimate:?}");
+    }
+    let length_m = found.correlation.unwrap().exponential.length_m;
+    assert!((length_m / 1e-4 - 1.0).abs() < 0.2, "{length_m:e}");
+}
+
+#[test]
+fn few_strips_are_as_good_as_many_of_the_same_length() {
+    let width = |records: &[Record]| {
+        let interval = FrictionStatistics::of(records, 1e-5, false, 1).unwrap().estimates.mean.unwrap().interval;
+        interval.high - interval.low
+    };
+    let (one, many) = (width(&beta_strips(1, 4000, 5)), width(&beta_strips(20, 200, 6)));
+    // Each knows its width to about √(2/40)/2 on forty blocks.
+    assert!((one / many).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{one} {many}");
+    // Strips of a correlation length or so say nothing of their own correlation: their scatter does.
+    let short = FrictionStatistics::of(&beta_strips(40, 12, 7), 1e-5, false, 1).unwrap();
+    assert!(short.estimates.mean.unwrap().degrees_of_freedom < 40.0);
+}
+
 #[test]
 fn too_few_loaded_windows_have_no_statistics() {
     let nothing = record(vec![0.0; 30], vec![0.0; 30]);
-    let error = FrictionStatistics::of(&[nothing], 1e-6, 1).unwrap_err();
+    let error = FrictionStatistics::of(&[nothing], 1e-6, false, 1).unwrap_err();
     assert_eq!(error, FrictionError::NoContact { windows: 30, with_contact: 0 });
     let friction = BowdenTabor { shear_strength_pa: 1.0 };
     let empty = WindowContact {

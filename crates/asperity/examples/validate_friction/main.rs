@@ -1,21 +1,35 @@
-//! Coverage of the intervals of the friction stage over many runs, as Markdown.
+//! How often the intervals and tests of the friction stage tell the truth, over many runs, as Markdown.
 //!
-//! `cargo run --release -p asperity --example validate_friction -- [RUNS]` prints what `docs/validation/friction.md` holds;
-//! `just validate` writes it.
+//! `cargo run --release -p asperity --example validate_friction -- [RUNS [ONLY]]` prints what `docs/validation/friction.md`
+//! holds; `just validate` writes it.
 #![expect(clippy::print_stdout, reason = "the tables are what this program is for")]
 
 mod correlation;
 mod field;
+mod marginal;
+mod moments;
+mod planted;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 fn main() -> Result<()> {
-    let runs: usize = std::env::args().nth(1).map_or(Ok(1000), |word| word.parse())?;
+    let mut arguments = std::env::args().skip(1);
+    let runs: usize = arguments.next().map_or(Ok(1000), |word| word.parse())?;
+    let only = arguments.next().unwrap_or_default();
     println!(
         "# Friction as a process: do the intervals hold?\n\n`just validate` writes this page. Every row stands for {runs} \
          independent runs on synthetic processes whose truth is known. A coverage of 95 % is known to ±{:.1} % (one standard error).",
         100.0 * (0.95 * 0.05 / runs as f64).sqrt()
     );
-    println!("\n{}", correlation::section(runs)?);
+    let wanted = |part: &str| part.contains(&only);
+    if wanted("moments") {
+        println!("\n{}", moments::section(runs));
+    }
+    if wanted("marginal") {
+        println!("\n{}", marginal::section(runs));
+    }
+    if wanted("correlation") {
+        println!("\n{}", correlation::section(runs)?);
+    }
     Ok(())
 }

@@ -106,7 +106,7 @@ impl WindowStudy {
     }
 }
 
-fn under(window: &Window, records: &[Record]) -> WindowedRecords<'_> {
+fn under<'a>(window: &Window, records: &'a [Record]) -> WindowedRecords<'a> {
     WindowedRecords {
         window_m: window.length_m(),
         step_m: window.step_m(),

@@ -65,7 +65,7 @@ pub enum LawError {
     /// The text names no law.
     #[error(
         "`{text}` is not a law; write normal[:MEAN,STD], lognormal:MU,SIGMA[,SHIFT], weibull:SHAPE,SCALE[,SHIFT], \
-         beta:A,B[,LOW,HIGH], johnson:SKEWNESS,KURTOSIS[,MEAN,STD] (a normal kurtosis is 3) or \
+         gamma:SHAPE,SCALE[,SHIFT], beta:A,B[,LOW,HIGH], johnson:SKEWNESS,KURTOSIS[,MEAN,STD] (a normal kurtosis is 3) or \
          johnson_su|johnson_sb|johnson_sl|johnson_sn:GAMMA,DELTA[,XI,LAMBDA]"
     )]
     Syntax {

@@ -1,10 +1,12 @@
 //! Maximum-likelihood fits, compared by Akaike's criterion.
 
 mod beta;
+mod gamma;
 mod johnson;
 mod lognormal;
 mod maximise;
 mod ranking;
+mod uncertainty;
 mod weibull;
 
 use super::{LawError, Marginal};
@@ -12,6 +14,8 @@ use crate::stats::{Moments, sorted_present};
 
 pub use beta::beta_by_moments;
 pub use ranking::{FitGoodness, Ranking, rank_by_aic};
+pub use uncertainty::ParameterEstimate;
+pub(crate) use uncertainty::inverse;
 
 /// A family of laws that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +30,10 @@ pub enum Family {
     Weibull,
     /// Weibull law with a fitted shift.
     ShiftedWeibull,
+    /// Gamma law of positive values, no shift.
+    Gamma,
+    /// Gamma law with a fitted shift.
+    ShiftedGamma,
     /// Beta law between known bounds.
     Beta {
         /// Lower end of the support.
@@ -48,12 +56,14 @@ impl Family {
         [Self::Normal, Self::ShiftedLognormal, Self::ShiftedWeibull, Self::BetaFreeBounds, Self::Johnson];
 
     /// Every family that can be tried on positive values without known bounds.
-    pub const POSITIVE: [Self; 6] = [
+    pub const POSITIVE: [Self; 8] = [
         Self::Normal,
         Self::Lognormal,
         Self::ShiftedLognormal,
         Self::Weibull,
         Self::ShiftedWeibull,
+        Self::Gamma,
+        Self::ShiftedGamma,
         Self::BetaFreeBounds,
     ];
 
@@ -63,6 +73,7 @@ impl Family {
             Self::Normal => "normal",
             Self::Lognormal | Self::ShiftedLognormal => "lognormal",
             Self::Weibull | Self::ShiftedWeibull => "weibull",
+            Self::Gamma | Self::ShiftedGamma => "gamma",
             Self::Beta { .. } | Self::BetaFreeBounds => "beta",
             Self::Johnson => "johnson",
         }
@@ -71,8 +82,8 @@ impl Family {
     /// Number of fitted parameters.
     pub fn parameters(self) -> usize {
         match self {
-            Self::Normal | Self::Lognormal | Self::Weibull | Self::Beta { .. } => 2,
-            Self::ShiftedLognormal | Self::ShiftedWeibull => 3,
+            Self::Normal | Self::Lognormal | Self::Weibull | Self::Gamma | Self::Beta { .. } => 2,
+            Self::ShiftedLognormal | Self::ShiftedWeibull | Self::ShiftedGamma => 3,
             Self::BetaFreeBounds | Self::Johnson => 4,
         }
     }
@@ -130,12 +141,12 @@ impl Fit {
 /// The law of a family that makes the values most likely; NaN values are skipped.
 ///
 /// The likelihood with a free end is unbounded: as the end approaches the sample's extreme, the density there can be made
-/// arbitrarily large. Free ends are therefore *local* maxima outside the sample. Where there is none, the lognormal and
-/// Weibull families report an error, and the Beta family puts the end at the sample's extreme, leaves that value out and
+/// arbitrarily large. Free ends are therefore *local* maxima outside the sample. Where there is none, the lognormal,
+/// Weibull and Gamma families report an error, and the Beta family puts the end at the sample's extreme, leaves that value out and
 /// fits the rest, which converges faster than a regular fit (Smith 1985).
 ///
 /// # References
-/// Johnson, Kotz & Balakrishnan, *Continuous Univariate Distributions*, Wiley 1994–95, ch. 14, 21, 25; Smith, *Biometrika*
+/// Johnson, Kotz & Balakrishnan, *Continuous Univariate Distributions*, Wiley 1994–95, ch. 14, 17, 21, 25; Smith, *Biometrika*
 /// **72** (1985) 67, <https://doi.org/10.1093/biomet/72.1.67>.
 ///
 /// # Errors
@@ -151,7 +162,7 @@ pub fn fit(family: Family, values: &[f64]) -> Result<Fit, LawError> {
             if first == last {
                 return Err(error("all values are equal"));
             }
-            if *first <= 0.0 && matches!(family, Family::Lognormal | Family::Weibull) {
+            if *first <= 0.0 && matches!(family, Family::Lognormal | Family::Weibull | Family::Gamma) {
                 return Err(error("a value is not positive; fit the shift as well"));
             }
         }
@@ -166,6 +177,8 @@ pub fn fit(family: Family, values: &[f64]) -> Result<Fit, LawError> {
         Family::ShiftedLognormal => maximise::shift(family, &sorted, lognormal::fit),
         Family::Weibull => Ok(Fit::unbounded(family, weibull::fit(&sorted, 0.0)?, &sorted)),
         Family::ShiftedWeibull => maximise::shift(family, &sorted, weibull::fit),
+        Family::Gamma => Ok(Fit::unbounded(family, gamma::fit(&sorted, 0.0)?, &sorted)),
+        Family::ShiftedGamma => maximise::shift(family, &sorted, gamma::fit),
         Family::Beta { low, high } => beta::fit_between(&sorted, low, high),
         Family::BetaFreeBounds => beta::fit_free(&sorted),
         Family::Johnson => johnson::fit(&sorted),

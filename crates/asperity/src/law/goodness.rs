@@ -1,12 +1,17 @@
 //! Goodness of fit and tests of normality.
 
+mod null;
+
+pub use null::ProcessNull;
+
 use super::{LawError, Marginal};
 use crate::stats::{Moments, sorted_present};
 
 /// The distance between a sample and a law, and how unusual it is.
 ///
-/// The p-value is that of a law stated beforehand. After a fit to the same sample it is too large: small values still
-/// condemn a law, large ones do not prove it.
+/// The p-values of [`kolmogorov_smirnov`] and [`anderson_darling`] are those of a law stated beforehand. After a fit to the
+/// same sample they are too large: small values still condemn a law, large ones do not prove it. Those of [`ProcessNull`] know
+/// the fit and the correlation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goodness {
     /// The statistic of the sample.

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::special::{beta_cdf, beta_quantile, beta_survival, ln_beta, standard_normal_cdf, standard_normal_quantile};
+use super::special::{
+    beta_cdf, beta_quantile, beta_survival, gamma_cdf, gamma_quantile, gamma_survival, ln_beta, ln_gamma,
+    standard_normal_cdf, standard_normal_quantile,
+};
 use super::{Johnson, JohnsonSystem, LawError, empirical};
 
 /// A continuous law on the real line.
@@ -30,6 +33,15 @@ pub enum Marginal {
     },
     /// Weibull law: F(x) = 1 − exp(−((x − shift)/scale)^shape).
     Weibull {
+        /// Shape.
+        shape: f64,
+        /// Scale.
+        scale: f64,
+        /// Lower end of the support.
+        shift: f64,
+    },
+    /// Gamma law: density ∝ (x − shift)^{shape−1} e^{−(x − shift)/scale}.
+    Gamma {
         /// Shape.
         shape: f64,
         /// Scale.
@@ -86,6 +98,14 @@ impl Marginal {
         Self::Weibull { shape, scale, shift }.checked()
     }
 
+    /// The Gamma law; shape 1 is the exponential law.
+    ///
+    /// # Errors
+    /// `shape` or `scale` is not positive, or a parameter is not finite.
+    pub fn gamma(shape: f64, scale: f64, shift: f64) -> Result<Self, LawError> {
+        Self::Gamma { shape, scale, shift }.checked()
+    }
+
     /// The Beta law on [low, high].
     ///
     /// # Errors
@@ -111,13 +131,14 @@ impl Marginal {
         Self::Empirical { sorted: values }.checked()
     }
 
-    /// Name of the law: `normal`, `lognormal`, `weibull`, `beta`, `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl`
+    /// Name of the law: `normal`, `lognormal`, `weibull`, `gamma`, `beta`, `empirical`, or `johnson_su`, `johnson_sb`, `johnson_sl`
     /// and `johnson_sn`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Normal { .. } => "normal",
             Self::Lognormal { .. } => "lognormal",
             Self::Weibull { .. } => "weibull",
+            Self::Gamma { .. } => "gamma",
             Self::Beta { .. } => "beta",
             Self::Johnson(johnson) => johnson.system.name(),
             Self::Empirical { .. } => "empirical",
@@ -129,12 +150,32 @@ impl Marginal {
         match *self {
             Self::Normal { mean, std } => vec![("mean", mean), ("std", std)],
             Self::Lognormal { mu, sigma, shift } => vec![("mu", mu), ("sigma", sigma), ("shift", shift)],
-            Self::Weibull { shape, scale, shift } => vec![("shape", shape), ("scale", scale), ("shift", shift)],
+            Self::Weibull { shape, scale, shift } | Self::Gamma { shape, scale, shift } => {
+                vec![("shape", shape), ("scale", scale), ("shift", shift)]
+            }
             Self::Beta { a, b, low, high } => vec![("a", a), ("b", b), ("low", low), ("high", high)],
             Self::Johnson(Johnson { gamma, delta, xi, lambda, .. }) => {
                 vec![("gamma", gamma), ("delta", delta), ("xi", xi), ("lambda", lambda)]
             }
             Self::Empirical { .. } => vec![],
+        }
+    }
+
+    /// The law of the same kind with these [`Marginal::parameters`], unchecked; an empirical law is left as it is.
+    ///
+    /// # Panics
+    /// If there are fewer values than parameters.
+    pub(super) fn with_parameters(&self, v: &[f64]) -> Self {
+        match self {
+            Self::Normal { .. } => Self::Normal { mean: v[0], std: v[1] },
+            Self::Lognormal { .. } => Self::Lognormal { mu: v[0], sigma: v[1], shift: v[2] },
+            Self::Weibull { .. } => Self::Weibull { shape: v[0], scale: v[1], shift: v[2] },
+            Self::Gamma { .. } => Self::Gamma { shape: v[0], scale: v[1], shift: v[2] },
+            Self::Beta { .. } => Self::Beta { a: v[0], b: v[1], low: v[2], high: v[3] },
+            Self::Johnson(johnson) => {
+                Self::Johnson(Johnson { gamma: v[0], delta: v[1], xi: v[2], lambda: v[3], ..*johnson })
+            }
+            Self::Empirical { .. } => self.clone(),
         }
     }
 
@@ -160,6 +201,9 @@ impl Marginal {
             }
             Self::Weibull { shape, scale: own, shift } => {
                 Self::Weibull { shape: *shape, scale: scale * own, shift: at(*shift) }
+            }
+            Self::Gamma { shape, scale: own, shift } => {
+                Self::Gamma { shape: *shape, scale: scale * own, shift: at(*shift) }
             }
             Self::Beta { a, b, low, high } => Self::Beta { a: *a, b: *b, low: at(*low), high: at(*high) },
             Self::Johnson(johnson) => {
@@ -220,6 +264,7 @@ impl Marginal {
             Self::Normal { mean, std } => standard_normal_cdf((x - mean) / std),
             Self::Lognormal { mu, sigma, shift } => standard_normal_cdf(((x - shift).max(0.0).ln() - mu) / sigma),
             Self::Weibull { shape, scale, shift } => -(-((x - shift).max(0.0) / scale).powf(*shape)).exp_m1(),
+            Self::Gamma { shape, scale, shift } => gamma_cdf(*shape, (x - shift) / scale),
             Self::Beta { a, b, low, high } => beta_cdf(*a, *b, (x - low) / (high - low)),
             Self::Johnson(johnson) => standard_normal_cdf(johnson.normal_of(x)),
             Self::Empirical { sorted } => empirical::cdf(sorted, x),
@@ -232,6 +277,7 @@ impl Marginal {
             Self::Normal { mean, std } => standard_normal_cdf((mean - x) / std),
             Self::Lognormal { mu, sigma, shift } => standard_normal_cdf((mu - (x - shift).max(0.0).ln()) / sigma),
             Self::Weibull { shape, scale, shift } => (-((x - shift).max(0.0) / scale).powf(*shape)).exp(),
+            Self::Gamma { shape, scale, shift } => gamma_survival(*shape, (x - shift) / scale),
             Self::Beta { a, b, low, high } => {
                 let unit = (x - low) / (high - low);
                 if unit <= 0.0 {
@@ -271,6 +317,7 @@ impl Marginal {
                 let exponential = if lower < 0.5 { -(-lower).ln_1p() } else { -upper.ln() };
                 shift + scale * exponential.powf(1.0 / shape)
             }
+            Self::Gamma { shape, scale, shift } => shift + scale * gamma_quantile(*shape, lower, upper),
             Self::Beta { a, b, low, high } => {
                 let unit = beta_quantile(*a, *b, lower, upper);
                 // Each end is reached exactly.
@@ -300,6 +347,13 @@ impl Marginal {
                     return f64::NEG_INFINITY;
                 }
                 (shape / scale).ln() + power_log(shape - 1.0, t) - t.powf(*shape)
+            }
+            Self::Gamma { shape, scale, shift } => {
+                let t = (x - shift) / scale;
+                if t < 0.0 {
+                    return f64::NEG_INFINITY;
+                }
+                power_log(shape - 1.0, t) - t - ln_gamma(*shape) - scale.ln()
             }
             Self::Beta { a, b, low, high } => {
                 let unit = (x - low) / (high - low);
@@ -336,6 +390,8 @@ pub(super) mod tests {
             Marginal::lognormal(0.3, 0.7, -1.0).unwrap(),
             Marginal::weibull(1.7, 2.0, 0.5).unwrap(),
             Marginal::weibull(1.0, 1.0, 0.0).unwrap(),
+            Marginal::gamma(2.5, 2.0, 0.5).unwrap(),
+            Marginal::gamma(0.9, 2.0, 0.0).unwrap(),
             Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap(),
             Marginal::beta(0.6, 0.8, -1.0, 3.0).unwrap(),
             Marginal::johnson(JohnsonSystem::Unbounded, -1.1, 1.5, -1.0, 2.0).unwrap(),
@@ -348,9 +404,18 @@ pub(super) mod tests {
 
     #[test]
     fn a_standardised_law_is_shifted_and_stretched() {
-        for text in ["normal:1,2", "lognormal:0.2,0.4,1", "weibull:1.5,2,-1", "beta:2.1,5,0,3", "johnson:-1,5,2,3"] {
+        for text in [
+            "normal:1,2",
+            "lognormal:0.2,0.4,1",
+            "weibull:1.5,2,-1",
+            "gamma:1.5,2,-1",
+            "beta:2.1,5,0,3",
+            "johnson:-1,5,2,3",
+        ] {
             let law: Marginal = text.parse().unwrap();
             let moved = law.standardised(-3.0, 0.5).unwrap();
+            let values: Vec<f64> = moved.parameters().into_iter().map(|(_, value)| value).collect();
+            assert_eq!(law.with_parameters(&values), moved);
             assert!((moved.mean() + 3.0).abs() < 1e-12 && (moved.std() - 0.5).abs() < 1e-12, "{text}");
             for probability in [0.01, 0.3, 0.5, 0.9] {
                 let wanted = -3.0 + 0.5 * (law.quantile(probability) - law.mean()) / law.std();
@@ -412,6 +477,7 @@ pub(super) mod tests {
         for (text, below, above) in [
             ("lognormal:0,1,2", Some(1.0), None),
             ("weibull:1.5,1,2", Some(1.0), None),
+            ("gamma:1.5,1,2", Some(1.0), None),
             ("beta:2,3,-1,1", Some(-2.0), Some(2.0)),
             ("johnson_sb:0.5,1,-1,2", Some(-2.0), Some(2.0)),
             ("johnson_sl:0.5,1,2,1", Some(1.0), None),

@@ -37,6 +37,12 @@ impl Marginal {
             Self::Normal { mean, std } => Exact { mean: *mean, std: *std, skewness: 0.0, excess_kurtosis: 0.0 },
             Self::Lognormal { mu, sigma, shift } => lognormal(*mu, *sigma, *shift),
             Self::Weibull { shape, scale, shift } => weibull(*shape, *scale, *shift),
+            Self::Gamma { shape, scale, shift } => Exact {
+                mean: shift + shape * scale,
+                std: shape.sqrt() * scale,
+                skewness: 2.0 / shape.sqrt(),
+                excess_kurtosis: 6.0 / shape,
+            },
             Self::Beta { a, b, low, high } => beta(*a, *b, *low, *high),
             Self::Johnson(johnson) => johnson.exact(),
             Self::Empirical { sorted } => empirical(sorted),

@@ -8,7 +8,7 @@ use super::{Johnson, JohnsonSystem, LawError, Marginal};
 impl FromStr for Marginal {
     type Err = LawError;
 
-    /// Reads `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`,
+    /// Reads `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`, `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`,
     /// `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` with the kurtosis as Sku, 3 for the normal law, or the Johnson laws by their
     /// parameters, `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`, `johnson_sn`.
     /// Left out, the mean is 0 and the standard deviation 1, the shift 0, the Beta law lives on [0, 1], and ξ is 0, λ is 1.
@@ -27,6 +27,8 @@ impl FromStr for Marginal {
             ("lognormal", &[mu, sigma, shift]) => Self::lognormal(mu, sigma, shift),
             ("weibull", &[shape, scale]) => Self::weibull(shape, scale, 0.0),
             ("weibull", &[shape, scale, shift]) => Self::weibull(shape, scale, shift),
+            ("gamma", &[shape, scale]) => Self::gamma(shape, scale, 0.0),
+            ("gamma", &[shape, scale, shift]) => Self::gamma(shape, scale, shift),
             ("beta", &[a, b]) => Self::beta(a, b, 0.0, 1.0),
             ("beta", &[a, b, low, high]) => Self::beta(a, b, low, high),
             ("johnson", &[skewness, kurtosis]) => Self::johnson_with_moments(0.0, 1.0, skewness, kurtosis - 3.0),
@@ -55,6 +57,8 @@ impl fmt::Display for Marginal {
             Self::Lognormal { mu, sigma, shift } => write!(f, "lognormal:{mu},{sigma},{shift}"),
             Self::Weibull { shape, scale, shift: 0.0 } => write!(f, "weibull:{shape},{scale}"),
             Self::Weibull { shape, scale, shift } => write!(f, "weibull:{shape},{scale},{shift}"),
+            Self::Gamma { shape, scale, shift: 0.0 } => write!(f, "gamma:{shape},{scale}"),
+            Self::Gamma { shape, scale, shift } => write!(f, "gamma:{shape},{scale},{shift}"),
             Self::Beta { a, b, low: 0.0, high: 1.0 } => write!(f, "beta:{a},{b}"),
             Self::Beta { a, b, low, high } => write!(f, "beta:{a},{b},{low},{high}"),
             Self::Johnson(Johnson { system, gamma, delta, xi: 0.0, lambda: 1.0 }) => {
@@ -81,6 +85,8 @@ mod tests {
             "beta:2.1,5,-1,3",
             "lognormal:0.1,0.2,3",
             "weibull:1.5,2",
+            "gamma:1.5,2",
+            "gamma:1.5,2,-1",
             "johnson_su:0.1,2",
             "johnson_sb:-0.3,1.5,2e-7,1e-6",
             "johnson_sl:0,2,1,-3",
@@ -100,7 +106,8 @@ mod tests {
     fn a_wrong_word_count_or_range_is_an_error() {
         for text in [
             "",
-            "gamma:1,2",
+            "gumbel:1,2",
+            "gamma:1",
             "beta",
             "beta:2.1",
             "beta:2.1,5,0",

@@ -6,7 +6,7 @@ use super::{LawError, Marginal, standard_normal_pdf};
 const NODES_PER_UNIT: usize = 256;
 const REACH: f64 = 6.0;
 
-/// F⁻¹(Φ(g)) for many g: a Beta law, whose quantile takes an iteration, is tabulated; every other law is direct.
+/// F⁻¹(Φ(g)) for many g: a Beta or Gamma law, whose quantile takes an iteration, is tabulated; every other law is direct.
 ///
 /// The table holds values and slopes on |g| ≤ 6 in steps h = 1/256 and interpolates by cubics, whose error h⁴/384 · max |x⁗|
 /// is below 1e-11 of the support for shapes from 0.5 up; beyond the table, once in 5e8 draws, the law itself answers.
@@ -32,7 +32,9 @@ impl Translator {
             (x, step * standard_normal_pdf(g) / law.pdf(x))
         };
         let nodes = match law {
-            Marginal::Beta { .. } => (0..=2 * REACH as usize * NODES_PER_UNIT).map(node).collect(),
+            Marginal::Beta { .. } | Marginal::Gamma { .. } => {
+                (0..=2 * REACH as usize * NODES_PER_UNIT).map(node).collect()
+            }
             _ => vec![],
         };
         // At an end of the support that lies within rounding the slope has no meaning: such a law stays direct.

@@ -47,12 +47,52 @@ impl Bootstrap {
     /// # Errors
     /// Fewer than two values, a block longer than the record, or a statistic that is NaN on every resample.
     pub fn interval(&self, values: &[f64], statistic: impl Fn(&[f64]) -> f64 + Sync) -> Result<Interval, StatsError> {
-        let replicates = super::sorted_present(self.replicates(values, statistic)?);
+        self.percentiles(self.replicates(values, statistic)?)
+    }
+
+    fn percentiles(&self, replicates: Vec<f64>) -> Result<Interval, StatsError> {
+        let replicates = super::sorted_present(replicates);
         if replicates.is_empty() {
             return Err(StatsError::TooFew { statistic: "a bootstrap interval", n: 0, wanted: 1 });
         }
         let tail = 0.5 * (1.0 - self.level);
         Ok(Interval { low: quantile_sorted(&replicates, tail), high: quantile_sorted(&replicates, 1.0 - tail) })
+    }
+
+    /// The percentile interval of a statistic of all values of `records` with equal steps. Blocks are drawn from all of them,
+    /// each from one, so that none reaches across an end; a record shorter than a block is a block of its own.
+    ///
+    /// Blocks of a few correlation lengths hold moments of a record of 200 lengths in nine cases of ten;
+    /// [`super::ProcessMoments`] does better.
+    ///
+    /// # Errors
+    /// Fewer than two values, a level or a block length out of range, or a statistic that is NaN on every resample.
+    pub fn interval_of_records(
+        &self,
+        records: &[&[f64]],
+        statistic: impl Fn(&[f64]) -> f64 + Sync,
+    ) -> Result<Interval, StatsError> {
+        let total: usize = records.iter().map(|record| record.len()).sum();
+        let block = self.block(total)?;
+        let starts = |record: &[f64]| (record.len() + 1).saturating_sub(block).max(usize::from(!record.is_empty()));
+        let all: usize = records.iter().map(|record| starts(record)).sum();
+        let resample = |index: usize| {
+            let mut stream = random::stream(self.seed, "bootstrap", index as u64);
+            let mut drawn = Vec::with_capacity(total + block);
+            while drawn.len() < total {
+                let mut start = stream.random_range(0..all);
+                for record in records {
+                    if start < starts(record) {
+                        drawn.extend_from_slice(&record[start..(start + block).min(record.len())]);
+                        break;
+                    }
+                    start -= starts(record);
+                }
+            }
+            drawn.truncate(total);
+            statistic(&drawn)
+        };
+        self.percentiles((0..self.resamples).into_par_iter().map(resample).collect())
     }
 
     /// The standard deviation of the statistic over the resamples.
@@ -68,7 +108,16 @@ impl Bootstrap {
     /// # Errors
     /// Fewer than two values, a level or a block length out of range.
     pub fn replicates(&self, values: &[f64], statistic: impl Fn(&[f64]) -> f64 + Sync) -> Result<Vec<f64>, StatsError> {
-        let n = values.len();
+        let block = self.block(values.len())?;
+        let resample = |index: usize| {
+            let mut stream = random::stream(self.seed, "bootstrap", index as u64);
+            statistic(&draw(&mut stream, values, block))
+        };
+        Ok((0..self.resamples).into_par_iter().map(resample).collect())
+    }
+
+    /// Length of a block of `n` values.
+    fn block(&self, n: usize) -> Result<usize, StatsError> {
         if n < 2 {
             return Err(StatsError::TooFew { statistic: "a bootstrap", n, wanted: 2 });
         }
@@ -84,11 +133,7 @@ impl Bootstrap {
             let wanted = "between 1 and the number of values";
             return Err(StatsError::Parameter { parameter: "block length", value: block as f64, wanted });
         }
-        let resample = |index: usize| {
-            let mut stream = random::stream(self.seed, "bootstrap", index as u64);
-            statistic(&draw(&mut stream, values, block))
-        };
-        Ok((0..self.resamples).into_par_iter().map(resample).collect())
+        Ok(block)
     }
 }
 
@@ -134,6 +179,26 @@ mod tests {
         let ratio = error(Resampling::MovingBlocks { length: 200 }) / error(Resampling::Independent);
         // 100 blocks know a variance to √(2/100) = 14 %, so the error to 7 %; resampling adds 3 %, the bias is 1.6 %.
         assert!((ratio / 10_f64.sqrt() - 1.0).abs() < 0.016 + 3.0 * 0.077, "{ratio}");
+    }
+
+    #[test]
+    fn one_record_is_drawn_as_its_values_are_and_blocks_stay_within_records() {
+        let values = random::standard_normal(&mut random::stream(1, "values", 2), 60);
+        let bootstrap = Bootstrap::new(Resampling::MovingBlocks { length: 7 }, 9);
+        let whole = bootstrap.interval_of_records(&[&values], mean).unwrap();
+        assert_eq!(whole, bootstrap.interval(&values, mean).unwrap());
+        // Records of one value each: every block is a run of equal values, cut at the end alone.
+        let (short, long) = (vec![5.0; 3], vec![-1.0; 40]);
+        let runs = |drawn: &[f64]| drawn.chunk_by(|a, b| a == b).map(|run| (run[0], run.len())).collect::<Vec<_>>();
+        let sound = |drawn: &[f64]| {
+            let runs = runs(drawn);
+            let last = runs.len() - 1;
+            let whole =
+                |(i, (value, n)): (usize, &(f64, usize))| i == last || n % if *value > 0.0 { 3 } else { 7 } == 0;
+            f64::from(u8::from(runs.iter().enumerate().all(whole)))
+        };
+        let all = bootstrap.interval_of_records(&[&short, &long, &[]], sound).unwrap();
+        assert_eq!((all.low, all.high), (1.0, 1.0));
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub(super) fn of_level(
         // The interval is that of the mean over windows, which counts every window alike.
         mean_interval: None,
         std: process.moments.std,
-        std_interval: varies.then(|| pair(process.std_interval)),
+        std_interval: process.estimates.std.map(|std| pair(std.interval)).filter(|_| varies),
         marginal: process.marginal().filter(|_| varies).map(|fit| fit.law.clone()),
         correlation: match correlation {
             Ok(correlation) => Some(correlation).filter(|_| varies),

@@ -1,9 +1,11 @@
 //! Friction of solved strips at several levels of contact.
 
+use std::collections::BTreeMap;
+
 use crate::contact::{Control, Solver};
 use crate::correlation::windowed_exponential;
 use crate::friction::load_curve::LoadPoint;
-use crate::friction::record::{FrictionStatistics, WANTED_CONTACT_CELLS};
+use crate::friction::statistics::{FrictionStatistics, ReturnLevel, WANTED_CONTACT_CELLS};
 use crate::friction::strip::{Level, Record, Strips};
 use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::friction::window::Window;
@@ -11,14 +13,15 @@ use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::stats::Histogram;
+use crate::stats::{Estimate, Histogram};
 use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::level_control::{Lead, LevelControl};
 use crate::study::output::StageOutput;
 use crate::study::pressure_stage::half_space;
 use crate::study::result::{
-    AreaScatter, AtMeanLoad, FrictionResult, LevelResult, PaperScatter, UpscalingResult, finite, pair,
+    AreaScatter, AtMeanLoad, FrictionResult, GoodnessResult, LevelResult, Pair, PaperScatter, ReturnLevelResult,
+    UpscalingResult, finite, pair,
 };
 use crate::study::surface_model::SurfaceModel;
 use crate::study::surface_stage::law_result;
@@ -44,11 +47,17 @@ pub(super) struct SolvedLevel {
 }
 
 impl SolvedLevel {
-    fn new(control: LevelControl, level: Level, window: &Window, seed: u64) -> Result<Self, StudyError> {
+    fn new(
+        control: LevelControl,
+        level: Level,
+        window: &Window,
+        periodic: bool,
+        seed: u64,
+    ) -> Result<Self, StudyError> {
         let failed = |error| StudyError::Friction { level: control.name(), error };
-        let statistics = FrictionStatistics::of(&level.records, window.step_m(), seed).map_err(failed)?;
+        let statistics = FrictionStatistics::of(&level.records, window.step_m(), periodic, seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
-        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), seed).map_err(failed)?;
+        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), periodic, seed).map_err(failed)?;
         // The study knows the correlation under rectangles.
         let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
         let narrower = level.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
@@ -134,7 +143,7 @@ pub(super) fn run(
     let mut levels = Vec::new();
     for (control, level) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
         let level = level.map_err(|error| StudyError::Friction { level: control.name(), error })?;
-        let level = SolvedLevel::new(control, level, &window, seed)?;
+        let level = SolvedLevel::new(control, level, &window, periodic, seed)?;
         output.warnings.extend(level_warnings(&level));
         levels.push(level);
     }
@@ -272,25 +281,38 @@ fn level_result(solved: &SolvedLevel) -> LevelResult {
         contact_fraction: level.contact_fraction,
         plastic_share: level.plastic_share,
         mean: statistics.moments.mean,
-        mean_interval: pair(statistics.mean_interval),
+        mean_interval: interval(statistics.estimates.mean),
         std: statistics.moments.std,
-        std_interval: pair(statistics.std_interval),
+        std_interval: interval(statistics.estimates.std),
         coefficient_of_variation: statistics.moments.coefficient_of_variation(),
+        coefficient_of_variation_interval: interval(statistics.estimates.coefficient_of_variation),
         skewness: finite(statistics.moments.skewness),
+        skewness_interval: interval(statistics.estimates.skewness),
         excess_kurtosis: finite(statistics.moments.excess_kurtosis),
+        excess_kurtosis_interval: interval(statistics.estimates.excess_kurtosis),
         correlation_length_m: correlation.map(|c| c.exponential.length_m),
         correlation_length_without_window_m: study.map(|s| s.length_m),
         correlation_length_without_window_interval: study.map(|s| pair(s.interval)),
         window_only: study.map(WindowStudy::window_only),
         marginal: statistics.marginal().map(|fit| law_result(&fit.law)),
+        marginal_parameter_intervals: parameter_intervals(statistics),
+        gof: goodness(statistics),
+        return_levels: statistics
+            .tail
+            .as_ref()
+            .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
         beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
         at_mean_load: AtMeanLoad {
             mean: solved.mean,
             std: process.moments.std,
+            std_interval: interval(process.estimates.std),
             skewness: finite(process.moments.skewness),
             excess_kurtosis: finite(process.moments.excess_kurtosis),
             correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
             marginal: process.marginal().map(|fit| law_result(&fit.law)),
+            marginal_parameter_intervals: parameter_intervals(process),
+            gof: goodness(process),
+            effective_windows: process.effective_windows,
         },
         upscaling: None,
         empty_windows: statistics.empty_windows,
@@ -301,6 +323,30 @@ fn level_result(solved: &SolvedLevel) -> LevelResult {
     }
 }
 
+fn interval(estimate: Option<Estimate>) -> Option<Pair> {
+    estimate.map(|estimate| pair(estimate.interval))
+}
+
+/// Of the parameters of the marginal law; `null` where there is none.
+fn parameter_intervals(statistics: &FrictionStatistics) -> BTreeMap<String, Option<Pair>> {
+    let parameters = statistics.marginal_place().map_or(&[][..], |place| &statistics.parameters[place]);
+    parameters.iter().map(|p| (p.name.to_owned(), interval(p.estimate))).collect()
+}
+
+fn goodness(statistics: &FrictionStatistics) -> Option<GoodnessResult> {
+    let found = statistics.marginals.goodness.get(statistics.marginal_place()?)?;
+    Some(GoodnessResult {
+        kolmogorov_smirnov: found.kolmogorov_smirnov.statistic,
+        kolmogorov_smirnov_p: found.kolmogorov_smirnov.p_value,
+        anderson_darling: found.anderson_darling.map(|distance| distance.statistic),
+        anderson_darling_p: found.anderson_darling.map(|distance| distance.p_value),
+    })
+}
+
+fn return_level(level: &ReturnLevel) -> ReturnLevelResult {
+    ReturnLevelResult { distance_m: level.distance_m, mu: level.mu, interval: level.interval.map(pair) }
+}
+
 fn levels_table(levels: &[SolvedLevel]) -> Table {
     let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
     Table::new([
@@ -308,11 +354,11 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
         ("penetration_m", column(&|l| l.level.penetration_m)),
         ("mean_pressure_pa", column(&|l| l.level.mean_pressure_pa)),
         ("mean", column(&|l| l.statistics.moments.mean)),
-        ("mean_low", column(&|l| l.statistics.mean_interval.low)),
-        ("mean_high", column(&|l| l.statistics.mean_interval.high)),
+        ("mean_low", column(&|l| l.statistics.estimates.mean.map_or(f64::NAN, |e| e.interval.low))),
+        ("mean_high", column(&|l| l.statistics.estimates.mean.map_or(f64::NAN, |e| e.interval.high))),
         ("std", column(&|l| l.statistics.moments.std)),
-        ("std_low", column(&|l| l.statistics.std_interval.low)),
-        ("std_high", column(&|l| l.statistics.std_interval.high)),
+        ("std_low", column(&|l| l.statistics.estimates.std.map_or(f64::NAN, |e| e.interval.low))),
+        ("std_high", column(&|l| l.statistics.estimates.std.map_or(f64::NAN, |e| e.interval.high))),
         ("coefficient_of_variation", column(&|l| l.statistics.moments.coefficient_of_variation())),
     ])
 }

@@ -353,18 +353,25 @@ pub struct LevelResult {
     pub plastic_share: f64,
     /// Mean of μ.
     pub mean: f64,
-    /// Its interval.
-    pub mean_interval: Pair,
+    /// Its interval, which as all of μ knows the correlation along the strips; `null` where they hold too few correlation
+    /// lengths.
+    pub mean_interval: Option<Pair>,
     /// Standard deviation of μ.
     pub std: f64,
     /// Its interval.
-    pub std_interval: Pair,
+    pub std_interval: Option<Pair>,
     /// Standard deviation over mean.
     pub coefficient_of_variation: f64,
+    /// Its interval.
+    pub coefficient_of_variation_interval: Option<Pair>,
     /// Skewness of μ; `null` where μ does not vary.
     pub skewness: Option<f64>,
+    /// Its interval.
+    pub skewness_interval: Option<Pair>,
     /// Excess kurtosis of μ; `null` where μ does not vary.
     pub excess_kurtosis: Option<f64>,
+    /// Its interval.
+    pub excess_kurtosis_interval: Option<Pair>,
     /// ℓ_μ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
     /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
@@ -376,6 +383,12 @@ pub struct LevelResult {
     pub window_only: Option<bool>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
+    /// Intervals of its fitted parameters.
+    pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
+    /// How well it fits.
+    pub gof: Option<GoodnessResult>,
+    /// Values that μ of a window exceeds once in a sliding distance; empty where the strips hold too few separate peaks.
+    pub return_levels: Vec<ReturnLevelResult>,
     /// The Beta law with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
     /// Windows without contact, left out.
@@ -401,6 +414,8 @@ pub struct AtMeanLoad {
     pub mean: f64,
     /// Standard deviation.
     pub std: f64,
+    /// Its interval.
+    pub std_interval: Option<Pair>,
     /// Skewness; `null` where friction does not vary.
     pub skewness: Option<f64>,
     /// Excess kurtosis; `null` where friction does not vary.
@@ -409,6 +424,37 @@ pub struct AtMeanLoad {
     pub correlation_length_m: Option<f64>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
+    /// Intervals of its fitted parameters.
+    pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
+    /// How well it fits.
+    pub gof: Option<GoodnessResult>,
+    /// Independent windows that the correlated ones are worth.
+    pub effective_windows: f64,
+}
+
+/// Distances between the windows and the marginal law, with p-values that know that the law was fitted and how the windows are
+/// correlated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GoodnessResult {
+    /// Largest difference of the distribution functions.
+    pub kolmogorov_smirnov: f64,
+    /// Probability of a larger one if the law is right.
+    pub kolmogorov_smirnov_p: f64,
+    /// A², which weighs the tails and grows with the number of windows; `null` where a window lies at an end of the law.
+    pub anderson_darling: Option<f64>,
+    /// Probability of a larger one if the law is right.
+    pub anderson_darling_p: Option<f64>,
+}
+
+/// A value that μ exceeds once in a distance on average.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReturnLevelResult {
+    /// Sliding distance.
+    pub distance_m: f64,
+    /// The value.
+    pub mu: f64,
+    /// Its interval; `null` where the likelihood does not end it.
+    pub interval: Option<Pair>,
 }
 
 /// The scatter of friction at the mean load under both upscalings.

@@ -86,7 +86,7 @@ struct ModelOptions {
     /// Rms height before a form is removed; that which leaves the scan's Sq when left out.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Length>, allow_hyphen_values = true)]
     rms_height: Option<Length>,
-    /// Marginal law of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE,
+    /// Marginal law of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE,
     /// johnson:SKEWNESS,KURTOSIS.
     #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
     marginal: String,

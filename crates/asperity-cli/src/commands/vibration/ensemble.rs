@@ -24,7 +24,7 @@ pub(crate) struct Ensemble {
     /// Its correlation length in sliding distance, λ = ℓ_μ·c/N.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     correlation_length: f64,
-    /// Shape of its law: normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE or beta:A,B.
+    /// Shape of its law: normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE or beta:A,B.
     #[arg(long, value_name = "LAW")]
     marginal: Marginal,
     /// Knots of the fluctuation per correlation length.

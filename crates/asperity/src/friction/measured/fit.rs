@@ -214,7 +214,7 @@ impl FittedRecord {
         if independent < LEAST_INDEPENDENT {
             return Err(MeasuredError::TooShort { present, effective: independent, wanted: LEAST_INDEPENDENT });
         }
-        let shape = CorrelationShape::from(best.model);
+        let (shape, length_m) = CorrelationShape::of(best.model, best.length_m);
         let process = FittedProcess {
             mean: moments.mean,
             mean_interval: Some(mean_interval),
@@ -223,7 +223,7 @@ impl FittedRecord {
             marginal: Some(marginal),
             correlation: Some(FittedCorrelation {
                 shape,
-                length_m: best.length_m,
+                length_m,
                 length_interval_m: length_interval(values, record.step_m, best),
                 window_m: None,
                 length_without_window_m: None,
@@ -304,7 +304,7 @@ impl FittedRecord {
         let lag_m: Vec<f64> = (0..lags).map(|lag| lag as f64 * step_m).collect();
         let model = |fit: &RecordFit| -> (String, Vec<f64>) {
             let values = lag_m.iter().map(|lag| fit.model.correlation(*lag, fit.length_m)).collect();
-            (CorrelationShape::from(fit.model).name().into(), values)
+            (fit.model.name().into(), values)
         };
         let mut columns =
             vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];

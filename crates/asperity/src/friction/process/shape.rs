@@ -34,17 +34,17 @@ pub enum CorrelationShape {
     },
 }
 
-impl From<RecordModel> for CorrelationShape {
-    fn from(model: RecordModel) -> Self {
+impl CorrelationShape {
+    /// Shape and length of a fitted model of length ℓ. A triangle is what its window makes of uncorrelated values.
+    pub fn of(model: RecordModel, length: f64) -> (Self, f64) {
         match model {
-            RecordModel::Exponential => Self::Exponential,
-            RecordModel::SquaredExponential => Self::SquaredExponential,
-            RecordModel::WindowedExponential { window_m } => Self::WindowedExponential { window: window_m },
+            RecordModel::Exponential => (Self::Exponential, length),
+            RecordModel::SquaredExponential => (Self::SquaredExponential, length),
+            RecordModel::Matern { nu } => (Self::Matern { nu }, length),
+            RecordModel::Triangle => (Self::WindowedExponential { window: length }, 0.0),
         }
     }
-}
 
-impl CorrelationShape {
     /// Name as in files: `exponential`, `squared_exponential`, `matern`, `windowed_exponential`.
     pub fn name(&self) -> &'static str {
         match self {

@@ -31,7 +31,7 @@ enum Route {
 impl TranslationTable {
     pub(super) fn new(law: &Marginal, sigma: f64) -> Self {
         let mut table = Self { law: law.clone(), mean: law.mean(), gain: sigma / law.std(), route: Route::Direct };
-        if matches!(law, Marginal::Beta { .. } | Marginal::Weibull { .. }) {
+        if matches!(law, Marginal::Beta { .. } | Marginal::Weibull { .. } | Marginal::Gamma { .. }) {
             let mut density = FIRST_DENSITY;
             loop {
                 let nodes = table.nodes(density);
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn the_table_is_the_direct_translation_within_its_stated_error() {
-        for text in ["beta:2.1,5", "beta:0.8,0.9", "weibull:1.5,2", "normal", "lognormal:0,0.4"] {
+        for text in ["beta:2.1,5", "beta:0.8,0.9", "weibull:1.5,2", "gamma:1.5,2", "normal", "lognormal:0,0.4"] {
             let law: Marginal = text.parse().unwrap();
             let sigma = 0.003;
             let table = TranslationTable::new(&law, sigma);

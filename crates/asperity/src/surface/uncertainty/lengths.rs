@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use super::cells::Cells;
 use super::heights::HeightSums;
 use super::removal::Removal;
-use super::window::{Spread, Window};
+use super::window::Window;
 use super::{Estimate, estimate};
 use crate::correlation::Axis;
-use crate::stats::Interval;
+use crate::stats::{Interval, Spread};
 
 /// Means that are fitted to the map before the influence on a correlation is taken: of heights, squares and products.
 const FITTED: f64 = 3.0;

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use super::cells::Cells;
 use super::heights::{FITTED, HeightSums, total};
-use super::window::{Spread, Window};
+use super::window::Window;
 use super::{Estimate, Values, estimate};
 use crate::random;
-use crate::stats::{Interval, Moments};
+use crate::stats::{Interval, Moments, Spread};
 use crate::surface::areal::{EquivalentLine, MaterialRatio};
 
 /// Classes of height of equal share.

@@ -2,9 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::cells::dot;
+use crate::stats::{Spread, flat_top};
 
 /// The reach of a correlogram is where it falls to this.
 const FADED: f64 = 0.2;
@@ -46,17 +45,6 @@ struct Lag {
     times: f64,
     /// Sum over the pairs of cells of the product of their shares of the points.
     share: f64,
-}
-
-/// How a statistic spreads, as far as the map tells.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Spread {
-    /// Its variance.
-    pub(super) variance: f64,
-    /// Independent blocks on which the variance rests: its degrees of freedom.
-    pub(super) blocks: f64,
-    /// Its skewness, from blocks.
-    pub(super) skewness: f64,
 }
 
 impl Window {
@@ -223,41 +211,6 @@ impl Window {
         let filled = sums.iter().filter(|sum| **sum != 0.0).count();
         (power(3) / second.powf(1.5), power(4) / (second * second), filled as f64)
     }
-}
-
-impl Spread {
-    /// Values of (estimate − truth)/√variance that leave `tail` on the lower and on the upper side.
-    ///
-    /// Student's quantiles on as many degrees of freedom as there are blocks, bent by Hall's cubic for the skewness of the
-    /// studentised sum.
-    ///
-    /// # References
-    /// Hall, *J. R. Stat. Soc. B* **54** (1992) 221, <https://doi.org/10.1111/j.2517-6161.1992.tb01876.x>.
-    pub(super) fn deviates(&self, tail: f64) -> (f64, f64) {
-        let student = self.student(tail);
-        (self.unbent(-student), self.unbent(student))
-    }
-
-    /// The studentised distance from a supposed truth over its limit: beyond ±1 the truth is refused.
-    pub(super) fn distance(&self, difference: f64, tail: f64) -> f64 {
-        let (t, skew) = (difference / self.variance.sqrt(), self.skewness);
-        (t + skew * t * t / 3.0 + skew * skew * t.powi(3) / 27.0 + skew / 6.0) / self.student(tail)
-    }
-
-    /// Student's upper quantile.
-    pub(super) fn student(&self, tail: f64) -> f64 {
-        StudentsT::new(0.0, 1.0, self.blocks).map_or(f64::NAN, |law| law.inverse_cdf(1.0 - tail))
-    }
-
-    fn unbent(&self, x: f64) -> f64 {
-        let skew = self.skewness;
-        if skew.abs() < 1e-6 { x } else { 3.0 / skew * ((1.0 + skew * (x - skew / 6.0)).cbrt() - 1.0) }
-    }
-}
-
-/// 1 up to half of `end`, then falling to 0 there.
-fn flat_top(distance: f64, end: f64) -> f64 {
-    (2.0 - 2.0 * distance / end).clamp(0.0, 1.0)
 }
 
 /// Sum of the products of the values of a cell and of that `right` and `down` of it.

@@ -1,12 +1,17 @@
 //! What the records of a level say about μ(s) as a process.
 
+mod tail;
+
 use std::borrow::Cow;
 
 use crate::correlation::{EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
-use crate::law::fit::{End, Family, Fit, Ranking, rank_by_aic};
-use crate::stats::{Bootstrap, Interval, Moments, Resampling, correlation_time};
+use crate::law::fit::{End, Family, Fit, FitGoodness, ParameterEstimate, Ranking, rank_by_aic};
+use crate::law::goodness::ProcessNull;
+use crate::stats::{Estimate, Moments, ProcessMoments, share_above};
+
+pub use tail::{LawTail, ReturnLevel, Tail};
 
 /// Scatter over the mean below which friction does not vary.
 const ROUNDING: f64 = 1e-12;
@@ -14,15 +19,16 @@ const ROUNDING: f64 = 1e-12;
 /// Contact cells that a window should hold for its area to mean something.
 pub const WANTED_CONTACT_CELLS: f64 = 30.0;
 
+/// Simulated samples behind a p-value.
+const DRAWS: usize = 499;
+
 /// Statistics of μ(s), pooled over the records of independent strips.
 #[derive(Debug, Clone)]
 pub struct FrictionStatistics {
     /// Moments over all windows with contact.
     pub moments: Moments,
-    /// 95 % interval of the mean, by resampling strips.
-    pub mean_interval: Interval,
-    /// 95 % interval of the standard deviation, by resampling strips.
-    pub std_interval: Interval,
+    /// The same with intervals that know the correlation along the strips.
+    pub estimates: ProcessMoments,
     /// Windows without contact, left out of everything else.
     pub empty_windows: usize,
     /// Mean number of contact cells in a window.
@@ -31,12 +37,18 @@ pub struct FrictionStatistics {
     pub sparse_share: f64,
     /// Number of independent windows that the correlated ones are worth.
     pub effective_windows: f64,
-    /// Marginal laws ranked by Akaike's criterion.
+    /// Marginal laws ranked by Akaike's criterion. The p-values of their distances know the fit and the correlation.
     pub marginals: Ranking,
+    /// Parameters of the laws, in their order, with intervals.
+    pub parameters: Vec<Vec<ParameterEstimate>>,
     /// The Beta law with bounds fitted by likelihood, where it exists.
     pub beta: Option<Fit>,
+    /// How large μ gets; none where the records hold too few separate peaks.
+    pub tail: Option<Tail>,
     /// Autocorrelation over lags up to half the strip, or why there is none.
     pub correlation: Result<ProcessCorrelation, EstimateError>,
+    records: Vec<Vec<f64>>,
+    periodic: bool,
 }
 
 /// Autocorrelation of μ(s) with its fitted models.
@@ -49,55 +61,67 @@ pub struct ProcessCorrelation {
 }
 
 impl FrictionStatistics {
-    /// Statistics of the records of one level, whose positions lie `step_m` apart. A friction coefficient that does not
-    /// vary at all has no correlation and no marginal law.
+    /// Statistics of the records of one level, whose positions lie `step_m` apart; on a `periodic` strip the last is a
+    /// neighbour of the first. A friction coefficient that does not vary at all has no correlation and no marginal law.
     ///
     /// # Errors
     /// Fewer than ten windows with contact.
-    pub fn of(records: &[Record], step_m: f64, seed: u64) -> Result<Self, FrictionError> {
+    pub fn of(records: &[Record], step_m: f64, periodic: bool, seed: u64) -> Result<Self, FrictionError> {
         let records = &without_rounding(records)[..];
-        let pooled: Vec<f64> = records.iter().flat_map(|record| record.friction.iter().copied()).collect();
-        let moments = Moments::of(&pooled);
+        let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+        let pooled: Vec<f64> = series.concat();
+        let estimates = ProcessMoments::of(&series, periodic);
+        let moments = estimates.moments;
         let empty_windows = pooled.len() - moments.n;
         if moments.n < 10 {
             return Err(FrictionError::NoContact { windows: pooled.len(), with_contact: moments.n });
         }
-        // Strips are independent, windows on one are not: strips are resampled.
-        let indices: Vec<f64> = (0..records.len()).map(|index| index as f64).collect();
-        let bootstrap = Bootstrap::new(Resampling::Independent, seed);
-        let of_strips = |chosen: &[f64]| {
-            Moments::of_values(chosen.iter().flat_map(|index| records[*index as usize].friction.iter().copied()))
-        };
-        let mean_interval = bootstrap.interval(&indices, |chosen| of_strips(chosen).mean)?;
-        let std_interval = bootstrap.interval(&indices, |chosen| of_strips(chosen).std)?;
         let cells = || records.iter().flat_map(|record| &record.contact_cells);
         let sparse = cells().filter(|cells| **cells < WANTED_CONTACT_CELLS).count();
-        let effective_windows = records
-            .iter()
-            .map(|record| correlation_time(&record.friction).map_or(1.0, |time| time.effective_size()))
-            .sum::<f64>()
-            .min(moments.n as f64);
-        let marginals = rank_by_aic(&Family::ANYWHERE, &pooled, Some(effective_windows));
+        let effective_windows = estimates.effective_size;
+        let mut marginals = rank_by_aic(&Family::POSITIVE, &pooled, Some(effective_windows));
+        if let Ok(null) = ProcessNull::of(&series, DRAWS, seed) {
+            let known = |fit: &Fit| null.goodness(fit, &pooled).ok();
+            let goodness: Option<Vec<FitGoodness>> = marginals.fits.iter().map(known).collect();
+            marginals.goodness = goodness.unwrap_or(marginals.goodness);
+        }
+        let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, periodic)).collect();
         let beta = marginals.fits.iter().find(|fit| fit.family == Family::BetaFreeBounds).cloned();
         Ok(Self {
             moments,
-            mean_interval,
-            std_interval,
+            estimates,
             empty_windows,
             contact_cells: cells().sum::<f64>() / pooled.len() as f64,
             sparse_share: sparse as f64 / pooled.len() as f64,
             effective_windows,
+            tail: Tail::of(&series, step_m, &marginals.fits),
             marginals,
+            parameters,
             beta,
-            correlation: correlate(records, step_m),
+            correlation: correlate(&series, step_m),
+            records: series.iter().map(|record| record.to_vec()).collect(),
+            periodic,
         })
     }
 
     /// The marginal law to go on with: the first of the ranking whose ends the sample sees. A fitted end far outside the
     /// sample makes a law of four parameters that is hardly different from a simpler one.
     pub fn marginal(&self) -> Option<&Fit> {
-        let seen = |fit: &&Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
-        self.marginals.fits.iter().find(seen).or(self.marginals.fits.first())
+        self.marginals.fits.get(self.marginal_place()?)
+    }
+
+    /// Place of [`FrictionStatistics::marginal`] in the ranking.
+    pub fn marginal_place(&self) -> Option<usize> {
+        let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
+        let fits = &self.marginals.fits;
+        fits.iter().position(seen).or(if fits.is_empty() { None } else { Some(0) })
+    }
+
+    /// Share of the windows whose μ exceeds a value, and the same with an interval; the laws have
+    /// [`crate::law::Marginal::survival`].
+    pub fn share_above(&self, mu: f64) -> (f64, Option<Estimate>) {
+        let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
+        share_above(&series, mu, self.periodic)
     }
 }
 
@@ -113,10 +137,9 @@ fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
     records.iter().map(settled).collect()
 }
 
-fn correlate(records: &[Record], step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
-    let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+fn correlate(series: &[&[f64]], step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
     let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
-    let estimate = RecordCorrelation::estimate(&series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
+    let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;
     Ok(ProcessCorrelation { estimate, exponential })
 }

@@ -1,0 +1,117 @@
+//! Marginal laws: how often intervals hold their parameters, and how often tests refuse a law that is right.
+
+use std::fmt::Write;
+
+use asperity::law::fit::{Family, Fit, fit};
+use asperity::law::goodness::ProcessNull;
+use asperity::stats::Moments;
+use rayon::prelude::*;
+
+use crate::planted::Planted;
+
+/// Draws behind a p-value.
+const DRAWS: usize = 299;
+
+pub(crate) fn section(runs: usize) -> String {
+    let mut text = String::from(
+        "## Marginal laws\n\nBeta(2.1, 5) records are fitted again. *Holds* is the share of the 95 % intervals that hold the \
+         parameter, with the shares that lie above and below it; *bias* is in standard deviations of the estimate, *se* the \
+         standard error over it.\n\n| process | fit | parameter | intervals | holds | bias | se |\n|---|---|---|---|---|---|---|\n",
+    );
+    let known = Family::Beta { low: 0.0, high: 1.0 };
+    let of = |law, strips, periodic| Planted { law, lengths: 200, strips, periodic, window: 0.0 };
+    for (strips, periodic) in [(1, false), (3, false), (20, false), (20, true)] {
+        parameters(&mut text, of("beta:2.1,5", strips, periodic), known, &[2.1, 5.0], runs);
+    }
+    let free = [2.1, 5.0, 0.0, 1.0];
+    parameters(&mut text, of("beta:2.1,5", 1, false), Family::BetaFreeBounds, &free, runs / 2);
+    let long = Planted { lengths: 2000, ..of("beta:2.1,5", 1, false) };
+    parameters(&mut text, long, Family::BetaFreeBounds, &free, runs / 10);
+    parameters(&mut text, of("gamma:4,0.05", 1, false), Family::Gamma, &[4.0, 0.05], runs);
+    parameters(&mut text, of("lognormal:-1,0.3", 3, false), Family::Lognormal, &[-1.0, 0.3], runs);
+    parameters(&mut text, of("weibull:3,0.3", 20, false), Family::Weibull, &[3.0, 0.3], runs);
+
+    text.push_str(
+        "\nShare of the records of a right law that a test refuses at 5 %, and at 10 %.\n\n| process | fit | order | \
+         Kolmogorov–Smirnov | Anderson–Darling |\n|---|---|---|---|---|\n",
+    );
+    for (planted, family) in [
+        (of("beta:2.1,5", 1, false), known),
+        (of("beta:2.1,5", 20, true), known),
+        (of("beta:2.1,5", 1, false), Family::BetaFreeBounds),
+        (of("normal:3,1", 1, false), Family::Normal),
+        (of("normal:3,1", 20, false), Family::Normal),
+        (Planted { window: 2.4, ..of("normal:3,1", 1, false) }, Family::Normal),
+        (Planted { window: 2.4, ..of("normal:3,1", 20, true) }, Family::Normal),
+        (of("lognormal:-1,0.3", 3, false), Family::ShiftedLognormal),
+        (of("gamma:4,0.05", 3, false), Family::Gamma),
+    ] {
+        level(&mut text, planted, family, if family.parameters() > 2 { runs / 2 } else { runs });
+    }
+    text
+}
+
+fn fitted(planted: Planted, family: Family, run: u64) -> (Vec<Vec<f64>>, Option<Fit>) {
+    let records = planted.records(run);
+    let fit = fit(family, &records.concat()).ok();
+    (records, fit)
+}
+
+fn views(records: &[Vec<f64>]) -> Vec<&[f64]> {
+    records.iter().map(Vec::as_slice).collect()
+}
+
+fn parameters(text: &mut String, planted: Planted, family: Family, truth: &[f64], runs: usize) {
+    let found: Vec<_> = (0..runs as u64)
+        .into_par_iter()
+        .filter_map(|run| {
+            let (records, fit) = fitted(planted, family, run);
+            Some(fit?.estimates(&views(&records), planted.periodic))
+        })
+        .collect();
+    for (k, truth) in truth.iter().enumerate() {
+        let values = Moments::of_values(found.iter().map(|p| p[k].value));
+        let with: Vec<_> = found.iter().filter_map(|p| p[k].estimate).collect();
+        let share = |f: &dyn Fn(f64, f64) -> bool| {
+            100.0 * with.iter().filter(|e| f(e.interval.low, e.interval.high)).count() as f64 / with.len() as f64
+        };
+        let se = Moments::of_values(with.iter().map(|e| e.standard_error.powi(2))).mean.sqrt();
+        let _ = writeln!(
+            text,
+            "| {} | {family:?} | {} | {:.0} % of {} | {:.1} % (↑{:.1} ↓{:.1}) | {:+.2} | {:.2} |",
+            planted.name(),
+            found.first().map_or("", |p| p[k].name),
+            100.0 * with.len() as f64 / found.len() as f64,
+            found.len(),
+            share(&|low, high| low <= *truth && *truth <= high),
+            share(&|low, _| low > *truth),
+            share(&|_, high| high < *truth),
+            (values.mean - truth) / values.std,
+            se / values.std
+        );
+    }
+}
+
+fn level(text: &mut String, planted: Planted, family: Family, runs: usize) {
+    let found: Vec<[f64; 3]> = (0..runs as u64)
+        .into_par_iter()
+        .filter_map(|run| {
+            let (records, fit) = fitted(planted, family, run);
+            let null = ProcessNull::of(&views(&records), DRAWS, run).ok()?;
+            let goodness = null.goodness(&fit?, &records.concat()).ok()?;
+            let darling = goodness.anderson_darling.map_or(1.0, |a| a.p_value);
+            Some([goodness.kolmogorov_smirnov.p_value, darling, null.order() as f64])
+        })
+        .collect();
+    let below = |k: usize, p: f64| 100.0 * found.iter().filter(|f| f[k] <= p).count() as f64 / found.len() as f64;
+    let _ = writeln!(
+        text,
+        "| {} | {family:?} | {:.1} | {:.1} %, {:.1} % | {:.1} %, {:.1} % |",
+        planted.name(),
+        found.iter().map(|f| f[2]).sum::<f64>() / found.len() as f64,
+        below(0, 0.05),
+        below(0, 0.1),
+        below(1, 0.05),
+        below(1, 0.1)
+    );
+}

@@ -1,0 +1,85 @@
+//! Records of a process that is known: a translated Ornstein–Uhlenbeck process, seen as it is or through a window.
+
+#![expect(clippy::expect_used, reason = "the laws are written in this program")]
+
+use asperity::law::{Marginal, Translator};
+use asperity::random;
+
+/// Steps to a correlation length.
+pub(crate) const STEPS: usize = 10;
+
+/// Records of one run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Planted {
+    pub(crate) law: &'static str,
+    /// Correlation lengths in all records together.
+    pub(crate) lengths: usize,
+    pub(crate) strips: usize,
+    pub(crate) periodic: bool,
+    /// Window in correlation lengths of the process; 0 shows the process itself.
+    pub(crate) window: f64,
+}
+
+impl Planted {
+    pub(crate) fn name(&self) -> String {
+        let ends = if self.periodic { "periodic" } else { "free" };
+        let window = if self.window > 0.0 { format!(", W = {} ℓ", self.window) } else { String::new() };
+        format!("{}, {} × {} ℓ, {ends}{window}", self.law, self.strips, self.lengths / self.strips)
+    }
+
+    pub(crate) fn law(&self) -> Marginal {
+        self.law.parse().expect("a law")
+    }
+
+    /// Values to a window.
+    pub(crate) fn cells(&self) -> usize {
+        ((self.window * STEPS as f64) as usize).max(1)
+    }
+
+    /// The records of a run.
+    pub(crate) fn records(&self, run: u64) -> Vec<Vec<f64>> {
+        let translator = Translator::new(&self.law()).expect("a law");
+        let n = self.lengths * STEPS / self.strips;
+        (0..self.strips as u64)
+            .map(|strip| {
+                let cells = self.cells();
+                let seed = run * 1000 + strip;
+                let long = if self.periodic { circle(n, seed) } else { line(n + cells - 1, seed) };
+                let values: Vec<f64> = long.iter().map(|g| translator.translate(*g)).collect();
+                let mean = |start: usize| (start..start + cells).map(|i| values[i % values.len()]).sum::<f64>();
+                // A sixteenth of the window is less than a step here: every position is kept.
+                (0..n).map(|start| mean(start) / cells as f64).collect()
+            })
+            .collect()
+    }
+}
+
+fn phi() -> f64 {
+    (-1.0 / STEPS as f64).exp()
+}
+
+fn line(n: usize, index: u64) -> Vec<f64> {
+    let phi = phi();
+    let mut noise = random::standard_normal(&mut random::stream(7, "planted", index), n);
+    for i in 1..n {
+        noise[i] = phi * noise[i - 1] + (1.0 - phi * phi).sqrt() * noise[i];
+    }
+    noise
+}
+
+/// The same going round: correlation (φᵏ + φⁿ⁻ᵏ)/(1 + φⁿ).
+fn circle(n: usize, index: u64) -> Vec<f64> {
+    let phi = phi();
+    let noise = random::standard_normal(&mut random::stream(7, "planted", index), n);
+    let closed = 1.0 - phi.powi(n as i32);
+    // One turn from nothing ends where the path is, but for the turns before, a geometric series.
+    let mut last = noise.iter().fold(0.0, |last, e| phi * last + e) / closed;
+    let scale = ((1.0 - phi * phi) * closed / (1.0 + phi.powi(n as i32))).sqrt();
+    noise
+        .iter()
+        .map(|e| {
+            last = phi * last + e;
+            scale * last
+        })
+        .collect()
+}
