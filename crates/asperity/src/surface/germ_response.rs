@@ -30,7 +30,7 @@ fn deviation(surface: &dyn RandomSurface, step: f64) -> f64 {
 #[test]
 fn the_response_of_linear_generators_is_that_of_finite_differences() {
     let covariance = Covariance::new(CorrelationModel::SquaredExponential, 2.0, 3.0, 2.0).unwrap();
-    let turned = Rotated::new(covariance.clone(), 0.4).unwrap();
+    let turned = Rotated::new(covariance, 0.4).unwrap();
     for (nx, ny) in [(8, 6), (7, 9)] {
         let grid = Grid::new(nx, ny, 1.0, 0.7).unwrap();
         let both: [&dyn StationaryCovariance; 2] = [&covariance, &turned];
