@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::model::WindowedModel;
 use crate::fourier::RealFft2;
-use crate::stats::lag_sums;
+use crate::stats::{Moments, lag_sums};
 
 /// Shortest record that has a spectrum.
 const SHORTEST: usize = 8;
@@ -56,17 +56,12 @@ pub(super) fn taper(n: usize, ends: RecordEnds, share: f64) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// The record times its taper, without its weighted mean, missing values as zeros; and the weights that are left.
-pub(super) fn tapered(record: &[f64], taper: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let weights: Vec<f64> =
-        record.iter().zip(taper).map(|(value, weight)| if value.is_finite() { *weight } else { 0.0 }).collect();
-    let sum: f64 = weights.iter().sum();
-    let present = || record.iter().zip(&weights).filter(|(_, weight)| **weight > 0.0);
-    // Counted from the first value, so that a large mean loses no digits.
-    let origin = present().next().map_or(0.0, |(value, _)| *value);
-    let mean = origin + present().map(|(value, weight)| weight * (value - origin)).sum::<f64>() / sum;
-    let values = record.iter().zip(&weights).map(|(value, w)| if *w > 0.0 { w * (value - mean) } else { 0.0 });
-    (values.collect(), weights)
+/// The record less `mean` times its taper, missing values as zeros; and the weights that are left.
+pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Vec<f64>) {
+    let pairs = || record.iter().zip(taper);
+    let weights = pairs().map(|(value, weight)| if value.is_finite() { *weight } else { 0.0 });
+    let values = pairs().map(|(value, weight)| if value.is_finite() { weight * (value - mean) } else { 0.0 });
+    (values.collect(), weights.collect())
 }
 
 /// Records of one length and step under one window.
@@ -169,6 +164,8 @@ impl Likelihood {
             let window = model.under(channel.window_m);
             let stride = channel.stride(ends);
             let step_m = channel.step_m * stride as f64;
+            // The common mean: that of every record alone would take power out of its lowest wavenumbers.
+            let mean = Moments::of_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
             let mut of_length: Vec<(usize, usize)> = Vec::new();
             for (record, owner) in channel.records.iter().zip(owners) {
                 let record: Vec<f64> = record.iter().step_by(stride).copied().collect();
@@ -180,7 +177,7 @@ impl Likelihood {
                 if n < SHORTEST || last == 0 {
                     continue;
                 }
-                let (values, weights) = tapered(&record, &taper(n, ends, Self::TAPER));
+                let (values, weights) = tapered(&record, &taper(n, ends, Self::TAPER), mean);
                 let squares: f64 = weights.iter().map(|w| w * w).sum();
                 let known = of_length.iter().find(|(length, _)| complete && *length == n).map(|(_, group)| *group);
                 let group = known.unwrap_or_else(|| {

@@ -37,8 +37,8 @@ pub struct RecordSpectrum {
     pub width_per_m: Vec<f64>,
 }
 
-/// The spectrum of records with equal steps, pooled. Free records are tapered by a cosine over a tenth at either end; every
-/// record counts from its own mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
+/// The spectrum of records with equal steps, pooled. Free records are tapered by a cosine over a tenth at either end and
+/// counted from their common mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
 ///
 /// # Errors
 /// A step that is not positive, no record of eight values, or values that do not vary.
@@ -60,7 +60,7 @@ pub fn record_spectrum(records: &[&[f64]], step_m: f64, ends: RecordEnds) -> Res
     for record in records.iter().filter(|record| record.len() >= 8) {
         let n = record.len();
         let weights = taper(n, ends, Likelihood::TAPER);
-        let (values, weights) = tapered(record, &weights);
+        let (values, weights) = tapered(record, &weights, moments.mean);
         let squares: f64 = weights.iter().map(|w| w * w).sum();
         if squares == 0.0 {
             continue;

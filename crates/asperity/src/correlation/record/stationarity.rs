@@ -57,7 +57,7 @@ pub struct Stationarity {
     pub ends: DriftTest,
     /// Variance of the second half less that of the first, over the variance.
     pub variance_change: DriftTest,
-    /// Wander of the mean of each record; absent where records hold fewer than four blocks.
+    /// Wander of the mean of each record; absent from ten records on.
     pub wander: Option<Wander>,
     /// Blocks in a record; 1 where whole records are compared.
     pub blocks: usize,
@@ -86,10 +86,12 @@ impl Stationarity {
             .filter_map(|record| correlation_time(&without_drift(record)).ok())
             .map(|time| time.steps)
             .collect();
-        let time = times.iter().sum::<f64>() / times.len().max(1) as f64;
+        let found = times.iter().sum::<f64>() / times.len().max(1) as f64;
+        // Three degrees of freedom that were taken out of every record take about 3τ/n of the correlation time with them.
+        let time = found / (1.0 - 3.0 * found / n as f64).max(0.1);
         let within = blocks_within(n, time);
-        let wander = within.and_then(|blocks| Wander::of(&means(&records, blocks, |value| value)));
         let many = records.len() >= MANY;
+        let wander = within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, blocks, |value| value)));
         let blocks = match within {
             _ if many => 4 * (n / 8).clamp(1, 4),
             Some(blocks) => blocks,
@@ -285,8 +287,8 @@ mod tests {
 
     #[test]
     fn too_short_a_record_is_told() {
-        let short = record(0.99, 200, 1, |_| (0.0, 1.0));
-        assert!(matches!(Stationarity::of(&[&short], 1.0), Err(EstimateError::TooFew { present: 200, .. })));
+        let short = record(0.99, 150, 1, |_| (0.0, 1.0));
+        assert!(matches!(Stationarity::of(&[&short], 1.0), Err(EstimateError::TooFew { present: 150, .. })));
         assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1.0), Err(EstimateError::Constant { .. })));
     }
 }
