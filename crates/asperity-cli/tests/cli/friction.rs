@@ -103,7 +103,7 @@ fn wrong_requests_and_unusable_records_say_what_is_wanted() {
     fs::write(at.join("broken.csv"), "t,F\n0,1\n1,x\n2,1\n3,1\n4,1\n").unwrap();
     fit("broken.csv --column F --time-column t --time-unit s --unit - --velocity 1m/s")
         .refuses(3, &["line 3, column 2 (`F`)", "`x`"]);
-    let few = fit("m.csv --column mu --distance-column position --cut 0mm,0.6mm --json");
+    let few = fit("m.csv --column mu --distance-column position --cut 0mm,0.2mm --json");
     assert_eq!(few.json(4)["converged"], Value::Bool(false));
 
     let simulate = |rest: &str| run(at, &format!("friction simulate {rest} --length 1mm --step 10um --seed 1"));

@@ -427,8 +427,8 @@ mod tests {
         assert_eq!(error, MeasuredError::Ragged { line: 4, found: 1, wanted: 2 });
         let error = read("time [s];friction force [N];3\n0;1;2\n1;1;2\n").column("frction").unwrap_err();
         assert!(error.to_string().contains("no column `frction`; the file has columns 1"), "{error}");
-        let error = read("t [s];Force [N]\n0;1\n1;2\n").column("Froce").unwrap_err();
-        assert_eq!(error.to_string(), "no column `Froce`; the file has columns 1 `t [s]`, 2 `Force [N]`");
+        let error = read("t [s];Force [N]\n0;1\n1;2\n").column("Kraft").unwrap_err();
+        assert_eq!(error.to_string(), "no column `Kraft`; the file has columns 1 `t [s]`, 2 `Force [N]`");
         assert!(read("t;F\n0;1\n1;2\n").column("0").is_err() && read("t;F\n0;1\n1;2\n").column("3").is_err());
     }
 }

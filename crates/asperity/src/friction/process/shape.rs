@@ -186,13 +186,13 @@ mod tests {
     #[test]
     fn spectral_quantiles_integrate_to_the_correlation() {
         // ρ(s) = ∫ cos(ω(u) s) du over the shares u, by the midpoint rule of n points. It sees nothing of frequencies that turn
-        // by more than half a circle from point to point; under e^{−s} these are a share of about 1/√n.
+        // by more than half a circle from point to point: a share of about 1/√n under e^{−s}, 3e-4 and 4e-5 under the last two.
         for (shape, tolerance) in [
             (CorrelationShape::Exponential, 2e-3),
             (CorrelationShape::SquaredExponential, 1e-5),
             (CorrelationShape::Matern { nu: 0.8 }, 1e-3),
-            (CorrelationShape::Matern { nu: 1.5 }, 1e-4),
-            (CorrelationShape::Matern { nu: 4.0 }, 1e-5),
+            (CorrelationShape::Matern { nu: 1.5 }, 5e-4),
+            (CorrelationShape::Matern { nu: 4.0 }, 1e-4),
         ] {
             let n = 20_000;
             let quantiles: Vec<f64> =
