@@ -23,8 +23,8 @@ pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, Separabl
 pub use record::{
     CrossCorrelation, DriftTest, LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation,
     RecordEnds, RecordFit, RecordModel, RecordSpectrum, Stationarity, Wander, WindowedModel, WindowedRecords,
-    autocorrelation_1d, cross_correlation, fit_length, fit_matern, fit_record, rank_lengths, record_spectrum,
-    windowed_exponential,
+    autocorrelation_1d, cross_correlation, fit_length, fit_matern, fit_record, fitted_length_interval, rank_lengths,
+    record_spectrum, windowed_exponential,
 };
 pub use spectrum::{
     AngularSpectrum, AreaSpectrum, BinnedSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute,

@@ -7,6 +7,8 @@
 
 use thiserror::Error;
 
+pub mod analysis;
+pub mod diagnostics;
 pub mod law;
 pub mod load_curve;
 pub mod measured;

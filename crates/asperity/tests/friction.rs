@@ -240,6 +240,7 @@ fn record(friction_force_n: Vec<f64>, load_n: Vec<f64>) -> Record {
         position_m: (0..load_n.len()).map(|index| index as f64).collect(),
         friction: friction_force_n.iter().zip(&load_n).map(quotient).collect(),
         contact_cells: vec![1.0; load_n.len()],
+        area_m2: friction_force_n.clone(),
         friction_force_n,
         load_n,
     }
@@ -273,6 +274,7 @@ fn averaged(process: &[f64], window: &Window, grid: Grid) -> Record {
     Record {
         position_m: (0..friction.len()).map(|index| index as f64 * window.step_m()).collect(),
         contact_cells: ones.clone(),
+        area_m2: friction.clone(),
         friction_force_n: friction.clone(),
         load_n: ones,
         friction,

@@ -14,7 +14,7 @@ mod stationarity;
 mod tail;
 
 pub use cross::{CrossCorrelation, cross_correlation};
-pub use fit::{RecordFit, fit_record};
+pub use fit::{RecordFit, fit_record, fitted_length_interval};
 pub use length::{LengthFit, LengthSettings, fit_length};
 pub use likelihood::{RecordEnds, WindowedRecords};
 pub use model::{RecordModel, WindowedModel, windowed_exponential};

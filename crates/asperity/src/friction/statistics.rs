@@ -4,12 +4,14 @@ mod tail;
 
 use std::borrow::Cow;
 
-use crate::correlation::{EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
+use crate::correlation::{
+    EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record, fitted_length_interval,
+};
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
 use crate::law::fit::{End, Family, Fit, FitGoodness, ParameterEstimate, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
-use crate::stats::{Estimate, Moments, ProcessMoments, share_above};
+use crate::stats::{Estimate, Interval, Moments, ProcessMoments, share_above};
 
 pub use tail::{LawTail, ReturnLevel, Tail};
 
@@ -58,6 +60,10 @@ pub struct ProcessCorrelation {
     pub estimate: RecordCorrelation,
     /// e^{−s/ℓ}: ℓ is the paper's ℓ_μ, which contains the window.
     pub exponential: RecordFit,
+    /// 95 % interval of that ℓ by the jackknife over strips or pieces of them; none where they are too few.
+    pub length_interval: Option<Interval>,
+    /// All models of [`RecordModel::USUAL`] fitted with the window inside, the closest first.
+    pub models: Vec<RecordFit>,
 }
 
 impl FrictionStatistics {
@@ -141,5 +147,10 @@ fn correlate(series: &[&[f64]], step_m: f64) -> Result<ProcessCorrelation, Estim
     let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
     let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;
-    Ok(ProcessCorrelation { estimate, exponential })
+    let length_interval =
+        fitted_length_interval(series, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
+    let mut models =
+        RecordModel::USUAL.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
+    models.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+    Ok(ProcessCorrelation { estimate, exponential, length_interval, models })
 }

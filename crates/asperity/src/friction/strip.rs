@@ -47,6 +47,8 @@ pub struct Record {
     pub friction: Vec<f64>,
     /// Contact cells in the window.
     pub contact_cells: Vec<f64>,
+    /// Contact area of the window in square metre, corrected for the perimeter.
+    pub area_m2: Vec<f64>,
     /// Friction force of the window in newton, 0 where it carries no load.
     pub friction_force_n: Vec<f64>,
     /// Load of the window in newton.
@@ -60,6 +62,7 @@ impl Record {
             position_m: windows.iter().map(|w| w.position_m).collect(),
             friction: windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect(),
             contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
+            area_m2: windows.iter().map(WindowContact::bearing_area_m2).collect(),
             friction_force_n: windows.iter().map(|w| law.force_n(w).unwrap_or(0.0)).collect(),
             load_n: windows.iter().map(|w| w.load_n).collect(),
         }

@@ -20,7 +20,7 @@ pub(super) fn of_level(
     let correlation = process.correlation.as_ref().map(|found| FittedCorrelation {
         shape: CorrelationShape::Exponential,
         length_m: found.exponential.length_m,
-        length_interval_m: None,
+        length_interval_m: found.length_interval.map(pair),
         window_m: Some(strips.window.length_m()),
         length_without_window_m: level.window_study.as_ref().map(|study| study.length_m),
     });

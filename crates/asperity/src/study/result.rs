@@ -374,6 +374,8 @@ pub struct LevelResult {
     pub excess_kurtosis_interval: Option<Pair>,
     /// ℓ_μ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
+    /// Its interval.
+    pub correlation_length_interval: Option<Pair>,
     /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
     /// everything.
     pub correlation_length_without_window_m: Option<f64>,
@@ -395,6 +397,10 @@ pub struct LevelResult {
     pub empty_windows: usize,
     /// The process that a body feels which rests on many windows.
     pub at_mean_load: AtMeanLoad,
+    /// Whether friction drifts along the strips; `null` where it does not vary.
+    pub stationarity: Option<StationarityResult>,
+    /// Contact area against load of the windows; `null` where one of them does not vary.
+    pub area_and_load: Option<CrossResult>,
     /// From one window to the nominal area; `null` where no nominal area is stated.
     pub upscaling: Option<UpscalingResult>,
     /// Mean number of contact cells in a window.
@@ -422,6 +428,10 @@ pub struct AtMeanLoad {
     pub excess_kurtosis: Option<f64>,
     /// ℓ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
+    /// Its interval.
+    pub correlation_length_interval: Option<Pair>,
+    /// Models of the correlation, with the window inside and with the window taken out, the best of each first.
+    pub correlation_models: Vec<CorrelationModelResult>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
@@ -444,6 +454,51 @@ pub struct GoodnessResult {
     pub anderson_darling: Option<f64>,
     /// Probability of a larger one if the law is right.
     pub anderson_darling_p: Option<f64>,
+}
+
+/// A model of the correlation of friction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CorrelationModelResult {
+    /// Its name.
+    pub model: &'static str,
+    /// Whether ℓ is that of the process without the window; else it contains the window.
+    pub window_taken_out: bool,
+    /// ℓ.
+    pub length_m: f64,
+    /// Its interval; `null` for curves fitted with the window inside.
+    pub interval: Option<Pair>,
+    /// Root mean square difference from the estimated correlation, of curves.
+    pub misfit: Option<f64>,
+    /// Akaike's criterion less that of the best, of models without the window.
+    pub aic_difference: Option<f64>,
+    /// Whether the best is better beyond chance, of models without the window.
+    pub worse_beyond_chance: Option<bool>,
+}
+
+/// Tests of friction against drifts along the strips, at the mean load: probabilities of at least as much if there is none.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StationarityResult {
+    /// Slope of μ along the strip.
+    pub trend_per_m: Option<f64>,
+    /// Of the slope.
+    pub trend_p: Option<f64>,
+    /// Of the difference between the means of the halves.
+    pub mean_change_p: Option<f64>,
+    /// Of the difference between ends and middle.
+    pub ends_p: Option<f64>,
+    /// Of the difference between the variances of the halves.
+    pub variance_change_p: Option<f64>,
+    /// Of the wander of the mean; `null` where there are ten strips or more.
+    pub wander_p: Option<f64>,
+}
+
+/// A correlation coefficient of two quantities of the same windows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CrossResult {
+    /// The coefficient.
+    pub correlation: f64,
+    /// Its interval.
+    pub interval: Pair,
 }
 
 /// A value that μ exceeds once in a distance on average.

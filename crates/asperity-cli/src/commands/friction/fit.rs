@@ -5,16 +5,18 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use asperity::correlation::RankedLength;
 use asperity::friction::measured::{
     Abscissa, ColumnTable, Cut, Detrend, FittedRecord, LawChoice, MeasuredError, MeasuredRecord, NormalForce,
     Preparation, Prepared, RecordColumns,
 };
-use asperity::friction::process::CorrelationShape;
+use asperity::law::fit::Fit;
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
+use asperity::stats::Estimate;
 use asperity::study::{Staging, Table, json_bytes};
 use asperity_report::record_figures;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::args;
 use crate::commands::run::NewParents;
@@ -244,14 +246,17 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         .with("values", record.friction.len())
         .with("present", record.present())
         .with("step_m", record.step_m)
-        .with("effective_size", fitted.effective_size)
+        .with("effective_size", moments.effective_size)
         .with("mean", process.mean)
         .with("mean_interval", json!(process.mean_interval))
         .with("std", process.std)
         .with("std_interval", json!(process.std_interval))
-        .with("coefficient_of_variation", moments.coefficient_of_variation())
-        .with("skewness", moments.skewness)
-        .with("excess_kurtosis", moments.excess_kurtosis)
+        .with("coefficient_of_variation", moments.moments.coefficient_of_variation())
+        .with("coefficient_of_variation_interval", interval(moments.coefficient_of_variation))
+        .with("skewness", moments.moments.skewness)
+        .with("skewness_interval", interval(moments.skewness))
+        .with("excess_kurtosis", moments.moments.excess_kurtosis)
+        .with("excess_kurtosis_interval", interval(moments.excess_kurtosis))
         .with("correlation", correlation.map(|correlation| correlation.shape.name()))
         .with("correlation_length_m", correlation.map(|correlation| correlation.length_m))
         .with("correlation_length_m_interval", json!(correlation.and_then(|correlation| correlation.length_interval_m)))
@@ -265,11 +270,27 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         return answer;
     }
     let laws = &fitted.laws;
-    let law = |fit: &asperity::law::fit::Fit| json!({ "name": fit.family.name(), "law": fit.law.to_string(), "aic": fit.aic_correlated(laws.effective_size) });
-    let model = |fit: &asperity::correlation::RecordFit| json!({ "model": CorrelationShape::from(fit.model).name(), "length_m": fit.length_m, "misfit": fit.misfit });
+    let law = |fit: &Fit| {
+        let aic = fit.aic_correlated(laws.effective_size);
+        json!({ "name": fit.family.name(), "law": fit.law.to_string(), "aic": aic })
+    };
+    let model = |ranked: &RankedLength| {
+        let fit = &ranked.fit;
+        json!({
+            "model": fit.model.name(),
+            "length_m": fit.length_m,
+            "length_m_interval": [fit.interval.low, fit.interval.high],
+            "aic_difference": ranked.aic_difference,
+            "worse": ranked.worse,
+        })
+    };
     let warnings: Vec<&String> = record.warnings.iter().chain(&fitted.warnings).collect();
     answer
         .with("laws", laws.fits.iter().map(law).collect::<Vec<_>>())
         .with("correlation_models", fitted.models.iter().map(model).collect::<Vec<_>>())
         .with("warnings", json!(warnings))
+}
+
+fn interval(estimate: Option<Estimate>) -> Value {
+    json!(estimate.map(|estimate| [estimate.interval.low, estimate.interval.high]))
 }

@@ -1,8 +1,14 @@
 //! Least-squares fits of models to estimated correlations.
 
-use super::{RecordCorrelation, RecordModel};
+use super::{LagNormalisation, RecordCorrelation, RecordModel};
 use crate::correlation::estimate::EstimateError;
 use crate::correlation::least_squares::{Range, minimise};
+use crate::stats::{Interval, Moments, student_quantile};
+
+/// Most parts of the jackknife, the least, and the least length of one in fitted lengths.
+const MOST_PARTS: usize = 20;
+const LEAST_PARTS: usize = 4;
+const LENGTHS_PER_PART: f64 = 10.0;
 
 /// A model fitted to the estimated correlation of a record, window and all.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +23,8 @@ pub struct RecordFit {
 
 /// Fits ℓ of one model over the lags up to where the correlation first falls to zero, weighted by pairs.
 ///
-/// It describes a curve. Errors of neighbouring lags are correlated, so it has no interval; [`super::fit_length`] does.
+/// It describes a curve, whatever made it: [`fitted_length_interval`] tells how the fitted ℓ scatters. Where the model is the
+/// process's own, [`super::fit_length`] is sharper.
 ///
 /// # Errors
 /// Fewer than one lag besides zero.
@@ -34,4 +41,47 @@ pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<Reco
     let decay = record.correlation_length_m().unwrap_or(longest_m);
     let (found, sum) = minimise(&residuals, &[decay], &[range]);
     Ok(RecordFit { model, length_m: found[0], misfit: sum.sqrt() })
+}
+
+/// 95 % interval of the ℓ that [`fit_record`] finds in `records`, by the jackknife with Student's quantile: over the records,
+/// or over pieces of them at least ten lengths long where they are fewer than twenty. `None` with fewer than four parts.
+pub fn fitted_length_interval(
+    records: &[&[f64]],
+    step_m: f64,
+    largest_lag: usize,
+    normalisation: LagNormalisation,
+    fit: &RecordFit,
+) -> Option<Interval> {
+    let pieces = |record: &&[f64]| {
+        let lengths = record.len() as f64 * step_m / (LENGTHS_PER_PART * fit.length_m);
+        (lengths as usize).clamp(1, MOST_PARTS.div_ceil(records.len()))
+    };
+    // The part of the value at a place of a record.
+    let (mut first, mut parts_of) = (0, Vec::new());
+    for record in records {
+        let count = pieces(record);
+        parts_of.push((first, count));
+        first += count;
+    }
+    let parts = first.min(MOST_PARTS);
+    if parts < LEAST_PARTS {
+        return None;
+    }
+    let without = |left_out: usize| {
+        let left: Vec<Vec<f64>> = records
+            .iter()
+            .zip(&parts_of)
+            .map(|(record, (first, count))| {
+                let part = |place: usize| (first + place * count / record.len()) % parts;
+                record.iter().enumerate().map(|(i, v)| if part(i) == left_out { f64::NAN } else { *v }).collect()
+            })
+            .collect();
+        let views: Vec<&[f64]> = left.iter().map(Vec::as_slice).collect();
+        let found = RecordCorrelation::estimate(&views, step_m, largest_lag, normalisation).ok()?;
+        fit_record(&found, fit.model).ok().map(|fit| fit.length_m)
+    };
+    let lengths: Vec<f64> = (0..parts).map(without).collect::<Option<_>>()?;
+    let freedom = (parts - 1) as f64;
+    let reach = student_quantile(0.975, freedom) * Moments::of(&lengths).std * freedom.sqrt();
+    Some(Interval { low: (fit.length_m - reach).max(0.0), high: fit.length_m + reach })
 }

@@ -4,22 +4,26 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::{MeasuredError, Prepared};
-use crate::correlation::{LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record};
+use crate::correlation::{
+    LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation, RecordModel, WindowedRecords,
+    rank_lengths,
+};
+use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 use crate::law::Marginal;
 use crate::law::fit::{End, Family, Fit, FitGoodness, Ranking, rank_by_aic};
-use crate::stats::{Histogram, Moments, correlation_time, quantile_sorted, sorted_present, student_quantile};
+use crate::law::goodness::ProcessNull;
+use crate::stats::{Estimate, Histogram, ProcessMoments, StatsError, quantile_sorted, sorted_present};
 
 /// Least number of independent values that a record must be worth.
 const LEAST_INDEPENDENT: f64 = 5.0;
-/// Most parts of the jackknife of the correlation length, and the least length of one in correlation lengths.
-const MOST_PARTS: usize = 20;
-const LENGTHS_PER_PART: f64 = 10.0;
+/// Simulated records behind a p-value, and their seed.
+const DRAWS: usize = 499;
+const SEED: u64 = 0;
+/// Share of a step that stands for a length below it.
+const LEAST_LENGTH: f64 = 0.05;
 /// Values that an empirical law keeps.
 const EMPIRICAL_VALUES: usize = 1001;
-/// Bins of the probability integral transform, and pairs of the quantile plot.
-const BINS: usize = 20;
-const PAIRS: usize = 400;
 
 /// Which law is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -77,61 +81,19 @@ pub type Series = Vec<(String, Vec<f64>)>;
 pub struct FittedRecord {
     /// The process.
     pub process: FittedProcess,
-    /// Moments of μ.
-    pub moments: Moments,
-    /// Independent values that the correlated ones are worth for their mean.
-    pub effective_size: f64,
+    /// Moments of μ with intervals that know the correlation.
+    pub moments: ProcessMoments,
     /// Laws by Akaike's criterion.
     pub laws: Ranking,
-    /// How well the law of the process fits; none for the record's own quantiles.
+    /// How well the law of the process fits, with p-values that know the fit and the correlation; none for the record's own
+    /// quantiles.
     pub goodness: Option<FitGoodness>,
     /// Autocorrelation up to half the record.
     pub correlation: RecordCorrelation,
-    /// Its models, the closest first.
-    pub models: Vec<RecordFit>,
+    /// Its models, the most likely first.
+    pub models: Vec<RankedLength>,
     /// What to be wary of, in words.
     pub warnings: Vec<String>,
-}
-
-/// Everything that is read off the values alone.
-struct Statistics {
-    moments: Moments,
-    effective_size: f64,
-    mean_interval: [f64; 2],
-    std_interval: [f64; 2],
-    resolved: bool,
-}
-
-/// Moments with intervals that count the correlation.
-///
-/// The mean of n values has the variance σ²τ/n with their correlation time τ, and so has the mean of the squared deviations
-/// with its own; the standard deviation follows from that of the variance, which it is the root of.
-fn statistics(values: &[f64]) -> Result<Statistics, MeasuredError> {
-    let moments = Moments::of(values);
-    let time = correlation_time(values)?;
-    let effective_size = time.effective_size();
-    if effective_size < LEAST_INDEPENDENT {
-        let (present, effective) = (moments.n, effective_size);
-        return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
-    }
-    let squares: Vec<f64> = values.iter().map(|mu| (mu - moments.mean).powi(2)).collect();
-    // Squares that are all equal, as of a square wave, know their mean exactly.
-    let (square_error, square_size) = correlation_time(&squares).map_or((0.0, effective_size), |time| {
-        (Moments::of(&squares).std / time.effective_size().sqrt(), time.effective_size())
-    });
-    let around = |value: f64, error: f64, size: f64| {
-        let reach = student_quantile(0.975, (size - 1.0).max(1.0)) * error;
-        [value - reach, value + reach]
-    };
-    let mean_interval = around(moments.mean, moments.std / effective_size.sqrt(), effective_size);
-    let [low, high] = around(moments.std, 0.5 * square_error / moments.std, square_size);
-    Ok(Statistics {
-        moments,
-        effective_size,
-        mean_interval,
-        std_interval: [low.max(0.0), high],
-        resolved: time.resolved,
-    })
 }
 
 /// The laws tried, and the one to go on with.
@@ -159,34 +121,12 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
     Ok((ranking, law))
 }
 
-/// Correlation up to half the record, and its models, the closest first.
-fn correlate(values: &[f64], step_m: f64) -> Result<(RecordCorrelation, Vec<RecordFit>), MeasuredError> {
+/// Correlation up to half the record, and its models, the most likely first.
+fn correlate(values: &[f64], step_m: f64) -> Result<(RecordCorrelation, Vec<RankedLength>), MeasuredError> {
     let found = RecordCorrelation::estimate(&[values], step_m, values.len() / 2, LagNormalisation::PairNormalised)?;
-    let models = [RecordModel::Exponential, RecordModel::SquaredExponential];
-    let mut fits = models.iter().map(|model| fit_record(&found, *model)).collect::<Result<Vec<_>, _>>()?;
-    fits.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
-    Ok((found, fits))
-}
-
-/// 95 % interval of the length of a model, by the jackknife over parts of the record; none where it is too short.
-fn length_interval(values: &[f64], step_m: f64, fit: &RecordFit) -> Option<[f64; 2]> {
-    let lengths = values.len() as f64 * step_m / fit.length_m;
-    let parts = ((lengths / LENGTHS_PER_PART) as usize).min(MOST_PARTS);
-    if parts < 4 {
-        return None;
-    }
-    let without = |part: usize| {
-        let mut left = values.to_vec();
-        let end = |part: usize| part * values.len() / parts;
-        left[end(part)..end(part + 1)].fill(f64::NAN);
-        let lags = values.len() / 2;
-        let found = RecordCorrelation::estimate(&[&left], step_m, lags, LagNormalisation::PairNormalised).ok()?;
-        fit_record(&found, fit.model).ok().map(|fit| fit.length_m)
-    };
-    let lengths: Vec<f64> = (0..parts).map(without).collect::<Option<_>>()?;
-    let freedom = (parts - 1) as f64;
-    let reach = student_quantile(0.975, freedom) * Moments::of(&lengths).std * freedom.sqrt();
-    Some([(fit.length_m - reach).max(0.0), fit.length_m + reach])
+    let channel = WindowedRecords { window_m: 0.0, step_m, records: vec![values] };
+    let models = rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings::default())?;
+    Ok((found, models))
 }
 
 impl FittedRecord {
@@ -202,11 +142,23 @@ impl FittedRecord {
         if present < 10 {
             return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
         }
-        let Statistics { moments, effective_size, mean_interval, std_interval, resolved } = statistics(values)?;
-        let (laws, marginal) = law(choice, values, effective_size)?;
+        let moments = ProcessMoments::of(&[values], false);
+        let effective_size = moments.effective_size;
+        if moments.moments.std == 0.0 {
+            return Err(StatsError::Constant { statistic: "the law of friction", n: present }.into());
+        }
+        if effective_size < LEAST_INDEPENDENT {
+            let wanted = LEAST_INDEPENDENT;
+            return Err(MeasuredError::TooShort { present, effective: effective_size, wanted });
+        }
+        let (mut laws, marginal) = law(choice, values, effective_size)?;
+        if let Ok(null) = ProcessNull::of(&[values], DRAWS, SEED) {
+            let known: Option<Vec<FitGoodness>> = laws.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
+            laws.goodness = known.unwrap_or(laws.goodness);
+        }
         let goodness = laws.fits.iter().position(|fit| fit.law == marginal).map(|place| laws.goodness[place]);
         let (correlation, models) = correlate(values, record.step_m)?;
-        let Some(best) = models.first() else {
+        let Some(best) = chosen(&models) else {
             return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
         };
         // A slow wave looks like many values; it is few lengths all the same.
@@ -214,17 +166,17 @@ impl FittedRecord {
         if independent < LEAST_INDEPENDENT {
             return Err(MeasuredError::TooShort { present, effective: independent, wanted: LEAST_INDEPENDENT });
         }
-        let (shape, length_m) = CorrelationShape::of(best.model, best.length_m);
+        let (shape, length_m) = CorrelationShape::of(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
         let process = FittedProcess {
-            mean: moments.mean,
-            mean_interval: Some(mean_interval),
-            std: moments.std,
-            std_interval: Some(std_interval),
+            mean: moments.moments.mean,
+            mean_interval: moments.mean.map(pair),
+            std: moments.moments.std,
+            std_interval: moments.std.map(pair),
             marginal: Some(marginal),
             correlation: Some(FittedCorrelation {
                 shape,
                 length_m,
-                length_interval_m: length_interval(values, record.step_m, best),
+                length_interval_m: Some([best.interval.low, best.interval.high]),
                 window_m: None,
                 length_without_window_m: None,
             }),
@@ -235,10 +187,9 @@ impl FittedRecord {
         };
         process.check()?;
         let mut warnings = Vec::new();
-        if !resolved {
+        if moments.mean.is_none() || moments.std.is_none() {
             warnings.push(
-                "the record holds few correlation times, so that intervals are uncertain themselves: measure longer, or take a \
-                 trend out"
+                "the record holds too few correlation lengths for intervals: measure longer, or take a trend out"
                     .into(),
             );
         }
@@ -263,7 +214,7 @@ impl FittedRecord {
                 large.step.replace('_', "-")
             ));
         }
-        Ok(Self { process, moments, effective_size, laws, goodness, correlation, models, warnings })
+        Ok(Self { process, moments, laws, goodness, correlation, models, warnings })
     }
 
     /// What the figures show: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`, `friction_acf`.
@@ -272,8 +223,9 @@ impl FittedRecord {
         tables.extend(self.histogram(prepared).map(|table| ("friction_histogram", table)));
         if let Some(law) = &self.process.marginal {
             let sorted = sorted_present(prepared.record.friction.iter().copied());
-            tables.push(("friction_pit", integral_transform(law, &sorted, self.effective_size)));
-            tables.push(("friction_qq", quantiles(law, &sorted)));
+            let effective_size = self.moments.effective_size;
+            tables.push(("friction_pit", named(integral_transform(law, &sorted, effective_size))));
+            tables.push(("friction_qq", named(quantile_pairs(law, &sorted))));
         }
         tables.push(("friction_acf", self.correlations()));
         tables
@@ -299,18 +251,32 @@ impl FittedRecord {
     fn correlations(&self) -> Series {
         let step_m = self.correlation.step_m;
         // What follows ten lengths is the noise of the estimate.
-        let reach = self.models.iter().map(|fit| 10.0 * fit.length_m / step_m).fold(20.0, f64::max);
+        let reach = self.models.iter().map(|model| 10.0 * model.fit.length_m / step_m).fold(20.0, f64::max);
         let lags = self.correlation.correlation.len().min(reach.ceil().min(1e9) as usize);
         let lag_m: Vec<f64> = (0..lags).map(|lag| lag as f64 * step_m).collect();
-        let model = |fit: &RecordFit| -> (String, Vec<f64>) {
-            let values = lag_m.iter().map(|lag| fit.model.correlation(*lag, fit.length_m)).collect();
-            (fit.model.name().into(), values)
+        let model = |fit: &LengthFit| -> (String, Vec<f64>) {
+            let length_m = fit.length_m.max(LEAST_LENGTH * step_m);
+            (fit.model.name().into(), lag_m.iter().map(|lag| fit.model.correlation(*lag, length_m)).collect())
         };
         let mut columns =
             vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];
-        columns.extend(self.models.iter().map(model));
+        columns.extend(self.models.iter().map(|ranked| model(&ranked.fit)));
         columns
     }
+}
+
+/// The exponential, which every generator can draw, unless another model is better beyond chance; else the most likely.
+fn chosen(models: &[RankedLength]) -> Option<LengthFit> {
+    let simple = |ranked: &&RankedLength| ranked.fit.model == RecordModel::Exponential && !ranked.worse;
+    models.iter().find(simple).or(models.first()).map(|ranked| ranked.fit)
+}
+
+fn pair(estimate: Estimate) -> [f64; 2] {
+    [estimate.interval.low, estimate.interval.high]
+}
+
+fn named(columns: Columns) -> Series {
+    columns.into_iter().map(|(name, values)| (name.to_owned(), values)).collect()
 }
 
 fn record_table(prepared: &Prepared) -> Series {
@@ -320,34 +286,5 @@ fn record_table(prepared: &Prepared) -> Series {
         ("measured".into(), prepared.measured.clone()),
         ("trend".into(), prepared.trend.clone()),
         ("mu".into(), record.friction.clone()),
-    ]
-}
-
-/// Histogram of F(μ), 1 everywhere if the law fits, with the band that 95 % of the bins lie in for as many independent
-/// values as the record is worth.
-fn integral_transform(law: &Marginal, sorted: &[f64], effective_size: f64) -> Series {
-    let mut density = vec![0.0; BINS];
-    for mu in sorted {
-        let bin = (law.cdf(*mu) * BINS as f64) as usize;
-        density[bin.min(BINS - 1)] += BINS as f64 / sorted.len() as f64;
-    }
-    let share = 1.0 / BINS as f64;
-    let reach = crate::stats::NORMAL_95 * (share * (1.0 - share) / effective_size).sqrt() * BINS as f64;
-    vec![
-        ("probability".into(), (0..BINS).map(|bin| (bin as f64 + 0.5) * share).collect()),
-        ("density".into(), density),
-        ("low".into(), vec![(1.0 - reach).max(0.0); BINS]),
-        ("high".into(), vec![1.0 + reach; BINS]),
-    ]
-}
-
-/// Quantiles of the record over those of the law at the same probabilities.
-fn quantiles(law: &Marginal, sorted: &[f64]) -> Series {
-    let count = sorted.len().min(PAIRS);
-    let probability: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
-    vec![
-        ("fitted".into(), probability.iter().map(|p| law.quantile(*p)).collect()),
-        ("measured".into(), probability.iter().map(|p| quantile_sorted(sorted, *p)).collect()),
-        ("probability".into(), probability),
     ]
 }

@@ -1,0 +1,138 @@
+//! The levels of the friction stage in `results.json`.
+
+use std::collections::BTreeMap;
+
+use crate::correlation::Stationarity;
+use crate::friction::statistics::{FrictionStatistics, ReturnLevel};
+use crate::friction::window_study::WindowStudy;
+use crate::stats::Estimate;
+use crate::study::friction_stage::SolvedLevel;
+use crate::study::result::{
+    AtMeanLoad, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, Pair, ReturnLevelResult,
+    StationarityResult, finite, pair,
+};
+use crate::study::surface_stage::law_result;
+
+pub(super) fn level_result(solved: &SolvedLevel) -> LevelResult {
+    let (level, statistics) = (&solved.level, &solved.statistics);
+    let correlation = statistics.correlation.as_ref().ok();
+    let study = solved.window_study.as_ref();
+    let process = &solved.process;
+    LevelResult {
+        leading: false,
+        control: solved.control.key(),
+        percentile: solved.control.percentile(),
+        penetration_m: level.penetration_m,
+        mean_pressure_pa: level.mean_pressure_pa,
+        contact_fraction: level.contact_fraction,
+        plastic_share: level.plastic_share,
+        mean: statistics.moments.mean,
+        mean_interval: interval(statistics.estimates.mean),
+        std: statistics.moments.std,
+        std_interval: interval(statistics.estimates.std),
+        coefficient_of_variation: statistics.moments.coefficient_of_variation(),
+        coefficient_of_variation_interval: interval(statistics.estimates.coefficient_of_variation),
+        skewness: finite(statistics.moments.skewness),
+        skewness_interval: interval(statistics.estimates.skewness),
+        excess_kurtosis: finite(statistics.moments.excess_kurtosis),
+        excess_kurtosis_interval: interval(statistics.estimates.excess_kurtosis),
+        correlation_length_m: correlation.map(|c| c.exponential.length_m),
+        correlation_length_interval: correlation.and_then(|c| c.length_interval).map(pair),
+        correlation_length_without_window_m: study.map(|s| s.length_m),
+        correlation_length_without_window_interval: study.map(|s| pair(s.interval)),
+        window_only: study.map(WindowStudy::window_only),
+        marginal: statistics.marginal().map(|fit| law_result(&fit.law)),
+        marginal_parameter_intervals: parameter_intervals(statistics),
+        gof: goodness(statistics),
+        return_levels: statistics
+            .tail
+            .as_ref()
+            .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
+        beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
+        at_mean_load: AtMeanLoad {
+            mean: solved.mean,
+            std: process.moments.std,
+            std_interval: interval(process.estimates.std),
+            skewness: finite(process.moments.skewness),
+            excess_kurtosis: finite(process.moments.excess_kurtosis),
+            correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
+            correlation_length_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
+            correlation_models: correlation_models(solved),
+            marginal: process.marginal().map(|fit| law_result(&fit.law)),
+            marginal_parameter_intervals: parameter_intervals(process),
+            gof: goodness(process),
+            effective_windows: process.effective_windows,
+        },
+        stationarity: solved.analysis.stationarity.as_ref().ok().map(stationarity),
+        area_and_load: solved
+            .analysis
+            .area_and_load
+            .as_ref()
+            .ok()
+            .map(|found| CrossResult { correlation: found.coefficient, interval: pair(found.interval) }),
+        upscaling: None,
+        empty_windows: statistics.empty_windows,
+        contact_cells_per_window: statistics.contact_cells,
+        sparse_window_share: statistics.sparse_share,
+        effective_windows: statistics.effective_windows,
+        failed_samples: level.failures.len(),
+    }
+}
+
+fn interval(estimate: Option<Estimate>) -> Option<Pair> {
+    estimate.map(|estimate| pair(estimate.interval))
+}
+
+/// Of the parameters of the marginal law; `null` where there is none.
+fn parameter_intervals(statistics: &FrictionStatistics) -> BTreeMap<String, Option<Pair>> {
+    let parameters = statistics.marginal_place().map_or(&[][..], |place| &statistics.parameters[place]);
+    parameters.iter().map(|p| (p.name.to_owned(), interval(p.estimate))).collect()
+}
+
+fn goodness(statistics: &FrictionStatistics) -> Option<GoodnessResult> {
+    let found = statistics.marginals.goodness.get(statistics.marginal_place()?)?;
+    Some(GoodnessResult {
+        kolmogorov_smirnov: found.kolmogorov_smirnov.statistic,
+        kolmogorov_smirnov_p: found.kolmogorov_smirnov.p_value,
+        anderson_darling: found.anderson_darling.map(|distance| distance.statistic),
+        anderson_darling_p: found.anderson_darling.map(|distance| distance.p_value),
+    })
+}
+
+fn return_level(level: &ReturnLevel) -> ReturnLevelResult {
+    ReturnLevelResult { distance_m: level.distance_m, mu: level.mu, interval: level.interval.map(pair) }
+}
+
+/// Models of the correlation: with the window inside by least squares, and with the window taken out by likelihood.
+fn correlation_models(solved: &SolvedLevel) -> Vec<CorrelationModelResult> {
+    let whole = solved.process.correlation.iter().flat_map(|found| &found.models).map(|fit| CorrelationModelResult {
+        model: fit.model.name(),
+        window_taken_out: false,
+        length_m: fit.length_m,
+        interval: None,
+        misfit: Some(fit.misfit),
+        aic_difference: None,
+        worse_beyond_chance: None,
+    });
+    let without = solved.analysis.models.iter().flatten().map(|ranked| CorrelationModelResult {
+        model: ranked.fit.model.name(),
+        window_taken_out: true,
+        length_m: ranked.fit.length_m,
+        interval: Some(pair(ranked.fit.interval)),
+        misfit: None,
+        aic_difference: Some(ranked.aic_difference),
+        worse_beyond_chance: Some(ranked.worse),
+    });
+    whole.chain(without).collect()
+}
+
+fn stationarity(found: &Stationarity) -> StationarityResult {
+    StationarityResult {
+        trend_per_m: finite(found.trend.estimate),
+        trend_p: finite(found.trend.p_value),
+        mean_change_p: finite(found.mean_change.p_value),
+        ends_p: finite(found.ends.p_value),
+        variance_change_p: finite(found.variance_change.p_value),
+        wander_p: found.wander.and_then(|wander| finite(wander.p_value)),
+    }
+}

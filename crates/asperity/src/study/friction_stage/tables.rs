@@ -1,0 +1,190 @@
+//! The tables of the friction stage.
+
+use crate::correlation::{WindowedModel, windowed_exponential};
+use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
+use crate::friction::load_curve::LoadPoint;
+use crate::friction::window::Window;
+use crate::friction::window_study::{WindowCorrelation, WindowStudy};
+use crate::law::Marginal;
+use crate::stats::{Estimate, Histogram, sorted_present};
+use crate::study::Table;
+use crate::study::friction_stage::SolvedLevel;
+
+type Tables = Vec<(&'static str, Table)>;
+
+/// Moments and load of all levels, and the course of friction along one strip.
+pub(super) fn of_levels(levels: &[SolvedLevel]) -> Tables {
+    vec![
+        ("friction_levels", levels_table(levels)),
+        ("friction_load_curve", load_curve_table(levels)),
+        ("friction_trace", trace_table(levels)),
+    ]
+}
+
+/// Law, correlation, spectrum and window study of the leading level, at the mean load.
+pub(super) fn of_lead(lead: &SolvedLevel, window: &Window) -> Tables {
+    let mut tables = law_tables(lead);
+    tables.extend(correlation_table(lead, window).map(|table| ("friction_acf", table)));
+    tables.extend(spectrum_table(lead, window).map(|table| ("friction_spectrum", table)));
+    tables.extend(cross_table(lead).map(|table| ("friction_area_load", table)));
+    tables.extend(lead.window_study.as_ref().map(|study| ("friction_windows", windows_table(study))));
+    tables
+}
+
+fn low(estimate: Option<Estimate>) -> f64 {
+    estimate.map_or(f64::NAN, |estimate| estimate.interval.low)
+}
+
+fn high(estimate: Option<Estimate>) -> f64 {
+    estimate.map_or(f64::NAN, |estimate| estimate.interval.high)
+}
+
+fn levels_table(levels: &[SolvedLevel]) -> Table {
+    let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
+    Table::new([
+        ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
+        ("penetration_m", column(&|l| l.level.penetration_m)),
+        ("mean_pressure_pa", column(&|l| l.level.mean_pressure_pa)),
+        ("mean", column(&|l| l.statistics.moments.mean)),
+        ("mean_low", column(&|l| low(l.statistics.estimates.mean))),
+        ("mean_high", column(&|l| high(l.statistics.estimates.mean))),
+        ("std", column(&|l| l.statistics.moments.std)),
+        ("std_low", column(&|l| low(l.statistics.estimates.std))),
+        ("std_high", column(&|l| high(l.statistics.estimates.std))),
+        ("coefficient_of_variation", column(&|l| l.statistics.moments.coefficient_of_variation())),
+        ("coefficient_of_variation_low", column(&|l| low(l.statistics.estimates.coefficient_of_variation))),
+        ("coefficient_of_variation_high", column(&|l| high(l.statistics.estimates.coefficient_of_variation))),
+        ("skewness", column(&|l| l.statistics.moments.skewness)),
+        ("skewness_low", column(&|l| low(l.statistics.estimates.skewness))),
+        ("skewness_high", column(&|l| high(l.statistics.estimates.skewness))),
+        ("excess_kurtosis", column(&|l| l.statistics.moments.excess_kurtosis)),
+        ("at_mean_load", column(&|l| l.mean)),
+        ("std_at_mean_load", column(&|l| l.process.moments.std)),
+        ("std_at_mean_load_low", column(&|l| low(l.process.estimates.std))),
+        ("std_at_mean_load_high", column(&|l| high(l.process.estimates.std))),
+    ])
+}
+
+/// Load against depth, from the shallowest level.
+fn load_curve_table(levels: &[SolvedLevel]) -> Table {
+    let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::of(&level.level)).collect();
+    points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
+    let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
+    Table::new([
+        ("penetration_m", column(&|p| p.penetration_m)),
+        ("mean_pressure_pa", column(&|p| p.mean_pressure_pa)),
+        ("low", column(&|p| p.interval.low)),
+        ("high", column(&|p| p.interval.high)),
+        ("contact_fraction", column(&|p| p.contact_fraction)),
+    ])
+}
+
+/// μ(s) of the first strip at every level.
+fn trace_table(levels: &[SolvedLevel]) -> Table {
+    let first = levels.iter().filter_map(|level| level.level.records.first()).next();
+    let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];
+    let rows = columns[0].1.len();
+    for level in levels {
+        let trace = level.level.records.first().filter(|record| record.friction.len() == rows);
+        columns.push((
+            level.control.column(),
+            trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
+        ));
+    }
+    Table::new(columns)
+}
+
+/// Histogram with the fitted laws, and how well the one to go on with fits.
+fn law_tables(lead: &SolvedLevel) -> Tables {
+    let process = &lead.process;
+    let pooled = sorted_present(lead.at_mean_load.iter().flat_map(|record| record.friction.iter().copied()));
+    // Values that are all equal have no histogram.
+    let Ok(histogram) = Histogram::of(&pooled) else { return Vec::new() };
+    let centres = histogram.centres();
+    let density = |law: &Marginal| -> Vec<f64> { centres.iter().map(|mu| law.pdf(*mu)).collect() };
+    let chosen = process.marginal();
+    let mut columns = vec![("density".to_owned(), histogram.density())];
+    columns.extend(chosen.map(|fit| ("fitted_density".to_owned(), density(&fit.law))));
+    columns.extend(process.beta.iter().map(|fit| ("beta_density".to_owned(), density(&fit.law))));
+    let others =
+        process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
+    columns.extend(others.map(|fit| (format!("{}_density", fit.family.name()), density(&fit.law))));
+    columns.push(("mu".to_owned(), centres));
+    let mut tables = vec![("friction_histogram", Table::new(columns).led_by("mu"))];
+    if let Some(fit) = chosen {
+        let transform = integral_transform(&fit.law, &pooled, process.effective_windows);
+        tables.push(("friction_pit", table(transform).led_by("probability")));
+        tables.push(("friction_qq", table(quantile_pairs(&fit.law, &pooled)).led_by("probability")));
+    }
+    tables
+}
+
+fn table(columns: Columns) -> Table {
+    Table::new(columns)
+}
+
+/// Autocorrelation with the models fitted to it.
+fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
+    let correlation = lead.process.correlation.as_ref().ok()?;
+    let estimate = &correlation.estimate;
+    let lags: Vec<f64> = (0..estimate.correlation.len()).map(|k| k as f64 * estimate.step_m).collect();
+    let over_lags = |of: &dyn Fn(f64) -> f64| -> Vec<f64> { lags.iter().map(|lag| of(*lag)).collect() };
+    let exponential = correlation.exponential;
+    let mut columns = vec![
+        ("acf".to_owned(), estimate.correlation.clone()),
+        ("fit".to_owned(), over_lags(&|lag| exponential.model.correlation(lag, exponential.length_m))),
+    ];
+    if window.is_rectangle() {
+        let window_m = window.length_m();
+        columns.push(("window_only".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, 0.0))));
+        columns.extend(lead.window_study.as_ref().map(|study| {
+            ("windowed_fit".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, study.length_m)))
+        }));
+    }
+    let others = correlation.models.iter().filter(|fit| fit.model != exponential.model);
+    columns.extend(
+        others.map(|fit| {
+            (format!("fit_{}", fit.model.name()), over_lags(&|lag| fit.model.correlation(lag, fit.length_m)))
+        }),
+    );
+    columns.push(("lag_m".to_owned(), lags));
+    Some(Table::new(columns).led_by("lag_m"))
+}
+
+/// Power spectral density with its band, and that of the window alone and of the process under it.
+fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
+    let spectrum = lead.analysis.spectrum.as_ref().ok()?;
+    let variance = lead.process.moments.std.powi(2);
+    let mut columns = vec![
+        ("density_m".to_owned(), spectrum.density.clone()),
+        ("density_m_low".to_owned(), spectrum.low.clone()),
+        ("density_m_high".to_owned(), spectrum.high.clone()),
+    ];
+    if let (Some(study), true) = (&lead.window_study, window.is_rectangle()) {
+        let model = WindowedModel::new(study.model, window.length_m());
+        columns.push(("window_only_m".to_owned(), spectrum.of_model(&model, 0.0, variance)));
+        columns.push(("windowed_fit_m".to_owned(), spectrum.of_model(&model, study.length_m, variance)));
+    }
+    columns.push(("frequency_per_m".to_owned(), spectrum.frequency_per_m.clone()));
+    Some(Table::new(columns).led_by("frequency_per_m"))
+}
+
+/// Correlation of contact area and load of the windows over the lag between them.
+fn cross_table(lead: &SolvedLevel) -> Option<Table> {
+    let cross = lead.analysis.area_and_load.as_ref().ok()?;
+    let lags = cross.lags.iter().map(|lag| *lag as f64 * cross.step_m).collect();
+    Some(Table::new([("lag_m", lags), ("correlation", cross.correlation.clone())]))
+}
+
+fn windows_table(study: &WindowStudy) -> Table {
+    let column = |value: &dyn Fn(&WindowCorrelation) -> f64| study.windows.iter().map(value).collect::<Vec<f64>>();
+    Table::new([
+        ("window_m", column(&|seen| seen.window_m)),
+        ("std", column(&|seen| seen.std)),
+        ("expected_std", column(&|seen| seen.expected_std)),
+        ("correlation_length_m", column(&|seen| seen.length_m)),
+        ("own_length_m", column(&|seen| seen.own.map_or(f64::NAN, |own| own.length_m))),
+        ("own_length_low_m", column(&|seen| seen.own.map_or(f64::NAN, |own| own.interval.low))),
+        ("own_length_high_m", column(&|seen| seen.own.map_or(f64::NAN, |own| own.interval.high))),
+    ])
+}

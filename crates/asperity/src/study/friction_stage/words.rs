@@ -1,0 +1,117 @@
+//! What the friction stage assumed, and what to be wary of, in sentences.
+
+use crate::friction::statistics::WANTED_CONTACT_CELLS;
+use crate::friction::strip::Strips;
+use crate::study::config::{FrictionSection, WindowShape};
+use crate::study::friction_stage::SolvedLevel;
+use crate::study::sentence;
+
+/// Share of windows with too few contact cells above which a level is warned about.
+const SPARSE_SHARE: f64 = 0.1;
+/// Probability of a drift under stationarity below which it is warned about.
+const UNLIKELY: f64 = 0.01;
+
+pub(super) fn sentences(
+    section: &FrictionSection,
+    strips: &Strips<'_>,
+    law: &str,
+    mean_compliance_m_per_pa: Option<f64>,
+    lead: &SolvedLevel,
+) -> Vec<String> {
+    let boundary = match mean_compliance_m_per_pa {
+        None => "free, windows nearer to an end than the strip is wide left out".to_owned(),
+        Some(m_per_pa) => {
+            format!("periodic, of mean compliance {} under a fixed plane", sentence::compliance(m_per_pa))
+        }
+    };
+    let window = strips.window;
+    let name = lead.control.name();
+    let correlation = match &lead.window_study {
+        None => format!("At {name} friction does not vary, so it has no correlation."),
+        Some(study) => format!(
+            "A moving window correlates neighbouring values by itself, so a correlation length is only stated with its \
+             window. Windows of {} together leave a length of {} (95 %: {} to {}) at {name}{}.",
+            study.windows.iter().map(|seen| sentence::si(seen.window_m, "m")).collect::<Vec<_>>().join(", "),
+            sentence::si(study.length_m, "m"),
+            sentence::si(study.interval.low, "m"),
+            sentence::si(study.interval.high, "m"),
+            if study.window_only() { ": the correlation is the window's alone" } else { " beside the window's" }
+        ),
+    };
+    let shape = match section.window_shape {
+        WindowShape::Rectangle => "a window",
+        WindowShape::Ellipse => "an elliptic window",
+    };
+    let width = match lead.level.lanes {
+        1 if window.width_m() > strips.half_space.grid().height_m() * (1.0 - 1e-9) => {
+            "the width of the strip".to_owned()
+        }
+        1 => sentence::si(window.width_m(), "m"),
+        lanes => format!("{}, {lanes} side by side", sentence::si(window.width_m(), "m")),
+    };
+    let mut sentences = vec![
+        format!(
+            "{law}, over {shape} of {} × {width}, moved by {}.",
+            sentence::si(window.length_m(), "m"),
+            sentence::si(window.step_m(), "m"),
+        ),
+        format!(
+            "{} strips of {} ({boundary}) were solved, the same at every level. They hold all Fourier modes of their grid, \
+             since a truncated expansion cannot hold the variance of a long strip.",
+            strips.realisations,
+            sentence::size(section.strip[0].0, section.strip[1].0),
+        ),
+        "Levels are described by the quotient F/N of each window; the law and the correlation of the leading level are drawn \
+         at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries."
+            .into(),
+        correlation,
+    ];
+    if !section.penetrations.is_empty() {
+        sentences.push(
+            "A percentile is of the ensemble: one plane in space, to which strips are pressed more or less. A penetration is \
+             counted from the highest point of each strip, so that the plane differs from strip to strip."
+                .into(),
+        );
+    }
+    sentences
+}
+
+pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
+    let (name, statistics) = (solved.control.name(), &solved.statistics);
+    let mut warnings = Vec::new();
+    if statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > SPARSE_SHARE {
+        warnings.push(format!(
+            "at {name}, {} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells ({} on average): the grid is \
+             too coarse or the window too short for that load, and the scatter of F/N is partly the grid's",
+            sentence::digits(100.0 * statistics.sparse_share),
+            sentence::digits(statistics.contact_cells)
+        ));
+    }
+    if statistics.empty_windows > 0 {
+        let windows = sentence::count(statistics.empty_windows, "window carries", "windows carry");
+        warnings.push(format!("at {name}, {windows} no load, and F/N leaves them out"));
+    }
+    if !solved.level.failures.is_empty() {
+        let strips = sentence::count(solved.level.failures.len(), "strip", "strips");
+        warnings.push(format!("at {name}, {strips} did not converge and were left out"));
+    }
+    warnings
+}
+
+/// A warning where friction drifts along the strips.
+pub(super) fn drift(lead: &SolvedLevel) -> Option<String> {
+    let found = lead.analysis.stationarity.as_ref().ok()?;
+    let tests = [
+        ("the mean drifts along the strip", found.trend),
+        ("the two halves of the strip differ in the mean", found.mean_change),
+        ("the ends of the strip differ from its middle", found.ends),
+        ("the two halves of the strip differ in the variance", found.variance_change),
+    ];
+    let unlikely: Vec<String> = tests
+        .iter()
+        .filter(|(_, test)| test.p_value < UNLIKELY / tests.len() as f64)
+        .map(|(name, test)| format!("{name} (p = {:.1e})", test.p_value))
+        .collect();
+    (!unlikely.is_empty())
+        .then(|| format!("at {}, friction is not stationary: {}", lead.control.name(), unlikely.join(", ")))
+}
