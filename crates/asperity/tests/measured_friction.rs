@@ -99,7 +99,7 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
     assert!((share - line / (line + STD * STD)).abs() < 0.05, "{share}");
     assert!(fitted.goodness.unwrap().kolmogorov_smirnov.p_value > 1e-3, "{:?}", fitted.goodness);
     // 60,000 values are worth L/2ℓ independent ones.
-    assert!((fitted.effective_size / 1200.0 - 1.0).abs() < 0.25, "{}", fitted.effective_size);
+    assert!((fitted.moments.effective_size / 1200.0 - 1.0).abs() < 0.25, "{}", fitted.moments.effective_size);
 
     let other = FittedRecord::of(&of_distance, LawChoice::Auto, "rig").unwrap().process;
     assert!((other.mean / mean - 1.0).abs() < 1e-9 && (other.std / std - 1.0).abs() < 1e-9);
