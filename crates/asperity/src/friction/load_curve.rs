@@ -264,7 +264,8 @@ mod tests {
             assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
             errors.push(found.iter().zip(&fine).map(|(p, d)| (p / law(*d) - 1.0).abs()).fold(0.0, f64::max));
         }
-        assert!(errors[0] < 2e-3 && errors[1] < errors[0] / 3.5 && errors[2] < errors[1] / 3.5, "{errors:?}");
+        // Largest at the end, whose slope is that of the chord: (4/27)h·½h|f″| with f = 1.5 ln d and h = 0.2.
+        assert!(errors[0] < 4.5e-3 && errors[1] < errors[0] / 3.5 && errors[2] < errors[1] / 3.5, "{errors:?}");
     }
 
     #[test]
