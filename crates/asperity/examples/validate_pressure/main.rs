@@ -4,6 +4,8 @@
 //! one thread; `just validate` writes it.
 #![expect(clippy::print_stdout, reason = "the tables are what this program is for")]
 
+mod coverage;
+
 use std::error::Error;
 use std::time::Instant;
 
@@ -90,6 +92,9 @@ impl Errors {
 }
 
 fn main() -> Result<()> {
+    if std::env::args().nth(1).as_deref() == Some("coverage") {
+        return coverage::print(std::env::args().nth(2).map_or(Ok(1000), |word| word.parse())?);
+    }
     let replicates: u64 = std::env::args().nth(1).map_or(Ok(20), |word| word.parse())?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     println!(
