@@ -51,7 +51,14 @@ impl Band {
         };
         let simultaneous_factor = simultaneous_factor.max(pointwise_factor);
         let bias = vec![0.0; n];
-        Self { values: values.to_vec(), cdf: cdf.to_vec(), bias, standard_errors, pointwise_factor, simultaneous_factor }
+        Self {
+            values: values.to_vec(),
+            cdf: cdf.to_vec(),
+            bias,
+            standard_errors,
+            pointwise_factor,
+            simultaneous_factor,
+        }
     }
 
     /// The band of another estimate, of which this one, without bias, tells the bias.
@@ -127,9 +134,8 @@ pub struct QuantileResult {
 impl Band {
     /// A quantile of `law`, which this is the band of.
     pub fn quantile(&self, law: &StepLaw, probability: f64) -> QuantileResult {
-        let limit = |value: f64, factor: f64| {
-            law.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value)
-        };
+        let limit =
+            |value: f64, factor: f64| law.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value);
         let mut values: Vec<f64> = law.values().iter().chain(&self.values).copied().collect();
         values.sort_by(f64::total_cmp);
         let at = |factor: f64| {
@@ -144,11 +150,7 @@ impl Band {
 
 /// Two-sided 95 % point of Student's law; infinite without degrees of freedom.
 fn student_95(degrees_of_freedom: usize) -> f64 {
-    if degrees_of_freedom == 0 {
-        f64::INFINITY
-    } else {
-        student_quantile(0.975, degrees_of_freedom as f64)
-    }
+    if degrees_of_freedom == 0 { f64::INFINITY } else { student_quantile(0.975, degrees_of_freedom as f64) }
 }
 
 /// The 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
@@ -176,8 +178,8 @@ fn critical_value_of_groups(cdf: &[f64], standard_errors: &[f64], degrees_of_fre
         a.min(b) / a.max(b)
     });
     let groups = degrees_of_freedom + 1;
-    if degrees_of_freedom == 0 {
-        return f64::INFINITY;
+    if degrees_of_freedom == 0 || used.is_empty() {
+        return if used.is_empty() { NORMAL_95 } else { f64::INFINITY };
     }
     let Some(z) = draws(&correlation, GROUP_DRAWS * groups, seed) else { return f64::INFINITY };
     let ratio = |a: usize, draw: usize| {
@@ -389,7 +391,11 @@ mod tests {
         total.add_mean(&vectors);
         let degrees = 2.0 * 100.0 / (1.0 / 0.0475 - 4.0) * (100.0_f64 / 99.0).powi(2);
         let wanted = (0.0475_f64 / 99.0).sqrt() * student_quantile(0.975, degrees) / NORMAL_95;
-        assert!((total.standard_error(0, None) / wanted - 1.0).abs() < 1e-9, "{} {wanted}", total.standard_error(0, None));
+        assert!(
+            (total.standard_error(0, None) / wanted - 1.0).abs() < 1e-9,
+            "{} {wanted}",
+            total.standard_error(0, None)
+        );
         assert!((total.standard_error(0, Some(99)) - (0.0475_f64 / 99.0).sqrt()).abs() < 1e-12);
     }
 

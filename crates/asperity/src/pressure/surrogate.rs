@@ -134,11 +134,7 @@ impl Evidence<'_> {
 ///
 /// # Errors
 /// The samples have no model, or it overflows.
-pub(super) fn estimate(
-    surrogate: &dyn Surrogate,
-    evidence: Evidence<'_>,
-    seed: u64,
-) -> Result<Estimate, MethodError> {
+pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
     let samples: Vec<usize> = (0..evidence.pressures_pa.len()).collect();
     let fitted = surrogate.fit(&samples)?;
     let overflowed = fitted.law.iter().filter(|(p, _)| !p.is_finite()).count();
@@ -182,17 +178,12 @@ pub(super) fn estimate(
 }
 
 /// Distribution function at the nodes and mean without bias.
-fn held_out(
-    surrogate: &dyn Surrogate,
-    evidence: Evidence<'_>,
-    nodes: &[f64],
-) -> Result<Total, MethodError> {
+fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
     let count = evidence.pressures_pa.len();
     let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
         .into_par_iter()
         .map(|fold| {
-            let (held, fitted): (Vec<usize>, Vec<usize>) =
-                (0..count).partition(|i| evidence.group(*i) % FOLDS == fold);
+            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| evidence.group(*i) % FOLDS == fold);
             (held, surrogate.fit(&fitted))
         })
         .collect();

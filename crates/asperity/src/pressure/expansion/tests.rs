@@ -35,7 +35,8 @@ fn a_polynomial_pressure_is_recovered_exactly() {
     assert!(distance::wasserstein_1(&estimate.law, &truth) < 1e-10);
     // All that is left is the choice of 3,000 fresh germs.
     let evaluations = truth.std() / 3000.0_f64.sqrt();
-    assert!((estimate.mean_se_pa / evaluations - 1.0).abs() < 1e-6, "{} {evaluations}", estimate.mean_se_pa);
+    // Whose spread is taken from 120 samples, of a relative standard error of 1/√240 = 6 % at normal spread.
+    assert!((estimate.mean_se_pa / evaluations - 1.0).abs() < 0.3, "{} {evaluations}", estimate.mean_se_pa);
     assert_eq!(estimate.contact_probability_interval.unwrap().high, 1.0);
     assert!(estimate.contact_probability_interval.unwrap().low > 0.96);
 }
@@ -113,7 +114,14 @@ fn germs_of_zeros_are_a_reason_and_samples_that_repeat_are_not() {
     let fresh = germs("fresh", 500, 1);
     let run = |fine: &[Vec<f64>]| {
         let pressures: Vec<f64> = fine.iter().map(|xi| 5.0 + xi[0]).collect();
-        estimate(Response::Pressure, fine, independent(&pressures, fresh.len()), Basis::hermite(1, 2).unwrap(), &fresh, 1)
+        estimate(
+            Response::Pressure,
+            fine,
+            independent(&pressures, fresh.len()),
+            Basis::hermite(1, 2).unwrap(),
+            &fresh,
+            1,
+        )
     };
     let zeros = run(&vec![vec![0.0]; 20]);
     assert!(matches!(zeros, Err(MethodError::Regression(RegressionError::RankDeficient { .. }))), "{zeros:?}");

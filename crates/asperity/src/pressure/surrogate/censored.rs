@@ -101,11 +101,7 @@ mod tests {
     }
 
     /// Expectation and maximisation in turn: each censored value is replaced by its moments given the bound.
-    fn by_expectation_maximisation(
-        design: &Array2<f64>,
-        values: &[f64],
-        [low, high]: [f64; 2],
-    ) -> ([f64; 2], f64) {
+    fn by_expectation_maximisation(design: &Array2<f64>, values: &[f64], [low, high]: [f64; 2]) -> ([f64; 2], f64) {
         let (mut c, mut sigma) = ([0.0, 0.0], 1e6);
         for _ in 0..4000 {
             // Normal equations of a line.

@@ -185,8 +185,7 @@ impl Elastic {
     /// None without such samples.
     fn fit(samples: &Rotated, chosen: &[usize], degree: usize) -> Result<Option<Self>, MethodError> {
         let rows = samples.rows_of(chosen);
-        let values: Vec<f64> =
-            chosen.iter().map(|i| logarithm(samples.pressures_pa[*i], samples.largest_pa)).collect();
+        let values: Vec<f64> = chosen.iter().map(|i| logarithm(samples.pressures_pa[*i], samples.largest_pa)).collect();
         let mut best: Option<(f64, Self)> = None;
         if chosen.is_empty() {
             return Ok(None);
