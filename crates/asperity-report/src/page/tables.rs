@@ -28,9 +28,10 @@ pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
     let rows = list(&pressure["methods"])
         .iter()
         .map(|method| {
-            let probability = match (method["contact_probability"].as_f64(), method["contact_probability_se"].as_f64())
-            {
-                (Some(value), Some(error)) => with_error(value, error),
+            let (own, error) = (method["contact_probability"].as_f64(), method["contact_probability_se"].as_f64());
+            let probability = match (own, interval(method, "contact_probability"), error) {
+                (Some(value), Some(limits), _) => Dimension::None.show_interval(value, Some(limits)),
+                (Some(value), None, Some(error)) => with_error(value, error),
                 _ => shown(method, "contact_probability"),
             };
             let name = method["name"].as_str().unwrap_or("–");
@@ -54,14 +55,14 @@ pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
     };
     let caption = format!(
         "Methods for the law of the pressure; distances are taken from the reference{reference}{sites}; brackets hold 95 % \
-         intervals"
+         intervals, those of models corrected for their bias: a value outside its brackets is off by so much"
     );
     let headers = [
         "Method",
         "Fine solves",
         "Coarse solves",
         "Wall time",
-        "P(contact) ± s.e.",
+        "P(contact)",
         "Mean pressure",
         "KS distance",
         "W₁ / std",

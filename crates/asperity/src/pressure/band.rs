@@ -3,11 +3,16 @@
 use faer::{Mat, Side};
 
 use crate::chaos::StepLaw;
+use crate::pressure::telescope::RARE;
 use crate::random;
-use crate::stats::{Interval, NORMAL_95};
+use crate::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
 
 /// Draws from which the critical value of a simultaneous band is taken.
 const DRAWS: usize = 4000;
+const GROUP_DRAWS: usize = 1000;
+/// From so many degrees of freedom on errors are normal, and the fewest that are told.
+const MANY: f64 = 1000.0;
+const LEAST_DEGREES: f64 = 3.0;
 
 /// An estimated distribution function with 95 % bands at some values.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,7 +21,9 @@ pub struct Band {
     pub values: Vec<f64>,
     /// Estimate of F at each; not forced to rise or to stay between 0 and 1.
     pub cdf: Vec<f64>,
-    /// Standard errors.
+    /// Its bias, estimated from samples that the estimate was not fitted to; 0 of an estimate that has none.
+    pub bias: Vec<f64>,
+    /// Standard errors of the estimate less its bias.
     pub standard_errors: Vec<f64>,
     /// So many standard errors to either side hold F at one value with 95 %,
     pub pointwise_factor: f64,
@@ -36,9 +43,28 @@ impl Band {
     ) -> Self {
         let n = values.len();
         let standard_errors: Vec<f64> = (0..n).map(|i| covariance[i * n + i].max(0.0).sqrt()).collect();
-        let simultaneous_factor = critical_value(&standard_errors, covariance, degrees_of_freedom, seed);
         let pointwise_factor = degrees_of_freedom.map_or(NORMAL_95, student_95);
-        Self { values: values.to_vec(), cdf: cdf.to_vec(), standard_errors, pointwise_factor, simultaneous_factor }
+        let simultaneous_factor = match degrees_of_freedom {
+            _ if standard_errors.iter().all(|se| *se <= 0.0) => pointwise_factor,
+            Some(degrees) => critical_value_of_groups(cdf, &standard_errors, degrees, seed),
+            None => critical_value(&standard_errors, covariance, seed),
+        };
+        let simultaneous_factor = simultaneous_factor.max(pointwise_factor);
+        let bias = vec![0.0; n];
+        Self {
+            values: values.to_vec(),
+            cdf: cdf.to_vec(),
+            bias,
+            standard_errors,
+            pointwise_factor,
+            simultaneous_factor,
+        }
+    }
+
+    /// The band of another estimate, of which this one, without bias, tells the bias.
+    pub(super) fn of_biased(self, cdf: Vec<f64>) -> Self {
+        let bias = cdf.iter().zip(&self.cdf).map(|(biased, unbiased)| biased - unbiased).collect();
+        Self { cdf, bias, ..self }
     }
 
     /// The band of the empirical distribution function of `samples` independent values; F̂ at `values` is `cdf`.
@@ -47,6 +73,16 @@ impl Band {
         let n = values.len();
         let covariance: Vec<f64> = (0..n * n).map(|k| covariance(k / n, k % n)).collect();
         Self::new(values, cdf, &covariance, None, seed)
+    }
+
+    /// Widens the band at the first value, above which so many of the samples lie, to Wilson's interval, where those on either side are
+    /// too few for normal errors.
+    pub(super) fn widened(mut self, [above, samples]: [usize; 2]) -> Self {
+        if let Some(first) = self.standard_errors.first_mut().filter(|_| above.min(samples - above) < RARE) {
+            let wilson = wilson_interval(above, samples);
+            *first = first.max(0.5 * (wilson.high - wilson.low) / self.pointwise_factor);
+        }
+        self
     }
 
     /// The 95 % interval of F at the value number `i`.
@@ -60,19 +96,27 @@ impl Band {
     }
 
     fn around(&self, i: usize, factor: f64) -> [f64; 2] {
-        let half = factor * self.standard_errors[i];
-        [(self.cdf[i] - half).clamp(0.0, 1.0), (self.cdf[i] + half).clamp(0.0, 1.0)]
+        let (unbiased, half) = (self.cdf[i] - self.bias[i], factor * self.standard_errors[i]);
+        [(unbiased - half).clamp(0.0, 1.0), (unbiased + half).clamp(0.0, 1.0)]
     }
 
     /// Standard error of F at any value: linear between those known.
     pub fn standard_error_at(&self, value: f64) -> f64 {
+        self.interpolated(&self.standard_errors, value).unwrap_or(f64::INFINITY)
+    }
+
+    /// Bias of F at any value: linear between those known.
+    pub fn bias_at(&self, value: f64) -> f64 {
+        self.interpolated(&self.bias, value).unwrap_or(0.0)
+    }
+
+    fn interpolated(&self, known: &[f64], value: f64) -> Option<f64> {
         let after = self.values.partition_point(|v| *v <= value);
         let (Some(low), Some(high)) = (after.checked_sub(1), self.values.get(after)) else {
-            let ends = [self.standard_errors.first(), self.standard_errors.last()];
-            return ends[usize::from(after > 0)].copied().unwrap_or(f64::INFINITY);
+            return [known.first(), known.last()][usize::from(after > 0)].copied();
         };
         let share = (value - self.values[low]) / (high - self.values[low]);
-        self.standard_errors[low] + share * (self.standard_errors[after] - self.standard_errors[low])
+        Some(known[low] + share * (known[after] - known[low]))
     }
 }
 
@@ -83,17 +127,20 @@ pub struct QuantileResult {
     pub probability: f64,
     /// The least value at which F reaches it.
     pub value: f64,
-    /// The values at which F, a pointwise half width higher or lower, reaches it.
+    /// The values at which the limits of F at one value reach it; of an estimate with a bias it may lie beside the value.
     pub interval: Interval,
 }
 
 impl Band {
     /// A quantile of `law`, which this is the band of.
     pub fn quantile(&self, law: &StepLaw, probability: f64) -> QuantileResult {
-        let at = |shift: f64| {
-            let reached = |value: &&f64| law.cdf(**value) + shift * self.standard_error_at(**value) >= probability;
-            let values = law.values();
-            values.iter().find(reached).or(values.last()).copied().unwrap_or(f64::NAN)
+        let limit =
+            |value: f64, factor: f64| law.cdf(value) - self.bias_at(value) + factor * self.standard_error_at(value);
+        let mut values: Vec<f64> = law.values().iter().chain(&self.values).copied().collect();
+        values.sort_by(f64::total_cmp);
+        let at = |factor: f64| {
+            let found = values.iter().find(|value| limit(**value, factor) >= probability);
+            found.or(values.last()).copied().unwrap_or(f64::NAN)
         };
         let factor = self.pointwise_factor;
         let interval = Interval { low: at(factor), high: at(-factor) };
@@ -103,40 +150,61 @@ impl Band {
 
 /// Two-sided 95 % point of Student's law; infinite without degrees of freedom.
 fn student_95(degrees_of_freedom: usize) -> f64 {
-    if degrees_of_freedom == 0 {
-        f64::INFINITY
-    } else {
-        crate::stats::student_quantile(0.975, degrees_of_freedom as f64)
-    }
+    if degrees_of_freedom == 0 { f64::INFINITY } else { student_quantile(0.975, degrees_of_freedom as f64) }
 }
 
 /// The 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.
-fn critical_value(standard_errors: &[f64], covariance: &[f64], degrees_of_freedom: Option<usize>, seed: u64) -> f64 {
+fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64 {
     let n = standard_errors.len();
     let used: Vec<usize> = (0..n).filter(|i| standard_errors[*i] > 0.0).collect();
-    if used.is_empty() {
-        return NORMAL_95;
-    }
     let correlation = Mat::from_fn(used.len(), used.len(), |a, b| {
         let (i, j) = (used[a], used[b]);
         covariance[i * n + j] / (standard_errors[i] * standard_errors[j])
     });
-    let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else { return f64::INFINITY };
+    let Some(z) = draws(&correlation, DRAWS, seed) else { return f64::INFINITY };
+    quantile_95((0..DRAWS).map(|draw| (0..used.len()).map(|a| z[(a, draw)].abs()).fold(0.0, f64::max)))
+}
+
+/// The same of means of few vectors, each over the standard error that is taken from these vectors: Student's factors for several
+/// values at once. So few vectors do not tell how their errors at different values are correlated; for those of the empirical
+/// distribution function of independent samples it is the root of the ratio of the odds of F, and stratified designs take away what is
+/// common to many values: the ratio itself.
+fn critical_value_of_groups(cdf: &[f64], standard_errors: &[f64], degrees_of_freedom: usize, seed: u64) -> f64 {
+    let known = |i: &usize| standard_errors[*i] > 0.0 && cdf[*i] > 0.0 && cdf[*i] < 1.0;
+    let used: Vec<f64> = (0..cdf.len()).filter(known).map(|i| cdf[i]).collect();
+    let odds = |f: f64| f / (1.0 - f);
+    let correlation = Mat::from_fn(used.len(), used.len(), |a, b| {
+        let (a, b) = (odds(used[a]), odds(used[b]));
+        a.min(b) / a.max(b)
+    });
+    let groups = degrees_of_freedom + 1;
+    if degrees_of_freedom == 0 || used.is_empty() {
+        return if used.is_empty() { NORMAL_95 } else { f64::INFINITY };
+    }
+    let Some(z) = draws(&correlation, GROUP_DRAWS * groups, seed) else { return f64::INFINITY };
+    let ratio = |a: usize, draw: usize| {
+        let own = || (draw * groups..(draw + 1) * groups).map(|column| z[(a, column)]);
+        let mean = own().sum::<f64>() / groups as f64;
+        let squares: f64 = own().map(|z| (z - mean).powi(2)).sum();
+        mean.abs() / (squares / (groups * degrees_of_freedom) as f64).sqrt()
+    };
+    quantile_95((0..GROUP_DRAWS).map(|draw| (0..used.len()).map(|a| ratio(a, draw)).fold(0.0, f64::max)))
+}
+
+/// Normal vectors with the given correlation.
+fn draws(correlation: &Mat<f64>, count: usize, seed: u64) -> Option<Mat<f64>> {
+    let n = correlation.nrows();
+    let eigen = correlation.self_adjoint_eigen(Side::Lower).ok()?;
     // Z = U √Λ ξ; rounding leaves some eigenvalues below zero.
-    let factor = Mat::from_fn(used.len(), used.len(), |a, b| eigen.U()[(a, b)] * eigen.S()[b].max(0.0).sqrt());
-    let degrees = degrees_of_freedom.unwrap_or(0);
-    let rows = used.len() + degrees;
-    let xi = random::standard_normal(&mut random::stream(seed, "pressure/band", 0), rows * DRAWS);
-    let z = &factor * Mat::from_fn(used.len(), DRAWS, |a, draw| xi[draw * rows + a]);
-    let mut largest: Vec<f64> = (0..DRAWS)
-        .map(|draw| {
-            let chi: f64 = xi[draw * rows + used.len()..(draw + 1) * rows].iter().map(|x| x * x).sum();
-            let scale = if degrees > 0 { (chi / degrees as f64).sqrt() } else { 1.0 };
-            (0..used.len()).map(|a| z[(a, draw)].abs()).fold(0.0, f64::max) / scale
-        })
-        .collect();
-    largest.sort_by(f64::total_cmp);
-    largest[DRAWS * 95 / 100]
+    let factor = Mat::from_fn(n, n, |a, b| eigen.U()[(a, b)] * eigen.S()[b].max(0.0).sqrt());
+    let xi = random::standard_normal(&mut random::stream(seed, "pressure/band", 0), n * count);
+    Some(&factor * Mat::from_fn(n, count, |a, draw| xi[draw * n + a]))
+}
+
+fn quantile_95(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() * 95 / 100]
 }
 
 /// Sums and products of vectors of one length.
@@ -146,11 +214,14 @@ pub(super) struct Moments {
     sums: Vec<f64>,
     /// Of each pair (i, j ≤ i), row by row.
     products: Vec<f64>,
+    /// Sums of third and fourth powers.
+    powers: Vec<[f64; 2]>,
 }
 
 impl Moments {
     pub(super) fn new(length: usize) -> Self {
-        Self { count: 0.0, sums: vec![0.0; length], products: vec![0.0; length * (length + 1) / 2] }
+        let products = vec![0.0; length * (length + 1) / 2];
+        Self { count: 0.0, sums: vec![0.0; length], products, powers: vec![[0.0; 2]; length] }
     }
 
     pub(super) fn add(&mut self, values: &[f64]) {
@@ -158,11 +229,24 @@ impl Moments {
         let mut row = 0;
         for (i, value) in values.iter().enumerate() {
             self.sums[i] += value;
+            self.powers[i][0] += value * value * value;
+            self.powers[i][1] += (value * value).powi(2);
             for (product, other) in self.products[row..=row + i].iter_mut().zip(values) {
                 *product += value * other;
             }
             row += i + 1;
         }
+    }
+
+    /// Variance of the sum of squares of each component about its mean, from their spread: Σ (d² − σ²)².
+    fn of_squares(&self) -> impl Iterator<Item = f64> {
+        let n = self.count;
+        self.sums.iter().zip(&self.powers).enumerate().map(move |(i, (sum, [third, fourth]))| {
+            let (mean, square) = (sum / n, self.products[i * (i + 1) / 2 + i]);
+            let about = fourth - 4.0 * mean * third + 6.0 * mean * mean * square - 3.0 * n * mean.powi(4);
+            let variance = square / n - mean * mean;
+            (about - n * variance * variance).max(0.0)
+        })
     }
 
     /// Variance of each component.
@@ -192,11 +276,14 @@ pub(super) struct Total {
     values: Vec<f64>,
     /// Of each pair (i, j ≤ i), row by row.
     covariances: Vec<f64>,
+    /// Variances of the variances.
+    uncertainties: Vec<f64>,
 }
 
 impl Total {
     pub(super) fn new(length: usize) -> Self {
-        Self { values: vec![0.0; length], covariances: vec![0.0; length * (length + 1) / 2] }
+        let covariances = vec![0.0; length * (length + 1) / 2];
+        Self { values: vec![0.0; length], covariances, uncertainties: vec![0.0; length] }
     }
 
     /// Adds the sum of independent vectors.
@@ -204,6 +291,7 @@ impl Total {
         if vectors.count > 0.0 {
             self.values.iter_mut().zip(&vectors.sums).for_each(|(value, sum)| *value += sum);
             self.covariances.iter_mut().zip(vectors.covariances()).for_each(|(own, c)| *own += vectors.count * c);
+            self.uncertainties.iter_mut().zip(vectors.of_squares()).for_each(|(own, u)| *own += u);
         }
     }
 
@@ -212,14 +300,29 @@ impl Total {
         let count = vectors.count;
         self.values.iter_mut().zip(&vectors.sums).for_each(|(value, sum)| *value += sum / count);
         self.covariances.iter_mut().zip(vectors.covariances()).for_each(|(own, c)| *own += c / count);
+        self.uncertainties.iter_mut().zip(vectors.of_squares()).for_each(|(own, u)| *own += u / count.powi(4));
+    }
+
+    /// Adds the error of a mean of so many others of the vectors.
+    pub(super) fn add_error(&mut self, vectors: &Moments, count: f64) {
+        self.covariances.iter_mut().zip(vectors.covariances()).for_each(|(own, c)| *own += c / count);
     }
 
     pub(super) fn value(&self, i: usize) -> f64 {
         self.values[i]
     }
 
-    pub(super) fn standard_error(&self, i: usize) -> f64 {
-        self.covariances[i * (i + 1) / 2 + i].max(0.0).sqrt()
+    /// The standard error, of few vectors with these degrees of freedom. Otherwise it is widened where few of the many vectors make it
+    /// up: by Student's factor over the normal one, with Satterthwaite's degrees of freedom 2 V²/var V of its variance V.
+    ///
+    /// # References
+    /// F. E. Satterthwaite, *Biometrics Bull.* **2** (1946) 110, <https://doi.org/10.2307/3002019>.
+    pub(super) fn standard_error(&self, i: usize, degrees_of_freedom: Option<usize>) -> f64 {
+        let variance = self.covariances[i * (i + 1) / 2 + i].max(0.0);
+        let degrees = 2.0 * variance * variance / self.uncertainties[i];
+        let few = degrees_of_freedom.is_none() && degrees < MANY;
+        let allowance = if few { student_quantile(0.975, degrees.max(LEAST_DEGREES)) / NORMAL_95 } else { 1.0 };
+        allowance * variance.sqrt()
     }
 
     /// The band of the first of them, at `values`.
@@ -227,7 +330,8 @@ impl Total {
         let n = values.len();
         let pair = |i: usize, j: usize| self.covariances[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
         let covariance: Vec<f64> = (0..n * n).map(|k| pair(k / n, k % n)).collect();
-        Band::new(values, &self.values[..n], &covariance, degrees_of_freedom, seed)
+        let band = Band::new(values, &self.values[..n], &covariance, degrees_of_freedom, seed);
+        Band { standard_errors: (0..n).map(|i| self.standard_error(i, degrees_of_freedom)).collect(), ..band }
     }
 }
 
@@ -272,9 +376,38 @@ mod tests {
         total.add_sum(&vectors);
         total.add_mean(&vectors);
         assert_eq!((total.value(0), total.value(1)), (12.0, 4.0));
-        assert!((total.standard_error(0) - (4.0_f64 * 3.0 + 4.0 / 3.0).sqrt()).abs() < 1e-12);
-        assert!((total.standard_error(1) - (3.0_f64 + 1.0 / 3.0).sqrt()).abs() < 1e-12);
-        let band = total.band(&[0.0], None, 1);
-        assert_eq!((band.cdf[0], band.standard_errors[0]), (12.0, total.standard_error(0)));
+        assert!((total.standard_error(0, Some(2)) - (4.0_f64 * 3.0 + 4.0 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((total.standard_error(1, Some(2)) - (3.0_f64 + 1.0 / 3.0).sqrt()).abs() < 1e-12);
+        let band = total.band(&[0.0], Some(2), 1);
+        assert_eq!((band.cdf[0], band.standard_errors[0]), (12.0, total.standard_error(0, Some(2))));
+    }
+
+    #[test]
+    fn an_error_that_few_samples_make_up_has_few_degrees_of_freedom() {
+        // Five of a hundred are one: squares about the mean .05 are .0475 ± on average, of kurtosis κ with κ − 1 = 1/(p(1 − p)) − 4.
+        let mut vectors = Moments::new(1);
+        (0..100).for_each(|i| vectors.add(&[if i % 20 == 0 { 1.0 } else { 0.0 }]));
+        let mut total = Total::new(1);
+        total.add_mean(&vectors);
+        let degrees = 2.0 * 100.0 / (1.0 / 0.0475 - 4.0) * (100.0_f64 / 99.0).powi(2);
+        let wanted = (0.0475_f64 / 99.0).sqrt() * student_quantile(0.975, degrees) / NORMAL_95;
+        assert!(
+            (total.standard_error(0, None) / wanted - 1.0).abs() < 1e-9,
+            "{} {wanted}",
+            total.standard_error(0, None)
+        );
+        assert!((total.standard_error(0, Some(99)) - (0.0475_f64 / 99.0).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn students_factors_for_several_values_at_once_are_larger_than_for_one() {
+        let (cdf, covariance) = ([0.2, 0.2, 0.8], [1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let one = Band::new(&[0.0], &[0.2], &[1.0], Some(9), 1);
+        let three = Band::new(&[0.0, 1.0, 2.0], &cdf, &covariance, Some(9), 1);
+        assert!((one.pointwise_factor - 2.262_157).abs() < 1e-5);
+        // A thousand draws of Student's law of nine degrees of freedom: the 95 % point is known to about 4 %.
+        assert!((one.simultaneous_factor / one.pointwise_factor - 1.0).abs() < 0.12, "{}", one.simultaneous_factor);
+        // Two values that are nearly independent: the 97.5 % point 2.685 of each.
+        assert!((three.simultaneous_factor / 2.685 - 1.0).abs() < 0.12, "{}", three.simultaneous_factor);
     }
 }

@@ -4,7 +4,7 @@ use crate::chaos::StepLaw;
 use crate::chaos::distance::{kolmogorov_smirnov, wasserstein_1};
 use crate::pressure::band::{Band, Moments, Total};
 use crate::pressure::telescope::{RARE, Telescoped};
-use crate::pressure::{PressureError, Samples};
+use crate::pressure::{MethodError, PressureError, Samples};
 use crate::stats::{Interval, NORMAL_95, wilson_interval};
 
 /// Values at which distribution functions have bands.
@@ -19,16 +19,22 @@ pub struct Estimate {
     pub law: StepLaw,
     /// P(contact). For the paper's expansions it is K/K_t, whatever part of the expansion is clipped to 0.
     pub contact_probability: f64,
-    /// Its standard error,
+    /// Its bias, estimated from samples that the model was not fitted to; `None` of an estimate that has none.
+    pub contact_probability_bias: Option<f64>,
+    /// The standard error of P(contact) less its bias,
     pub contact_probability_se: f64,
-    /// and its 95 % interval.
-    pub contact_probability_interval: Interval,
-    /// E p in pascal, and its standard error.
+    /// and its 95 % interval: it holds bias and error.
+    pub contact_probability_interval: Option<Interval>,
+    /// E p in pascal,
     pub mean_pa: f64,
-    /// See `mean_pa`.
+    /// its bias, as that of P(contact),
+    pub mean_bias_pa: Option<f64>,
+    /// and the standard error of the mean less its bias.
     pub mean_se_pa: f64,
     /// The distribution function with its bands, at pressures in pascal that begin with 0.
     pub band: Option<Band>,
+    /// Why an estimate with a bias has neither band nor intervals.
+    pub interval_failure: Option<MethodError>,
     /// Number of coefficients of the expansion, if any.
     pub coefficients: Option<usize>,
     /// Mean square leave-one-out error of the expanded quantity over its variance, if any. Above 1 the expansion
@@ -47,10 +53,13 @@ impl Estimate {
         Ok(Self {
             contact_probability,
             contact_probability_se: (contact_probability * (1.0 - contact_probability) / n as f64).sqrt(),
-            contact_probability_interval: wilson_interval(samples.in_contact(), n),
+            contact_probability_bias: None,
+            contact_probability_interval: Some(wilson_interval(samples.in_contact(), n)),
             mean_pa: law.mean(),
+            mean_bias_pa: None,
             mean_se_pa: law.std() / ((n - 1).max(1) as f64).sqrt(),
-            band: Some(Band::of_independent(&nodes, &cdf, n, seed)),
+            band: Some(Band::of_independent(&nodes, &cdf, n, seed).widened([samples.in_contact(), n])),
+            interval_failure: None,
             coefficients: None,
             leave_one_out_error: None,
             law,
@@ -111,7 +120,7 @@ impl Estimate {
         total.add_mean(&moments);
         let telescoped = Telescoped {
             mean: total.value(nodes.len()),
-            mean_se: total.standard_error(nodes.len()),
+            mean_se: total.standard_error(nodes.len(), degrees_of_freedom),
             band: total.band(nodes, degrees_of_freedom, seed),
             law,
             above: [samples.in_contact(), samples.len()],
@@ -126,7 +135,8 @@ impl Estimate {
     /// The 95 % interval of `mean_pa`, none without a standard error.
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
-        half.is_finite().then_some(Interval { low: self.mean_pa - half, high: self.mean_pa + half })
+        let unbiased = self.mean_pa - self.mean_bias_pa.unwrap_or(0.0);
+        half.is_finite().then(|| Interval { low: unbiased - half, high: unbiased + half })
     }
 
     /// The 95 % interval of a quantile in pascal, none without a band.
@@ -151,10 +161,13 @@ impl From<Telescoped> for Estimate {
             law,
             contact_probability,
             contact_probability_se,
-            contact_probability_interval,
+            contact_probability_bias: None,
+            contact_probability_interval: Some(contact_probability_interval),
             mean_pa: mean,
+            mean_bias_pa: None,
             mean_se_pa: mean_se,
-            band: Some(band),
+            band: Some(band.widened([in_contact, samples])),
+            interval_failure: None,
             coefficients,
             leave_one_out_error,
         }

@@ -11,7 +11,7 @@ use crate::pressure::sample::Sampling;
 use crate::pressure::sensitivity::{self, Sensitivity};
 use crate::pressure::surrogate::latent::LatentOverlap;
 use crate::pressure::surrogate::two_part::TwoPart;
-use crate::pressure::surrogate::{self, Rotated};
+use crate::pressure::surrogate::{self, Evidence, Rotated};
 use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
 
 /// Probabilities whose quantiles are told.
@@ -155,7 +155,10 @@ impl Study {
         let nested = NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor)?;
         let fresh = self.fresh_germs(self.variables)?;
         let basis = Basis::hermite(self.variables, self.degree)?;
-        let leading = latin.as_ref().map(|latin| (latin.leading_germs(self.variables), pressures_pa(latin)));
+        let leading = latin.as_ref().map(|latin| {
+            let groups = (0..latin.len()).map(|position| latin.replicate_of(position)).collect::<Vec<usize>>();
+            (latin.leading_germs(self.variables), pressures_pa(latin), groups)
+        });
         let rotated =
             Rotated::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
         let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Estimate, MethodError>| match &nested {
@@ -177,8 +180,9 @@ impl Study {
             };
             let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
             let expanded = |response| match &leading {
-                Ok((germs, pressures)) => {
-                    expansion::estimate(response, germs, pressures, basis.clone(), &fresh, self.seed)
+                Ok((germs, pressures_pa, groups)) => {
+                    let evidence = Evidence { pressures_pa, groups: Some(groups), evaluations: fresh.len() };
+                    expansion::estimate(response, germs, evidence, basis.clone(), &fresh, self.seed)
                 }
                 Err(reason) => Err((*reason).clone()),
             };
@@ -197,16 +201,14 @@ impl Study {
                         return Err(MethodError::NoVariables);
                     }
                     let basis = Basis::hermite(rotated.variables(), self.degree)?;
-                    let (rows, pressures) = (&rotated.rows, &rotated.pressures_pa);
-                    expansion::estimate(Response::Pressure, rows, pressures, basis, &rotated.fresh, self.seed)
+                    let (rows, evidence) = (&rotated.rows, rotated.evidence());
+                    expansion::estimate(Response::Pressure, rows, evidence, basis, &rotated.fresh, self.seed)
                 }),
                 Method::LatentOverlap => by_rotated(&|rotated| {
-                    let latent = LatentOverlap::new(rotated, self.degree)?;
-                    surrogate::estimate(&latent, rotated.counts(), rotated.fresh.len(), self.seed)
+                    surrogate::estimate(&LatentOverlap::new(rotated, self.degree), rotated.evidence(), self.seed)
                 }),
                 Method::TwoPart => by_rotated(&|rotated| {
-                    let two_part = TwoPart::new(rotated, self.degree)?;
-                    surrogate::estimate(&two_part, rotated.counts(), rotated.fresh.len(), self.seed)
+                    surrogate::estimate(&TwoPart::new(rotated, self.degree), rotated.evidence(), self.seed)
                 }),
                 Method::ControlVariate => {
                     by_nested(&|nested| Ok(nested.estimate_by_germ(Quantity::Pressure, problem, self.seed)?.into()))

@@ -1,12 +1,19 @@
-//! Laws from models that are cheap to evaluate, and how well the samples determine them.
+//! Laws from models that are cheap to evaluate, and how far from the truth they are.
 //!
-//! A [`Surrogate`] is fitted to samples with weights. All weights 1 give its estimate; random weights, those of the
-//! Bayesian bootstrap, give its errors. No sample ever gets the weight 0, so that a model that the samples determine is
-//! determined in every resample, which drawing with replacement does not grant: there 37 % of the samples are missing. What is
-//! chosen beforehand, variables and degree, is chosen once, and is not part of the errors; nor is what the model cannot say.
+//! A [`Surrogate`] is fitted to samples; its law is its own, whatever it is worth. What it is off by is estimated from samples that
+//! it was not fitted to: on the same germs the truth and the law that the model gives are both known. With h_f the law given
+//! the germ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
+//!
+//! F̃(t) = mean_i [s_i(t) − β (h_f(t | ξ_i) − E h_f(t))]
+//!
+//! over all samples i, each with its part f, has the expectation F(t) for every β; that of least variance, kept between 0 and 1, is
+//! taken from the samples (control variates), so that a bad model does not widen what is known without it. The difference from
+//! the model's own law is its bias, and the spread of the terms tells the error of F̃. Intervals are those of F̃: they are corrected for
+//! the bias, and where that is large the model's own value lies beside them.
 //!
 //! # References
-//! D. B. Rubin, *Ann. Statist.* **9** (1981) 130, <https://doi.org/10.1214/aos/1176345338>.
+//! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
+//! V. Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
 pub(super) mod censored;
 pub(super) mod functions;
@@ -14,21 +21,19 @@ pub(super) mod latent;
 pub(super) mod newton;
 pub(super) mod two_part;
 
-use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::chaos::{Design, StepLaw};
 use crate::pressure::adapted::Adapted;
+use crate::pressure::band::{Moments, Total};
 use crate::pressure::estimate::nodes;
 use crate::pressure::nested::kappa_pa_per_m;
+use crate::pressure::telescope::RARE;
 use crate::pressure::{Band, Estimate, MethodError, Problem, Samples};
-use crate::random::stream;
 use crate::stats::{Interval, wilson_interval};
 
-/// Resamples from which errors are taken,
-const RESAMPLES: usize = 60;
-/// and the least number that must have a model.
-const LEAST_FITTED: usize = 30;
+/// Parts into which the samples are split.
+const FOLDS: usize = 10;
 /// Most variables of the rotated germ, and the degree of the polynomials that choose them.
 const MOST_VARIABLES: usize = 8;
 const CHOOSING_DEGREE: usize = 3;
@@ -37,101 +42,199 @@ pub(super) const LEAST_IN_CONTACT: usize = 10;
 /// Samples for each coefficient that a degree needs to be tried.
 pub(super) const SAMPLES_PER_TERM: usize = 4;
 
+/// Pressures in pascal and their probabilities.
+pub(super) type Atoms = Vec<(f64, f64)>;
+
 /// What a model says.
 #[derive(Debug, Clone)]
 pub(super) struct Fitted {
-    /// Pressures in pascal and their probabilities.
-    pub(super) atoms: Vec<(f64, f64)>,
-    pub(super) contact_probability: f64,
+    /// The law.
+    pub(super) law: Atoms,
+    /// The law given the germ of each sample that was not fitted, in their order.
+    pub(super) given: Vec<Atoms>,
     pub(super) coefficients: usize,
     pub(super) leave_one_out_error: Option<f64>,
 }
 
 /// A model of the pressure.
 pub(super) trait Surrogate: Sync {
-    /// Fits samples with the given weights, one for each sample, 1 on average.
-    fn fit(&self, weights: &[f64]) -> Result<Fitted, MethodError>;
+    /// Fits the samples at increasing positions.
+    fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError>;
 }
 
-/// The law by a surrogate of `samples` samples, of which `in_contact` are, evaluated on `evaluations` fresh germs, with
-/// errors by resampling.
+/// Samples that models are fitted to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evidence<'a> {
+    pub(super) pressures_pa: &'a [f64],
+    /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
+    pub(super) groups: Option<&'a [usize]>,
+    /// Fresh germs on which models are evaluated.
+    pub(super) evaluations: usize,
+}
+
+impl Evidence<'_> {
+    fn group(&self, sample: usize) -> usize {
+        self.groups.map_or(sample, |groups| groups[sample])
+    }
+
+    /// Number of groups.
+    fn count(&self) -> usize {
+        self.groups.map_or(self.pressures_pa.len(), |groups| groups.iter().max().map_or(0, |last| last + 1))
+    }
+
+    /// Degrees of freedom of the spread of the groups, where they are few.
+    fn degrees_of_freedom(&self) -> Option<usize> {
+        self.groups.map(|_| self.count().saturating_sub(1))
+    }
+
+    /// Samples in contact.
+    fn in_contact(&self) -> usize {
+        self.pressures_pa.iter().filter(|p| **p > 0.0).count()
+    }
+
+    /// The mean of a vector of each sample with its error.
+    fn mean(&self, vectors: &[Vec<f64>]) -> Total {
+        let length = vectors.first().map_or(0, Vec::len);
+        let mut groups = vec![vec![0.0; length]; self.count()];
+        let scale = self.count() as f64 / vectors.len() as f64;
+        for (sample, vector) in vectors.iter().enumerate() {
+            groups[self.group(sample)].iter_mut().zip(vector).for_each(|(sum, value)| *sum += scale * value);
+        }
+        let mut moments = Moments::new(length);
+        groups.iter().for_each(|group| moments.add(group));
+        let mut total = Total::new(length);
+        total.add_mean(&moments);
+        total
+    }
+
+    /// The share of samples in contact: its standard error and 95 % interval.
+    pub(super) fn share_in_contact(&self, seed: u64) -> (f64, Interval) {
+        let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
+        let share = in_contact as f64 / samples as f64;
+        if self.groups.is_none() {
+            return ((share * (1.0 - share) / samples as f64).sqrt(), wilson_interval(in_contact, samples));
+        }
+        let seen: Vec<Vec<f64>> = self.pressures_pa.iter().map(|p| vec![f64::from(u8::from(*p <= 0.0))]).collect();
+        let band = self.mean(&seen).band(&[0.0], self.degrees_of_freedom(), seed);
+        (band.standard_errors[0], self.contact_interval(&band))
+    }
+
+    /// The 95 % interval of P(contact) from the band of F; Wilson's where samples of either kind are rare.
+    fn contact_interval(&self, band: &Band) -> Interval {
+        let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
+        if in_contact.min(samples - in_contact) < RARE {
+            return wilson_interval(in_contact, samples);
+        }
+        let [low, high] = band.pointwise(0);
+        Interval { low: 1.0 - high, high: 1.0 - low }
+    }
+}
+
+/// The law by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
 ///
 /// # Errors
 /// The samples have no model, or it overflows.
-pub(super) fn estimate(
-    surrogate: &dyn Surrogate,
-    [samples, in_contact]: [usize; 2],
-    evaluations: usize,
-    seed: u64,
-) -> Result<Estimate, MethodError> {
-    let fitted = surrogate.fit(&vec![1.0; samples])?;
-    let overflowed = fitted.atoms.iter().filter(|(p, _)| !p.is_finite()).count();
+pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
+    let samples: Vec<usize> = (0..evidence.pressures_pa.len()).collect();
+    let fitted = surrogate.fit(&samples)?;
+    let overflowed = fitted.law.iter().filter(|(p, _)| !p.is_finite()).count();
     if overflowed > 0 {
-        return Err(MethodError::Overflow { overflowed, evaluations });
+        return Err(MethodError::Overflow { overflowed, evaluations: evidence.evaluations });
     }
-    let law = StepLaw::weighted(fitted.atoms)?;
-    let nodes = nodes(&law, samples);
-    let cdf: Vec<f64> = nodes.iter().map(|t| law.cdf(*t)).collect();
-    let replicates: Vec<Option<Vec<f64>>> = (0..RESAMPLES)
-        .into_par_iter()
-        .map(|i| Some(summary(surrogate.fit(&weights(samples, seed, i)).ok()?, &nodes)))
-        .collect();
-    let replicates: Vec<Vec<f64>> = replicates.into_iter().flatten().collect();
-    let (band, mean_se_pa, contact_probability_se) = if replicates.len() < LEAST_FITTED {
-        (None, f64::NAN, f64::NAN)
-    } else {
-        let covariance = covariance(&replicates);
-        let (n, length) = (nodes.len(), nodes.len() + 2);
-        // That of the evaluations comes on top; they are the same in all resamples.
-        let more = |i: usize, j: usize| cdf[i.min(j)] * (1.0 - cdf[i.max(j)]) / evaluations as f64;
-        let of_cdf: Vec<f64> = (0..n * n).map(|k| covariance[k / n * length + k % n] + more(k / n, k % n)).collect();
-        let band = Band::new(&nodes, &cdf, &of_cdf, Some(replicates.len() - 1), seed);
-        let variance = |i: usize| covariance[i * length + i];
-        (
-            Some(band),
-            (variance(n) + law.std().powi(2) / evaluations as f64).sqrt(),
-            (variance(n + 1) + more(0, 0)).sqrt(),
-        )
-    };
-    let contact_probability = fitted.contact_probability;
-    // Where all samples agree they say nothing of the error of a model.
-    let contact_probability_interval = match &band {
-        Some(band) if in_contact > 0 && in_contact < samples => {
-            let half = band.pointwise_factor * contact_probability_se;
-            Interval {
-                low: (contact_probability - half).clamp(0.0, 1.0),
-                high: (contact_probability + half).clamp(0.0, 1.0),
-            }
-        }
-        _ => wilson_interval(in_contact, samples),
-    };
-    Ok(Estimate {
+    let law = StepLaw::weighted(fitted.law)?;
+    let contact_probability = 1.0 - law.cdf(0.0);
+    let mean_pa = law.mean();
+    let own = Estimate {
         contact_probability,
-        contact_probability_se,
-        contact_probability_interval,
-        mean_pa: law.mean(),
-        mean_se_pa,
-        band,
+        contact_probability_se: f64::NAN,
+        contact_probability_interval: None,
+        contact_probability_bias: None,
+        mean_pa,
+        mean_se_pa: f64::NAN,
+        mean_bias_pa: None,
+        band: None,
+        interval_failure: None,
         coefficients: Some(fitted.coefficients),
         leave_one_out_error: fitted.leave_one_out_error,
         law,
+    };
+    let empirical = StepLaw::empirical(evidence.pressures_pa)?;
+    let nodes = nodes(&empirical, samples.len());
+    let unbiased = match held_out(surrogate, evidence, &nodes) {
+        Ok(unbiased) => unbiased,
+        Err(reason) => return Ok(Estimate { interval_failure: Some(reason), ..own }),
+    };
+    let cdf: Vec<f64> = nodes.iter().map(|t| own.law.cdf(*t)).collect();
+    let band = unbiased.band(&nodes, evidence.degrees_of_freedom(), seed).of_biased(cdf);
+    Ok(Estimate {
+        contact_probability_se: band.standard_errors[0],
+        contact_probability_interval: Some(evidence.contact_interval(&band)),
+        contact_probability_bias: Some(-band.bias[0]),
+        mean_se_pa: unbiased.standard_error(nodes.len(), evidence.degrees_of_freedom()),
+        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len())),
+        band: Some(band.widened([evidence.in_contact(), samples.len()])),
+        ..own
     })
 }
 
-/// Standard exponential weights over their mean.
-fn weights(samples: usize, seed: u64, resample: usize) -> Vec<f64> {
-    let mut stream = stream(seed, "pressure/surrogate", resample as u64);
-    let mut weights: Vec<f64> =
-        (0..samples).map(|_| (-(1.0 - stream.random::<f64>()).ln()).max(f64::EPSILON)).collect();
-    let mean = weights.iter().sum::<f64>() / samples as f64;
-    weights.iter_mut().for_each(|w| *w /= mean);
-    weights
+/// Distribution function at the nodes and mean without bias.
+fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
+    let count = evidence.pressures_pa.len();
+    let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
+        .into_par_iter()
+        .map(|fold| {
+            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| evidence.group(*i) % FOLDS == fold);
+            (held, surrogate.fit(&fitted))
+        })
+        .collect();
+    let mut seen: Vec<Vec<f64>> = evidence.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
+    let mut said = vec![Vec::new(); count];
+    for (held, fitted) in parts {
+        if held.is_empty() {
+            continue;
+        }
+        let fitted = fitted?;
+        let expected = summary(fitted.law, nodes);
+        for (sample, given) in held.into_iter().zip(fitted.given) {
+            let own = summary(given, nodes);
+            said[sample] = own.iter().zip(&expected).map(|(own, expected)| own - expected).collect();
+        }
+    }
+    let slopes: Vec<f64> = (0..=nodes.len()).map(|k| slope(&seen, &said, k)).collect();
+    for (seen, said) in seen.iter_mut().zip(&said) {
+        seen.iter_mut().zip(said).zip(&slopes).for_each(|((seen, said), slope)| {
+            if *slope > 0.0 {
+                *seen -= slope * said;
+            }
+        });
+    }
+    let mut total = evidence.mean(&seen);
+    // Fresh germs have an error of their own.
+    let mut fresh = Moments::new(nodes.len() + 1);
+    for said in &said {
+        let used = said.iter().zip(&slopes).map(|(said, slope)| if *slope > 0.0 { slope * said } else { 0.0 });
+        fresh.add(&used.collect::<Vec<_>>());
+    }
+    total.add_error(&fresh, evidence.evaluations as f64);
+    Ok(total)
 }
 
-/// Distribution function at the nodes, mean and contact probability.
-fn summary(mut fitted: Fitted, nodes: &[f64]) -> Vec<f64> {
-    fitted.atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut atoms, mut below) = (fitted.atoms.iter().peekable(), 0.0);
+/// The share between 0 and 1 of what was said that makes the differences from what was seen vary least.
+fn slope(seen: &[Vec<f64>], said: &[Vec<f64>], k: usize) -> f64 {
+    let n = seen.len() as f64;
+    let mean = |vectors: &[Vec<f64>]| vectors.iter().map(|v| v[k]).sum::<f64>() / n;
+    let (of_seen, of_said) = (mean(seen), mean(said));
+    let both: f64 = seen.iter().zip(said).map(|(a, b)| (a[k] - of_seen) * (b[k] - of_said)).sum();
+    let own: f64 = said.iter().map(|b| (b[k] - of_said).powi(2)).sum();
+    let slope = both / own;
+    if slope.is_finite() { slope.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Distribution function at the nodes, and mean.
+fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
+    atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
+    let (mut atoms, mut below) = (atoms.into_iter().peekable(), 0.0);
     let mut values: Vec<f64> = nodes
         .iter()
         .map(|t| {
@@ -141,17 +244,8 @@ fn summary(mut fitted: Fitted, nodes: &[f64]) -> Vec<f64> {
             below
         })
         .collect();
-    values.push(fitted.atoms.iter().map(|(p, probability)| p * probability).sum());
-    values.push(fitted.contact_probability);
+    values.push(mean);
     values
-}
-
-/// Covariance of vectors, row by row.
-fn covariance(vectors: &[Vec<f64>]) -> Vec<f64> {
-    let (count, n) = (vectors.len() as f64, vectors[0].len());
-    let means: Vec<f64> = (0..n).map(|i| vectors.iter().map(|v| v[i]).sum::<f64>() / count).collect();
-    let product = |i: usize, j: usize| vectors.iter().map(|v| (v[i] - means[i]) * (v[j] - means[j])).sum::<f64>();
-    (0..n * n).map(|k| product(k / n, k % n) / (count - 1.0)).collect()
 }
 
 /// Samples in the variables of the germ rotated to the cell, see [`Adapted`], and fresh ones.
@@ -193,9 +287,19 @@ impl Rotated {
         self.rows.first().map_or(0, Vec::len)
     }
 
-    /// Samples, and those in contact.
-    pub(super) fn counts(&self) -> [usize; 2] {
-        [self.pressures_pa.len(), self.pressures_pa.iter().filter(|p| **p > 0.0).count()]
+    /// The samples, independent of each other.
+    pub(super) fn evidence(&self) -> Evidence<'_> {
+        Evidence { pressures_pa: &self.pressures_pa, groups: None, evaluations: self.fresh.len() }
+    }
+
+    /// The rows of some samples.
+    pub(super) fn rows_of(&self, samples: &[usize]) -> Vec<Vec<f64>> {
+        samples.iter().map(|i| self.rows[*i].clone()).collect()
+    }
+
+    /// The rows of all others.
+    pub(super) fn rows_but(&self, samples: &[usize]) -> Vec<Vec<f64>> {
+        self.rows_of(&others(samples, self.rows.len()))
     }
 }
 
@@ -204,6 +308,11 @@ pub(super) fn latent_pa(samples: &Samples) -> Vec<f64> {
     let kappa = kappa_pa_per_m(samples.observations());
     let latent = |o: &crate::pressure::Observation| o.pressure_pa + kappa * (o.plastic_displacement_m - o.gap_m);
     samples.observations().iter().map(latent).collect()
+}
+
+/// Positions below `count` that are not among increasing ones.
+pub(super) fn others(samples: &[usize], count: usize) -> Vec<usize> {
+    (0..count).filter(|i| samples.binary_search(i).is_err()).collect()
 }
 
 /// A point between 0 and 1 for each index, evenly spread.

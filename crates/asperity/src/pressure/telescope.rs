@@ -263,7 +263,7 @@ pub(super) fn estimate(nested: &Nested, settings: &Settings) -> Result<Telescope
     Ok(Telescoped {
         law: monotone_law(&thresholds, total.sums())?,
         mean: errors.value(nodes.len()),
-        mean_se: errors.standard_error(nodes.len()),
+        mean_se: errors.standard_error(nodes.len(), None),
         band: errors.band(&nodes, None, settings.seed),
         above: [nested.models[last].iter().filter(|q| **q > settings.least).count(), fine],
         coefficients: predictor.and_then(Predictor::coefficients),
@@ -347,7 +347,7 @@ fn thresholds(fine: &[f64], drawn: &[f64], settings: &Settings) -> Vec<f64> {
 }
 
 /// Some of the thresholds, as many of the drawn values between any two: the least value, and those on either side of which there are
-/// enough fine ones for normal errors.
+/// enough fine ones for normal errors; not the largest value.
 fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -> Vec<f64> {
     let mut counts = vec![0_usize; thresholds.len()];
     for q in drawn {
@@ -368,7 +368,8 @@ fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -
         let below = fine.iter().filter(|q| *q <= t).count();
         below.min(fine.len() - below) >= RARE
     };
-    nodes.retain(|t| *t == settings.least || common(t));
+    // At the largest value F is one.
+    nodes.retain(|t| *t == settings.least || (*t < settings.largest && common(t)));
     nodes
 }
 

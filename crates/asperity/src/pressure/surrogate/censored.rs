@@ -26,9 +26,8 @@ pub(crate) struct Censored {
     pub(crate) log_likelihood: f64,
 }
 
-/// Fits `values` within `bounds` at the rows of the design, each with its weight. There has to be a value above the lower
-/// bound.
-pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2], weights: &[f64]) -> Censored {
+/// Fits `values` within `bounds` at the rows of the design. There has to be a value above the lower bound.
+pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2]) -> Censored {
     let terms = design.ncols();
     let seen = values.iter().filter(|y| **y > bounds[0]);
     let count = seen.clone().count().max(1) as f64;
@@ -46,7 +45,7 @@ pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2],
         let (mut value, mut within) = (0.0, 0.0);
         let mut slopes = Array1::zeros(values.len());
         let mut weighted = columns.clone();
-        for (i, ((u, y), w)) in all.iter().zip(values).zip(weights).enumerate() {
+        for (i, (u, y)) in all.iter().zip(values).enumerate() {
             let (term, slope, curvature) = if *y <= bounds[0] {
                 let (log, mills) = log_normal_cdf(-u);
                 (log, -mills, mills * (mills - u))
@@ -54,12 +53,12 @@ pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2],
                 let (log, mills) = log_normal_cdf(*u);
                 (log, mills, mills * (mills + u))
             } else {
-                within += w;
+                within += 1.0;
                 (theta.ln() - 0.5 * u * u, -u, 1.0)
             };
-            value += w * term;
-            slopes[i] = w * slope;
-            weighted.row_mut(i).mapv_inplace(|a| a * w * curvature);
+            value += term;
+            slopes[i] = slope;
+            weighted.row_mut(i).mapv_inplace(|a| a * curvature);
         }
         let mut gradient = columns.t().dot(&slopes).to_vec();
         gradient[terms] += within / theta;
@@ -93,26 +92,21 @@ mod tests {
     use super::*;
     use crate::random::{standard_normal, stream};
 
-    /// A line with normal errors, its design and weights.
-    fn line(samples: usize) -> (Array2<f64>, Vec<f64>, Vec<f64>) {
+    /// The design of a line, and values with normal errors.
+    fn line(samples: usize) -> (Array2<f64>, Vec<f64>) {
         let xi = standard_normal(&mut stream(4, "censored", 0), 2 * samples);
         let design = Array2::from_shape_fn((samples, 2), |(i, j)| if j == 0 { 1.0 } else { xi[i] });
         let values = (0..samples).map(|i| 1e6 * (0.3 + xi[i] + 0.5 * xi[samples + i])).collect();
-        (design, values, (0..samples).map(|i| 0.5 + (i % 3) as f64).collect())
+        (design, values)
     }
 
     /// Expectation and maximisation in turn: each censored value is replaced by its moments given the bound.
-    fn by_expectation_maximisation(
-        design: &Array2<f64>,
-        values: &[f64],
-        [low, high]: [f64; 2],
-        weights: &[f64],
-    ) -> ([f64; 2], f64) {
+    fn by_expectation_maximisation(design: &Array2<f64>, values: &[f64], [low, high]: [f64; 2]) -> ([f64; 2], f64) {
         let (mut c, mut sigma) = ([0.0, 0.0], 1e6);
         for _ in 0..4000 {
             // Normal equations of a line.
             let (mut a, mut b, mut moments) = ([0.0; 3], [0.0; 2], Vec::new());
-            for ((row, y), w) in design.rows().into_iter().zip(values).zip(weights) {
+            for (row, y) in design.rows().into_iter().zip(values) {
                 let mean = c[0] + c[1] * row[1];
                 let (first, variance) = if *y <= low || *y >= high {
                     let sign = if *y <= low { -1.0 } else { 1.0 };
@@ -123,16 +117,16 @@ mod tests {
                 } else {
                     (*y, 0.0)
                 };
-                moments.push((row[1], first, variance, *w));
-                a[0] += w;
-                a[1] += w * row[1];
-                a[2] += w * row[1] * row[1];
-                b[0] += w * first;
-                b[1] += w * row[1] * first;
+                moments.push((row[1], first, variance));
+                a[0] += 1.0;
+                a[1] += row[1];
+                a[2] += row[1] * row[1];
+                b[0] += first;
+                b[1] += row[1] * first;
             }
             let determinant = a[0] * a[2] - a[1] * a[1];
             c = [(a[2] * b[0] - a[1] * b[1]) / determinant, (a[0] * b[1] - a[1] * b[0]) / determinant];
-            let square = |(x, y, v, w): &(f64, f64, f64, f64)| w * ((y - c[0] - c[1] * x).powi(2) + v);
+            let square = |(x, y, v): &(f64, f64, f64)| (y - c[0] - c[1] * x).powi(2) + v;
             sigma = (moments.iter().map(square).sum::<f64>() / a[0]).sqrt();
         }
         (c, sigma)
@@ -140,11 +134,11 @@ mod tests {
 
     #[test]
     fn newton_finds_what_expectation_maximisation_finds() {
-        let (design, latent, weights) = line(300);
+        let (design, latent) = line(300);
         for bounds in [[0.0, f64::INFINITY], [0.0, 1.2e6]] {
             let values: Vec<f64> = latent.iter().map(|y| y.clamp(bounds[0], bounds[1])).collect();
-            let found = fit(design.view(), &values, bounds, &weights);
-            let (c, sigma) = by_expectation_maximisation(&design, &values, bounds, &weights);
+            let found = fit(design.view(), &values, bounds);
+            let (c, sigma) = by_expectation_maximisation(&design, &values, bounds);
             for (found, wanted) in found.coefficients.iter().zip(c) {
                 assert!((found - wanted).abs() < 1e-4 * sigma, "{found} {wanted}");
             }
@@ -154,8 +148,8 @@ mod tests {
 
     #[test]
     fn without_censoring_it_is_least_squares() {
-        let (design, values, _) = line(200);
-        let found = fit(design.view(), &values, [-1e9, f64::INFINITY], &vec![1.0; 200]);
+        let (design, values) = line(200);
+        let found = fit(design.view(), &values, [-1e9, f64::INFINITY]);
         let wanted = crate::chaos::LeastSquares::new(design.view()).unwrap().fit(&values).unwrap();
         for (found, wanted) in found.coefficients.iter().zip(&wanted.coefficients) {
             assert!((found - wanted).abs() < 1e-3, "{found} {wanted}");
@@ -166,9 +160,9 @@ mod tests {
 
     #[test]
     fn an_exact_line_ends_at_the_least_spread() {
-        let (design, _, weights) = line(100);
+        let (design, _) = line(100);
         let values: Vec<f64> = design.rows().into_iter().map(|row| (2e6 * row[1] - 3e5).max(0.0)).collect();
-        let found = fit(design.view(), &values, [0.0, f64::INFINITY], &weights);
+        let found = fit(design.view(), &values, [0.0, f64::INFINITY]);
         assert!((found.coefficients[1] / 2e6 - 1.0).abs() < 1e-4 && (found.coefficients[0] / -3e5 - 1.0).abs() < 1e-3);
         assert!(found.sigma < 1e-4 * 2e6, "{}", found.sigma);
     }

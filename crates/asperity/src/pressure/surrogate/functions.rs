@@ -1,6 +1,6 @@
 //! Polynomials of variables that are not extrapolated.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 
 use crate::chaos::{Basis, BasisError, number_of_terms};
 
@@ -48,5 +48,10 @@ impl Functions {
             row.iter().zip(&self.ranges).map(|(x, [low, high])| x.clamp(*low, *high)).collect()
         };
         basis.design_matrix(&rows.iter().map(within).collect::<Vec<_>>())
+    }
+
+    /// The polynomial with the given coefficients at the rows.
+    pub(crate) fn predict(&self, rows: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
+        self.matrix(rows).dot(&ArrayView1::from(coefficients)).to_vec()
     }
 }

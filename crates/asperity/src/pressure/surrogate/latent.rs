@@ -7,71 +7,66 @@
 //! # References
 //! H. Akaike, *IEEE Trans. Autom. Control* **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>.
 
-use ndarray::{Array1, Array2};
+use ndarray::Array1;
 
-use super::censored;
+use super::censored::{self, Censored};
 use super::functions::Functions;
-use super::{Fitted, LEAST_IN_CONTACT, Rotated, SAMPLES_PER_TERM, Surrogate, golden};
+use super::{Atoms, Fitted, LEAST_IN_CONTACT, Rotated, SAMPLES_PER_TERM, Surrogate, golden};
 use crate::law::standard_normal_quantile;
 use crate::pressure::MethodError;
 
-/// Errors drawn for each fresh germ.
+/// Errors drawn for each fresh germ, and for each sample that is held out.
 const DRAWS: usize = 5;
+const DRAWS_HELD: usize = 20;
 
 /// Censored regression on the variables of the rotated germ.
 #[derive(Debug)]
 pub(crate) struct LatentOverlap<'a> {
     samples: &'a Rotated,
-    design: Array2<f64>,
-    fresh: Array2<f64>,
+    degree: usize,
 }
 
 impl<'a> LatentOverlap<'a> {
     /// Of degree up to `degree`.
-    ///
-    /// # Errors
-    /// Too few samples are in contact.
-    pub(crate) fn new(samples: &'a Rotated, degree: usize) -> Result<Self, MethodError> {
-        let [count, in_contact] = samples.counts();
-        if in_contact < LEAST_IN_CONTACT {
-            return Err(MethodError::TooFewInContact { in_contact, samples: count, wanted: LEAST_IN_CONTACT });
-        }
-        let ones = vec![1.0; count];
-        let mut best: Option<(f64, Functions, Array2<f64>)> = None;
-        for degree in Functions::degrees(samples.variables(), degree, in_contact, SAMPLES_PER_TERM) {
-            let functions = Functions::new(&samples.rows, degree)?;
-            let design = functions.matrix(&samples.rows);
-            let fit = censored::fit(design.view(), &samples.pressures_pa, [0.0, samples.largest_pa], &ones);
-            let criterion = 2.0 * (functions.len() as f64 - fit.log_likelihood);
-            if best.as_ref().is_none_or(|(least, ..)| criterion < *least) {
-                best = Some((criterion, functions, design));
-            }
-        }
-        match best {
-            Some((_, functions, design)) => Ok(Self { samples, design, fresh: functions.matrix(&samples.fresh) }),
-            None => Err(MethodError::TooFewSamples { samples: count, wanted: LEAST_IN_CONTACT }),
-        }
+    pub(crate) fn new(samples: &'a Rotated, degree: usize) -> Self {
+        Self { samples, degree }
     }
 }
 
 impl Surrogate for LatentOverlap<'_> {
-    fn fit(&self, weights: &[f64]) -> Result<Fitted, MethodError> {
+    fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError> {
+        let rows = self.samples.rows_of(samples);
+        let pressures_pa: Vec<f64> = samples.iter().map(|i| self.samples.pressures_pa[*i]).collect();
+        let in_contact = pressures_pa.iter().filter(|p| **p > 0.0).count();
+        if in_contact < LEAST_IN_CONTACT {
+            return Err(MethodError::TooFewInContact { in_contact, samples: rows.len(), wanted: LEAST_IN_CONTACT });
+        }
         let largest = self.samples.largest_pa;
-        let fit = censored::fit(self.design.view(), &self.samples.pressures_pa, [0.0, largest], weights);
-        let latent = self.fresh.dot(&Array1::from(fit.coefficients.clone()));
-        let probability = 1.0 / (latent.len() * DRAWS) as f64;
-        let mut atoms = Vec::with_capacity(latent.len() * DRAWS);
-        for (i, mean) in latent.iter().enumerate() {
-            for draw in 0..DRAWS {
-                let error = fit.sigma * standard_normal_quantile((draw as f64 + golden(i)) / DRAWS as f64);
-                atoms.push(((mean + error).clamp(0.0, largest), probability));
+        let mut best: Option<(f64, Functions, Censored)> = None;
+        for degree in Functions::degrees(self.samples.variables(), self.degree, in_contact, SAMPLES_PER_TERM) {
+            let functions = Functions::new(&rows, degree)?;
+            let fit = censored::fit(functions.matrix(&rows).view(), &pressures_pa, [0.0, largest]);
+            let criterion = 2.0 * (functions.len() as f64 - fit.log_likelihood);
+            if best.as_ref().is_none_or(|(least, ..)| criterion < *least) {
+                best = Some((criterion, functions, fit));
             }
         }
-        let in_contact = atoms.iter().filter(|(p, _)| *p > 0.0).count();
+        let Some((_, functions, fit)) = best else {
+            return Err(MethodError::TooFewSamples { samples: rows.len(), wanted: LEAST_IN_CONTACT });
+        };
+        let coefficients = Array1::from(fit.coefficients);
+        let means = |rows: &[Vec<f64>]| functions.matrix(rows).dot(&coefficients);
+        let law = |(i, mean): (usize, &f64), draws: usize, probability: f64| -> Atoms {
+            let error = |draw| fit.sigma * standard_normal_quantile((draw as f64 + golden(i)) / draws as f64);
+            (0..draws).map(|draw| ((mean + error(draw)).clamp(0.0, largest), probability / draws as f64)).collect()
+        };
+        let fresh = &self.samples.fresh;
+        let probability = 1.0 / fresh.len() as f64;
+        let held = means(&self.samples.rows_but(samples));
         Ok(Fitted {
-            contact_probability: in_contact as f64 / atoms.len() as f64,
-            atoms,
-            coefficients: fit.coefficients.len() + 1,
+            law: means(fresh).iter().enumerate().flat_map(|mean| law(mean, DRAWS, probability)).collect(),
+            given: held.iter().enumerate().map(|mean| law(mean, DRAWS_HELD, 1.0)).collect(),
+            coefficients: coefficients.len() + 1,
             leave_one_out_error: None,
         })
     }

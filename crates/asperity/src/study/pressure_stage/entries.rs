@@ -27,7 +27,7 @@ pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
         sites: reference.sites,
         contact_probability: estimate.contact_probability,
         contact_probability_se: estimate.contact_probability_se,
-        contact_probability_interval: pair(estimate.contact_probability_interval),
+        contact_probability_interval: estimate.contact_probability_interval.map_or([f64::NAN; 2], pair),
         mean_pa: estimate.mean_pa,
         mean_se_pa: estimate.mean_se_pa,
         mean_interval: mean.map_or([f64::NAN; 2], pair),
@@ -70,8 +70,10 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
     MethodEntry {
         contact_probability: Some(estimate.contact_probability),
         contact_probability_se: finite(estimate.contact_probability_se),
-        contact_probability_interval: Some(pair(estimate.contact_probability_interval)),
+        contact_probability_bias: estimate.contact_probability_bias,
+        contact_probability_interval: estimate.contact_probability_interval.map(pair),
         mean_pa: finite(estimate.mean_pa),
+        mean_bias_pa: estimate.mean_bias_pa.and_then(finite),
         mean_se_pa: finite(estimate.mean_se_pa),
         mean_interval: estimate.mean_interval_pa().map(pair),
         std_pa: finite(estimate.law.std()),
@@ -81,6 +83,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
         wasserstein_1_over_std: comparison.wasserstein_1_over_std,
         coefficients: estimate.coefficients,
         leave_one_out_error: estimate.leave_one_out_error,
+        interval_failure: estimate.interval_failure.as_ref().map(ToString::to_string),
         ..posed
     }
 }

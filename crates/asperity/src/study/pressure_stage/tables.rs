@@ -70,6 +70,7 @@ fn bands(results: &Results) -> Table {
         };
         add("pressure_pa", &|i| band.values[i]);
         add("cdf", &|i| band.cdf[i]);
+        add("cdf_bias", &|i| band.bias[i]);
         add("cdf_se", &|i| band.standard_errors[i]);
         for (what, limits) in [
             ("pointwise", &(|i| band.pointwise(i)) as &dyn Fn(usize) -> [f64; 2]),
@@ -98,12 +99,14 @@ fn methods(summary: &PressureResult) -> Table {
     add("fine_solves", samples, of(&|m| Some(m.fine_solves as f64)));
     add("work_in_fine_solves", samples, of(&|m| Some(m.work_in_fine_solves)));
     add("contact_probability", summary.contact_probability, of(&|m| m.contact_probability));
+    add("contact_probability_bias", f64::NAN, of(&|m| m.contact_probability_bias));
     add("contact_probability_se", summary.contact_probability_se, of(&|m| m.contact_probability_se));
     for (i, side) in ["low", "high"].into_iter().enumerate() {
         let own = summary.contact_probability_interval[i];
         add(&format!("contact_probability_{side}"), own, of(&|m| Some(end(m.contact_probability_interval, i))));
     }
     add("mean_pa", summary.mean_pa, of(&|m| m.mean_pa));
+    add("mean_bias_pa", f64::NAN, of(&|m| m.mean_bias_pa));
     add("mean_se_pa", summary.mean_se_pa, of(&|m| m.mean_se_pa));
     for (i, side) in ["low", "high"].into_iter().enumerate() {
         add(&format!("mean_{side}_pa"), summary.mean_interval[i], of(&|m| Some(end(m.mean_interval, i))));

@@ -66,22 +66,26 @@ pub struct MethodEntry {
     pub failed_samples: usize,
     /// P(contact).
     pub contact_probability: Option<f64>,
-    /// Its standard error.
+    /// Its bias, estimated from samples that a model is not fitted to; absent where there is no bias.
+    pub contact_probability_bias: Option<f64>,
+    /// The standard error of P(contact) less its bias.
     pub contact_probability_se: Option<f64>,
-    /// Its interval.
+    /// Its interval, which holds bias and error.
     pub contact_probability_interval: Option<Pair>,
     /// Mean pressure, zeros out of contact counted.
     pub mean_pa: Option<f64>,
-    /// Its standard error.
+    /// Its bias, as that of P(contact).
+    pub mean_bias_pa: Option<f64>,
+    /// The standard error of the mean less its bias.
     pub mean_se_pa: Option<f64>,
-    /// Its interval.
+    /// Its interval, which holds bias and error.
     pub mean_interval: Option<Pair>,
     /// Standard deviation of the pressure, zeros out of contact counted.
     pub std_pa: Option<f64>,
     /// Quantiles.
     pub quantiles: Vec<PressureQuantile>,
-    /// So many standard errors to either side of the distribution function hold it everywhere at once with 95 %; its standard
-    /// errors stand in the table `pressure_bands`.
+    /// So many standard errors to either side of the distribution function less its bias hold it everywhere at once with 95 %; biases
+    /// and standard errors stand in the table `pressure_bands`.
     pub simultaneous_band_factor: Option<f64>,
     /// Kolmogorov–Smirnov distance from the reference.
     pub ks_distance: Option<f64>,
@@ -91,6 +95,8 @@ pub struct MethodEntry {
     pub coefficients: Option<usize>,
     /// Relative leave-one-out error of the expansion.
     pub leave_one_out_error: Option<f64>,
+    /// Why there are no intervals.
+    pub interval_failure: Option<String>,
     /// Why there is no estimate.
     pub failure: Option<String>,
 }
