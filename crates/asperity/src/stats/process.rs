@@ -164,32 +164,34 @@ pub fn share_above(records: &[&[f64]], level: f64, periodic: bool) -> (f64, Opti
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::Marginal;
     use crate::random;
 
-    /// Translated records of the correlation φ^lag.
-    fn records(law: &str, count: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
-        let law: Marginal = law.parse().unwrap();
+    /// Records of 3 + g + c (g² − 1) with normal g of the correlation e^{−lag/5}.
+    fn records(c: f64, count: usize, n: usize, run: u64) -> Vec<Vec<f64>> {
         let phi = (-0.2_f64).exp();
         let record = |index: usize| {
             let mut g = random::standard_normal(&mut random::stream(17, "process", 100 * run + index as u64), n);
             for t in 1..n {
                 g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
             }
-            g.into_iter().map(|g| law.translate(g)).collect()
+            g.into_iter().map(|g| 3.0 + g + c * (g * g - 1.0)).collect()
         };
         (0..count).map(record).collect()
     }
 
     #[test]
     fn intervals_hold_the_moments_of_the_law_in_one_record_as_in_twenty() {
-        let law: Marginal = "beta:2.1,5".parse().unwrap();
-        let truth = [law.mean(), law.std(), law.std() / law.mean(), law.skewness(), law.excess_kurtosis()];
+        // Central moments 1 + 2c², 6c + 8c³ and, beyond three squared variances, 48c² + 48c⁴.
+        let c = 0.05_f64;
+        let variance = 1.0 + 2.0 * c * c;
+        let skewness = (6.0 * c + 8.0 * c.powi(3)) / variance.powf(1.5);
+        let kurtosis = 48.0 * (c * c + c.powi(4)) / variance.powi(2);
+        let truth = [3.0, variance.sqrt(), variance.sqrt() / 3.0, skewness, kurtosis];
         for count in [1, 3, 20] {
             let runs = 150;
             let mut held = [0; 5];
             for run in 0..runs {
-                let records = records("beta:2.1,5", count, 1000 / count, run);
+                let records = records(c, count, 1000 / count, run);
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
                 let found = ProcessMoments::of(&views, false);
                 let estimates =
@@ -213,17 +215,17 @@ mod tests {
         assert!(constant.mean.is_none() && constant.moments.mean == 0.2 && constant.effective_size == 1.0);
         let short: Vec<f64> = (0..50).map(|i| (f64::from(i) / 25.0).sin()).collect();
         assert!(ProcessMoments::of(&[&short], false).mean.is_none());
-        let about_zero = records("normal", 1, 1000, 0);
-        let found = ProcessMoments::of(&[&about_zero[0]], false);
+        let about_zero: Vec<f64> = records(0.0, 1, 1000, 0)[0].iter().map(|x| x - 3.0).collect();
+        let found = ProcessMoments::of(&[&about_zero], false);
         assert!(found.std.is_some() && found.coefficient_of_variation.is_none());
     }
 
     #[test]
     fn the_share_above_a_level_is_a_share_with_an_interval() {
-        let records = records("normal", 4, 1000, 3);
+        let records = records(0.0, 4, 1000, 3);
         let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-        let (share, estimate) = share_above(&views, 1.0, false);
-        let count = records.iter().flatten().filter(|x| **x > 1.0).count();
+        let (share, estimate) = share_above(&views, 4.0, false);
+        let count = records.iter().flatten().filter(|x| **x > 4.0).count();
         assert_eq!(share, count as f64 / 4000.0);
         let estimate = estimate.unwrap();
         assert!(estimate.interval.low > 0.0 && estimate.interval.contains(share));
