@@ -143,12 +143,14 @@ pub struct Observed<'a> {
     /// For each of the random samples behind the responses, the response at each point without that sample; empty where the
     /// response has no noise. NaN counts as the response with all samples.
     pub without: &'a [Vec<f64>],
+    /// Responses that differ by less are taken for equal.
+    pub resolution: f64,
 }
 
 impl<'a> Observed<'a> {
     /// Responses without noise.
     pub fn exact(values: &'a [f64]) -> Self {
-        Self { values, without: &[] }
+        Self { values, without: &[], resolution: 0.0 }
     }
 }
 
@@ -274,7 +276,7 @@ impl Propagation {
         let samples = Samples::new(&kept.iter().map(|&k| &self.germs[k][..]).collect::<Vec<_>>(), observed, &kept);
         let moments = Moments::of(&samples.values);
         let variance = moments.sample_std().powi(2);
-        if variance.sqrt() <= ROUNDING * moments.mean.abs() {
+        if variance.sqrt() <= observed.resolution.max(ROUNDING * moments.mean.abs()) {
             return self.without_indices(&samples, failed, 0.0, NoIndices::Constant, resamples);
         }
         match self.best(&samples)? {

