@@ -3,7 +3,7 @@
 //! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
 //! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
 //! [`Expansion`], and [`StepLaw`] compares the laws that come out. [`Resamples`] says how well indices, distances and laws
-//! are known. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
+//! are known; [`propagation`] takes uncertain parameters through a response with noise. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
 //!
 //! ```
 //! use asperity::chaos::{Basis, Design, Expansion, SamplingMethod};
@@ -25,6 +25,7 @@ mod horner;
 mod json;
 mod multi_index;
 pub mod polynomial;
+pub mod propagation;
 mod regression;
 mod resamples;
 pub mod sampling;
@@ -38,6 +39,9 @@ pub use expansion::Expansion;
 pub use json::ExpansionFileError;
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;
+pub use propagation::{
+    NoIndices, Noise, Observed, Parameter, ParameterIndices, Propagated, Propagation, PropagationError,
+};
 pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
 pub use resamples::{Estimate, Resamples, ResamplesError};
 pub use sampling::{Design, SamplingError, SamplingMethod};

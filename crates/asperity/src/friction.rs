@@ -2,7 +2,7 @@
 //!
 //! [`strip::Strips`] solves long strips at several levels of contact; a [`window::Window`] slides along each solution and a
 //! [`law::FrictionLaw`] turns what it sees into μ(s); [`load_curve::LoadCurve`] is load against depth; [`statistics::FrictionStatistics`] says what kind of
-//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it, and
+//! process μ(s) is, and [`window_study::WindowStudy`] what of its correlation is not the window's; [`replicates`] says how few strips leave its moments uncertain; [`upscaling`] carries its scatter from one window to the nominal area; [`process`] draws from it, and
 //! [`measured`] fits one to a record from a tribometer.
 
 use thiserror::Error;
@@ -14,6 +14,7 @@ pub mod load_curve;
 pub mod measured;
 mod plane_search;
 pub mod process;
+pub mod replicates;
 pub mod statistics;
 pub mod strip;
 mod strip_sums;

@@ -174,6 +174,12 @@ impl MeasuredCovariance {
         Self { std_m, ..self }
     }
 
+    /// The same correlation at lags longer by `factor`.
+    #[must_use]
+    pub fn stretched(self, factor: f64) -> Self {
+        Self { dx_m: factor * self.dx_m, dy_m: factor * self.dy_m, ..self }
+    }
+
     /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.
     ///
     /// It is that of the lags times the factor of the spline through them, which falls like q⁻⁴ beyond their Nyquist

@@ -143,7 +143,7 @@ fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
     records.iter().map(settled).collect()
 }
 
-fn correlate(series: &[&[f64]], step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
+pub(super) fn correlate(series: &[&[f64]], step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
     let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
     let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;

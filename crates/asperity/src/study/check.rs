@@ -4,12 +4,13 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::chaos::{MAX_TERMS, number_of_terms};
+use crate::chaos::{MAX_TERMS, Propagation, number_of_terms};
 use crate::law::Marginal;
 use crate::map::PITCH_RANGE_M;
 use crate::study::config::{
     BoundaryChoice, CovarianceChoice, FrictionSection, GeneratorChoice, LawChoice, Study, SurfaceSection,
 };
+use crate::study::scatter::{LengthScatter, NumberScatter};
 
 /// A value that is well-formed but cannot be right.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -66,6 +67,7 @@ impl Study {
         self.check_material()?;
         self.check_pressure()?;
         self.check_friction()?;
+        self.check_uncertainty()?;
         self.check_vibration()
     }
 
@@ -290,6 +292,57 @@ impl Study {
         }
         at_least(SECTION, "realisations", f.realisations, 2)?;
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")
+    }
+
+    fn check_uncertainty(&self) -> Result<(), Problem> {
+        const SECTION: &str = "friction.uncertainty";
+        let (Some(surface), Some(friction)) = (&self.surface, &self.friction) else { return Ok(()) };
+        let Some(u) = &friction.uncertainty else { return Ok(()) };
+        if u.parameters() == 0 {
+            let message = "nothing is uncertain; state rms_height, correlation_length or skewness";
+            return Err(problem(SECTION, "rms_height", message));
+        }
+        for (key, scatter) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
+            match scatter {
+                Some(LengthScatter::Relative(share)) => {
+                    let wanted = "a standard deviation above 0 % and of at most 100 %";
+                    within(SECTION, key, 100.0 * share, |percent| percent > 0.0 && percent <= 100.0, wanted)?;
+                }
+                Some(LengthScatter::Absolute(length)) => within(SECTION, key, length.0, positive, POSITIVE)?,
+                Some(LengthScatter::Measured) | None => {}
+            }
+        }
+        if let Some(NumberScatter::Absolute(std)) = u.skewness {
+            within(SECTION, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
+        }
+        let fractal = surface.generator == GeneratorChoice::WeierstrassMandelbrot;
+        for (key, stated) in
+            [("correlation_length", u.correlation_length.is_some()), ("skewness", u.skewness.is_some())]
+        {
+            if stated && fractal {
+                return Err(problem(SECTION, key, "Weierstrass–Mandelbrot surfaces have none; leave it out"));
+            }
+        }
+        // An interval of the scan is about what the scan says, so the study must take that from it too.
+        let measured = [
+            ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
+            (
+                "correlation_length",
+                u.correlation_length == Some(LengthScatter::Measured),
+                surface.covariance.is_of_the_scan(),
+            ),
+            ("skewness", u.skewness == Some(NumberScatter::Measured), surface.marginal == "measured"),
+        ];
+        for (key, asked, of_the_scan) in measured {
+            if asked && !(of_the_scan && surface.file.is_some()) {
+                let message =
+                    "found \"measured\", but [surface] does not take it from a scan; state a standard deviation";
+                return Err(problem(SECTION, key, message));
+            }
+        }
+        at_least(SECTION, "points", u.points, Propagation::least_points(u.parameters()))?;
+        within(SECTION, "points", u.points as f64, |points| points <= 2000.0, "at most 2000")?;
+        at_least(SECTION, "realisations", friction.uncertainty_realisations(), 4)
     }
 
     fn check_friction_law(&self, f: &FrictionSection) -> Result<(), Problem> {

@@ -10,6 +10,7 @@ use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::quantity::{AngularFrequency, Area, Compliance, Force, Length, Mass, Pressure, Velocity};
+use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;
 
@@ -431,9 +432,48 @@ pub struct FrictionSection {
     /// Relative tolerance of each contact solve.
     #[serde(default = "solve_tolerance")]
     pub tolerance: f64,
+    /// What of the surface is uncertain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintySection>,
+}
+
+/// `[friction.uncertainty]`: standard deviations of the surface's parameters about their values in the study, independent of
+/// each other. At least one is stated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UncertaintySection {
+    /// Of the root mean square height, which is lognormal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_height: Option<LengthScatter>,
+    /// Of the correlation length along x, which is lognormal; that along y and all lags keep their ratio to it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correlation_length: Option<LengthScatter>,
+    /// Of the skewness of the heights, which is normal. Heights then have Johnson's law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skewness: Option<NumberScatter>,
+    /// Surfaces, each of other parameters.
+    #[serde(default = "uncertainty_points")]
+    pub points: usize,
+    /// Strips of each surface, the same for all; when left out, half as many as for the levels, at least 4.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub realisations: Option<usize>,
+}
+
+impl UncertaintySection {
+    /// Number of uncertain parameters.
+    pub fn parameters(&self) -> usize {
+        let stated = [self.rms_height.is_some(), self.correlation_length.is_some(), self.skewness.is_some()];
+        stated.into_iter().filter(|stated| *stated).count()
+    }
 }
 
 impl FrictionSection {
+    /// Strips of each surface of the uncertainty.
+    pub fn uncertainty_realisations(&self) -> usize {
+        let stated = self.uncertainty.as_ref().and_then(|uncertainty| uncertainty.realisations);
+        stated.unwrap_or((self.realisations / 2).max(4))
+    }
+
     /// Width of the window.
     pub fn window_width(&self) -> Length {
         self.window_width.unwrap_or(self.strip[1])
@@ -464,6 +504,7 @@ impl Default for FrictionSection {
             nominal_area: None,
             realisations: realisations(),
             tolerance: solve_tolerance(),
+            uncertainty: None,
         }
     }
 }
@@ -597,6 +638,9 @@ fn percentiles() -> Vec<f64> {
 }
 fn realisations() -> usize {
     20
+}
+fn uncertainty_points() -> usize {
+    32
 }
 fn stribeck() -> f64 {
     4.2

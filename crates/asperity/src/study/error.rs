@@ -3,6 +3,7 @@
 use asperity_formats::FormatError;
 use thiserror::Error;
 
+use crate::chaos::PropagationError;
 use crate::contact::ContactError;
 use crate::correlation::{CovarianceError, EstimateError, FitError, MeasuredCovarianceError};
 use crate::friction::FrictionError;
@@ -140,6 +141,20 @@ pub enum StudyError {
         /// What is wrong.
         error: FrictionError,
     },
+    /// A parameter of the surface is as uncertain as measured, and no interval was.
+    #[error(
+        "[friction.uncertainty] {key}: the scan holds too few correlation lengths for an interval of {statistic}; state a \
+         standard deviation instead of \"measured\""
+    )]
+    NoInterval {
+        /// Key of the section.
+        key: &'static str,
+        /// Statistic of the scan.
+        statistic: &'static str,
+    },
+    /// Uncertain parameters could not be propagated.
+    #[error("[friction.uncertainty] {0}")]
+    Propagation(#[from] PropagationError),
     /// The heights of the scan have no histogram.
     #[error("heights: {0}")]
     Heights(StatsError),
@@ -211,6 +226,7 @@ impl StudyError {
             | Self::Fit(_)
             | Self::Empirical(_)
             | Self::Heights(_)
+            | Self::NoInterval { .. }
             | Self::FrictionProcess { .. } => FailureKind::Input,
             Self::Cancelled(_)
             | Self::Pressure(PressureError::Cancelled(_))
@@ -231,6 +247,7 @@ impl StudyError {
             | Self::Pressure(_)
             | Self::Window(_)
             | Self::Process(_)
+            | Self::Propagation(_)
             | Self::ConstantMode
             | Self::FractalDimension
             | Self::NoStage(_) => FailureKind::Configuration,

@@ -70,7 +70,8 @@ impl Study {
         }
         if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
-            let solutions = (f.levels() + usize::from(nominal)) * f.realisations;
+            let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * f.uncertainty_realisations());
+            let solutions = (f.levels() + usize::from(nominal)) * (f.realisations + uncertain);
             let mut stage = contact(Stage::Friction, (solutions, 0.0), f.points, f.boundary, 0);
             // The generator, and on every thread a germ, a map and its transform.
             let cells = f.points[0] as f64 * f.points[1] as f64;
@@ -141,5 +142,9 @@ trajectories = 50
         let more = stiff[0].core_seconds / stages[0].core_seconds - 1.0;
         assert!((more - STIFFNESS_WORK * 581.25 / 1781.25).abs() < 1e-12, "{more}");
         assert_eq!(stiff[1..], stages[1..]);
+        // Twelve surfaces of other parameters, with half of the strips each.
+        let uncertain =
+            text.replace("[vibration]", "[friction.uncertainty]\nrms_height = \"5 %\"\npoints = 12\n[vibration]");
+        assert_eq!(estimate(&uncertain)[1].contact_solutions, 3 * (20 + 12 * 10));
     }
 }

@@ -4,9 +4,10 @@ mod entries;
 mod tables;
 mod words;
 
-use crate::contact::{Control, Solver};
+use crate::contact::{Control, HalfSpace, Solver};
 use crate::correlation::{LengthSettings, RecordEnds, RecordModel};
 use crate::friction::analysis::{ProcessAnalysis, record_ends};
+use crate::friction::law::FrictionLaw;
 use crate::friction::statistics::FrictionStatistics;
 use crate::friction::strip::{Level, Record, Strips};
 use crate::friction::upscaling::{exponential, variance_reduction};
@@ -16,12 +17,14 @@ use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
+use crate::study::friction_uncertainty;
 use crate::study::level_control::{Lead, LevelControl};
 use crate::study::output::StageOutput;
 use crate::study::pressure_stage::half_space;
-use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, UpscalingResult};
+use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, SurfaceResult, UpscalingResult};
 use crate::study::surface_model::SurfaceModel;
 use crate::study::{Field, StudyError};
+use crate::surface::RandomSurface;
 
 /// One level with its statistics.
 pub(super) struct SolvedLevel {
@@ -107,51 +110,89 @@ pub(super) struct FrictionStage {
     pub(super) output: StageOutput,
 }
 
+/// What is the same for all random surfaces.
+pub(super) struct Setup {
+    pub(super) grid: Grid,
+    pub(super) periodic: bool,
+    pub(super) window: Window,
+    half_space: HalfSpace,
+    mean_compliance_m_per_pa: Option<f64>,
+    law: Box<dyn FrictionLaw>,
+    law_in_words: String,
+    hardness_pa: Option<f64>,
+    solver: Solver,
+}
+
+impl Setup {
+    pub(super) fn new(section: &FrictionSection, material: &MaterialSection) -> Result<Self, StudyError> {
+        let [nx, ny] = section.points;
+        let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
+            .map_err(|error| StudyError::Grid { section: "friction", error })?;
+        let compliance = section.mean_compliance.map(|c| c.0);
+        let (half_space, mean_compliance_m_per_pa) =
+            half_space("friction", grid, material, section.boundary, compliance)?;
+        let window = match section.window_shape {
+            WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
+            WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
+        };
+        let (law, law_in_words) = friction_law(section, material)?;
+        Ok(Self {
+            grid,
+            periodic: section.boundary == BoundaryChoice::Periodic,
+            window,
+            half_space,
+            mean_compliance_m_per_pa,
+            law,
+            law_in_words,
+            hardness_pa: material.hardness.map(|h| h.0),
+            solver: Solver { tolerance: section.tolerance, ..Solver::default() },
+        })
+    }
+
+    /// So many strips of a random surface.
+    pub(super) fn strips<'a>(&'a self, surface: &'a dyn RandomSurface, realisations: usize, seed: u64) -> Strips<'a> {
+        Strips {
+            surface,
+            half_space: &self.half_space,
+            window: &self.window,
+            law: self.law.as_ref(),
+            hardness_pa: self.hardness_pa,
+            solver: self.solver,
+            realisations,
+            seed,
+        }
+    }
+}
+
 /// Solves the strips at the levels of the section and, where it leads, at the nominal pressure.
 pub(super) fn run(
     section: &FrictionSection,
     material: &MaterialSection,
-    model: &SurfaceModel,
+    (model, surface): (&SurfaceModel, &SurfaceResult),
     lead: Lead,
     nominal_area_m2: Option<f64>,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
-    let [nx, ny] = section.points;
-    let grid = Grid::covering(nx, ny, section.strip[0].0, section.strip[1].0)
-        .map_err(|error| StudyError::Grid { section: "friction", error })?;
-    let periodic = section.boundary == BoundaryChoice::Periodic;
-    let compliance = section.mean_compliance.map(|c| c.0);
-    let (half_space, mean_compliance_m_per_pa) = half_space("friction", grid, material, section.boundary, compliance)?;
-    let window = match section.window_shape {
-        WindowShape::Rectangle => Window::rectangle(section.window.0, section.window_width().0, grid)?,
-        WindowShape::Ellipse => Window::ellipse(section.window.0, section.window_width().0, grid)?,
-    };
+    let setup = Setup::new(section, material)?;
+    let &Setup { grid, periodic, mean_compliance_m_per_pa, .. } = &setup;
     let generated = model.strip(grid, periodic)?;
-    let (law, law_in_words) = friction_law(section, material)?;
-    let strips = Strips {
-        surface: generated.surface.as_ref(),
-        half_space: &half_space,
-        window: &window,
-        law: law.as_ref(),
-        hardness_pa: material.hardness.map(|h| h.0),
-        solver: Solver { tolerance: section.tolerance, ..Solver::default() },
-        realisations: section.realisations,
-        seed,
-    };
+    let strips = setup.strips(generated.surface.as_ref(), section.realisations, seed);
     let stated = LevelControl::of(section, lead);
     let controls: Vec<Control> = stated.iter().map(|level| level.contact(&model.marginal)).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
     for (control, level) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
         let level = level.map_err(|error| StudyError::Friction { level: control.name(), error })?;
-        let level = SolvedLevel::new(control, level, &window, periodic, grid.width_m(), seed)?;
+        let level = SolvedLevel::new(control, level, &setup.window, periodic, grid.width_m(), seed)?;
         output.warnings.extend(words::level_warnings(&level));
         levels.push(level);
     }
     let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
     let lead = lead.among(&pressures);
-    let result = FrictionResult {
+    let uncertain = friction_uncertainty::run(section, &setup, (model, surface), &levels, seed, monitor)?;
+    let window = &setup.window;
+    let mut result = FrictionResult {
         window_m: window.length_m(),
         window_width_m: window.width_m(),
         strip_width_m: grid.height_m(),
@@ -162,19 +203,25 @@ pub(super) fn run(
             .enumerate()
             .map(|(index, level)| LevelResult {
                 leading: index == lead,
-                upscaling: nominal_area_m2.map(|area_m2| level.upscaling(&window, area_m2)),
+                upscaling: nominal_area_m2.map(|area_m2| level.upscaling(window, area_m2)),
                 ..entries::level_result(level)
             })
             .collect(),
+        uncertainty: None,
     };
     output.tables = tables::of_levels(&levels);
-    output.tables.extend(tables::of_lead(&levels[lead], &window));
+    output.tables.extend(tables::of_lead(&levels[lead], window));
     output.warnings.extend(words::drift(&levels[lead]));
     if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {
         output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
-    output.assumptions = words::sentences(section, &strips, &law_in_words, mean_compliance_m_per_pa, &levels[lead]);
+    output.assumptions =
+        words::sentences(section, &strips, &setup.law_in_words, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());
-    let solved = SolvedStrips { window, levels, lead };
+    if let Some((found, own)) = uncertain {
+        output.extend(own);
+        result.uncertainty = Some(found);
+    }
+    let solved = SolvedStrips { window: setup.window, levels, lead };
     Ok(FrictionStage { solved, result, output })
 }

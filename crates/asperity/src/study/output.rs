@@ -17,6 +17,16 @@ pub(super) struct StageOutput {
     pub(super) warnings: Vec<String>,
 }
 
+impl StageOutput {
+    /// Puts a part of the same stage behind this one.
+    pub(super) fn extend(&mut self, part: Self) {
+        self.tables.extend(part.tables);
+        self.fields.extend(part.fields);
+        self.assumptions.extend(part.assumptions);
+        self.warnings.extend(part.warnings);
+    }
+}
+
 /// What the stages handed over, in their order.
 #[derive(Default)]
 pub(super) struct Gathered {

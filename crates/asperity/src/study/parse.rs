@@ -53,16 +53,21 @@ fn line_at(text: &str, byte: usize) -> usize {
     text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
 }
 
-/// The line of `key` in `[section]`; of the section where the key is absent; 1 where that is absent too.
+/// The line of `key` in `[section]`, which may be `outer.inner`; of the section where the key is absent; 1 where that is absent
+/// too.
 fn line_of_key(text: &str, section: &str, key: &str) -> usize {
     let Ok(file) = DeTable::parse(text) else { return 1 };
     let find = |table: &DeTable<'_>, name: &str| table.keys().find(|key| key.get_ref() == name).map(|key| key.span());
-    let Some(header) = find(file.get_ref(), section) else { return 1 };
-    let own = match file.get_ref().get(section).map(|value| value.get_ref()) {
-        Some(DeValue::Table(table)) => find(table, key),
-        _ => None,
-    };
-    line_at(text, own.unwrap_or(header).start)
+    let (mut table, mut line) = (file.get_ref(), 1);
+    for name in section.split('.').chain([key]) {
+        let Some(span) = find(table, name) else { return line };
+        line = line_at(text, span.start);
+        match table.get(name).map(|value| value.get_ref()) {
+            Some(DeValue::Table(inner)) => table = inner,
+            _ => return line,
+        }
+    }
+    line
 }
 
 /// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a sentence with the nearest known name.

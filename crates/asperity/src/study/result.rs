@@ -4,6 +4,7 @@
 //! host or thread count enters, so equal studies give equal bytes.
 
 mod pressure;
+mod uncertainty;
 
 use std::collections::BTreeMap;
 
@@ -20,6 +21,9 @@ use crate::surface::uncertainty::Estimates;
 pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
     PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
+};
+pub use uncertainty::{
+    FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
 
 /// Everything a run computed.
@@ -332,6 +336,9 @@ pub struct FrictionResult {
     pub realisations: usize,
     /// Levels of contact.
     pub levels: Vec<LevelResult>,
+    /// What uncertain parameters of the surface do; absent where none is stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyResult>,
 }
 
 /// One level of the friction stage.

@@ -123,8 +123,8 @@ impl Study {
             gathered.results.pressure = Some(stage.result);
         }
         let mut friction = None;
-        if let (Some(section), Some(material), Some(surface), true) =
-            (&self.friction, &self.material, &surface, wants_friction)
+        if let (Some(section), Some(material), Some(surface), Some(found), true) =
+            (&self.friction, &self.material, &surface, gathered.results.surface.as_ref(), wants_friction)
         {
             let lead = match self.vibration.as_ref().map(|v| (v.level, v.normal_force.0 / v.nominal_area.0)) {
                 None => Lead::Deepest,
@@ -133,6 +133,7 @@ impl Study {
             };
             let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
             let nominal_area_m2 = section.nominal_area.or_else(of_vibration).map(|area| area.0);
+            let surface = (surface, found);
             let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);

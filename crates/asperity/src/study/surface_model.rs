@@ -102,6 +102,15 @@ impl StationaryCovariance for SurfaceCovariance {
     }
 }
 
+/// In which order a germ stands for the waves of a spectral field.
+#[derive(Debug, Clone, Copy)]
+enum GermOrder {
+    /// From the greatest variance.
+    Variance,
+    /// The same for all covariances.
+    Wavevector,
+}
+
 /// How heights at different points belong together.
 #[derive(Debug, Clone)]
 pub(super) enum Texture {
@@ -164,7 +173,7 @@ impl SurfaceModel {
                 }
             },
             Texture::Translated { ref covariance, translation, expansion: None } => {
-                self.spectral(covariance, translation, grid, periodic)
+                self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)
             }
             Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
@@ -173,9 +182,18 @@ impl SurfaceModel {
     /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
     /// place.
     pub(super) fn strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+        self.strip_in(GermOrder::Variance, grid, periodic)
+    }
+
+    /// The same with a germ that means the same waves for every covariance, where the grid is periodic.
+    pub(super) fn comparable_strip(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
+        self.strip_in(GermOrder::Wavevector, grid, periodic)
+    }
+
+    fn strip_in(&self, order: GermOrder, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         match self.texture {
             Texture::Translated { ref covariance, translation, .. } => {
-                self.spectral(covariance, translation, grid, periodic)
+                self.spectral(covariance, translation, order, grid, periodic)
             }
             Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
@@ -234,6 +252,7 @@ impl SurfaceModel {
         &self,
         covariance: &SurfaceCovariance,
         translation: TranslationChoice,
+        order: GermOrder,
         grid: Grid,
         periodic: bool,
     ) -> Result<Generated, StudyError> {
@@ -280,7 +299,10 @@ impl SurfaceModel {
             ));
         }
         Ok(Generated {
-            surface: self.translated(field)?,
+            surface: self.translated(match order {
+                GermOrder::Variance => field,
+                GermOrder::Wavevector => field.by_wavevector(),
+            })?,
             karhunen_loeve: None,
             std_share: 1.0,
             warnings,

@@ -90,6 +90,16 @@ impl SpectralField {
         }
     }
 
+    /// The same field with its germ in the order of wavevectors, the same for all covariances. Sorted by variance, a variable
+    /// belongs to another wave as soon as the covariance changes, and two waves of one variance are in the order that rounding
+    /// gives them: with this order a germ means the same waves in fields of different covariance on one grid. Free fields may
+    /// have domains of different size, on which it does not.
+    #[must_use]
+    pub fn by_wavevector(mut self) -> Self {
+        self.modes.sort_by_place();
+        self
+    }
+
     /// The modes, on the grid itself or on the embedding of a free field.
     pub(super) fn modes(&self) -> &FourierModes {
         &self.modes

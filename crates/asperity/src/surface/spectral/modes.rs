@@ -129,6 +129,11 @@ impl FourierModes {
         Self { fft, area_m2: domain.area_m2(), modes }
     }
 
+    /// Sorts the modes by the wavevector's place, the cosine first, whatever their eigenvalues.
+    pub(in crate::surface) fn sort_by_place(&mut self) {
+        self.modes.sort_by_key(|mode| (mode.place, mode.sine));
+    }
+
     /// Keeps the first `count` modes.
     pub(in crate::surface) fn truncate(&mut self, count: usize) {
         self.modes.truncate(count);

@@ -1,0 +1,153 @@
+//! How uncertain a parameter of the surface is: `"5 %"`, `"0.05 um"`, `0.2`, `"measured"`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use crate::quantity::Length;
+
+/// What stands for the interval that the surface stage measured.
+const MEASURED: &str = "measured";
+
+/// Standard deviation of a length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LengthScatter {
+    /// Over the length itself.
+    Relative(f64),
+    /// In metre.
+    Absolute(Length),
+    /// As the 95 % interval of the scan says.
+    Measured,
+}
+
+/// Standard deviation of a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NumberScatter {
+    /// As stated.
+    Absolute(f64),
+    /// As the 95 % interval of the scan says.
+    Measured,
+}
+
+impl FromStr for LengthScatter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        if text == MEASURED {
+            return Ok(Self::Measured);
+        }
+        match text.strip_suffix('%') {
+            Some(percent) => percent
+                .trim()
+                .parse::<f64>()
+                .map(|percent| Self::Relative(percent / 100.0))
+                .map_err(|_| format!("`{text}` is no percentage; write for example \"5 %\"")),
+            None => text.parse().map(Self::Absolute).map_err(|error: crate::quantity::QuantityError| {
+                format!("{error}; a percentage such as \"5 %\" and \"measured\" are standard deviations too")
+            }),
+        }
+    }
+}
+
+impl fmt::Display for LengthScatter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Relative(share) => write!(f, "{} %", percent(*share)),
+            Self::Absolute(length) => length.fmt(f),
+            Self::Measured => f.write_str(MEASURED),
+        }
+    }
+}
+
+/// The number of per cent that reads back to the same share.
+fn percent(share: f64) -> f64 {
+    let exact = 100.0 * share;
+    let round = (exact * 1e9).round() / 1e9;
+    if (round / 100.0).to_bits() == share.to_bits() { round } else { exact }
+}
+
+impl Serialize for LengthScatter {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for LengthScatter {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = LengthScatter;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a standard deviation such as \"5 %\" or \"0.05 um\", or \"measured\"")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<LengthScatter, E> {
+                text.parse().map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+impl Serialize for NumberScatter {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Absolute(value) => serializer.serialize_f64(*value),
+            Self::Measured => serializer.serialize_str(MEASURED),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for NumberScatter {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = NumberScatter;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a standard deviation such as 0.2, or \"measured\"")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<NumberScatter, E> {
+                Ok(NumberScatter::Absolute(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<NumberScatter, E> {
+                Ok(NumberScatter::Absolute(value as f64))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<NumberScatter, E> {
+                if text == MEASURED {
+                    Ok(NumberScatter::Measured)
+                } else {
+                    Err(E::custom(format!("`{text}` is no number; write for example 0.2, or \"measured\"")))
+                }
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scatter_is_relative_absolute_or_measured() {
+        assert_eq!("5 %".parse(), Ok(LengthScatter::Relative(0.05)));
+        assert_eq!("2.5%".parse(), Ok(LengthScatter::Relative(0.025)));
+        assert_eq!("0.05 um".parse(), Ok(LengthScatter::Absolute("0.05 um".parse().unwrap())));
+        assert_eq!("measured".parse(), Ok(LengthScatter::Measured));
+        for (text, wanted) in [("5", "no unit"), ("five %", "no percentage"), ("5 GPa", "not a unit of length")] {
+            let error = text.parse::<LengthScatter>().unwrap_err();
+            assert!(error.contains(wanted), "{text}: {error}");
+        }
+        for text in ["5 %", "0.7 %", "33.3 %", "50 nm", "measured"] {
+            let scatter: LengthScatter = text.parse().unwrap();
+            assert_eq!(scatter.to_string().parse(), Ok(scatter), "{text}");
+        }
+    }
+}
