@@ -13,6 +13,10 @@ const GROUP_DRAWS: usize = 1000;
 /// From so many degrees of freedom on errors are normal, and the fewest that are told.
 const MANY: f64 = 1000.0;
 const LEAST_DEGREES: f64 = 3.0;
+/// Values on either side whose errors tell that of the one between them.
+const NEIGHBOURS: usize = 2;
+/// Larger rises of a distribution function between neighbouring values are atoms.
+const ATOM: f64 = 0.02;
 
 /// An estimated distribution function with 95 % bands at some values.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,7 +50,9 @@ impl Band {
         let pointwise_factor = degrees_of_freedom.map_or(NORMAL_95, student_95);
         let simultaneous_factor = match degrees_of_freedom {
             _ if standard_errors.iter().all(|se| *se <= 0.0) => pointwise_factor,
-            Some(degrees) => critical_value_of_groups(cdf, &standard_errors, degrees, seed),
+            Some(degrees) => {
+                critical_value_of_groups(standard_errors.iter().filter(|se| **se > 0.0).count(), degrees, seed)
+            }
             None => critical_value(&standard_errors, covariance, seed),
         };
         let simultaneous_factor = simultaneous_factor.max(pointwise_factor);
@@ -68,11 +74,19 @@ impl Band {
     }
 
     /// The band of the empirical distribution function of `samples` independent values; F̂ at `values` is `cdf`.
+    ///
+    /// # References
+    /// A. Agresti and B. A. Coull, *Am. Stat.* **52** (1998) 119, <https://doi.org/10.1080/00031305.1998.10480550>.
     pub(super) fn of_independent(values: &[f64], cdf: &[f64], samples: usize, seed: u64) -> Self {
         let covariance = |i: usize, j: usize| cdf[i.min(j)] * (1.0 - cdf[i.max(j)]) / samples as f64;
         let n = values.len();
         let covariance: Vec<f64> = (0..n * n).map(|k| covariance(k / n, k % n)).collect();
-        Self::new(values, cdf, &covariance, None, seed)
+        let band = Self::new(values, cdf, &covariance, None, seed);
+        // Of the share with two of either kind more (Agresti and Coull): few on one side say less of their own spread.
+        let count = samples as f64;
+        let more = |f: &f64| (count * f + 2.0) / (count + 4.0);
+        let standard_error = |f: &f64| (more(f) * (1.0 - more(f)) / count).sqrt();
+        Self { standard_errors: cdf.iter().map(standard_error).collect(), ..band }
     }
 
     /// Widens the band at the first value, above which so many of the samples lie, to Wilson's interval, where those on either side are
@@ -139,8 +153,14 @@ impl Band {
         let mut values: Vec<f64> = law.values().iter().chain(&self.values).copied().collect();
         values.sort_by(f64::total_cmp);
         let at = |factor: f64| {
-            let found = values.iter().find(|value| limit(**value, factor) >= probability);
-            found.or(values.last()).copied().unwrap_or(f64::NAN)
+            let Some(place) = values.iter().position(|value| limit(*value, factor) >= probability) else {
+                return values.last().copied().unwrap_or(f64::NAN);
+            };
+            let Some(before) = place.checked_sub(1).map(|before| values[before]) else { return values[place] };
+            // Between values the limit rises evenly, unless there is an atom.
+            let [low, high] = [before, values[place]].map(|value| limit(value, factor));
+            let share = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
+            before + share * (values[place] - before)
         };
         let factor = self.pointwise_factor;
         let interval = Interval { low: at(factor), high: at(-factor) };
@@ -166,29 +186,21 @@ fn critical_value(standard_errors: &[f64], covariance: &[f64], seed: u64) -> f64
 }
 
 /// The same of means of few vectors, each over the standard error that is taken from these vectors: Student's factors for several
-/// values at once. So few vectors do not tell how their errors at different values are correlated; for those of the empirical
-/// distribution function of independent samples it is the root of the ratio of the odds of F, and stratified designs take away what is
-/// common to many values: the ratio itself.
-fn critical_value_of_groups(cdf: &[f64], standard_errors: &[f64], degrees_of_freedom: usize, seed: u64) -> f64 {
-    let known = |i: &usize| standard_errors[*i] > 0.0 && cdf[*i] > 0.0 && cdf[*i] < 1.0;
-    let used: Vec<f64> = (0..cdf.len()).filter(known).map(|i| cdf[i]).collect();
-    let odds = |f: f64| f / (1.0 - f);
-    let correlation = Mat::from_fn(used.len(), used.len(), |a, b| {
-        let (a, b) = (odds(used[a]), odds(used[b]));
-        a.min(b) / a.max(b)
-    });
-    let groups = degrees_of_freedom + 1;
-    if degrees_of_freedom == 0 || used.is_empty() {
-        return if used.is_empty() { NORMAL_95 } else { f64::INFINITY };
+/// values at once. So few vectors do not tell how their errors at different values are correlated, and stratified designs take away most
+/// of what is common to them: they are taken as independent.
+fn critical_value_of_groups(values: usize, degrees_of_freedom: usize, seed: u64) -> f64 {
+    if degrees_of_freedom == 0 {
+        return f64::INFINITY;
     }
-    let Some(z) = draws(&correlation, GROUP_DRAWS * groups, seed) else { return f64::INFINITY };
-    let ratio = |a: usize, draw: usize| {
-        let own = || (draw * groups..(draw + 1) * groups).map(|column| z[(a, column)]);
-        let mean = own().sum::<f64>() / groups as f64;
-        let squares: f64 = own().map(|z| (z - mean).powi(2)).sum();
+    let groups = degrees_of_freedom + 1;
+    let xi = random::standard_normal(&mut random::stream(seed, "pressure/band", 0), values * GROUP_DRAWS * groups);
+    let ratios = xi.chunks_exact(groups).map(|own| {
+        let mean = own.iter().sum::<f64>() / groups as f64;
+        let squares: f64 = own.iter().map(|z| (z - mean).powi(2)).sum();
         mean.abs() / (squares / (groups * degrees_of_freedom) as f64).sqrt()
-    };
-    quantile_95((0..GROUP_DRAWS).map(|draw| (0..used.len()).map(|a| ratio(a, draw)).fold(0.0, f64::max)))
+    });
+    let ratios: Vec<f64> = ratios.collect();
+    quantile_95(ratios.chunks_exact(values.max(1)).map(|own| own.iter().copied().fold(0.0, f64::max)))
 }
 
 /// Normal vectors with the given correlation.
@@ -205,6 +217,13 @@ fn quantile_95(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values[values.len() * 95 / 100]
+}
+
+/// The root of a variance, widened for the variance that it has itself.
+fn widened(variance: f64, uncertainty: f64) -> f64 {
+    let degrees = 2.0 * variance * variance / uncertainty;
+    let factor = if degrees < MANY { student_quantile(0.975, degrees.max(LEAST_DEGREES)) / NORMAL_95 } else { 1.0 };
+    factor * variance.sqrt()
 }
 
 /// Sums and products of vectors of one length.
@@ -318,11 +337,26 @@ impl Total {
     /// # References
     /// F. E. Satterthwaite, *Biometrics Bull.* **2** (1946) 110, <https://doi.org/10.2307/3002019>.
     pub(super) fn standard_error(&self, i: usize, degrees_of_freedom: Option<usize>) -> f64 {
-        let variance = self.covariances[i * (i + 1) / 2 + i].max(0.0);
-        let degrees = 2.0 * variance * variance / self.uncertainties[i];
-        let few = degrees_of_freedom.is_none() && degrees < MANY;
-        let allowance = if few { student_quantile(0.975, degrees.max(LEAST_DEGREES)) / NORMAL_95 } else { 1.0 };
-        allowance * variance.sqrt()
+        let variance = self.variance(i);
+        if degrees_of_freedom.is_some() { variance.sqrt() } else { widened(variance, self.uncertainties[i]) }
+    }
+
+    fn variance(&self, i: usize) -> f64 {
+        self.covariances[i * (i + 1) / 2 + i].max(0.0)
+    }
+
+    /// The standard error at one of the leading `count` values of F, of which the first is an atom. Those of its neighbours are about
+    /// the same, but other vectors make them up: where their mean is larger, it is taken.
+    fn standard_error_among(&self, i: usize, count: usize) -> f64 {
+        let own = self.standard_error(i, None);
+        if i == 0 {
+            return own;
+        }
+        let around = i.saturating_sub(NEIGHBOURS).max(1)..(i + NEIGHBOURS + 1).min(count);
+        let n = around.len() as f64;
+        let variance = around.clone().map(|j| self.variance(j)).sum::<f64>() / n;
+        let uncertainty = around.map(|j| self.uncertainties[j]).sum::<f64>() / (n * n);
+        own.max(widened(variance, uncertainty))
     }
 
     /// The band of the first of them, at `values`.
@@ -331,7 +365,10 @@ impl Total {
         let pair = |i: usize, j: usize| self.covariances[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
         let covariance: Vec<f64> = (0..n * n).map(|k| pair(k / n, k % n)).collect();
         let band = Band::new(values, &self.values[..n], &covariance, degrees_of_freedom, seed);
-        Band { standard_errors: (0..n).map(|i| self.standard_error(i, degrees_of_freedom)).collect(), ..band }
+        if degrees_of_freedom.is_some() {
+            return band;
+        }
+        Band { standard_errors: (0..n).map(|i| self.standard_error_among(i, n)).collect(), ..band }
     }
 }
 
@@ -401,13 +438,14 @@ mod tests {
 
     #[test]
     fn students_factors_for_several_values_at_once_are_larger_than_for_one() {
-        let (cdf, covariance) = ([0.2, 0.2, 0.8], [1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let (cdf, covariance) = ([0.2, 0.8], [1.0, 0.0, 0.0, 1.0]);
         let one = Band::new(&[0.0], &[0.2], &[1.0], Some(9), 1);
-        let three = Band::new(&[0.0, 1.0, 2.0], &cdf, &covariance, Some(9), 1);
+        let two = Band::new(&[0.0, 1.0], &cdf, &covariance, Some(9), 1);
         assert!((one.pointwise_factor - 2.262_157).abs() < 1e-5);
         // A thousand draws of Student's law of nine degrees of freedom: the 95 % point is known to about 4 %.
         assert!((one.simultaneous_factor / one.pointwise_factor - 1.0).abs() < 0.12, "{}", one.simultaneous_factor);
-        // Two values that are nearly independent: the 97.5 % point 2.685 of each.
-        assert!((three.simultaneous_factor / 2.685 - 1.0).abs() < 0.12, "{}", three.simultaneous_factor);
+        // Of two the √.95 point: t(9) at .98734 is 2.68.
+        let wanted = student_quantile(0.5 + 0.5 * 0.95_f64.sqrt(), 9.0);
+        assert!((two.simultaneous_factor / wanted - 1.0).abs() < 0.12, "{} {wanted}", two.simultaneous_factor);
     }
 }
