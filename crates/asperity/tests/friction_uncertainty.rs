@@ -51,11 +51,17 @@ fn named<'a>(responses: &'a [UncertainResponse], name: &str) -> &'a UncertainRes
 fn a_light_load_shares_the_variance_as_the_slope_does() {
     // Elastic contact of little area: A/A₀ ∝ p̄/(E* h'rms), so that μ = τA/N ∝ 1/h'rms ∝ ℓ/Sq. The variance of ln μ is that of
     // ln ℓ and that of ln Sq.
+    // Eight lengths across, or the periodic covariance has a kink that makes slopes of its own.
     let text = STUDY
-        .replace("1024 um", "2048 um")
-        .replace("[512, 32]", "[1024, 32]")
+        .replace("64 um", "128 um")
+        .replace("[512, 32]", "[512, 64]")
         .replace("points = 24\nrealisations = 8", "points = 12\nrealisations = 16");
     let outcome = run(&text);
+    assert!(
+        outcome.results.warnings.iter().all(|warning| !warning.contains("clipped")),
+        "{:?}",
+        outcome.results.warnings
+    );
     let found = uncertainty(&outcome);
     let level = &found.levels[0];
     assert_eq!((found.points, found.realisations, level.mean_pressure_pa), (12, 16, Some(300e6)));
