@@ -459,3 +459,37 @@ fn a_ragged_table_and_a_field_of_the_wrong_size_are_refused() {
     let flat = Field { values: vec![0.0; 4], dx_m: 0.0, ..field };
     assert!(matches!(refused(&flat), ReportError::FieldPitch { .. }));
 }
+
+#[test]
+fn uncertain_parameters_have_a_band_and_their_indices() {
+    let mut run = full_run();
+    let index = |name: &str, total: f64| {
+        json!({"parameter": name, "first": total - 0.02, "first_interval": [total - 0.05, total], "total": total,
+               "total_interval": [total - 0.03, total + 0.03]})
+    };
+    let sobol = json!([index("rms_height", 0.3), index("correlation_length", 0.74)]);
+    let response = |name: &str| json!({"name": name, "value": 0.2, "std": 0.01, "loo_error": 0.02, "sobol": sobol});
+    let constant = json!({"name": "std", "value": 0.0, "std": 0.0, "loo_error": 0.0, "sobol": []});
+    let level = json!({"responses": [response("mean"), constant, response("correlation_length_m")]});
+    let levels = run.results["friction"]["levels"].as_array().unwrap().len();
+    run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": vec![level; levels]});
+    let columns = [
+        ("penetration_m", vec![1.72e-6, 1.35e-6, f64::NAN]),
+        ("mean_low", vec![0.19, 0.195, 0.0]),
+        ("mean_high", vec![0.23, 0.24, 0.0]),
+    ];
+    let columns = columns.map(|(name, values)| (name.to_owned(), values)).to_vec();
+    run.tables.insert("friction_uncertainty".into(), Table { columns });
+    let said = words(&run, "friction_sensitivity");
+    for wanted in ["Mean of μ", "Correlation length of μ", "rms height", "explained: 98 % of the variance"] {
+        assert!(said.iter().any(|text| text == wanted), "{wanted:?} in {said:?}");
+    }
+    assert!(!said.iter().any(|text| text == "Std of μ"));
+    assert!(words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
+    // Without indices there is no figure, and without the table no band.
+    run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": [{"responses": [constant]}]});
+    run.tables.remove("friction_uncertainty");
+    let report = render(&run).unwrap();
+    assert!(report.figures.iter().all(|figure| figure.name != "friction_sensitivity"));
+    assert!(!words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
+}

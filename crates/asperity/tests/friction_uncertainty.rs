@@ -26,7 +26,7 @@ strip = ["1024 um", "64 um"]
 points = [512, 32]
 window = "100 um"
 percentiles = []
-mean_pressures = ["20 MPa"]
+mean_pressures = ["300 MPa"]
 realisations = 4
 [friction.uncertainty]
 rms_height = "5 %"
@@ -51,11 +51,21 @@ fn named<'a>(responses: &'a [UncertainResponse], name: &str) -> &'a UncertainRes
 fn a_light_load_shares_the_variance_as_the_slope_does() {
     // Elastic contact of little area: A/A₀ ∝ p̄/(E* h'rms), so that μ = τA/N ∝ 1/h'rms ∝ ℓ/Sq. The variance of ln μ is that of
     // ln ℓ and that of ln Sq.
-    let outcome = run(STUDY);
+    // Eight lengths across, or the periodic covariance has a kink that makes slopes of its own.
+    let text = STUDY
+        .replace("64 um", "128 um")
+        .replace("[512, 32]", "[512, 64]")
+        .replace("points = 24\nrealisations = 8", "points = 12\nrealisations = 16");
+    let outcome = run(&text);
+    assert!(
+        outcome.results.warnings.iter().all(|warning| !warning.contains("clipped")),
+        "{:?}",
+        outcome.results.warnings
+    );
     let found = uncertainty(&outcome);
     let level = &found.levels[0];
-    assert_eq!((found.points, found.realisations, level.mean_pressure_pa), (24, 8, Some(20e6)));
-    assert!(outcome.results.friction.as_ref().unwrap().levels[0].contact_fraction < 0.05);
+    assert_eq!((found.points, found.realisations, level.mean_pressure_pa), (12, 16, Some(300e6)));
+    assert!(outcome.results.friction.as_ref().unwrap().levels[0].contact_fraction < 0.06);
     let mean = named(&level.at_mean_load, "mean");
     println!("{mean:#?}");
     let (height, length) = (0.05_f64.powi(2).ln_1p(), 0.1_f64.powi(2).ln_1p());
@@ -65,7 +75,7 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
         let allowed = 0.03;
         let within = |[low, high]: [f64; 2], value: f64| (low - allowed..=high + allowed).contains(&value);
         assert!(within(index.first_interval, first), "{first} {index:?}");
-        assert!((index.first - first).abs() < 0.1 && index.total >= index.first - 1e-12, "{first} {index:?}");
+        assert!((index.first - first).abs() < 0.15 && index.total >= index.first - 1e-12, "{first} {index:?}");
     }
     // The area grows a little less than the load, by which the variance is less too.
     let variation = mean.std.unwrap() / mean.value.unwrap() / share.sqrt();
@@ -90,13 +100,14 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
 fn full_contact_scatters_as_the_heights_do() {
     // Where all touches, μ̄ = τ/p̄ whatever the surface, and the load of a window is linear in the heights: the standard deviation
     // at the mean load is proportional to Sq.
-    let text = STUDY.replace("20 MPa", "200 GPa").replace("correlation_length = \"10 %\"\n", "");
+    let text = STUDY.replace("300 MPa", "200 GPa").replace("correlation_length = \"10 %\"\n", "");
     let outcome = run(&text);
     assert!((outcome.results.friction.as_ref().unwrap().levels[0].contact_fraction - 1.0).abs() < 1e-12);
     let level = &uncertainty(&outcome).levels[0];
     let mean = named(&level.at_mean_load, "mean");
-    assert!((mean.value.unwrap() / (385e6 / 200e9) - 1.0).abs() < 1e-6, "{mean:?}");
-    assert!(mean.std.unwrap() < 1e-6 * mean.value.unwrap());
+    assert!((mean.value.unwrap() / (385e6 / 200e9) - 1.0).abs() < 1e-5, "{mean:?}");
+    assert!(mean.std.unwrap() < 1e-6 * mean.value.unwrap() && mean.sobol.is_empty());
+    assert_eq!((mean.noise_share, mean.loo_error), (Some(0.0), Some(0.0)));
     let std = named(&level.at_mean_load, "std");
     let variation = std.std.unwrap() / std.value.unwrap();
     assert!((variation / 0.05 - 1.0).abs() < 5e-3, "{variation}");
@@ -136,7 +147,7 @@ fn the_levels_are_those_of_the_study_without_uncertainty() {
 fn skewness_and_percentiles_go_together() {
     let text = STUDY
         .replace("percentiles = []", "percentiles = [20.0]")
-        .replace("mean_pressures = [\"20 MPa\"]\n", "")
+        .replace("mean_pressures = [\"300 MPa\"]\n", "")
         .replace("correlation_length = \"10 %\"", "skewness = 0.3")
         .replace("points = 24", "points = 12");
     let outcome = run(&text);

@@ -1,17 +1,19 @@
 //! The friction coefficient against penetration, its law, its correlation and its course along the track.
 
+mod uncertainty;
+
 use super::{Plate, Stage, columns, csv};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen, Rect, draw};
 use crate::chart::{Chart, Layout, Mark, figure};
 use crate::format::{Dimension, Unit, significant};
-use crate::palette::{BLACK, BLUE, GREEN, GREY, VERMILION, pen};
+use crate::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, pen};
 use crate::raster::{Kind, Raster};
 use crate::{ReportError, Run, Table};
 
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     if let Some(table) = run.tables.get("friction_levels") {
-        levels(table, plates)?;
+        levels(table, run.tables.get("friction_uncertainty"), plates)?;
     }
     if let Some(table) = run.tables.get("friction_histogram") {
         histogram(table, plates)?;
@@ -19,6 +21,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
     if let Some(table) = run.tables.get("friction_acf") {
         autocorrelation(table, plates)?;
     }
+    uncertainty::plate(run, plates)?;
     trace(run, plates)
 }
 
@@ -27,7 +30,18 @@ fn ordered(values: &[f64], order: &[usize]) -> Vec<f64> {
     order.iter().map(|&row| values[row]).collect()
 }
 
-fn levels(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+/// Penetrations and limits of a moment over the uncertain parameters of the surface.
+fn parameter_band(table: &Table, column: &str) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+    let [penetration, low, high] =
+        columns(table, ["penetration_m", &format!("{column}_low"), &format!("{column}_high")])?;
+    let known = |row: &usize| penetration[*row].is_finite() && low[*row].is_finite() && high[*row].is_finite();
+    let mut order: Vec<usize> = (0..penetration.len()).filter(known).collect();
+    order.sort_by(|&a, &b| penetration[a].total_cmp(&penetration[b]));
+    (order.len() > 1).then(|| (ordered(penetration, &order), ordered(low, &order), ordered(high, &order)))
+}
+
+/// `uncertain` are the moments over the uncertain parameters of the surface.
+fn levels(table: &Table, uncertain: Option<&Table>, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     const NAME: &str = "friction_levels";
     let Some([penetration]) = columns(table, ["penetration_m"]) else { return Ok(()) };
     // Levels may be listed in any order; a curve needs rising penetrations.
@@ -46,12 +60,17 @@ fn levels(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
         let y = ordered(values, &order);
         let band = limits.and_then(|(low, high)| columns(table, [low, high]));
         let band = band.map(|[low, high]| (ordered(low, &order), ordered(high, &order)));
+        let over = uncertain.and_then(|table| parameter_band(table, column));
         let limits = band.iter().flat_map(|(low, high)| low.iter().chain(high));
+        let limits = limits.chain(over.iter().flat_map(|(_, low, high)| low.iter().chain(high)));
         let Some((low, high)) = range(y.iter().chain(limits)) else { continue };
         let room = 0.30 * (high - low);
         let y_axis = Axis::padded(label, Unit::none(), (low, high + if charts.is_empty() { room } else { 0.0 }), 0.08);
         let x_axis = Axis::padded("Penetration", Dimension::Length.unit(x_range.1), x_range, 0.04);
         let mut chart = Chart::new(x_axis, y_axis);
+        if let Some((x, low, high)) = over {
+            chart.add("95 % of the parameters", Mark::Band { x, low, high, colour: ORANGE });
+        }
         if let Some((low, high)) = band {
             chart.add("95 % interval", Mark::Band { x: x.clone(), low, high, colour: BLUE });
         }
@@ -80,12 +99,17 @@ fn levels(table: &Table, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
         return Ok(());
     }
     let title = "Friction coefficient against penetration";
-    let caption = "Mean, standard deviation and coefficient of variation of μ over the windows at each penetration \
+    let mut caption =
+        "Mean, standard deviation and coefficient of variation of μ over the windows at each penetration \
                    (the paper’s Fig. 3a); shaded: 95 % intervals. The numbers at the points are the percentile of \
                    heights above the plane; “at load” is the level at the mean pressure of the machine."
-        .to_owned();
+            .to_owned();
+    let mut sources = vec![csv(NAME)];
+    if uncertain.is_some() {
+        caption += " Orange: where the moments lie for 95 % of the uncertain parameters of the surface, by their own, fewer strips.";
+        sources.push(csv("friction_uncertainty"));
+    }
     let svg = figure(title, &caption, Layout::Column, &charts)?;
-    let sources = vec![csv(NAME)];
     plates.push(Plate { name: NAME, stage: Stage::Friction, title: title.into(), caption, sources, svg });
     Ok(())
 }

@@ -6,7 +6,7 @@ mod distribution;
 mod intervals;
 mod maps;
 mod scalars;
-mod sensitivities;
+pub(super) mod sensitivities;
 
 use plotters::prelude::RGBColor;
 

@@ -186,7 +186,55 @@ pub(super) fn friction(friction: &Value) -> Vec<DataTable> {
         "Marginal law",
     ];
     let source = "tables/friction_levels.csv";
-    vec![DataTable::new(&caption, &headers, rows, source).without_empty_columns()]
+    let levels = DataTable::new(&caption, &headers, rows, source).without_empty_columns();
+    std::iter::once(levels).chain(uncertain(friction)).collect()
+}
+
+/// Moments over the uncertain parameters of the surface, level by level.
+fn uncertain(friction: &Value) -> Option<DataTable> {
+    let uncertainty = &friction["uncertainty"];
+    let own = list(&friction["levels"]);
+    let percent = |value: &Value| value.as_f64().map_or("–".into(), |v| format!("{} %", significant(100.0 * v, 2)));
+    let mut rows = Vec::new();
+    for (place, level) in list(&uncertainty["levels"]).iter().enumerate() {
+        rows.push(vec![level_name(own.get(place).unwrap_or(level))]);
+        for response in list(&level["responses"]) {
+            let name = response["name"].as_str().unwrap_or("–");
+            let dimension = Dimension::of_key(name).1;
+            let ends = (response["interval"][0].as_f64(), response["interval"][1].as_f64());
+            let band = match ends {
+                (Some(low), Some(high)) => format!("{} to {}", dimension.show(low), dimension.show(high)),
+                _ => "–".into(),
+            };
+            let number = |key: &str| response[key].as_f64().map_or("–".into(), |value| dimension.show(value));
+            let indices: Vec<String> = list(&response["sobol"])
+                .iter()
+                .map(|index| {
+                    let parameter = index["parameter"].as_str().unwrap_or("–").replace('_', " ");
+                    let total = index["total"].as_f64().map_or("–".into(), |v| significant(v, 2));
+                    format!("{parameter} {total}")
+                })
+                .collect();
+            let indices = if indices.is_empty() { plain(&response["reason"]) } else { indices.join(", ") };
+            rows.push(vec![
+                Dimension::of_key(name).0.replace('_', " "),
+                number("value"),
+                number("std"),
+                band,
+                percent(&response["noise_share"]),
+                percent(&response["loo_error"]),
+                indices,
+            ]);
+        }
+    }
+    if rows.is_empty() {
+        return None;
+    }
+    let points = uncertainty["points"].as_u64().map_or(String::new(), |n| format!(" over {n} surfaces of"));
+    let caption =
+        format!("Moments of μ{points} uncertain parameters; noise is the strips’, unexplained is by the expansion");
+    let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
+    Some(DataTable::new(&caption, &headers, rows, "tables/friction_uncertainty.csv"))
 }
 
 fn marginal(marginal: &Value) -> String {

@@ -160,7 +160,7 @@ pub struct Noise {
     /// Standard error, by the jackknife, of the mean over the points: noise that all points have in common is in it in full.
     pub standard_error: f64,
     /// Variance over the points that is expected of noise alone, over the variance found: 0 without noise, about 1 where noise
-    /// is all there is. Noise common to all points adds nothing to it.
+    /// is all there is. Noise common to all points adds nothing to it. 0 for a response that does not vary.
     pub variance_share: f64,
 }
 
@@ -340,7 +340,10 @@ impl Propagation {
         let constant = self.basis(&Truncation::total_degree(0))?;
         let mut law = samples.values.clone();
         law.sort_by(f64::total_cmp);
-        let noise = samples.noise(std.value * std.value);
+        let mut noise = samples.noise(std.value * std.value);
+        if reason == NoIndices::Constant {
+            noise.variance_share = 0.0;
+        }
         let expansion = Expansion::new(constant, vec![mean.value]);
         Ok(Propagated { mean, std, expansion, leave_one_out: error, indices: Err(reason), noise, failed, law })
     }

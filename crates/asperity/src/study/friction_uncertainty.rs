@@ -46,6 +46,8 @@ struct Found {
     quotient: Vec<Vec<Option<MomentReplicates>>>,
     at_mean_load: Vec<Vec<Option<MomentReplicates>>>,
     failures: Vec<Vec<FailedPoint>>,
+    /// What is to be wary of in the surfaces, one entry for each surface.
+    warnings: Vec<String>,
 }
 
 /// Solves strips of surfaces with other parameters at the levels of the stage.
@@ -64,6 +66,10 @@ pub(super) fn run(
     let controls: Vec<LevelControl> = levels.iter().map(|level| level.control).collect();
     let found = solve(&propagation, &uncertain, setup, &controls, (realisations, seed), monitor)?;
     let mut output = StageOutput::default();
+    if let Some(first) = found.warnings.first() {
+        let (some, all) = (found.warnings.len(), propagation.points());
+        output.warnings.push(format!("of {some} of the {all} surfaces of uncertain parameters: {first}"));
+    }
     let mut results = Vec::with_capacity(levels.len());
     for (place, control) in controls.iter().enumerate() {
         if monitor.cancelled() {
@@ -113,11 +119,13 @@ fn solve(
     monitor: &dyn Monitor,
 ) -> Result<Found, StudyError> {
     let none = || levels.iter().map(|_| Vec::with_capacity(propagation.points())).collect();
-    let mut found = Found { quotient: none(), at_mean_load: none(), failures: vec![Vec::new(); levels.len()] };
+    let failures = vec![Vec::new(); levels.len()];
+    let mut found = Found { quotient: none(), at_mean_load: none(), failures, warnings: Vec::new() };
     let each = realisations * levels.len();
     for point in 0..propagation.points() {
         let model = uncertain.at(&propagation.point(point))?;
         let generated = model.comparable_strip(setup.grid, setup.periodic)?;
+        found.warnings.extend(generated.warnings.into_iter().next());
         let strips = setup.strips(generated.surface.as_ref(), realisations, seed);
         let controls: Vec<Control> = levels.iter().map(|level| level.contact(&model.marginal)).collect();
         let part = PartOf { monitor, before: point * each, total: propagation.points() * each };

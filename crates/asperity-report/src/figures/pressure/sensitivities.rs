@@ -12,10 +12,10 @@ use crate::{ReportError, Run};
 
 const NAME: &str = "pressure_sensitivities";
 /// Height of the rows of a variable, of a bar, and of what stands above and below the rows of a panel, in pixels.
-const ROW: f64 = 25.0;
+pub(in crate::figures) const ROW: f64 = 25.0;
 const BAR: f64 = 9.0;
-const HEAD: f64 = 46.0;
-const FOOT: f64 = 26.0;
+pub(in crate::figures) const HEAD: f64 = 46.0;
+pub(in crate::figures) const FOOT: f64 = 26.0;
 /// Quantities from above, sets of variables from the left.
 const QUANTITIES: [(&str, &str); 3] = [
     ("pressure_pa", "Pressure at the cell"),
@@ -88,7 +88,7 @@ fn caption(local: bool) -> String {
     words
 }
 
-fn legend(canvas: &mut Canvas<'_>) -> Result<(), ReportError> {
+pub(in crate::figures) fn legend(canvas: &mut Canvas<'_>) -> Result<(), ReportError> {
     let mut x = 12.0;
     for (_, text, colour) in INDICES {
         canvas.fill(Rect::new(x, 8.0, 18.0, BAR), colour)?;
@@ -98,7 +98,14 @@ fn legend(canvas: &mut Canvas<'_>) -> Result<(), ReportError> {
     Ok(())
 }
 
-fn panel(canvas: &mut Canvas<'_>, outer: Rect, entry: &Value, title: &str, last: bool) -> Result<(), ReportError> {
+/// The bars of `indices` of an entry: `name`, `first_order`, `total` and their intervals.
+pub(in crate::figures) fn panel(
+    canvas: &mut Canvas<'_>,
+    outer: Rect,
+    entry: &Value,
+    title: &str,
+    last: bool,
+) -> Result<(), ReportError> {
     let indices = indices(entry);
     let names: Vec<&str> = indices.iter().map(|index| index["name"].as_str().unwrap_or("–")).collect();
     let room = names.iter().map(|name| text_width(name, TEXT)).fold(40.0, f64::max) + 20.0;
