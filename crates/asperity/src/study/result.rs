@@ -437,7 +437,9 @@ pub struct AtMeanLoad {
     pub correlation_length_m: Option<f64>,
     /// Its interval.
     pub correlation_length_interval: Option<Pair>,
-    /// Models of the correlation, with the window inside and with the window taken out, the best of each first.
+    /// Curves fitted to the correlation, the closest first; their ℓ contains the window.
+    pub correlation_curves: Vec<CorrelationCurveResult>,
+    /// Models of the correlation that is left when the window is taken out, the most likely first.
     pub correlation_models: Vec<CorrelationModelResult>,
     /// Marginal law ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
@@ -463,23 +465,30 @@ pub struct GoodnessResult {
     pub anderson_darling_p: Option<f64>,
 }
 
-/// A model of the correlation of friction.
+/// A curve fitted to the estimated correlation by least squares.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CorrelationCurveResult {
+    /// Its name.
+    pub model: &'static str,
+    /// ℓ, which contains the window.
+    pub length_m: f64,
+    /// Root mean square difference from the estimated correlation.
+    pub misfit: f64,
+}
+
+/// A model of the correlation without the window, fitted by likelihood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CorrelationModelResult {
     /// Its name.
     pub model: &'static str,
-    /// Whether ℓ is that of the process without the window; else it contains the window.
-    pub window_taken_out: bool,
-    /// ℓ.
+    /// ℓ; 0 where the window explains everything.
     pub length_m: f64,
-    /// Its interval; `null` for curves fitted with the window inside.
-    pub interval: Option<Pair>,
-    /// Root mean square difference from the estimated correlation, of curves.
-    pub misfit: Option<f64>,
-    /// Akaike's criterion less that of the best, of models without the window.
-    pub aic_difference: Option<f64>,
-    /// Whether the best is better beyond chance, of models without the window.
-    pub worse_beyond_chance: Option<bool>,
+    /// Its interval.
+    pub length_interval: Pair,
+    /// Akaike's criterion less that of the best.
+    pub aic_difference: f64,
+    /// Whether the best is better beyond chance.
+    pub worse_beyond_chance: bool,
 }
 
 /// Tests of friction against drifts along the strips, at the mean load: probabilities of at least as much if there is none.

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use crate::correlation::Stationarity;
+use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel};
 use crate::friction::window_study::WindowStudy;
 use crate::stats::Estimate;
 use crate::study::friction_stage::SolvedLevel;
 use crate::study::result::{
-    AtMeanLoad, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, Pair, ReturnLevelResult,
-    StationarityResult, finite, pair,
+    AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, Pair,
+    ReturnLevelResult, StationarityResult, finite, pair,
 };
 use crate::study::surface_stage::law_result;
 
@@ -57,7 +58,8 @@ pub(super) fn level_result(solved: &SolvedLevel) -> LevelResult {
             excess_kurtosis: finite(process.moments.excess_kurtosis),
             correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
             correlation_length_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
-            correlation_models: correlation_models(solved),
+            correlation_curves: correlation_curves(process),
+            correlation_models: correlation_models(&solved.analysis),
             marginal: process.marginal().map(|fit| law_result(&fit.law)),
             marginal_parameter_intervals: parameter_intervals(process),
             gof: goodness(process),
@@ -103,27 +105,24 @@ fn return_level(level: &ReturnLevel) -> ReturnLevelResult {
     ReturnLevelResult { distance_m: level.distance_m, mu: level.mu, interval: level.interval.map(pair) }
 }
 
-/// Models of the correlation: with the window inside by least squares, and with the window taken out by likelihood.
-fn correlation_models(solved: &SolvedLevel) -> Vec<CorrelationModelResult> {
-    let whole = solved.process.correlation.iter().flat_map(|found| &found.models).map(|fit| CorrelationModelResult {
-        model: fit.model.name(),
-        window_taken_out: false,
-        length_m: fit.length_m,
-        interval: None,
-        misfit: Some(fit.misfit),
-        aic_difference: None,
-        worse_beyond_chance: None,
-    });
-    let without = solved.analysis.models.iter().flatten().map(|ranked| CorrelationModelResult {
-        model: ranked.fit.model.name(),
-        window_taken_out: true,
-        length_m: ranked.fit.length_m,
-        interval: Some(pair(ranked.fit.interval)),
-        misfit: None,
-        aic_difference: Some(ranked.aic_difference),
-        worse_beyond_chance: Some(ranked.worse),
-    });
-    whole.chain(without).collect()
+fn correlation_curves(process: &FrictionStatistics) -> Vec<CorrelationCurveResult> {
+    let curves = process.correlation.iter().flat_map(|found| &found.models);
+    curves
+        .map(|fit| CorrelationCurveResult { model: fit.model.name(), length_m: fit.length_m, misfit: fit.misfit })
+        .collect()
+}
+
+fn correlation_models(analysis: &ProcessAnalysis) -> Vec<CorrelationModelResult> {
+    let models = analysis.models.iter().flatten();
+    models
+        .map(|ranked| CorrelationModelResult {
+            model: ranked.fit.model.name(),
+            length_m: ranked.fit.length_m,
+            length_interval: pair(ranked.fit.interval),
+            aic_difference: ranked.aic_difference,
+            worse_beyond_chance: ranked.worse,
+        })
+        .collect()
 }
 
 fn stationarity(found: &Stationarity) -> StationarityResult {
