@@ -18,10 +18,12 @@ test:
 fuzz COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
 
-# Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references: some ten minutes.
+# Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references, and counts how often
+# intervals of pressure and friction hold: some forty minutes.
 validate:
     cargo run --release -p asperity --example validate_contact -- docs
     cargo run --release -p asperity --example validate_pressure > docs/validation/pressure.md
+    cargo run --release -p asperity --example validate_friction > docs/validation/friction.md
 
 # Everything but the tests.
 lint: fmt clippy doc typos deny

@@ -55,7 +55,7 @@ pub struct Stationarity {
     pub mean_change: DriftTest,
     /// Mean of the outer quarters less that of the inner half.
     pub ends: DriftTest,
-    /// Variance of the second half less that of the first, over the variance.
+    /// Logarithm of the variance of the second half over that of the first.
     pub variance_change: DriftTest,
     /// Wander of the mean of each record; absent from ten records on.
     pub wander: Option<Wander>,
@@ -99,7 +99,9 @@ impl Stationarity {
         };
         let values = means(&records, blocks, |value| value);
         let variance = moments.std * moments.std;
-        let squares = means(&records, blocks, |value| (value - moments.mean).powi(2) / variance);
+        // Mean squares of blocks lean to the right; their logarithms hardly do.
+        let mut squares = means(&records, blocks, |value| (value - moments.mean).powi(2) / variance);
+        squares.iter_mut().flatten().for_each(|square| *square = square.max(f64::MIN_POSITIVE).ln());
         let middle = 0.5 * (blocks as f64 - 1.0);
         let block_m = n as f64 * step_m / blocks as f64;
         let line: Vec<f64> = (0..blocks).map(|b| b as f64 - middle).collect();
