@@ -26,15 +26,15 @@ pub(crate) fn autocorrelation(table: &Table, seen: &'static str) -> Option<Chart
     let mut chart = Chart::new(x, y);
     chart.add(None, Mark::Horizontal { y: 0.0, pen: Pen::new(GREY, 1.0, Dash::Solid) });
     // Beside the exponential of the paper other models are thin.
-    let width = if table.column("fit").is_some() { 1.1 } else { 1.8 };
-    let mut others = (3..).map(|index| Pen { width, ..pen(index) });
+    let (first, width) = if table.column("fit").is_some() { (3, 1.1) } else { (1, 1.8) };
+    let mut others = (first..).map(|index| Pen { width, ..pen(index) });
     for (name, values) in curves {
         let (label, pen) = match name {
             "acf" => (seen.to_owned(), Pen::new(BLUE, 2.2, Dash::Solid)),
             "fit" => ("exponential".into(), Pen::new(VERMILION, 1.8, Dash::Dashed)),
             "windowed_fit" => ("window and exponential".into(), Pen::new(GREEN, 1.8, Dash::Alternating)),
             "window_only" => ("window alone (triangle)".into(), Pen::new(BLACK, 1.5, Dash::Dotted)),
-            other => (in_words(&other.trim_start_matches("fit_").into()), others.next().unwrap_or(pen(3))),
+            other => (in_words(&other.trim_start_matches("fit_").into()), others.next().unwrap_or(pen(first))),
         };
         chart.add_named(label, Mark::Line { x: lag.to_vec(), y: values.to_vec(), pen });
     }
