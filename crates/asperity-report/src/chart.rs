@@ -137,7 +137,7 @@ impl Chart {
             canvas.text((middle, plot.bottom + 38.0), &self.x.label(), LABEL, Align::Middle)?;
         }
         let middle = 0.5 * (plot.top + plot.bottom);
-        canvas.text((plot.left - 56.0, middle), &self.y.label(), LABEL, Align::Upward)
+        canvas.text((plot.left - 60.0, middle), &self.y.label(), LABEL, Align::Upward)
     }
 
     /// The runs of defined points, in pixels.
@@ -364,6 +364,16 @@ impl<'a> Legend<'a> {
         }
         Ok(())
     }
+}
+
+/// Charts over one x axis, one above the other and equally high; the lowest has its labels.
+pub(crate) fn stacked(charts: Vec<Chart>, height: f64) -> Vec<(f64, Chart)> {
+    let last = charts.len().saturating_sub(1);
+    let place = |(index, chart)| {
+        let shows_x = index == last;
+        (if shows_x { height + 42.0 } else { height }, Chart { shows_x, ..chart })
+    };
+    charts.into_iter().enumerate().map(place).collect()
 }
 
 /// How charts share a figure.

@@ -1,6 +1,6 @@
 //! The figures of a run, one module per stage.
 
-mod friction;
+pub(crate) mod friction;
 mod pressure;
 mod surface;
 mod vibration;

@@ -134,11 +134,11 @@ impl Dimension {
         (attach(&fixed(value, decimals), &unit), limits)
     }
 
-    /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`.
+    /// A value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`; zero has that of its interval.
     pub(crate) fn show_interval(self, value: f64, interval: Option<(f64, f64)>) -> String {
-        let unit = self.unit(value);
         match interval {
             Some((low, high)) => {
+                let unit = self.unit(if value == 0.0 { high } else { value });
                 let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
                 let number = match decimals(high - low) {
                     Some(decimals) => fixed(value, decimals),
@@ -239,6 +239,7 @@ mod tests {
         assert_eq!(spaced(Dimension::Pressure.show(2.1e11)), "210 GPa");
         assert_eq!(spaced(Dimension::Pressure.show(-3e6)), "−3 MPa");
         assert_eq!(spaced(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4)))), "250 µm [200, 300]");
+        assert_eq!(spaced(Dimension::Length.show_interval(0.0, Some((0.0, 9.07e-6)))), "0.0 µm [0.0, 9.1]");
         assert_eq!(spaced(Dimension::None.show_interval(25.9871, Some((23.49, 28.51)))), "26.0 [23.5, 28.5]");
         assert_eq!(
             spaced(Dimension::None.show_interval(0.005279, Some((0.00468, 0.00607)))),

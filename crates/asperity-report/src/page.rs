@@ -1,6 +1,7 @@
 //! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
 
 mod answers;
+mod friction;
 mod json;
 mod parameters;
 mod random_surface;
@@ -12,6 +13,7 @@ use minijinja::{AutoEscape, Environment, Value, context};
 use crate::figures::{Plate, Stage};
 
 use crate::{ReportError, Run};
+pub(crate) use friction::{conditions, law_name, leading_level};
 pub(crate) use json::{interval, plain};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
@@ -131,8 +133,11 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             Stage::Friction,
             "friction",
             "Friction coefficient",
-            "The friction coefficient of a window that slides over the surface, as a stochastic process.",
-            &tables::friction(&results["friction"]),
+            &format!(
+                "The friction coefficient of a window that slides over the surface, as a stochastic process. {}",
+                conditions(&results["friction"])
+            ),
+            &friction::tables(&results["friction"]),
         ),
         section(
             plates,

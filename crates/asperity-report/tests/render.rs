@@ -31,8 +31,15 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "pressure_scalars",
         "pressure_sensitivities",
         "friction_levels",
+        "friction_shape",
+        "friction_load_curve",
         "friction_histogram",
+        "friction_pit",
+        "friction_qq",
         "friction_acf",
+        "friction_windows",
+        "friction_spectrum",
+        "friction_area_load",
         "friction_trace",
         "limit_cycle",
         "reattachment",
@@ -211,8 +218,13 @@ fn each_table_and_field_can_be_there_alone() {
     for (name, table) in full.tables.iter().filter(|(name, _)| *name != "pressure_bands") {
         let tables = [(name.clone(), table.clone())].into();
         let report = render(&Run { tables, ..Run::default() }).unwrap();
-        // The laws of the heights are a table of the page.
-        assert_eq!(report.figures.len(), usize::from(name != "height_fits"), "{name}");
+        // The laws of the heights are a table of the page, the levels of friction are two figures.
+        let wanted = match name.as_str() {
+            "height_fits" => 0,
+            "friction_levels" => 2,
+            _ => 1,
+        };
+        assert_eq!(report.figures.len(), wanted, "{name}");
         assert!(text(&report.html).contains(&format!("<code>tables/{name}.csv</code>")), "{name}");
         report.figures.iter().for_each(|figure| assert!(elements(&figure.svg) > 0));
     }
@@ -371,6 +383,50 @@ fn sensitivities_name_every_variable_and_say_what_is_explained() {
     assert!(!words(&run, "pressure_sensitivities").contains(&"ring 1".to_owned()));
     run.results["pressure"]["sensitivities"] = json!([]);
     assert!(render(&run).unwrap().figures.iter().all(|figure| figure.name != "pressure_sensitivities"));
+}
+
+#[test]
+fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
+    let mut run = full_run();
+    let has = |run: &Run, name: &str, wanted: &[&str]| {
+        let drawn = words(run, name);
+        wanted.iter().for_each(|word| assert!(drawn.iter().any(|own| own == word), "{word} in {drawn:?}"));
+    };
+    has(
+        &run,
+        "friction_levels",
+        &["F/N of a window", "95 %, F/N", "at the mean load", "75 %", "at load", "Std of μ (10⁻³)"],
+    );
+    has(&run, "friction_shape", &["CoV of μ", "Skewness of μ", "95 %, at the mean load", "Penetration (µm)"]);
+    has(&run, "friction_load_curve", &["Mean pressure (MPa)", "Contact fraction", "95 % interval"]);
+    has(&run, "friction_histogram", &["law ranked first (shifted lognormal)", "Beta", "shifted gamma", "normal"]);
+    has(&run, "friction_acf", &["window alone (triangle)", "window and exponential", "squared exponential"]);
+    has(
+        &run,
+        "friction_windows",
+        &["window alone: 0.614 W", "ℓ without it, 95 %", "ℓ of all windows together", "Window W (µm)"],
+    );
+    has(&run, "friction_spectrum", &["95 % band", "window alone", "Frequency (1/mm)"]);
+    let page = |run: &Run| text(&render(run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in [
+        "Window of 600 µm × 75 µm on 60 strips 75 µm wide (periodic, of mean compliance 8.28 µm/GPa under a fixed plane).",
+        "250 µm [200, 320] (window only)",
+        "25.0 µm [21.0, 29.0]",
+        "<td>0.061</td>",
+        "exceeded once in 100 mm",
+        "0.2310 [0.2280, 0.2360]",
+        "0.0 µm [0.0, 8.5]",
+        "0.021 (p = 0.41)",
+        "Std, “area”",
+    ] {
+        assert!(page(&run).contains(wanted), "the page says {wanted:?}");
+    }
+    // What equals the quotient is not drawn twice, and free strips are called so.
+    run.results["friction"]["mean_compliance_m_per_pa"] = Value::Null;
+    assert!(page(&run).contains("75 µm wide (free)."));
+    let levels = run.tables.get_mut("friction_levels").unwrap();
+    levels.columns.retain(|(name, _)| !name.contains("at_mean_load"));
+    assert!(!words(&run, "friction_levels").contains(&"at the mean load".to_owned()));
 }
 
 #[test]

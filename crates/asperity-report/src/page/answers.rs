@@ -2,9 +2,10 @@
 
 use serde_json::Value;
 
+use super::friction::{leading_level, level_name};
 use super::json::interval;
 use super::method_name;
-use super::tables::{difference, leading_level, level_name, list};
+use super::tables::{difference, list};
 use crate::Run;
 use crate::format::{show_range, significant, with_error};
 

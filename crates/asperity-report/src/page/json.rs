@@ -4,10 +4,10 @@ use serde_json::Value;
 
 use crate::format::{Dimension, significant};
 
-/// Key of the 95 % interval of `key`: `x_interval`, also before a unit suffix.
-fn interval_keys(key: &str) -> [String; 2] {
+/// Key of the 95 % interval of `key`: `x_interval`, also before a unit suffix or without it.
+fn interval_keys(key: &str) -> [String; 3] {
     let (name, _) = Dimension::of_key(key);
-    [format!("{key}_interval"), format!("{name}_interval{}", &key[name.len()..])]
+    [format!("{key}_interval"), format!("{name}_interval{}", &key[name.len()..]), format!("{name}_interval")]
 }
 
 /// The interval `[low, high]` that belongs to a number of `entry`.

@@ -28,10 +28,9 @@ pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
     let rows = list(&pressure["methods"])
         .iter()
         .map(|method| {
-            let (own, error) = (method["contact_probability"].as_f64(), method["contact_probability_se"].as_f64());
-            let probability = match (own, interval(method, "contact_probability"), error) {
-                (Some(value), Some(limits), _) => Dimension::None.show_interval(value, Some(limits)),
-                (Some(value), None, Some(error)) => with_error(value, error),
+            let probability = match (method["contact_probability"].as_f64(), method["contact_probability_se"].as_f64())
+            {
+                (Some(value), Some(error)) => with_error(value, error),
                 _ => shown(method, "contact_probability"),
             };
             let name = method["name"].as_str().unwrap_or("–");
@@ -55,14 +54,14 @@ pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
     };
     let caption = format!(
         "Methods for the law of the pressure; distances are taken from the reference{reference}{sites}; brackets hold 95 % \
-         intervals, those of models corrected for their bias: a value outside its brackets is off by so much"
+         intervals"
     );
     let headers = [
         "Method",
         "Fine solves",
         "Coarse solves",
         "Wall time",
-        "P(contact)",
+        "P(contact) ± s.e.",
         "Mean pressure",
         "KS distance",
         "W₁ / std",
@@ -121,128 +120,6 @@ fn scalars(pressure: &Value) -> DataTable {
     let headers = ["Property of the contact", "Mean", "Std", "10 % quantile", "Median", "90 % quantile"];
     let caption = "Laws of what belongs to the whole contact; brackets hold 95 % intervals";
     DataTable::new(caption, &headers, rows.collect(), "tables/pressure_scalars.csv")
-}
-
-/// How a level is named: by percentile, or by the depth or the mean pressure that defines it.
-pub(super) fn level_name(level: &Value) -> String {
-    if let ("penetration", Some(metre)) = (level["control"].as_str().unwrap_or(""), level["penetration_m"].as_f64()) {
-        return format!("{} deep", Dimension::Length.show(metre));
-    }
-    match (level["percentile"].as_f64(), level["mean_pressure_pa"].as_f64()) {
-        (Some(percentile), _) => format!("{} %", significant(percentile, 3)),
-        (None, Some(pressure)) => format!("at {}", Dimension::Pressure.show(pressure)),
-        _ => "–".into(),
-    }
-}
-
-/// The level that feeds the vibration: the one marked, else the one given by mean pressure, else the first.
-pub(super) fn leading_level(friction: &Value) -> Option<&Value> {
-    let levels = list(&friction["levels"]);
-    levels
-        .iter()
-        .find(|level| level["leading"] == Value::Bool(true))
-        .or_else(|| levels.iter().find(|level| level["percentile"].is_null() && level["mean_pressure_pa"].is_f64()))
-        .or(levels.first())
-}
-
-/// `friction`: one row per level.
-pub(super) fn friction(friction: &Value) -> Vec<DataTable> {
-    let rows = list(&friction["levels"])
-        .iter()
-        .map(|level| {
-            // The length of the exponential fit contains the window; it never stands without saying so.
-            let length = match level["window_only"] == Value::Bool(true) {
-                true => format!("{} (window only)", shown(level, "correlation_length_m")),
-                false => shown(level, "correlation_length_m"),
-            };
-            vec![
-                level_name(level),
-                shown(level, "penetration_m"),
-                shown(level, "mean_pressure_pa"),
-                shown(level, "mean"),
-                shown(level, "std"),
-                shown(level, "coefficient_of_variation"),
-                shown(level, "skewness"),
-                shown(level, "excess_kurtosis"),
-                length,
-                marginal(&level["marginal"]),
-            ]
-        })
-        .collect();
-    let window = friction["window_m"]
-        .as_f64()
-        .map_or(String::new(), |w| format!(" for a window of {}", Dimension::Length.show(w)));
-    let caption = format!("Friction coefficient by level{window}; brackets hold 95 % intervals");
-    let headers = [
-        "Level",
-        "Penetration",
-        "Mean pressure",
-        "Mean μ",
-        "Std",
-        "CoV",
-        "Skewness",
-        "Excess kurtosis",
-        "ℓ of μ",
-        "Marginal law",
-    ];
-    let source = "tables/friction_levels.csv";
-    let levels = DataTable::new(&caption, &headers, rows, source).without_empty_columns();
-    std::iter::once(levels).chain(uncertain(friction)).collect()
-}
-
-/// Moments over the uncertain parameters of the surface, level by level.
-fn uncertain(friction: &Value) -> Option<DataTable> {
-    let uncertainty = &friction["uncertainty"];
-    let own = list(&friction["levels"]);
-    let percent = |value: &Value| value.as_f64().map_or("–".into(), |v| format!("{} %", significant(100.0 * v, 2)));
-    let mut rows = Vec::new();
-    for (place, level) in list(&uncertainty["levels"]).iter().enumerate() {
-        rows.push(vec![level_name(own.get(place).unwrap_or(level))]);
-        for response in list(&level["responses"]) {
-            let name = response["name"].as_str().unwrap_or("–");
-            let dimension = Dimension::of_key(name).1;
-            let ends = (response["interval"][0].as_f64(), response["interval"][1].as_f64());
-            let band = match ends {
-                (Some(low), Some(high)) => format!("{} to {}", dimension.show(low), dimension.show(high)),
-                _ => "–".into(),
-            };
-            let number = |key: &str| response[key].as_f64().map_or("–".into(), |value| dimension.show(value));
-            let indices: Vec<String> = list(&response["sobol"])
-                .iter()
-                .map(|index| {
-                    let parameter = index["parameter"].as_str().unwrap_or("–").replace('_', " ");
-                    let total = index["total"].as_f64().map_or("–".into(), |v| significant(v, 2));
-                    format!("{parameter} {total}")
-                })
-                .collect();
-            let indices = if indices.is_empty() { plain(&response["reason"]) } else { indices.join(", ") };
-            rows.push(vec![
-                Dimension::of_key(name).0.replace('_', " "),
-                number("value"),
-                number("std"),
-                band,
-                percent(&response["noise_share"]),
-                percent(&response["loo_error"]),
-                indices,
-            ]);
-        }
-    }
-    if rows.is_empty() {
-        return None;
-    }
-    let points = uncertainty["points"].as_u64().map_or(String::new(), |n| format!(" over {n} surfaces of"));
-    let caption =
-        format!("Moments of μ{points} uncertain parameters; noise is the strips’, unexplained is by the expansion");
-    let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
-    Some(DataTable::new(&caption, &headers, rows, "tables/friction_uncertainty.csv"))
-}
-
-fn marginal(marginal: &Value) -> String {
-    match marginal["name"].as_str() {
-        Some(name) if marginal["parameters"].is_null() => name.replace('_', " "),
-        Some(name) => format!("{} ({})", name.replace('_', " "), plain(&marginal["parameters"])),
-        None => "–".into(),
-    }
 }
 
 /// `vibration`: limits and cycle, cycles against damping, re-attachment law.

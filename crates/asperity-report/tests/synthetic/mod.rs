@@ -244,6 +244,25 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
             ("std_low", around(&std, -0.12)),
             ("std_high", around(&std, 0.15)),
             ("coefficient_of_variation", std.iter().zip(&mean).map(|(s, m)| s / m).collect()),
+            ("skewness", map(&std, |s| 60.0 * s)),
+            ("skewness_low", map(&std, |s| 50.0 * s)),
+            ("skewness_high", map(&std, |s| 75.0 * s)),
+            ("at_mean_load", around(&mean, -0.004)),
+            ("std_at_mean_load", around(&std, -0.3)),
+            ("std_at_mean_load_low", around(&std, -0.35)),
+            ("std_at_mean_load_high", around(&std, -0.2)),
+        ]),
+    );
+    let depth = grid(0.6e-6, 3.7e-6, 6);
+    let pressure = |share: f64| map(&depth, move |d| share * 3e6 * (d / 0.6e-6).powf(2.5));
+    tables.insert(
+        "friction_load_curve".into(),
+        table(&[
+            ("penetration_m", depth.clone()),
+            ("mean_pressure_pa", pressure(1.0)),
+            ("low", pressure(0.9)),
+            ("high", pressure(1.1)),
+            ("contact_fraction", map(&depth, |d| 1e-3 * (d / 0.6e-6).powf(2.4))),
         ]),
     );
     let mu = grid(0.186, 0.224, 32);
@@ -256,7 +275,57 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
         table(&[
             ("mu", mu.clone()),
             ("density", mu.iter().enumerate().map(|(i, mu)| beta(*mu) * (0.8 + 0.4 * noise(i as u64))).collect()),
+            ("fitted_density", map(&mu, |mu| 0.98 * beta(mu))),
             ("beta_density", map(&mu, beta)),
+            ("normal_density", map(&mu, |mu| normal(mu, 0.196, 0.007))),
+            ("shifted_gamma_density", map(&mu, |mu| 0.9 * beta(mu))),
+        ]),
+    );
+    let share = grid(0.025, 0.975, 20);
+    tables.insert(
+        "friction_pit".into(),
+        table(&[
+            ("probability", share.clone()),
+            ("density", share.iter().enumerate().map(|(i, _)| 0.9 + 0.2 * noise(i as u64)).collect()),
+            ("low", vec![0.7; 20]),
+            ("high", vec![1.3; 20]),
+        ]),
+    );
+    let fitted = map(&share, |u| 0.196 + 0.004 * (u / (1.0 - u)).ln());
+    tables.insert(
+        "friction_qq".into(),
+        table(&[("probability", share), ("measured", map(&fitted, |mu| mu + 0.02 * (mu - 0.196))), ("fitted", fitted)]),
+    );
+    let frequency: Vec<f64> = (0..30).map(|i| 160.0 * 1.18f64.powi(i)).collect();
+    let power = |share: f64, length_m: f64| {
+        let window = |f: f64| ((PI * f * 6e-4).sin() / (PI * f * 6e-4)).powi(2) + 1e-3;
+        map(&frequency, move |f| share * 4e-8 * window(f) / (1.0 + (TAU * f * length_m).powi(2)))
+    };
+    tables.insert(
+        "friction_spectrum".into(),
+        table(&[
+            ("frequency_per_m", frequency.clone()),
+            ("density_m", power(1.0, 4e-5)),
+            ("density_m_low", power(0.7, 4e-5)),
+            ("density_m_high", power(1.5, 4e-5)),
+            ("window_only_m", power(1.0, 0.0)),
+            ("windowed_fit_m", power(1.0, 3e-5)),
+        ]),
+    );
+    let lag = grid(-1.2e-3, 1.2e-3, 61);
+    let correlation = map(&lag, |s| 0.98 * (1.0 - s.abs() / 6e-4).max(-0.2));
+    tables.insert("friction_area_load".into(), table(&[("lag_m", lag), ("correlation", correlation)]));
+    let window = vec![6e-4, 3e-4, 1.5e-4, 7.5e-5];
+    tables.insert(
+        "friction_windows".into(),
+        table(&[
+            ("window_m", window.clone()),
+            ("std", map(&window, |w| 0.0055 * (6e-4 / w).sqrt())),
+            ("expected_std", map(&window, |w| 0.0056 * (6e-4 / w).powf(0.48))),
+            ("correlation_length_m", map(&window, |w| 0.62 * w + 3e-5)),
+            ("own_length_m", vec![0.0, 2e-5, 2.4e-5, 2.6e-5]),
+            ("own_length_low_m", vec![0.0, 0.0, 1.6e-5, 2.2e-5]),
+            ("own_length_high_m", map(&window, |w| 0.1 * w + 2.2e-5)),
         ]),
     );
     let lag = grid(0.0, 1.5e-3, 101);
@@ -267,6 +336,8 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
             ("acf", map(&lag, |lag| (-(lag / 4.2e-4)).exp() * (1.0 - 0.2 * (lag / 2e-4).sin().powi(2)))),
             ("fit", map(&lag, |lag| (-(lag / 4e-4)).exp())),
             ("window_only", map(&lag, |lag| (1.0 - lag / 6e-4).max(0.0))),
+            ("windowed_fit", map(&lag, |lag| (1.0 - lag / 6.4e-4).max(0.0))),
+            ("fit_squared_exponential", map(&lag, |lag| (-(lag / 4e-4).powi(2)).exp())),
         ]),
     );
     let position = grid(3e-4, 5.7e-3, 800);
@@ -382,9 +453,26 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
             "mean": value("mean"), "mean_interval": [value("mean_low"), value("mean_high")],
             "std": value("std"), "std_interval": [value("std_low"), value("std_high")],
             "coefficient_of_variation": value("coefficient_of_variation"),
-            "skewness": 0.54, "excess_kurtosis": -0.12,
-            "correlation_length_m": 2.4e-4, "correlation_length_m_interval": [1.9e-4, 3.1e-4],
-            "window_only": row == 5,
+            "skewness": 0.54, "excess_kurtosis": -0.12, "contact_fraction": 0.02,
+            "correlation_length_m": 2.4e-4, "correlation_length_interval": [1.9e-4, 3.1e-4],
+            "correlation_length_without_window_m": 2.5e-5, "correlation_length_without_window_interval": [2.1e-5, 2.9e-5],
+            "window_only": row == 5, "effective_windows": 120.0,
+            "marginal_parameter_intervals": {"a": [1.8, 2.6], "b": null},
+            "gof": {"kolmogorov_smirnov": 0.021, "kolmogorov_smirnov_p": 0.41, "anderson_darling": null, "anderson_darling_p": null},
+            "return_levels": [{"distance_m": 0.1, "mu": 0.231, "interval": [0.228, 0.236]}, {"distance_m": 1.0, "mu": 0.24, "interval": null}],
+            "at_mean_load": {
+                "mean": value("at_mean_load"), "std": value("std_at_mean_load"), "std_interval": null, "effective_windows": 118.0,
+                "correlation_length_m": 2.5e-4, "correlation_length_interval": [2e-4, 3.2e-4],
+                "marginal": {"name": "lognormal", "parameters": {"mu": -4.2, "sigma": 0.3, "shift": 0.18}},
+                "correlation_models": [
+                    {"model": "triangle", "window_taken_out": false, "length_m": 6e-4, "interval": null, "misfit": 0.012,
+                     "aic_difference": null, "worse_beyond_chance": null},
+                    {"model": "exponential", "window_taken_out": true, "length_m": 0.0, "interval": [0.0, 8.5e-6], "misfit": null,
+                     "aic_difference": 0.0, "worse_beyond_chance": false}],
+            },
+            "stationarity": {"trend_per_m": 0.0087, "trend_p": 0.69, "mean_change_p": 0.78, "ends_p": 0.061, "variance_change_p": 0.67, "wander_p": null},
+            "area_and_load": {"correlation": 0.98, "interval": [0.97, 0.985]},
+            "upscaling": {"paper": {"std": 0.0055}, "area": {"nominal_area_m2": 8.33e-4, "windows": 18500.0, "variance_reduction": 6.1e-5, "std": 4.3e-5}},
             "marginal": {"name": "beta", "parameters": {"a": 2.13, "b": 4.9, "low": 0.1851, "high": 0.2303}},
         })
     };
@@ -442,7 +530,8 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
                  "wasserstein_1_over_std": 0.0072},
             ],
         },
-        "friction": {"window_m": 6e-4, "levels": (0..6).map(level).collect::<Vec<_>>()},
+        "friction": {"window_m": 6e-4, "window_width_m": 7.5e-5, "strip_width_m": 7.5e-5, "mean_compliance_m_per_pa": 8.28e-15,
+                     "realisations": 60, "levels": (0..6).map(level).collect::<Vec<_>>()},
         "vibration": {
             "critical_damping_ratio": 0.204_830_150_5, "hopf_damping_ratio": 0.204_805_7,
             "cycle": {"limit_cycle": true, "period": 8.068_887_87, "slip_duration": 4.068_887_87, "reattachment_displacement": 0.2,

@@ -20,6 +20,9 @@ const LEAST_INDEPENDENT: f64 = 5.0;
 /// Simulated records behind a p-value, and their seed.
 const DRAWS: usize = 499;
 const SEED: u64 = 0;
+/// Models of the correlation. A triangle is what a window makes of noise; of a record without a known window it runs off.
+const MODELS: [RecordModel; 3] =
+    [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
 /// Share of a step that stands for a length below it.
 const LEAST_LENGTH: f64 = 0.05;
 /// Values that an empirical law keeps.
@@ -125,7 +128,7 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
 fn correlate(values: &[f64], step_m: f64) -> Result<(RecordCorrelation, Vec<RankedLength>), MeasuredError> {
     let found = RecordCorrelation::estimate(&[values], step_m, values.len() / 2, LagNormalisation::PairNormalised)?;
     let channel = WindowedRecords { window_m: 0.0, step_m, records: vec![values] };
-    let models = rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings::default())?;
+    let models = rank_lengths(&[channel], &MODELS, LengthSettings::default())?;
     Ok((found, models))
 }
 
@@ -251,7 +254,8 @@ impl FittedRecord {
     fn correlations(&self) -> Series {
         let step_m = self.correlation.step_m;
         // What follows ten lengths is the noise of the estimate.
-        let reach = self.models.iter().map(|model| 10.0 * model.fit.length_m / step_m).fold(20.0, f64::max);
+        let likely = self.models.iter().filter(|model| !model.worse);
+        let reach = likely.map(|model| 10.0 * model.fit.length_m / step_m).fold(20.0, f64::max);
         let lags = self.correlation.correlation.len().min(reach.ceil().min(1e9) as usize);
         let lag_m: Vec<f64> = (0..lags).map(|lag| lag as f64 * step_m).collect();
         let model = |fit: &LengthFit| -> (String, Vec<f64>) {
@@ -260,7 +264,8 @@ impl FittedRecord {
         };
         let mut columns =
             vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];
-        columns.extend(self.models.iter().map(|ranked| model(&ranked.fit)));
+        // A model that is worse beyond chance may fit a scale that is not seen.
+        columns.extend(self.models.iter().filter(|ranked| !ranked.worse).map(|ranked| model(&ranked.fit)));
         columns
     }
 }

@@ -6,6 +6,7 @@ use crate::friction::load_curve::LoadPoint;
 use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::law::Marginal;
+use crate::law::fit::Family;
 use crate::stats::{Estimate, Histogram, sorted_present};
 use crate::study::Table;
 use crate::study::friction_stage::SolvedLevel;
@@ -108,7 +109,13 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
     columns.extend(process.beta.iter().map(|fit| ("beta_density".to_owned(), density(&fit.law))));
     let others =
         process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
-    columns.extend(others.map(|fit| (format!("{}_density", fit.family.name()), density(&fit.law))));
+    let name = |family: Family| match family {
+        Family::ShiftedLognormal | Family::ShiftedWeibull | Family::ShiftedGamma => {
+            format!("shifted_{}_density", family.name())
+        }
+        _ => format!("{}_density", family.name()),
+    };
+    columns.extend(others.map(|fit| (name(fit.family), density(&fit.law))));
     columns.push(("mu".to_owned(), centres));
     let mut tables = vec![("friction_histogram", Table::new(columns).led_by("mu"))];
     if let Some(fit) = chosen {

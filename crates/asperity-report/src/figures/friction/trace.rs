@@ -1,0 +1,174 @@
+//! The course of friction along the track, under the pressure that makes it.
+
+use crate::axis::{Axis, range};
+use crate::canvas::{Pen, Rect, draw};
+use crate::chart::{Chart, Layout, Mark, figure};
+use crate::figures::{Plate, Stage, columns, csv};
+use crate::format::{Dimension, Unit, significant};
+use crate::palette::pen;
+use crate::raster::{Kind, Raster};
+use crate::{ReportError, Run, Table};
+
+/// `mu_p5` is the level of the 5 % percentile, `mu_pressure_3e6_pa` and `mu_penetration_5e-7_m` those of a mean pressure and of a
+/// depth; other columns keep their name.
+fn level_name(column: &str) -> String {
+    let name = column.strip_prefix("mu_").unwrap_or(column);
+    let stated = |prefix: &str, unit: &str| name.strip_prefix(prefix)?.strip_suffix(unit)?.parse::<f64>().ok();
+    if let Some(pascal) = stated("pressure_", "_pa") {
+        return format!("at {}", Dimension::Pressure.show(pascal));
+    }
+    if let Some(metre) = stated("penetration_", "_m") {
+        return format!("{} deep", Dimension::Length.show(metre));
+    }
+    match name.strip_prefix('p').and_then(|percent| percent.replace('_', ".").parse::<f64>().ok()) {
+        Some(percent) => format!("{} %", significant(percent, 3)),
+        None if name == "load" => "at load".into(),
+        None => name.replace('_', " "),
+    }
+}
+
+pub(super) fn trace(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    const NAME: &str = "friction_trace";
+    let strip = run.fields.get("pressure_strip").map(|field| Raster::new(field, Kind::Pressure)).transpose()?.flatten();
+    let chart = run.tables.get(NAME).and_then(|table| trace_chart(table, strip.as_ref()));
+    if strip.is_none() && chart.is_none() {
+        return Ok(());
+    }
+    let title = "Pressure along the track and the friction coefficient of a sliding window";
+    let mut sources = Vec::new();
+    let mut caption = String::new();
+    let mut stretch = None;
+    if let Some(raster) = &strip {
+        let ratio = (STRIP_HEIGHT / STRIP_WIDTH) / raster.aspect();
+        stretch = Some(ratio);
+        caption = format!(
+            "Top: pressure on the strip at the leading level (y stretched {} times; white: no contact).",
+            significant(ratio, 2)
+        );
+        sources.push("fields/pressure_strip".to_owned());
+    }
+    if chart.is_some() {
+        let place = if strip.is_some() { " Below: " } else { "" };
+        caption = format!(
+            "{caption}{place}μ = F/N of the window centred at each position, by percentile of heights above the plane; five \
+             levels at most."
+        );
+        sources.push(csv(NAME));
+    }
+    let svg = match (strip, chart) {
+        (None, Some(chart)) => figure(title, &caption, Layout::Column, &[(330.0, chart)])?,
+        (Some(raster), chart) => strip_figure(title, &caption, &raster, stretch, chart)?,
+        (None, None) => return Ok(()),
+    };
+    plates.push(Plate { name: NAME, stage: Stage::Friction, title: title.into(), caption, sources, svg });
+    Ok(())
+}
+
+const STRIP_WIDTH: f64 = 460.0;
+const STRIP_HEIGHT: f64 = 96.0;
+
+/// At most this many levels are drawn.
+const MOST_LEVELS: usize = 5;
+
+/// Columns of friction, those in between left out where there are many.
+fn levels(table: &Table) -> Vec<(&str, &[f64])> {
+    let named = table.columns.iter().filter(|(name, _)| name.starts_with("mu"));
+    let all: Vec<(&str, &[f64])> = named.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?))).collect();
+    let shown = all.len().min(MOST_LEVELS);
+    (0..shown).map(|place| all[place * (all.len() - 1) / (shown - 1).max(1)]).collect()
+}
+
+fn trace_chart(table: &Table, strip: Option<&Raster>) -> Option<Chart> {
+    let [position] = columns(table, ["position_m"])?;
+    let levels = levels(table);
+    let y = range(levels.iter().flat_map(|(_, values)| values.iter()))?;
+    let mut order: Vec<usize> = (0..position.len()).collect();
+    let mut position = position.to_vec();
+    let (mut first, mut last) = range(&position)?;
+    if let Some(width_m) = strip.map(Raster::width_m) {
+        // Windows that lie across the end of a periodic strip stand at its beginning.
+        position.iter_mut().filter(|at| **at > width_m).for_each(|at| *at -= width_m);
+        order.sort_by(|&a, &b| position[a].total_cmp(&position[b]));
+        (first, last) = (first.min(0.0), width_m);
+    }
+    let x = Axis::linear("Position along the track", Dimension::Length.unit(last), (first, last));
+    let mut chart = Chart::new(x, Axis::padded("Friction coefficient μ", Unit::none(), y, 0.06));
+    let ordered = |values: &[f64]| order.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+    for (index, (name, values)) in levels.iter().enumerate() {
+        let pen = Pen { width: 1.5, ..pen(index) };
+        chart.add_named(level_name(name), Mark::Line { x: ordered(&position), y: ordered(values), pen });
+    }
+    Some(chart)
+}
+
+/// The strip above the chart, on the same positions.
+fn strip_figure(
+    title: &str,
+    caption: &str,
+    raster: &Raster,
+    stretch: Option<f64>,
+    chart: Option<Chart>,
+) -> Result<String, ReportError> {
+    let below = if chart.is_some() { 320.0 } else { 50.0 };
+    let plot = Rect::new(72.0, 30.0, STRIP_WIDTH, STRIP_HEIGHT);
+    let alone = chart.is_none();
+    draw((640.0, plot.bottom + below), title, caption, |canvas| {
+        raster.legend(canvas, (plot.left, 14.0))?;
+        if let Some(ratio) = stretch {
+            let note = format!("y stretched {} ×", significant(ratio, 2));
+            canvas.text((plot.right, 14.0), &note, 12.0, crate::canvas::Align::End)?;
+        }
+        raster.draw(canvas, plot, alone)?;
+        raster.colour_bar(canvas, Rect::new(plot.right + 16.0, plot.top, 14.0, plot.height()))?;
+        match chart {
+            // The chart's own margins put its frame below the strip's.
+            Some(chart) => {
+                let outer =
+                    Rect { left: 0.0, top: plot.bottom + 8.0, right: plot.right + 20.0, bottom: plot.bottom + below };
+                chart.draw_with_legend(canvas, outer)
+            }
+            None => Ok(()),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Field;
+
+    #[test]
+    fn columns_of_the_trace_are_named_by_their_percentile() {
+        assert_eq!(level_name("mu_p5"), "5 %");
+        assert_eq!(level_name("mu_p12_5"), "12.5 %");
+        assert_eq!(level_name("mu_pressure_3e6_pa"), format!("at {}", Dimension::Pressure.show(3e6)));
+        assert_eq!(level_name("mu_penetration_5e-7_m"), format!("{} deep", Dimension::Length.show(5e-7)));
+        assert_eq!(level_name("mu_mean_pressure"), "mean pressure");
+        assert_eq!(level_name("mu"), "mu");
+    }
+    fn row(name: &str, values: &[f64]) -> (String, Vec<f64>) {
+        (name.to_owned(), values.to_vec())
+    }
+
+    #[test]
+    fn windows_across_the_end_of_a_periodic_strip_stand_at_its_beginning() {
+        let field = Field { nx: 4, ny: 1, dx_m: 1e-3, dy_m: 1e-3, values: vec![1.0; 4] };
+        let strip = Raster::new(&field, Kind::Pressure).unwrap().unwrap();
+        let table = Table {
+            columns: vec![row("position_m", &[1.5e-3, 2.5e-3, 3.5e-3, 4.5e-3]), row("mu", &[1.0, 2.0, 3.0, 4.0])],
+        };
+        let chart = trace_chart(&table, Some(&strip)).unwrap();
+        let Mark::Line { x, y, .. } = &chart.series[0].mark else { panic!("a curve") };
+        assert!(x.iter().zip([0.5e-3, 1.5e-3, 2.5e-3, 3.5e-3]).all(|(x, wanted)| (x - wanted).abs() < 1e-12), "{x:?}");
+        assert_eq!(*y, [4.0, 1.0, 2.0, 3.0]);
+        assert_eq!(chart.x.ends(), (0.0, 4e-3));
+    }
+
+    #[test]
+    fn of_many_levels_the_first_the_last_and_some_between_are_drawn() {
+        let table = |count: usize| Table { columns: (0..count).map(|i| row(&format!("mu_p{i}"), &[0.2])).collect() };
+        let named = |count| levels(&table(count)).into_iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
+        assert_eq!(named(8), ["mu_p0", "mu_p1", "mu_p3", "mu_p5", "mu_p7"]);
+        assert_eq!((named(2), named(1).len(), named(0).len()), (vec!["mu_p0".into(), "mu_p1".into()], 1, 0));
+    }
+}
