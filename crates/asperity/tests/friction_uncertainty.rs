@@ -75,7 +75,7 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
         let allowed = 0.03;
         let within = |[low, high]: [f64; 2], value: f64| (low - allowed..=high + allowed).contains(&value);
         assert!(within(index.first_interval, first), "{first} {index:?}");
-        assert!((index.first - first).abs() < 0.15 && index.total >= index.first - 1e-12, "{first} {index:?}");
+        assert!((index.first - first).abs() < 0.06 && index.total >= index.first - 1e-12, "{first} {index:?}");
     }
     // The area grows a little less than the load, by which the variance is less too.
     let variation = mean.std.unwrap() / mean.value.unwrap() / share.sqrt();
