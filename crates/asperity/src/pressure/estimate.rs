@@ -136,7 +136,7 @@ impl Estimate {
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
         let unbiased = self.mean_pa - self.mean_bias_pa.unwrap_or(0.0);
-        half.is_finite().then(|| Interval { low: unbiased - half, high: unbiased + half })
+        half.is_finite().then_some(Interval { low: unbiased - half, high: unbiased + half })
     }
 
     /// The 95 % interval of a quantile in pascal, none without a band.
