@@ -57,7 +57,10 @@ mod tests {
         // 5 ± 1.96 √(100 · 0.05 · 0.95) values of 100 in a bin of 5 %.
         assert!((flat[3].1[0] - (1.0 + 1.959_964 * 4.75_f64.sqrt() / 5.0)).abs() < 1e-6);
         let straight = quantile_pairs(&law, &sorted);
-        assert!(straight[0].1.iter().zip(&straight[1].1).all(|(a, b)| (a - b).abs() < 2e-3));
+        // Near the ends a quantile of the sample lies between values that are far apart.
+        let middle = 20..380;
+        let pairs = || straight[0].1[middle.clone()].iter().zip(&straight[1].1[middle.clone()]);
+        assert!(pairs().all(|(a, b)| (a - b).abs() < 2e-3));
     }
 
     #[test]

@@ -289,8 +289,9 @@ mod tests {
 
     #[test]
     fn too_short_a_record_is_told() {
-        let short = record(0.99, 150, 1, |_| (0.0, 1.0));
-        assert!(matches!(Stationarity::of(&[&short], 1.0), Err(EstimateError::TooFew { present: 150, .. })));
+        // Four blocks of five correlation times, each at least one step long, make twenty values.
+        let short = record(0.9, 16, 1, |_| (0.0, 1.0));
+        assert!(matches!(Stationarity::of(&[&short], 1.0), Err(EstimateError::TooFew { present: 16, .. })));
         assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1.0), Err(EstimateError::Constant { .. })));
     }
 }
