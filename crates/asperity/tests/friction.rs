@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use asperity::contact::area::PERIMETER_WEIGHT;
 use asperity::contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
-use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::correlation::{CorrelationModel, Covariance, LagNormalisation, RecordCorrelation};
 use asperity::friction::law::{BowdenTabor, FrictionLaw};
 use asperity::friction::statistics::FrictionStatistics;
 use asperity::friction::strip::{Record, Strips};
@@ -316,6 +316,24 @@ fn white_friction_under_windows_is_the_window_only() {
     // Independent cells: the variance falls with the window.
     let stds: Vec<f64> = study.windows.iter().map(|seen| seen.std * seen.window_m.sqrt()).collect();
     assert!(stds.iter().all(|std| (std / stds[3] - 1.0).abs() < 0.1), "{stds:?}");
+}
+
+#[test]
+fn white_friction_under_a_window_has_the_triangular_correlation() {
+    let grid = Grid::new(4096, 4, 1e-6, 1e-6).unwrap();
+    let window = Window::new(64e-6, grid).unwrap();
+    let noise = |strip| random::standard_normal(&mut random::stream(3, "white", strip), 4096);
+    let records: Vec<Record> = (0..60).map(|strip| averaged(&noise(strip), &window, grid)).collect();
+    let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+    let normalisation = LagNormalisation::PairNormalised;
+    let found = RecordCorrelation::estimate(&series, window.step_m(), 32, normalisation).unwrap();
+    // 1 − s/W, whose estimate from 60 · 64 windows errs by √(2/3 · 1/3840) ≈ .013; 1/e at (1 − 1/e) W = .632 W.
+    for (lag, rho) in found.correlation.iter().enumerate() {
+        let triangle = (1.0 - lag as f64 / 16.0).max(0.0);
+        assert!((rho - triangle).abs() < 4.0 * 0.013, "{rho} for {triangle} at {lag} steps");
+    }
+    let length = found.correlation_length_m().unwrap() / window.length_m();
+    assert!((length - 0.632).abs() < 4.0 * 0.013, "{length}");
 }
 
 #[test]

@@ -152,14 +152,17 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
     let leading = friction.levels.iter().find(|level| level.leading).unwrap();
     assert!(friction.levels.iter().all(|level| level.mean_pressure_pa <= leading.mean_pressure_pa));
     for level in &friction.levels {
-        let upscaling = level.upscaling.as_ref().unwrap();
+        let upscaling = &level.upscaling;
         assert_eq!(upscaling.paper.std, level.at_mean_load.std);
         assert!((upscaling.area.windows - 833e-6 / (60e-6 * 32e-6)).abs() < 1.0);
         let least = upscaling.paper.std / upscaling.area.windows.sqrt();
         assert!(upscaling.area.std >= least * (1.0 - 1e-9) && upscaling.area.std < 3.0 * least);
     }
     assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("highest point of each strip")));
-    assert!(run("").results.friction.unwrap().levels[0].upscaling.is_none());
+    // A pad's area, and said so, where none is stated.
+    let silent = run("").results;
+    assert_eq!(silent.friction.unwrap().levels[0].upscaling.area.nominal_area_m2, 833e-6);
+    assert!(silent.assumptions.iter().any(|sentence| sentence.contains("No nominal area is stated")));
 }
 
 #[test]

@@ -423,7 +423,7 @@ pub struct FrictionSection {
     /// Further levels: depths of the plane below the highest point of every strip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub penetrations: Vec<Length>,
-    /// Area over which windows average, for the `area` upscaling; when left out, that of `[vibration]`.
+    /// Area over which windows average, for the `area` upscaling; when left out, that of `[vibration]`, or else 833 mm².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nominal_area: Option<Area>,
     /// Strips per level.

@@ -170,7 +170,7 @@ pub(super) fn run(
     material: &MaterialSection,
     (model, surface): (&SurfaceModel, &SurfaceResult),
     lead: Lead,
-    nominal_area_m2: Option<f64>,
+    nominal_area_m2: f64,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
@@ -203,8 +203,7 @@ pub(super) fn run(
             .enumerate()
             .map(|(index, level)| LevelResult {
                 leading: index == lead,
-                upscaling: nominal_area_m2.map(|area_m2| level.upscaling(window, area_m2)),
-                ..entries::level_result(level)
+                ..entries::level_result(level, level.upscaling(window, nominal_area_m2))
             })
             .collect(),
         uncertainty: None,

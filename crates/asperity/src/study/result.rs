@@ -398,6 +398,8 @@ pub struct LevelResult {
     pub gof: Option<GoodnessResult>,
     /// Values that μ of a window exceeds once in a sliding distance; empty where the strips hold too few separate peaks.
     pub return_levels: Vec<ReturnLevelResult>,
+    /// How μ of a window is distributed far above the others; `null` where the strips hold too few separate peaks.
+    pub tail: Option<TailResult>,
     /// The Beta law with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
     /// Windows without contact, left out.
@@ -408,8 +410,8 @@ pub struct LevelResult {
     pub stationarity: Option<StationarityResult>,
     /// Contact area against load of the windows; `null` where one of them does not vary.
     pub area_and_load: Option<CrossResult>,
-    /// From one window to the nominal area; `null` where no nominal area is stated.
-    pub upscaling: Option<UpscalingResult>,
+    /// From one window to the nominal area.
+    pub upscaling: UpscalingResult,
     /// Mean number of contact cells in a window.
     pub contact_cells_per_window: f64,
     /// Share of windows with fewer than 30 contact cells.
@@ -515,6 +517,21 @@ pub struct CrossResult {
     pub correlation: f64,
     /// Its interval.
     pub interval: Pair,
+}
+
+/// The upper tail of μ: peaks over a threshold follow a generalised Pareto law.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TailResult {
+    /// Largest value.
+    pub largest: f64,
+    /// The threshold.
+    pub threshold: f64,
+    /// Separate peaks above it.
+    pub peaks: usize,
+    /// Shape ξ: the tail ends below 0, is exponential at 0, and has no moments beyond the order 1/ξ above.
+    pub shape: f64,
+    /// Its interval.
+    pub shape_interval: Pair,
 }
 
 /// A value that μ exceeds once in a distance on average.

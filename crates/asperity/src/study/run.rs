@@ -6,6 +6,7 @@ use std::str::FromStr;
 use crate::friction::process::FittedProcess;
 use crate::map::Grid;
 use crate::monitor::Monitor;
+use crate::quantity::Area;
 use crate::study::config::{BoundaryChoice, SurfaceSection};
 use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
@@ -14,6 +15,9 @@ use crate::study::window_friction::WindowFriction;
 use crate::study::{
     Study, StudyError, friction_process, friction_stage, pressure_stage, surface_stage, vibration_stage,
 };
+
+/// Nominal area of a study that states none: a pad at 3 MPa under 2.5 kN.
+const NOMINAL_AREA: Area = Area(833e-6);
 
 /// A stage of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,7 +136,13 @@ impl Study {
                 Some((None, nominal_pa)) => Lead::NominalPressure(nominal_pa),
             };
             let of_vibration = || self.vibration.as_ref().map(|v| v.nominal_area);
-            let nominal_area_m2 = section.nominal_area.or_else(of_vibration).map(|area| area.0);
+            let stated = section.nominal_area.or_else(of_vibration);
+            let nominal_area_m2 = stated.unwrap_or(NOMINAL_AREA).0;
+            if stated.is_none() {
+                let assumed =
+                    format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
+                gathered.results.assumptions.push(assumed);
+            }
             let surface = (surface, found);
             let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);

@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 
 use crate::correlation::Stationarity;
 use crate::friction::analysis::ProcessAnalysis;
-use crate::friction::statistics::{FrictionStatistics, ReturnLevel};
+use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window_study::WindowStudy;
 use crate::stats::Estimate;
 use crate::study::friction_stage::SolvedLevel;
 use crate::study::result::{
     AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, Pair,
-    ReturnLevelResult, StationarityResult, finite, pair,
+    ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite, pair,
 };
 use crate::study::surface_stage::law_result;
 
-pub(super) fn level_result(solved: &SolvedLevel) -> LevelResult {
+pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelResult {
     let (level, statistics) = (&solved.level, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();
@@ -49,6 +49,7 @@ pub(super) fn level_result(solved: &SolvedLevel) -> LevelResult {
             .tail
             .as_ref()
             .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
+        tail: statistics.tail.as_ref().map(tail),
         beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
         at_mean_load: AtMeanLoad {
             mean: solved.mean,
@@ -72,7 +73,7 @@ pub(super) fn level_result(solved: &SolvedLevel) -> LevelResult {
             .as_ref()
             .ok()
             .map(|found| CrossResult { correlation: found.coefficient, interval: pair(found.interval) }),
-        upscaling: None,
+        upscaling,
         empty_windows: statistics.empty_windows,
         contact_cells_per_window: statistics.contact_cells,
         sparse_window_share: statistics.sparse_share,
@@ -99,6 +100,16 @@ fn goodness(statistics: &FrictionStatistics) -> Option<GoodnessResult> {
         anderson_darling: found.anderson_darling.map(|distance| distance.statistic),
         anderson_darling_p: found.anderson_darling.map(|distance| distance.p_value),
     })
+}
+
+fn tail(tail: &Tail) -> TailResult {
+    TailResult {
+        largest: tail.largest,
+        threshold: tail.threshold,
+        peaks: tail.clusters,
+        shape: tail.shape,
+        shape_interval: pair(tail.shape_interval),
+    }
 }
 
 fn return_level(level: &ReturnLevel) -> ReturnLevelResult {
