@@ -169,6 +169,8 @@ const USUAL: &[&str] = &[
     "/separation_m",
     "/mean_compliance_m_per_pa",
     "/beta",
+    // Too few separate peaks.
+    "/tail",
     // No scaling range, and too few points.
     "/fractal_dimension",
     "/hurst_range_low_m",
