@@ -18,6 +18,7 @@ mod critical;
 mod cycle;
 mod ensemble;
 mod events;
+mod lanes;
 mod law;
 mod locked;
 mod motion;

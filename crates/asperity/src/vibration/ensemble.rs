@@ -1,18 +1,22 @@
 //! Many trajectories, and the law of what they count.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::lanes::{Task, Witness, follow_many};
 use super::reattachment::{Gathering, Reattachments, RunningMoments};
-use super::trajectory::{Slipped, follow};
-use super::{Drive, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
+use super::trajectory::Slipped;
+use super::{Drive, Event, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
 use crate::friction::process::{FrictionProcess, Steady};
 use crate::monitor::{Cancelled, Monitor};
 
 /// Trajectories computed before their results are added up; bounds the memory.
-const BLOCK: usize = 256;
+const BLOCK: usize = 1024;
+/// Trajectories that one thread takes at a time.
+const CHUNK: usize = 32;
 
 /// How an ensemble is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -135,15 +139,33 @@ impl Ensemble {
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
         for first in (0..total).step_by(BLOCK) {
-            let outcomes: Vec<Result<Outcome, VibrationError>> = (first..total.min(first + BLOCK))
+            let block = first..total.min(first + BLOCK);
+            let chunks: Vec<Range<usize>> =
+                block.clone().step_by(CHUNK).map(|start| start..block.end.min(start + CHUNK)).collect();
+            let outcomes: Vec<Result<Outcome, VibrationError>> = chunks
                 .into_par_iter()
-                .map(|index| {
-                    if monitor.cancelled() {
-                        return Err(Cancelled.into());
-                    }
-                    let outcome = trajectory(oscillator, process, settings.seed, index, &followed);
-                    monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
-                    outcome
+                .flat_map_iter(|chunk| {
+                    let mut outcomes: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
+                    follow_many(
+                        &followed,
+                        chunk.clone(),
+                        |index| {
+                            if monitor.cancelled() {
+                                return Err(Cancelled.into());
+                            }
+                            let fluctuation = process.path(settings.seed, index as u64);
+                            Ok(Task { oscillator: *oscillator, fluctuation, witness: Points::default() })
+                        },
+                        |index, ended| {
+                            outcomes[index - chunk.start] = ended.map(|followed| Outcome {
+                                slips: followed.slips,
+                                clamped: followed.fluctuation.clamped(),
+                                reattachments: followed.witness.0,
+                            });
+                            monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
+                        },
+                    );
+                    outcomes
                 })
                 .collect();
             for (trajectory, outcome) in (first..).zip(outcomes) {
@@ -177,21 +199,16 @@ impl Ensemble {
     }
 }
 
-fn trajectory(
-    oscillator: &Oscillator,
-    process: &FrictionProcess,
-    seed: u64,
-    index: usize,
-    settings: &TrajectorySettings,
-) -> Result<Outcome, VibrationError> {
-    let mut path = process.path(seed, index as u64);
-    let mut reattachments = Vec::new();
-    let slips = follow(oscillator, &mut path, settings, |event, slipped| {
+/// The points at which cycles of one trajectory stick again.
+#[derive(Debug, Default)]
+struct Points(Vec<f64>);
+
+impl Witness for Points {
+    fn see(&mut self, event: Event, slipped: Slipped) {
         if slipped == Slipped::Cycle {
-            reattachments.push(event.displacement);
+            self.0.push(event.displacement);
         }
-    })?;
-    Ok(Outcome { slips, clamped: path.clamped(), reattachments })
+    }
 }
 
 #[cfg(test)]

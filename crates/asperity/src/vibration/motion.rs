@@ -10,7 +10,7 @@ use super::{Drive, Event, EventKind, FrictionLaw, Oscillator, Phase, VibrationEr
 use crate::friction::process::Fluctuation;
 
 /// Steps in a row that may leave the time where it is (an arrival and a release at one time are two).
-const MAX_IDLE_STEPS: usize = 100;
+pub(super) const MAX_IDLE_STEPS: usize = 100;
 
 /// The state of the mass while it is followed.
 ///

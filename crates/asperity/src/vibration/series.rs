@@ -14,7 +14,7 @@ use super::{FrictionLaw, Oscillator};
 const TOLERANCE: f64 = 2e-16;
 
 /// 1/n.
-const RECIPROCAL: [f64; CAPACITY + 1] = {
+pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
     let mut r = [0.0; CAPACITY + 1];
     let mut n = 1;
     while n <= CAPACITY {
@@ -29,9 +29,9 @@ const RECIPROCAL: [f64; CAPACITY + 1] = {
 pub(super) struct Weakening {
     /// (μ_st − μ_k)/V.
     pub(super) jump: f64,
-    linear: f64,
-    gain: f64,
-    curvature: f64,
+    pub(super) linear: f64,
+    pub(super) gain: f64,
+    pub(super) curvature: f64,
 }
 
 impl Weakening {

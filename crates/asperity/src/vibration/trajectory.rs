@@ -58,11 +58,17 @@ pub(super) fn started<F: Fluctuation>(
     settings: &TrajectorySettings,
 ) -> Result<Motion<F>, VibrationError> {
     positive("duration", settings.duration)?;
+    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)
+}
+
+/// The displacement X at τ = 0.
+pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -> Result<f64, VibrationError> {
     let start = settings.start.unwrap_or_else(|| oscillator.default_start());
-    if !start.is_finite() {
-        return Err(VibrationError::Parameter { parameter: "start", value: start, wanted: "finite" });
+    if start.is_finite() {
+        Ok(start)
+    } else {
+        Err(VibrationError::Parameter { parameter: "start", value: start, wanted: "finite" })
     }
-    Motion::new(oscillator, fluctuation, settings.drive, start)
 }
 
 /// Follows a mass and shows every event with the counts so far.

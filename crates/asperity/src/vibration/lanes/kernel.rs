@@ -1,0 +1,462 @@
+//! One step of slip in every lane: Taylor series, their cuts, and the state behind them.
+
+use std::f64::consts::PI;
+
+use super::super::polynomial;
+use super::super::series::{RECIPROCAL, Weakening};
+use super::super::{FrictionLaw, Oscillator};
+
+/// Trajectories that advance together: two registers of four numbers, or one of eight.
+pub(in crate::vibration) const LANES: usize = 16;
+
+/// One number of each lane.
+pub(super) type Lane = [f64; LANES];
+
+/// A yes (1) or no (0) of each lane, as a number, so that choices stay in the registers.
+pub(super) type Flags = Lane;
+
+/// Share of the least distance between two extrema of W that a step may take.
+const EXTREMA: f64 = 0.9;
+/// A coarse root is good to 0.4 %; a step is shorter by more than that.
+const REACH: f64 = 0.98;
+
+/// The constants of the slip equations, lane by lane; see [`super::super::series`].
+#[derive(Debug, Clone)]
+pub(super) struct Plants {
+    pub(super) jump: Lane,
+    linear: Lane,
+    gain: Lane,
+    curvature: Lane,
+    /// μ_k, and the loss of a linear law per W; the coefficient is positive where μ_k + m > W·(loss − m·curvature).
+    kinetic: Lane,
+    loss: Lane,
+    /// Bound of the change of the stiffness κ by the weakening, in the distance of two extrema of W.
+    softening: Lane,
+}
+
+/// Where the lanes are: in slip, always, because a stick is left at once.
+#[derive(Debug, Clone)]
+pub(super) struct States {
+    pub(super) w: Lane,
+    pub(super) e: Lane,
+    pub(super) tau: Lane,
+    /// +1 in slip and −1 in over-slip.
+    pub(super) direction: Lane,
+    /// κ = 1 + dm/ds.
+    pub(super) kappa: Lane,
+    /// Scaled distance S between knots; infinite without knots.
+    pub(super) span: Lane,
+    /// Scaled distance S since the last knot.
+    pub(super) passed: Lane,
+    /// The least m in this cell, if below zero.
+    pub(super) least: Lane,
+    /// The largest W at a cut since the last detachment.
+    pub(super) fastest: Lane,
+}
+
+/// What a step met at its end.
+#[derive(Debug, Clone)]
+pub(super) struct Cuts {
+    /// Length of the step.
+    pub(super) h: Lane,
+    /// Knots crossed.
+    pub(super) crossed: Flags,
+    /// Arrivals at W = 0.
+    pub(super) arrived: Flags,
+    /// The step could not be judged here: a minimum near zero, Newton's method without convergence.
+    pub(super) unsure: Flags,
+    /// W turned from rising to falling without a cut above 1.
+    pub(super) turned: Flags,
+    /// The friction coefficient may not be positive all along the step.
+    pub(super) weak: Flags,
+    /// A knot was crossed and there is nothing else to see.
+    pub(super) plain: Flags,
+    /// Length of the step before it was cut.
+    pub(super) trial: Lane,
+    /// τ and S since the last knot at the beginning of the step.
+    pub(super) tau: Lane,
+    pub(super) passed: Lane,
+}
+
+impl Plants {
+    pub(super) const NONE: Self = Self {
+        jump: [0.0; LANES],
+        linear: [0.0; LANES],
+        gain: [0.0; LANES],
+        curvature: [0.0; LANES],
+        kinetic: [1.0; LANES],
+        loss: [0.0; LANES],
+        softening: [0.0; LANES],
+    };
+
+    pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
+        let Weakening { jump, linear, gain, curvature } = Weakening::new(oscillator);
+        self.kinetic[lane] = oscillator.law().kinetic();
+        self.loss[lane] = match oscillator.law() {
+            FrictionLaw::Linear { slope, .. } => slope * oscillator.belt_velocity(),
+            _ => 0.0,
+        };
+        self.jump[lane] = jump;
+        self.linear[lane] = linear;
+        self.gain[lane] = gain;
+        self.curvature[lane] = curvature;
+        self.softening[lane] = gain * curvature;
+    }
+}
+
+impl Cuts {
+    pub(super) const NONE: Self = Self {
+        h: [0.0; LANES],
+        crossed: [0.0; LANES],
+        arrived: [0.0; LANES],
+        unsure: [0.0; LANES],
+        turned: [0.0; LANES],
+        weak: [0.0; LANES],
+        plain: [0.0; LANES],
+        trial: [0.0; LANES],
+        tau: [0.0; LANES],
+        passed: [0.0; LANES],
+    };
+}
+
+impl States {
+    /// Lets an empty lane slide steadily.
+    pub(super) fn park(&mut self, lane: usize) {
+        (self.w[lane], self.e[lane], self.tau[lane]) = (1.0, 0.0, 0.0);
+        (self.span[lane], self.passed[lane]) = (f64::INFINITY, 0.0);
+        (self.direction[lane], self.kappa[lane], self.fastest[lane]) = (1.0, 1.0, 0.0);
+    }
+
+    pub(super) const NONE: Self = Self {
+        w: [1.0; LANES],
+        e: [0.0; LANES],
+        tau: [0.0; LANES],
+        direction: [1.0; LANES],
+        kappa: [1.0; LANES],
+        span: [f64::INFINITY; LANES],
+        passed: [0.0; LANES],
+        least: [0.0; LANES],
+        fastest: [0.0; LANES],
+    };
+}
+
+/// N Taylor coefficients of W and S/t, each in all lanes, and the last two of e.
+#[derive(Debug, Clone)]
+pub(super) struct Expansion<const N: usize> {
+    w: [Lane; N],
+    s: [Lane; N],
+    e: [Lane; 2],
+}
+
+#[inline(always)]
+fn each(f: impl Fn(usize) -> f64) -> Lane {
+    let mut y = [0.0; LANES];
+    for l in 0..LANES {
+        y[l] = f(l);
+    }
+    y
+}
+
+/// The larger number; one instruction, other than `f64::max`, which minds NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn flag(condition: bool) -> f64 {
+    if condition { 1.0 } else { 0.0 }
+}
+
+#[inline(always)]
+fn choose(flag: f64, yes: f64, no: f64) -> f64 {
+    if flag > 0.5 { yes } else { no }
+}
+
+#[inline(always)]
+fn any(flags: &Flags) -> bool {
+    let mut sum = 0.0;
+    for l in 0..LANES {
+        sum += flags[l];
+    }
+    sum > 0.0
+}
+
+/// Σ c_k t^k as even and odd part.
+#[inline(always)]
+fn value<const N: usize>(c: &[Lane; N], t: &Lane) -> Lane {
+    let square = each(|l| t[l] * t[l]);
+    let (mut even, mut odd) = ([0.0; LANES], [0.0; LANES]);
+    for k in (0..N / 2).rev() {
+        even = each(|l| even[l] * square[l] + c[2 * k][l]);
+        odd = each(|l| odd[l] * square[l] + c[2 * k + 1][l]);
+    }
+    each(|l| even[l] + t[l] * odd[l])
+}
+
+/// Σ c_k t^k and its derivative.
+#[inline(always)]
+fn value_and_slope<const N: usize>(c: &[Lane; N], t: &Lane) -> (Lane, Lane) {
+    let (mut sum, mut slope) = (c[N - 1], [0.0; LANES]);
+    for k in (0..N - 1).rev() {
+        slope = each(|l| slope[l] * t[l] + sum[l]);
+        sum = each(|l| sum[l] * t[l] + c[k][l]);
+    }
+    (sum, slope)
+}
+
+/// A number below Σ c_k t^k on [0, h], from the signs of the coefficients.
+#[inline(always)]
+fn lower_bound<const N: usize>(c: &[Lane; N], h: &Lane) -> Lane {
+    let mut sum = [0.0; LANES];
+    for k in (1..N).rev() {
+        sum = each(|l| (sum[l] + smaller(c[k][l], 0.0)) * h[l]);
+    }
+    each(|l| c[0][l] + sum[l])
+}
+
+/// x^(1/n) to half a per cent, for positive x: the upper half of the bits of a number is nearly its logarithm.
+#[inline(always)]
+fn coarse_root(x: f64, reciprocal: f64) -> f64 {
+    // An integer below 2³² and a number are turned into each other by adding 2⁵².
+    const SHIFT: f64 = 4_503_599_627_370_496.0;
+    const ONE: f64 = 1_072_693_248.0;
+    let logarithm = f64::from_bits((x.to_bits() >> 32) | SHIFT.to_bits()) - SHIFT;
+    f64::from_bits((ONE + (logarithm - ONE) * reciprocal + SHIFT).to_bits() << 32)
+}
+
+impl<const N: usize> Expansion<N> {
+    pub(super) const NONE: Self = Self { w: [[0.0; LANES]; N], s: [[0.0; LANES]; N], e: [[0.0; LANES]; 2] };
+
+    /// The recurrence of [`super::super::series::Series`] without forcing.
+    #[inline(always)]
+    fn expand(&mut self, plants: &Plants, states: &States) {
+        let mut r = [[0.0; LANES]; N];
+        let quotient = each(|l| 1.0 / (1.0 + plants.curvature[l] * states.w[l]));
+        let curvature = each(|l| plants.curvature[l] * quotient[l]);
+        (self.w[0], self.s[0]) = (states.w, states.w);
+        let (mut e, mut before) = (states.e, states.e);
+        r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
+        let gain = each(|l| plants.gain[l] * quotient[l] - curvature[l] * r[0][l]);
+        let mut base = states.direction;
+        let mut jump = plants.jump;
+        for n in 0..N - 1 {
+            // Two sums, so that additions need not wait for each other.
+            let (mut inner, mut other) = ([0.0; LANES], [0.0; LANES]);
+            let mut k = 1;
+            while k < n {
+                inner = each(|l| inner[l] + self.w[k][l] * r[n + 1 - k][l]);
+                other = each(|l| other[l] + self.w[k + 1][l] * r[n - k][l]);
+                k += 2;
+            }
+            if k == n {
+                inner = each(|l| inner[l] + self.w[n][l] * r[1][l]);
+            }
+            let (next, after) = (RECIPROCAL[n + 1], RECIPROCAL[n + 2]);
+            let w = each(|l| (e[l] + plants.linear[l] * self.w[n][l] + jump[l] + r[n][l]) * next);
+            before = e;
+            e = each(|l| (base[l] - states.kappa[l] * self.w[n][l]) * next);
+            r[n + 1] = each(|l| gain[l] * w[l] - curvature[l] * (inner[l] + other[l]));
+            self.s[n + 1] = each(|l| w[l] * after);
+            self.w[n + 1] = w;
+            (base, jump) = ([0.0; LANES], [0.0; LANES]);
+        }
+        self.e = [before, e];
+    }
+
+    /// The longest step on which the dropped terms stay below `tolerance` times the state, coarsely.
+    #[inline(always)]
+    fn reach(&self, states: &States, tolerance: f64) -> Lane {
+        let n = N - 1;
+        each(|l| {
+            let size = |w: f64, e: f64| larger(larger(w.abs(), e.abs()), 1e-280);
+            let allowed = tolerance * larger(size(states.w[l], states.e[l]), 1.0);
+            let before = size(self.w[n - 1][l], self.e[0][l]) * (RECIPROCAL[n] * RECIPROCAL[n + 1]);
+            let last = coarse_root(allowed / size(self.w[n][l], self.e[1][l]), RECIPROCAL[n]);
+            REACH * smaller(last, coarse_root(allowed / before, RECIPROCAL[n + 1]))
+        })
+    }
+
+    /// Time at which W, positive at 0 and w ≤ 0 with the slope `slope` at h, is zero; W′ there; whether it was found.
+    #[inline(always)]
+    fn arrival(&self, plants: &Plants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
+        // W″ is known from W and W′, so each step is one of Halley's method, of third order.
+        let bend = |w: &Lane, slope: &Lane| {
+            each(|l| {
+                let quotient = 1.0 / (1.0 + plants.curvature[l] * w[l]);
+                let weakening = plants.linear[l] + plants.gain[l] * quotient * quotient;
+                weakening * slope[l] + states.direction[l] - states.kappa[l] * w[l]
+            })
+        };
+        // The parabola at h.
+        let second = bend(w, slope);
+        let mut t = each(|l| {
+            let root = larger(slope[l] * slope[l] - 2.0 * second[l] * w[l], 0.0).sqrt();
+            larger(h[l] - 2.0 * w[l] / (slope[l] - root), 0.0)
+        });
+        let (mut step, mut end) = ([0.0; LANES], [0.0; LANES]);
+        for _ in 0..3 {
+            let (y, dy) = value_and_slope(&self.w, &t);
+            let second = bend(&y, &dy);
+            step = each(|l| 2.0 * y[l] * dy[l] / (2.0 * dy[l] * dy[l] - y[l] * second[l]));
+            t = each(|l| smaller(larger(t[l] - step[l], 0.0), h[l]));
+            end = each(|l| dy[l] - step[l] * second[l]);
+        }
+        let found = each(|l| {
+            let size = step[l].abs();
+            // The slope at the end is known to the square of the last step.
+            flag((size * size <= 1e-16 * h[l]) & (t[l] > 0.0) & (t[l] < h[l]))
+        });
+        (t, end, found)
+    }
+
+    /// Time at which S reaches `left`, and whether it was found, not later than `cap`.
+    #[inline(always)]
+    fn crossing(&self, left: &Lane, cap: &Lane) -> (Lane, Flags) {
+        let (w, s) = (&self.w, &self.s);
+        // At constant acceleration, then Newton's method: on the first terms, and on all.
+        let mut t = each(|l| {
+            let discriminant = larger(w[0][l] * w[0][l] + 2.0 * w[1][l] * left[l], 0.0);
+            smaller(2.0 * left[l] / (w[0][l] + discriminant.sqrt()), cap[l])
+        });
+        for _ in 0..2 {
+            t = each(|l| {
+                let t = t[l];
+                let y = t * (s[0][l] + t * (s[1][l] + t * (s[2][l] + t * s[3][l])));
+                let dy = w[0][l] + t * (w[1][l] + t * (w[2][l] + t * w[3][l]));
+                t - (y - left[l]) / dy
+            });
+        }
+        let (mut step, mut speed) = ([0.0; LANES], [0.0; LANES]);
+        for _ in 0..2 {
+            let y = value(s, &t);
+            speed = value(w, &t);
+            step = each(|l| (t[l] * y[l] - left[l]) / speed[l]);
+            t = each(|l| t[l] - step[l]);
+        }
+        // Newton's error after a step is about its square times W′/2W.
+        let found = each(|l| flag((step[l] * step[l] <= 1e-17 * t[l] * speed[l]) & (t[l] > 0.0) & (t[l] <= cap[l])));
+        (t, found)
+    }
+
+    /// Advances every lane by one step, at most to the time `until`.
+    ///
+    /// A step is shorter than the least distance of two extrema of W, so W has at most one of them in it: it is zero there
+    /// exactly once if it is not positive at the end, and not at all if it is positive there and the extremum is a maximum. Two
+    /// extrema are at least π/√(κ + δ) apart: Z = W′ obeys Z″ + (pZ)′ + κZ = 0 with p = 2ζ − dr/dW, whose zeros are as far
+    /// apart (Sturm) with δ = max p′/2 ≤ (weakening gain × curvature) × max |W′|.
+    #[inline(always)]
+    pub(super) fn step<const KNOTS: bool>(
+        &mut self,
+        plants: &Plants,
+        states: &mut States,
+        until: f64,
+        tolerance: f64,
+        cuts: &mut Cuts,
+    ) {
+        self.expand(plants, states);
+        let (w0, slope0) = (self.w[0], self.w[1]);
+        let remaining = each(|l| until - states.tau[l]);
+        let left = each(|l| states.span[l] - states.passed[l]);
+        let reach = self.reach(states, tolerance);
+        let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
+        let cap = each(|l| {
+            let stiffness = larger(states.kappa[l] + plants.softening[l] * quickest[l], 0.1);
+            smaller(smaller(reach[l], EXTREMA * PI / stiffness.sqrt()), remaining[l])
+        });
+        (cuts.trial, cuts.tau, cuts.passed) = (cap, states.tau, states.passed);
+        let (mut h, mut crossed) = (cap, [0.0; LANES]);
+        if KNOTS {
+            let (t, found) = self.crossing(&left, &cap);
+            crossed = found;
+            h = each(|l| choose(found[l], t[l], cap[l]));
+        }
+        let (mut w, mut slope) = value_and_slope(&self.w, &h);
+        let arrived = each(|l| flag(w[l] <= 0.0));
+        // A minimum inside may lie below zero.
+        let mut unsure = each(|l| flag((w[l] > 0.0) & (slope0[l] < 0.0) & (slope[l] > 0.0)));
+        if any(&unsure) {
+            let floor = lower_bound(&self.w, &h);
+            unsure = each(|l| unsure[l] * flag(floor[l] <= 0.0));
+        }
+        unsure = each(|l| larger(unsure[l], flag(slope[l].abs() > quickest[l])));
+        if any(&arrived) {
+            // First the arrival, then the knot: past an arrival the distance would run backwards.
+            let (t, end, found) = self.arrival(plants, states, &h, &w, &slope);
+            unsure = each(|l| larger(unsure[l], arrived[l] * (1.0 - found[l])));
+            crossed = each(|l| crossed[l] * (1.0 - arrived[l]));
+            h = each(|l| choose(arrived[l], t[l], h[l]));
+            w = each(|l| choose(arrived[l], 0.0, w[l]));
+            slope = each(|l| choose(arrived[l], end[l], slope[l]));
+        }
+        let distance = value(&self.s, &h);
+        let distance = each(|l| h[l] * distance[l]);
+        // A knot that was not found, or lies before an arrival.
+        unsure = each(|l| larger(unsure[l], (1.0 - crossed[l]) * flag(distance[l] >= left[l])));
+        states.w = w;
+        states.e = each(|l| {
+            let friction = plants.gain[l] * w[l] / (1.0 + plants.curvature[l] * w[l]);
+            slope[l] - plants.jump[l] - plants.linear[l] * w[l] - friction
+        });
+        states.fastest = each(|l| larger(states.fastest[l], w[l]));
+        let turned = each(|l| flag((slope0[l] > 0.0) & (slope[l] < 0.0)));
+        // A step with one maximum lies below what the largest slope adds.
+        let ceiling = each(|l| larger(w0[l], w[l]) + turned[l] * h[l] * quickest[l]);
+        cuts.turned = each(|l| turned[l] * flag(states.fastest[l] <= 1.0));
+        cuts.weak = each(|l| {
+            let loss = plants.loss[l] - states.least[l] * plants.curvature[l];
+            flag(plants.kinetic[l] + states.least[l] <= ceiling[l] * loss)
+        });
+        states.tau = each(|l| choose(flag(h[l] == remaining[l]), until, states.tau[l] + h[l]));
+        states.passed = each(|l| choose(crossed[l], 0.0, states.passed[l] + distance[l]));
+        cuts.plain = each(|l| {
+            crossed[l] * (1.0 - larger(larger(unsure[l], cuts.turned[l]), cuts.weak[l])) * flag(states.tau[l] < until)
+        });
+        (cuts.h, cuts.crossed, cuts.arrived, cuts.unsure) = (h, crossed, arrived, unsure);
+    }
+
+    /// The same cut of one lane again, slowly and in doubt of nothing; the state is the one at the beginning of the step.
+    pub(super) fn cut_again(&self, lane: usize, plants: &Plants, states: &mut States, until: f64, cuts: &mut Cuts) {
+        let of = |c: &[Lane; N]| -> [f64; N] { std::array::from_fn(|k| c[k][lane]) };
+        let (w, s) = (of(&self.w), of(&self.s));
+        let mut h = cuts.trial[lane];
+        let leading = w.iter().take(2).take_while(|c| **c == 0.0).count();
+        let arrival = polynomial::first_zero(&w[leading..], h);
+        h = arrival.unwrap_or(h);
+        let left = states.span[lane] - cuts.passed[lane];
+        let distance = |t: f64| t * polynomial::value(&s, t);
+        let crossed = distance(h) >= left;
+        if crossed {
+            let excess = |t: f64| (distance(t) - left, polynomial::value(&w, t));
+            h = polynomial::bracketed_zero(excess, 0.0, h, false, 0.5 * h);
+        }
+        let arrived = arrival.is_some() && !crossed;
+        (cuts.crossed[lane], cuts.arrived[lane], cuts.unsure[lane]) = (flag(crossed), flag(arrived), 0.0);
+        cuts.h[lane] = h;
+        let rises = w[1] > 0.0 || leading > 0;
+        let end = polynomial::value_and_slope(&w, h);
+        states.w[lane] = if arrived { 0.0 } else { end.0.max(0.0) };
+        let friction = plants.gain[lane] * states.w[lane] / (1.0 + plants.curvature[lane] * states.w[lane]);
+        states.e[lane] = end.1 - plants.jump[lane] - plants.linear[lane] * states.w[lane] - friction;
+        states.tau[lane] = if h == until - cuts.tau[lane] { until } else { cuts.tau[lane] + h };
+        states.passed[lane] = if crossed { 0.0 } else { cuts.passed[lane] + distance(h) };
+        states.fastest[lane] = states.fastest[lane].max(states.w[lane]);
+        cuts.turned[lane] = flag(rises && (end.1 < 0.0 || arrived) && states.fastest[lane] <= 1.0);
+    }
+
+    /// The first maximum of W inside the last step of a lane that rises at its beginning.
+    pub(super) fn highest(&self, lane: usize, h: f64) -> f64 {
+        let w: [f64; N] = std::array::from_fn(|k| self.w[k][lane]);
+        if polynomial::upper_bound(&w, h) <= 1.0 {
+            return 0.0;
+        }
+        let slope = polynomial::derivative(&w);
+        let leading = slope.iter().take(2).take_while(|c| **c == 0.0).count();
+        polynomial::first_zero(&slope[leading..N - 1], h).map_or(0.0, |t| polynomial::value(&w, t))
+    }
+}
