@@ -27,10 +27,11 @@ mod oracle;
 mod oscillator;
 mod polynomial;
 mod portrait;
-mod reattachment;
 mod root;
+mod sample_law;
 mod series;
 mod slip_orbit;
+mod stability_map;
 mod sway;
 mod sweep;
 mod trajectory;
@@ -39,13 +40,14 @@ use thiserror::Error;
 
 pub use critical::{CriticalDamping, critical_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
-pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure};
+pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use law::FrictionLaw;
 pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
-pub use reattachment::Reattachments;
+pub use sample_law::SampleLaw;
+pub use stability_map::{Machine, MapAxis, MapCell, MapContour, MapPoint, MapSettings, StabilityMap, stability_map};
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 
@@ -103,6 +105,9 @@ pub enum VibrationError {
     /// The friction process cannot be made.
     #[error(transparent)]
     Process(#[from] ProcessError),
+    /// The law of the fluctuation is none.
+    #[error(transparent)]
+    Law(#[from] crate::law::LawError),
     /// Too few trajectories are valid for statistics.
     #[error("{valid} of {total} trajectories are valid, wanted a share of {wanted}; the first failure: {first}")]
     TooFewValid {

@@ -1,17 +1,22 @@
 //! Many trajectories, and the law of what they count.
 
+mod passage;
+mod rate;
+
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::lanes::{Task, Witness, follow_many};
-use super::reattachment::{Gathering, Reattachments, RunningMoments};
-use super::trajectory::Slipped;
-use super::{Drive, Event, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
+use self::passage::Passage;
+pub use self::rate::{Passages, Rate, Share};
+use super::lanes::{Task, follow_many};
+use super::sample_law::{Gathering, RunningMoments, SampleLaw};
+use super::{Drive, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
 use crate::friction::process::{FrictionProcess, Steady};
 use crate::monitor::{Cancelled, Monitor};
+use crate::stats::NORMAL_95;
 
 /// Trajectories computed before their results are added up; bounds the memory.
 const BLOCK: usize = 1024;
@@ -32,7 +37,7 @@ pub struct EnsembleSettings {
     pub start: Option<f64>,
     /// What the friction process is a function of.
     pub drive: Drive,
-    /// Re-attachment points that are kept for histograms and tests; 16 bytes each at the end, 24 on the way.
+    /// Values of each law that are kept for histograms and tests; 8 bytes each at the end, 24 on the way.
     pub sample_capacity: usize,
     /// Least share of valid trajectories.
     pub least_valid_share: f64,
@@ -92,8 +97,19 @@ pub struct Ensemble {
     pub cycles_deterministic: u64,
     /// M_diff = M_det − E\[M\] of the cycles.
     pub difference_mean: f64,
-    /// Where cycles stick again.
-    pub reattachments: Reattachments,
+    /// 95 % interval of M_diff.
+    pub difference_interval: [f64; 2],
+    /// Displacements X at which cycles stick again.
+    pub reattachments: SampleLaw,
+    /// Displacements X at which the mass leaves the belt, but for the first time.
+    pub releases: SampleLaw,
+    /// Times τ from the detachment of a cycle to the next one's, as long as the cycle is not lost between: their mean is the
+    /// period and their standard deviation its jitter.
+    pub periods: SampleLaw,
+    /// Share of the time in stick, per trajectory.
+    pub stick_share: Count,
+    /// Ways out of the cycle and back.
+    pub passages: Passages,
     /// Knots of the friction process that were raised to its stated least value, in all trajectories.
     pub clamped_knots: u64,
     /// Trajectories without a valid end.
@@ -104,13 +120,13 @@ pub struct Ensemble {
 struct Outcome {
     slips: Slips,
     clamped: u64,
-    reattachments: Vec<f64>,
+    passage: Passage,
 }
 
 impl Ensemble {
     /// Follows many trajectories in parallel.
     ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks of 256 and added up in
+    /// The result does not depend on the number of threads: trajectories are computed in blocks of 1,024 and added up in
     /// their order. Memory is bounded by the points of one block and `sample_capacity`.
     ///
     /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are valid,
@@ -134,7 +150,9 @@ impl Ensemble {
         let followed = TrajectorySettings { duration, start, drive };
         let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
-        let mut gathering = Gathering::new(settings.sample_capacity);
+        let mut stick_share = RunningMoments::EMPTY;
+        let [mut reattachments, mut releases, mut periods] = [(); 3].map(|()| Gathering::new(settings.sample_capacity));
+        let mut passages = Passages::EMPTY;
         let mut clamped_knots = 0;
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
@@ -154,13 +172,13 @@ impl Ensemble {
                                 return Err(Cancelled.into());
                             }
                             let fluctuation = process.path(settings.seed, index as u64);
-                            Ok(Task { oscillator: *oscillator, fluctuation, witness: Points::default() })
+                            Ok(Task { oscillator: *oscillator, fluctuation, witness: Passage::new(duration) })
                         },
                         |index, ended| {
-                            outcomes[index - chunk.start] = ended.map(|followed| Outcome {
-                                slips: followed.slips,
-                                clamped: followed.fluctuation.clamped(),
-                                reattachments: followed.witness.0,
+                            outcomes[index - chunk.start] = ended.map(|mut followed| {
+                                followed.witness.finish();
+                                let clamped = followed.fluctuation.clamped();
+                                Outcome { slips: followed.slips, clamped, passage: followed.witness }
                             });
                             monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
                         },
@@ -174,7 +192,11 @@ impl Ensemble {
                         cycles.add(outcome.slips.cycles as f64);
                         micro_slips.add(outcome.slips.micro_slips as f64);
                         clamped_knots += outcome.clamped;
-                        outcome.reattachments.iter().for_each(|x| gathering.add(*x));
+                        stick_share.add(outcome.passage.stick / duration);
+                        passages.add(&outcome.passage, duration);
+                        reattachments.add_all(&outcome.passage.reattachments);
+                        releases.add_all(&outcome.passage.releases);
+                        periods.add_all(&outcome.passage.periods);
                     }
                     Err(VibrationError::Cancelled(cancelled)) => return Err(cancelled.into()),
                     Err(error) => failures.push(Failure { trajectory, reason: error.to_string() }),
@@ -186,28 +208,25 @@ impl Ensemble {
             let (wanted, first) = (settings.least_valid_share, first.reason.clone());
             return Err(VibrationError::TooFewValid { valid, total, wanted, first });
         }
+        passages.conclude();
+        let cycles = Count::of(&cycles);
+        let difference_mean = cycles_deterministic as f64 - cycles.mean;
+        let half_width = NORMAL_95 * cycles.se;
         Ok(Self {
             trajectories: total,
-            cycles: Count::of(&cycles),
+            cycles,
             micro_slips: Count::of(&micro_slips),
             cycles_deterministic,
-            difference_mean: cycles_deterministic as f64 - cycles.mean(),
-            reattachments: gathering.finish(),
+            difference_mean,
+            difference_interval: [difference_mean - half_width, difference_mean + half_width],
+            reattachments: reattachments.finish(),
+            releases: releases.finish(),
+            periods: periods.finish(),
+            stick_share: Count::of(&stick_share),
+            passages,
             clamped_knots,
             failures,
         })
-    }
-}
-
-/// The points at which cycles of one trajectory stick again.
-#[derive(Debug, Default)]
-struct Points(Vec<f64>);
-
-impl Witness for Points {
-    fn see(&mut self, event: Event, slipped: Slipped) {
-        if slipped == Slipped::Cycle {
-            self.0.push(event.displacement);
-        }
     }
 }
 

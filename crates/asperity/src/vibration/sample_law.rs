@@ -1,4 +1,4 @@
-//! The law of the points at which cycles stick again, gathered in bounded memory.
+//! The law of what many trajectories leave, gathered in bounded memory.
 
 use std::collections::BinaryHeap;
 
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::law::goodness::normality;
 
-/// The law of the displacements X at which slips that reached ẋ < 0 stick again.
+/// The law of a quantity met many times along many trajectories, such as the displacement at re-attachment.
 ///
-/// Points of one trajectory are correlated when a slip is not much longer than the correlation length; `normality_p` takes
+/// Values of one trajectory are correlated when a slip is not much longer than the correlation length; `normality_p` takes
 /// them as independent, so it is a lower bound of the p-value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Reattachments {
-    /// Number of points; the moments are of all of them.
+pub struct SampleLaw {
+    /// Number of values; the moments are of all of them.
     pub count: u64,
     /// Mean.
     pub mean: f64,
@@ -22,9 +22,9 @@ pub struct Reattachments {
     pub skewness: f64,
     /// Excess kurtosis.
     pub excess_kurtosis: f64,
-    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none with fewer than 20 points.
+    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none with fewer than 20 values.
     pub normality_p: Option<f64>,
-    /// All points in order of trajectory and time if they are few enough, else a simple random sample of them, so ordered.
+    /// All values in order of trajectory and time if they are few enough, else a simple random sample of them, so ordered.
     pub sample: Vec<f64>,
 }
 
@@ -121,7 +121,7 @@ fn mix(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Gathers [`Reattachments`].
+/// Gathers a [`SampleLaw`].
 #[derive(Debug, Clone)]
 pub(super) struct Gathering {
     sums: RunningMoments,
@@ -138,10 +138,14 @@ impl Gathering {
         self.sums.add(x);
     }
 
-    pub(super) fn finish(self) -> Reattachments {
+    pub(super) fn add_all(&mut self, values: &[f64]) {
+        values.iter().for_each(|x| self.add(*x));
+    }
+
+    pub(super) fn finish(self) -> SampleLaw {
         let sample = self.reservoir.values();
         let sums = self.sums;
-        Reattachments {
+        SampleLaw {
             count: sums.count(),
             mean: sums.mean(),
             std: sums.std(),

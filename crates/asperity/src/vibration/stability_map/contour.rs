@@ -1,0 +1,124 @@
+//! Lines of equal value over the squares of a quadtree.
+
+use std::collections::BTreeMap;
+
+use super::{MapPoint, Place, Square};
+
+/// A vertex of the triangles: a place on a grid of half the finest spacing, so that middles of squares have one.
+type Vertex = (usize, usize);
+
+/// Lines on which `value` is zero, in the coordinates of `place`. A square with an unknown value at a vertex has none.
+///
+/// Each square is a fan of triangles about its middle, whose value is the mean of its corners'; all points that lie on its
+/// sides are vertices, so lines pass from squares to smaller ones without a gap. In a triangle the value is linear.
+pub(super) fn contour(
+    squares: &[Square],
+    points: &BTreeMap<Place, MapPoint>,
+    value: &dyn Fn(&MapPoint) -> Option<f64>,
+    place: &dyn Fn(Place) -> [f64; 2],
+) -> Vec<Vec<[f64; 2]>> {
+    let mut segments: Vec<[Crossing; 2]> = Vec::new();
+    for square in squares {
+        let sides = boundary(square, points);
+        let known: Option<Vec<Corner>> = sides
+            .iter()
+            .map(|&(i, j)| {
+                let value = value(&points[&(i, j)])?;
+                Some(Corner { vertex: (2 * i, 2 * j), value, place: place((i, j)) })
+            })
+            .collect();
+        let Some(known) = known.filter(|corners| corners.iter().all(|c| c.value.is_finite())) else { continue };
+        let [low, _, high, _] = square.corners().map(place);
+        let corners = square.corners();
+        let mean = corners.iter().filter_map(|c| value(&points[c])).sum::<f64>() / 4.0;
+        let middle = Corner {
+            vertex: (2 * square.corner.0 + square.side, 2 * square.corner.1 + square.side),
+            value: mean,
+            place: [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])],
+        };
+        for k in 0..known.len() {
+            let triangle = [middle, known[k], known[(k + 1) % known.len()]];
+            let crossings: Vec<Crossing> =
+                (0..3).filter_map(|e| Crossing::between(&triangle[e], &triangle[(e + 1) % 3])).collect();
+            if let [a, b] = crossings[..] {
+                segments.push([a, b]);
+            }
+        }
+    }
+    joined(&segments)
+}
+
+/// All points on the sides of a square, once around.
+pub(super) fn boundary(square: &Square, points: &BTreeMap<Place, MapPoint>) -> Vec<Place> {
+    let ((i, j), side) = (square.corner, square.side);
+    let around = (0..side)
+        .map(|k| (i + k, j))
+        .chain((0..side).map(|k| (i + side, j + k)))
+        .chain((0..side).map(|k| (i + side - k, j + side)))
+        .chain((0..side).map(|k| (i, j + side - k)));
+    around.filter(|place| points.contains_key(place)).collect()
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Corner {
+    vertex: Vertex,
+    value: f64,
+    place: [f64; 2],
+}
+
+/// Where an edge passes through zero.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    edge: (Vertex, Vertex),
+    place: [f64; 2],
+}
+
+impl Crossing {
+    fn between(a: &Corner, b: &Corner) -> Option<Self> {
+        if (a.value < 0.0) == (b.value < 0.0) {
+            return None;
+        }
+        // The same arithmetic from either side.
+        let (a, b) = if a.vertex <= b.vertex { (a, b) } else { (b, a) };
+        let share = a.value / (a.value - b.value);
+        let at = |k: usize| a.place[k] + share * (b.place[k] - a.place[k]);
+        Some(Self { edge: (a.vertex, b.vertex), place: [at(0), at(1)] })
+    }
+}
+
+/// Segments joined to lines at the edges that they share.
+fn joined(segments: &[[Crossing; 2]]) -> Vec<Vec<[f64; 2]>> {
+    let mut at: BTreeMap<(Vertex, Vertex), Vec<usize>> = BTreeMap::new();
+    for (index, segment) in segments.iter().enumerate() {
+        for end in segment {
+            at.entry(end.edge).or_default().push(index);
+        }
+    }
+    let mut used = vec![false; segments.len()];
+    let follow = |start: usize, from: Crossing, used: &mut Vec<bool>| {
+        let mut line = vec![from.place];
+        let (mut index, mut end) = (start, from);
+        loop {
+            used[index] = true;
+            let [a, b] = segments[index];
+            end = if a.edge == end.edge { b } else { a };
+            line.push(end.place);
+            let Some(&next) = at[&end.edge].iter().find(|&&i| !used[i]) else { return line };
+            index = next;
+        }
+    };
+    let mut lines = Vec::new();
+    // Open lines from their ends, then the closed ones.
+    let open = (0..segments.len()).flat_map(|i| [(i, 0), (i, 1)]).filter(|&(i, k)| at[&segments[i][k].edge].len() == 1);
+    for (index, end) in open {
+        if !used[index] {
+            lines.push(follow(index, segments[index][end], &mut used));
+        }
+    }
+    for index in 0..segments.len() {
+        if !used[index] {
+            lines.push(follow(index, segments[index][0], &mut used));
+        }
+    }
+    lines
+}
