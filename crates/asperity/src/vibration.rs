@@ -14,6 +14,7 @@
 //! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
 //! arrival, because the sliding distance of the slip branch runs backwards after it.
 
+mod batch;
 mod critical;
 mod cycle;
 mod ensemble;
@@ -31,6 +32,7 @@ mod root;
 mod sample_law;
 mod series;
 mod slip_orbit;
+mod sound;
 mod stability_map;
 mod sway;
 mod sweep;
@@ -40,6 +42,7 @@ use thiserror::Error;
 
 pub use critical::{CriticalDamping, critical_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
+pub use batch::deterministic_slips;
 pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use law::FrictionLaw;
@@ -47,6 +50,7 @@ pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use sample_law::SampleLaw;
+pub use sound::{Sound, SoundSettings};
 pub use stability_map::{Machine, MapAxis, MapCell, MapContour, MapPoint, MapSettings, StabilityMap, stability_map};
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
