@@ -14,6 +14,7 @@
 //! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
 //! arrival, because the sliding distance of the slip branch runs backwards after it.
 
+mod arrival;
 mod critical;
 mod cycle;
 mod ensemble;
@@ -33,6 +34,7 @@ mod slip_orbit;
 mod sway;
 mod sweep;
 mod trajectory;
+mod weakening;
 
 use thiserror::Error;
 

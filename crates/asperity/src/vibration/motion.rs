@@ -4,8 +4,9 @@ mod dense;
 mod slip;
 mod stick;
 
-use super::series::{Series, Weakening};
+use super::series::Series;
 use super::sway::Sway;
+use super::weakening::Weakening;
 use super::{Drive, Event, EventKind, FrictionLaw, Oscillator, Phase, VibrationError};
 use crate::friction::process::Fluctuation;
 

@@ -1,7 +1,8 @@
 //! The slip orbit from a detachment, continued smoothly past the belt velocity.
 
-use super::series::{Loading, Series, Weakening};
+use super::series::{Loading, Series};
 use super::sway::Sway;
+use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
 
 /// The law 1/(1 + aVW) is continued to this value of aVW and no farther; its pole lies at −1.

@@ -1,9 +1,21 @@
 //! Slip: a Taylor step and its cuts.
 
+use super::super::arrival::Turning;
 use super::super::series::Loading;
 use super::super::{Drive, Event, EventKind, Phase, VibrationError};
 use super::{Motion, Segment};
 use crate::friction::process::Fluctuation;
+
+/// What ends a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cut {
+    /// The reach of the series or the asked time.
+    None,
+    /// An arrival at v_rel = 0.
+    Arrival,
+    /// A knot of the friction process.
+    Knot,
+}
 
 /// Points at which the friction coefficient is checked when a bound does not settle its sign.
 const POSITIVITY_POINTS: usize = 32;
@@ -31,20 +43,33 @@ impl<F: Fluctuation> Motion<F> {
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
         self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
-        let mut h = self.series.reach(wanted);
+        let h = self.series.reach(wanted);
+        let turning = Turning::new(&self.weakening, &loading);
+        if self.drive == Drive::Distance
+            && to_knot.is_finite()
+            && let Some(t) = self.series.near_distance(to_knot, h, estimate)
+        {
+            let (w, e) = self.series.state(t);
+            let a = self.weakening.acceleration(w, e);
+            if self.series.stays(&turning, t, w, a) {
+                return self.finish_slip(t, (w, e, a), Cut::Knot, until);
+            }
+        }
         // First the arrival, then the knot: past an arrival the distance would run backwards.
-        let mut arrived = false;
-        if let Some(t) = self.series.first_arrival(h) {
-            (h, arrived) = (t, true);
-        }
-        let mut crossed = false;
+        let (mut h, mut cut) = match self.series.first_arrival(&self.weakening, &turning, h) {
+            Some(t) => (t, Cut::Arrival),
+            None => (h, Cut::None),
+        };
         if self.drive == Drive::Time {
-            crossed = !arrived && h >= to_knot;
+            if cut == Cut::None && h >= to_knot {
+                cut = Cut::Knot;
+            }
         } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
-            h = self.series.time_of_distance(to_knot, h, estimate);
-            (crossed, arrived) = (true, false);
+            (h, cut) = (self.series.time_of_distance(to_knot, h), Cut::Knot);
         }
-        self.finish_slip(h, crossed, arrived, until)
+        let (w, e) = self.series.state(h);
+        let w = if cut == Cut::Arrival { 0.0 } else { w.max(0.0) };
+        self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, until)
     }
 
     /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
@@ -63,22 +88,22 @@ impl<F: Fluctuation> Motion<F> {
         (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
     }
 
-    /// Moves to the end of a step of the length h.
+    /// Moves to the end of a step of the length h, where W, e and W′ are given.
     #[inline]
     fn finish_slip(
         &mut self,
         h: f64,
-        crossed: bool,
-        arrived: bool,
+        (w, e, a): (f64, f64, f64),
+        cut: Cut,
         until: f64,
     ) -> Result<Option<Event>, VibrationError> {
-        let (before, rising) = (self.w, self.series.w()[1] > 0.0 || self.series.w()[0] == 0.0);
+        let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
+        let [before, slope] = self.series.start();
+        let turns = (slope > 0.0 || before == 0.0) && (arrived || a < 0.0);
         let m_before = self.m;
-        let (w, e) = self.series.state(h);
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
-        self.e = e;
-        self.w = if arrived { 0.0 } else { w.max(0.0) };
+        (self.w, self.e) = (w, e);
         if crossed && self.drive == Drive::Distance {
             self.sliding_distance = self.cell.end;
         } else {
@@ -89,7 +114,6 @@ impl<F: Fluctuation> Motion<F> {
         } else if self.cell.end.is_finite() {
             self.m = self.cell.left + self.cell.slope * (self.coordinate() - self.cell.start);
         }
-        let turns = rising && (arrived || self.weakening.acceleration(self.w, self.e) < 0.0);
         if self.phase == Phase::Slip && !self.reached_backward {
             self.reached_backward = self.w > 1.0
                 || (turns
