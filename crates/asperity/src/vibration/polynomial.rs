@@ -33,17 +33,13 @@ pub(super) fn split_value(c: &[f64], t: f64) -> f64 {
 #[inline(always)]
 pub(super) fn cross<const N: usize>(a: &[f64; N], b: &[f64; N], n: usize) -> f64 {
     let half = n / 2;
-    let (mut low, mut high) = (0.0, 0.0);
-    if n == 2 * half && n > 0 {
-        low = a[half] * b[half];
-    }
-    let mut k = (n + 1) / 2;
+    let mut sum = if n == 2 * half && n > 0 { a[half] * b[half] } else { 0.0 };
+    let mut k = n.div_ceil(2);
     while k > 1 {
         k -= 1;
-        low += a[k] * b[n - k];
-        high += a[n - k] * b[k];
+        sum += a[k] * b[n - k] + a[n - k] * b[k];
     }
-    low + high
+    sum
 }
 
 /// p(t) and p′(t).

@@ -11,7 +11,7 @@ use super::polynomial::{self, CAPACITY};
 use super::weakening::{Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
 
 /// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
-const TOLERANCE: f64 = 2e-15;
+const TOLERANCE: f64 = 1e-13;
 
 /// 1/n.
 const RECIPROCAL: [f64; CAPACITY + 1] = {
@@ -51,16 +51,16 @@ fn power(t: f64, n: usize) -> f64 {
     power
 }
 
-/// About x^{1/n} of a number x > 0, 1 % too small at most, from the bits of x: the same on every machine.
+/// About x^{1/n} of a number x > 0, within 1 % for n > 6, from the bits of x: the same on every machine.
 fn root(x: f64, n: usize) -> f64 {
     const BIAS: f64 = 1023.0;
     // Exponent and mantissa in a row are log₂ x, at most 0.086 too small.
-    let logarithm = x.to_bits() as f64 / (1_u64 << 52) as f64 - BIAS;
-    let scaled = logarithm / n as f64 + BIAS;
-    let exponent = scaled as u64;
+    let logarithm = x.to_bits() as i64 as f64 * (1.0 / (1_i64 << 52) as f64) - BIAS;
+    let scaled = logarithm * RECIPROCAL[n] + BIAS;
+    let exponent = scaled as i64;
     let share = scaled - exponent as f64;
-    // A parabola below 2^share by 0.3 % at most.
-    f64::from_bits(exponent << 52) * (1.0 + share * (0.65 + 0.35 * share))
+    // 2^share within 0.4 %.
+    f64::from_bits((exponent << 52) as u64) * (1.0 + share * (0.65 + 0.35 * share))
 }
 
 /// The constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
@@ -165,7 +165,7 @@ impl Series {
         } else if scaled < 0.55 {
             self.expand_to::<16>(weakening, loading, w, e);
         } else {
-            self.expand_to::<28>(weakening, loading, w, e);
+            self.expand_to::<24>(weakening, loading, w, e);
         }
     }
 
@@ -229,7 +229,8 @@ impl Series {
                 return wanted;
             }
         }
-        wanted.min(root(allowed / last, n)).min(root(allowed / before, n + 1))
+        let h = wanted.min(root(allowed / last, n));
+        if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) }
     }
 
     /// First extremum of W in (0, h]: a maximum if W rises at 0, else a minimum.
