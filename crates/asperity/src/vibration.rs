@@ -33,6 +33,7 @@ mod series;
 mod slip_orbit;
 mod sway;
 mod sweep;
+mod table;
 mod trajectory;
 mod weakening;
 
@@ -47,6 +48,7 @@ pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use reattachment::Reattachments;
+pub use table::FrictionTable;
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 

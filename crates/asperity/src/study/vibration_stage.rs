@@ -57,7 +57,7 @@ pub(super) fn run(
     let oscillator = Oscillator::stribeck(window.mean, window.stribeck, section.damping_ratio, belt_velocity)?;
     let correlation_length = window.length_m / scales.length_m();
     let shape = window.shape.in_unit(scales.length_m());
-    let ensembles = Ensembles { section, oscillator, window, shape, correlation_length, seed };
+    let ensembles = Ensembles { section, oscillator: oscillator.clone(), window, shape, correlation_length, seed };
     let mut warnings = window.warnings.clone();
     let paper_scatter = Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() };
     let area_std = window.std * window.variance_reduction.sqrt();

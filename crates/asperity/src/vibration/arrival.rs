@@ -112,9 +112,27 @@ impl Series {
 
     /// The first zero of W in (0, h] by bounds of its coefficients.
     fn first_zero(&self, h: f64) -> Option<f64> {
-        // Right after a detachment W = O(t) or O(t²); the factor is divided out, or its zero at t = 0 would be found.
-        let leading = self.w().iter().take(2).take_while(|c| **c == 0.0).count();
-        polynomial::first_zero(&self.w()[leading..], h)
+        self.first_crossing(0.0, 1.0, h)
+    }
+
+    /// First time in (0, h] at which ±(W − level), positive just after 0, is zero.
+    pub(super) fn first_crossing(&self, level: f64, sign: f64, h: f64) -> Option<f64> {
+        let mut c = [0.0; polynomial::CAPACITY];
+        for (c, w) in c.iter_mut().zip(self.w()) {
+            *c = sign * w;
+        }
+        c[0] -= sign * level;
+        // Right after a start at the level, as a detachment is, the difference is O(t) or O(t²); the factor is divided out,
+        // or its zero at t = 0 would be found.
+        let leading = c.iter().take(2).take_while(|c| **c == 0.0).count();
+        polynomial::first_zero(&c[leading..self.w().len()], h)
+    }
+
+    /// First time in (0, h] at which W leaves (from, to), and the end it reaches; not through `from` if that is zero.
+    pub(super) fn first_exit(&self, (from, to): (f64, f64), h: f64) -> Option<(f64, f64)> {
+        let up = if to.is_finite() { self.first_crossing(to, -1.0, h) } else { None };
+        let down = if from > 0.0 { self.first_crossing(from, 1.0, up.unwrap_or(h)) } else { None };
+        down.map(|t| (t, from)).or(up.map(|t| (t, to)))
     }
 
     /// The only zero of W in (low, high], where W falls through it and is W, W′ = `end` at `high`.

@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use crate::friction::process::ProcessModel;
     use crate::monitor::Silent;
-    use crate::vibration::{Forcing, FrictionLaw, Parameters};
+    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Parameters};
 
     fn paper_process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -269,16 +269,20 @@ mod tests {
                 FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
                 FrictionLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
                 FrictionLaw::Coulomb { kinetic: 0.1 },
+                FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
+                FrictionLaw::Tabulated(
+                    FrictionTable::new(&[[0.0, 0.1], [0.01, 0.09], [0.03, 0.08], [0.05, 0.085]]).unwrap(),
+                ),
             ] {
                 for amplitude in [0.0, 0.02, 0.3] {
                     let parameters = Parameters {
                         static_friction: 0.1,
-                        law,
+                        law: law.clone(),
                         damping_ratio: 0.1,
                         belt_velocity: 0.01,
                         forcing: Some(Forcing { amplitude, frequency: 0.9 }),
                     };
-                    let oscillator = Oscillator::new(parameters).unwrap();
+                    let oscillator = Oscillator::new(parameters.clone()).unwrap();
                     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(6, 60.0, 4) };
                     let found = Ensemble::simulate(&oscillator, &process, &settings, &Silent).unwrap();
                     assert!(found.failures.is_empty(), "{parameters:?}: {:?}", found.failures[0]);

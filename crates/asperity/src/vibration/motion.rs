@@ -107,7 +107,7 @@ impl<F: Fluctuation> Motion<F> {
             damping: oscillator.damping_ratio(),
             velocity,
             sway: Sway::new(oscillator),
-            law: oscillator.law(),
+            law: oscillator.law().clone(),
             drive,
             fluctuation,
             cell: Cell::ENDLESS,

@@ -8,7 +8,7 @@
 //! Nothing cancels when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every detachment is (0, 0).
 
 use super::polynomial::{self, CAPACITY};
-use super::weakening::{Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
+use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
 
 /// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
 const TOLERANCE: f64 = 1e-13;
@@ -74,6 +74,15 @@ pub(super) struct Loading {
     pub(super) frequency: f64,
     /// ητ at the start of the step.
     pub(super) phase: f64,
+}
+
+impl Loading {
+    /// e′ at the start.
+    #[inline(always)]
+    pub(super) fn rate(&self, w: f64) -> f64 {
+        let sway = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
+        self.base + sway - self.kappa * w
+    }
 }
 
 /// Taylor coefficients of W and e about the start of a step.
@@ -175,6 +184,7 @@ impl Series {
             Curve::Straight => self.expand_with::<N>(NoTerms, weakening, loading, w, e),
             Curve::Quotient(q) => self.expand_with::<N>(QuotientTerms::new(q, w), weakening, loading, w, e),
             Curve::Exponential(x) => self.expand_with::<N>(ExponentialTerms::new(x, w), weakening, loading, w, e),
+            Curve::Cubic(c) => self.expand_with::<N>(CubicTerms::new(c, w), weakening, loading, w, e),
         }
     }
 

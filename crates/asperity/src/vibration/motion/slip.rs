@@ -7,7 +7,7 @@ use super::{Motion, Segment};
 use crate::friction::process::Fluctuation;
 
 /// What ends a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Cut {
     /// The reach of the series or the asked time.
     None,
@@ -15,6 +15,8 @@ enum Cut {
     Arrival,
     /// A knot of the friction process.
     Knot,
+    /// A point of a tabulated law, at this W.
+    Point(f64),
 }
 
 /// Points at which the friction coefficient is checked when a bound does not settle its sign.
@@ -25,9 +27,6 @@ impl<F: Fluctuation> Motion<F> {
     pub(super) fn slip(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
         let direction = self.phase.direction();
         let remaining = until - self.tau;
-        let (estimate, to_knot) = self.horizon();
-        // A little more, so that the knot is inside the step.
-        let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         // The process changes with the sliding distance, or by itself.
         let (stretch, drift) = match self.drive {
             Drive::Distance => (self.cell.slope, 0.0),
@@ -40,6 +39,10 @@ impl<F: Fluctuation> Motion<F> {
             frequency: self.sway.frequency,
             phase: self.sway.frequency * self.tau,
         };
+        self.weakening.select(self.w, self.e, &loading);
+        let (estimate, to_knot) = self.horizon();
+        // A little more, so that the knot is inside the step.
+        let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
         self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
@@ -60,15 +63,24 @@ impl<F: Fluctuation> Motion<F> {
             Some(t) => (t, Cut::Arrival),
             None => (h, Cut::None),
         };
+        if let Some(bounds) = self.weakening.bounds()
+            && let Some((t, level)) = self.series.first_exit(bounds, h)
+        {
+            (h, cut) = (t, Cut::Point(level));
+        }
         if self.drive == Drive::Time {
-            if cut == Cut::None && h >= to_knot {
+            if cut != Cut::Arrival && h >= to_knot {
                 cut = Cut::Knot;
             }
         } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
             (h, cut) = (self.series.time_of_distance(to_knot, h), Cut::Knot);
         }
         let (w, e) = self.series.state(h);
-        let w = if cut == Cut::Arrival { 0.0 } else { w.max(0.0) };
+        let w = match cut {
+            Cut::Arrival => 0.0,
+            Cut::Point(level) => level,
+            Cut::None | Cut::Knot => w.max(0.0),
+        };
         self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, until)
     }
 
@@ -128,7 +140,7 @@ impl<F: Fluctuation> Motion<F> {
     #[inline]
     fn check_friction(&self, w_before: f64, m_before: f64, h: f64, turns: bool) -> Result<(), VibrationError> {
         let fastest = if turns { self.series.ceiling(h) } else { w_before.max(self.w) };
-        if self.law.coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
+        if self.law.least_coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
             return Ok(());
         }
         for i in 0..=POSITIVITY_POINTS {
