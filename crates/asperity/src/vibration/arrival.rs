@@ -51,6 +51,9 @@ impl Turning {
         Self { quarter, kappa, base }
     }
 
+    /// Of a step whose polynomials are not the solution to rounding.
+    pub(super) const UNKNOWN: Self = Self { quarter: 0.0, kappa: 0.0, base: 0.0 };
+
     /// Time during which a slip at (W, W′) does not arrive for certain.
     #[inline]
     pub(super) fn safe(&self, w: f64, a: f64) -> f64 {
@@ -145,7 +148,11 @@ impl Series {
             t = next;
             let (value, e) = self.state(t);
             (w, a) = (value, weakening.acceleration(value, e));
-            if w > 0.0 { low = t } else { high = t }
+            if w > 0.0 {
+                low = t
+            } else {
+                high = t
+            }
             if correction <= SMALL * -a {
                 return (t - w / a).clamp(low, high);
             }

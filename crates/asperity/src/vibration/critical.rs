@@ -106,7 +106,8 @@ mod tests {
             let decay = 3.0 * (1.5 * g[2]).exp();
             let stribeck = FrictionLaw::Stribeck { kinetic, decay };
             let (high_speed, stribeck_velocity) = (0.5 * kinetic, 0.5 / decay);
-            let points: Vec<_> = (0..8).map(|i| 0.3 * f64::from(i) / decay).map(|v| [v, stribeck.coefficient(v)]).collect();
+            let points: Vec<_> =
+                (0..8).map(|i| 0.3 * f64::from(i) / decay).map(|v| [v, stribeck.coefficient(v)]).collect();
             let law = match i % 3 {
                 0 => stribeck,
                 1 => FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity },

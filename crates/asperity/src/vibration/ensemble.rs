@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reattachment::{Gathering, Reattachments, RunningMoments};
 use super::trajectory::{Slipped, follow};
-use super::{Drive, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
+use super::{Drive, Method, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
 use crate::friction::process::{FrictionProcess, Steady};
 use crate::monitor::{Cancelled, Monitor};
 
@@ -127,7 +127,7 @@ impl Ensemble {
             return Err(VibrationError::Parameter { parameter: "least_valid_share", value, wanted: "in 0 … 1" });
         }
         let EnsembleSettings { duration, start, drive, .. } = *settings;
-        let followed = TrajectorySettings { duration, start, drive };
+        let followed = TrajectorySettings { duration, start, drive, method: Method::Taylor };
         let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut gathering = Gathering::new(settings.sample_capacity);

@@ -115,7 +115,11 @@ impl FrictionLaw {
                 positive("high-speed friction", high_speed)?;
                 if high_speed > kinetic {
                     let wanted = "at most the kinetic friction";
-                    return Err(VibrationError::Parameter { parameter: "high-speed friction", value: high_speed, wanted });
+                    return Err(VibrationError::Parameter {
+                        parameter: "high-speed friction",
+                        value: high_speed,
+                        wanted,
+                    });
                 }
                 Ok(())
             }

@@ -132,7 +132,7 @@ impl Oracle<'_> {
 mod tests {
     use super::*;
     use crate::friction::process::{Fluctuation, FrictionProcess, ProcessModel};
-    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Parameters};
+    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Method, Parameters};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
         let model =
@@ -142,7 +142,7 @@ mod tests {
         let values = (0..4000).map(|_| path.next_knot().unwrap()).collect();
         let process = RecordedProcess::new(random.step(), values).unwrap();
         let oscillator = Oscillator::new(parameters).unwrap();
-        let settings = TrajectorySettings { duration: 50.0, start: None, drive };
+        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Method::Taylor };
         let fast = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
         let slow = Oracle {
             oscillator: &oscillator,
@@ -181,7 +181,12 @@ mod tests {
             let [detach, restick, _] = compare(base.clone(), 0.01, 0.05, drive);
             assert!(detach >= 4 && restick >= 4);
             compare(Parameters { law: FrictionLaw::Coulomb { kinetic: 0.2 }, ..base.clone() }, 0.005, 0.1, drive);
-            compare(Parameters { law: FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base.clone() }, 0.005, 0.1, drive);
+            compare(
+                Parameters { law: FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base.clone() },
+                0.005,
+                0.1,
+                drive,
+            );
             let law = FrictionLaw::Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 };
             compare(Parameters { law, ..base.clone() }, 0.005, 0.1, drive);
             // On a straight line cubics are the line; the oracle does not see the points, the fast way stops at them.

@@ -8,6 +8,7 @@
 //! Nothing cancels when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every detachment is (0, 0).
 
 use super::polynomial::{self, CAPACITY};
+use super::runge_kutta::hermite;
 use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
 
 /// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
@@ -52,7 +53,7 @@ fn power(t: f64, n: usize) -> f64 {
 }
 
 /// About x^{1/n} of a number x > 0, within 1 % for n > 6, from the bits of x: the same on every machine.
-fn root(x: f64, n: usize) -> f64 {
+pub(super) fn root(x: f64, n: usize) -> f64 {
     const BIAS: f64 = 1023.0;
     // Exponent and mantissa in a row are log₂ x, at most 0.086 too small.
     let logarithm = x.to_bits() as i64 as f64 * (1.0 / (1_i64 << 52) as f64) - BIAS;
@@ -77,6 +78,11 @@ pub(super) struct Loading {
 }
 
 impl Loading {
+    /// The constants of a step that begins t later.
+    pub(super) fn later(&self, t: f64) -> Self {
+        Self { phase: self.phase + self.frequency * t, ..*self }
+    }
+
     /// e′ at the start.
     #[inline(always)]
     pub(super) fn rate(&self, w: f64) -> f64 {
@@ -222,6 +228,30 @@ impl Series {
         self.s[..N].copy_from_slice(&s);
         self.len = N;
         self.scale = w0.abs().max(e0.abs()).max(1.0);
+    }
+
+    /// Polynomials through `count` Taylor coefficients of W, e and S at the start and, after h, at `end`.
+    pub(super) fn interpolate(
+        &mut self,
+        weakening: &Weakening,
+        loading: &Loading,
+        (w, e): (f64, f64),
+        end: [f64; 3],
+        h: f64,
+        count: usize,
+    ) {
+        let mut last = Self::new();
+        last.expand_to::<8>(weakening, &loading.later(h), end[0], end[1]);
+        self.expand_to::<8>(weakening, loading, w, e);
+        let distance = |series: &Self, from: f64| -> [f64; CAPACITY] {
+            std::array::from_fn(|k| if k == 0 { from } else { series.s[k - 1] })
+        };
+        let s = hermite(&distance(self, 0.0)[..count], &distance(&last, end[2])[..count], h);
+        self.w = hermite(&self.w[..count], &last.w[..count], h);
+        self.e = hermite(&self.e[..count], &last.e[..count], h);
+        self.s = std::array::from_fn(|k| s.get(k + 1).copied().unwrap_or(0.0));
+        // Values are summed in quadruples.
+        self.len = (2 * count).next_multiple_of(4);
     }
 
     /// The longest step ≤ `wanted` on which the dropped terms stay below rounding.
