@@ -8,8 +8,9 @@
 //! end of the cycle).
 //!
 //! # Method
-//! Slip is integrated by Taylor series in variables in which nothing cancels; a step is a polynomial, and its first zero
-//! of the relative velocity is isolated by coefficient bounds, so no re-attachment, however short, is missed. Sign functions
+//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]), in variables in which nothing cancels; a step
+//! is a polynomial. The first zero of the relative velocity is told from the turning of the phase plane or isolated by
+//! coefficient bounds, so no re-attachment, however short, is missed. Sign functions
 //! never enter a step: the smooth slip branch is followed to v_rel = 0, where the force decides between stick and
 //! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
 //! arrival, because the sliding distance of the slip branch runs backwards after it.

@@ -163,3 +163,48 @@ impl Series {
         high
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vibration::Oscillator;
+
+    #[test]
+    fn the_turning_and_the_bounds_of_coefficients_find_the_same_arrivals() {
+        let rng = &mut crate::random::stream(8, "test", 0);
+        let mut series = Series::new();
+        let (mut none, mut some, mut settled) = (0, 0, 0);
+        for i in 0..30_000 {
+            let g = crate::random::standard_normal(rng, 8);
+            let (friction, decay, damping) = ((0.5 * g[0]).exp() * 0.2, 4.0 * g[1].exp(), 0.2 * g[2].exp());
+            let oscillator = Oscillator::stribeck(friction, decay, damping, 0.05 * g[3].exp()).unwrap();
+            let weakening = Weakening::new(&oscillator);
+            let (base, kappa) = (1.0 + 0.5 * g[4], 1.0 + 0.7 * g[5]);
+            let loading = Loading { base, kappa, swing: 0.0, frequency: 0.0, phase: 0.0 };
+            // Every third state is a detachment.
+            let (w, e) = if i % 3 == 0 { (0.0, 0.0) } else { (g[6].abs(), 2.0 * g[7]) };
+            series.expand(&weakening, &loading, w, e, f64::INFINITY);
+            let h = series.reach(f64::INFINITY);
+            let turning = Turning::new(&weakening, &loading);
+            let (found, wanted) = (series.first_arrival(&weakening, &turning, h), series.first_zero(h));
+            match (found, wanted) {
+                (Some(a), Some(b)) => {
+                    // A zero moves by (rounding of W)/W′.
+                    let (w, e) = series.state(b);
+                    let slope = weakening.acceleration(w, e).abs();
+                    assert!((a - b).abs() * slope < 1e-13 * (1.0 + e.abs()), "{a} and {b}, W′ = {slope:e}");
+                    some += 1;
+                }
+                (None, None) => none += 1,
+                _ => panic!("{found:?} instead of {wanted:?}: {oscillator:?} {loading:?} {w} {e}"),
+            }
+            if let Some(t) = wanted.or(Some(h)) {
+                let (end, e) = series.state(0.99 * t);
+                let stays = series.stays(&turning, 0.99 * t, end, weakening.acceleration(end, e));
+                assert!(!stays || series.first_zero(0.99 * t).is_none());
+                settled += u32::from(stays);
+            }
+        }
+        assert!(none > 5000 && some > 3000 && settled > 8000, "{none} {some} {settled}");
+    }
+}

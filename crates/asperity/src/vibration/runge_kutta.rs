@@ -16,7 +16,7 @@ use super::weakening::Weakening;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Method {
-    /// Taylor series of up to 24 terms, to rounding: the fastest here, at any accuracy.
+    /// Taylor series of up to 24 terms, whose dropped ones are at most some 10⁻¹⁴ of the state: the fastest.
     #[default]
     Taylor,
     /// Fehlberg's method of orders 4 and 5, as in the paper.
