@@ -52,8 +52,8 @@ pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use reattachment::Reattachments;
 pub use runge_kutta::Method;
-pub use table::FrictionTable;
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
+pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 
 use crate::friction::process::ProcessError;

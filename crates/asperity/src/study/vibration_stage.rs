@@ -11,8 +11,8 @@ use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    Drive, Ensemble, EnsembleSettings, Method, Oscillator, PhasePoint, Scales, Trajectory, TrajectorySettings, VibrationError,
-    critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    Drive, Ensemble, EnsembleSettings, Method, Oscillator, PhasePoint, Scales, Trajectory, TrajectorySettings,
+    VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -139,7 +139,12 @@ impl Ensembles<'_> {
     }
 
     fn followed(&self) -> TrajectorySettings {
-        TrajectorySettings { duration: self.section.duration, start: None, drive: Drive::default(), method: Method::Taylor }
+        TrajectorySettings {
+            duration: self.section.duration,
+            start: None,
+            drive: Drive::default(),
+            method: Method::Taylor,
+        }
     }
 
     /// Ensembles over the sweep, and the one at the study's own damping ratio. Where slips turn out faster than expected,
