@@ -8,12 +8,14 @@
 //! end of the cycle).
 //!
 //! # Method
-//! Slip is integrated by Taylor series in variables in which nothing cancels; a step is a polynomial, and its first zero
-//! of the relative velocity is isolated by coefficient bounds, so no re-attachment, however short, is missed. Sign functions
+//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]), in variables in which nothing cancels; a step
+//! is a polynomial. The first zero of the relative velocity is told from the turning of the phase plane or isolated by
+//! coefficient bounds, so no re-attachment, however short, is missed. Sign functions
 //! never enter a step: the smooth slip branch is followed to v_rel = 0, where the force decides between stick and
 //! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
 //! arrival, because the sliding distance of the slip branch runs backwards after it.
 
+mod arrival;
 mod batch;
 mod critical;
 mod cycle;
@@ -29,6 +31,7 @@ mod oscillator;
 mod polynomial;
 mod portrait;
 mod root;
+mod runge_kutta;
 mod sample_law;
 mod series;
 mod slip_orbit;
@@ -36,7 +39,10 @@ mod sound;
 mod stability_map;
 mod sway;
 mod sweep;
+mod table;
+mod tableau;
 mod trajectory;
+mod weakening;
 
 use thiserror::Error;
 
@@ -49,10 +55,12 @@ pub use law::FrictionLaw;
 pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
+pub use runge_kutta::Method;
 pub use sample_law::SampleLaw;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{Machine, MapAxis, MapCell, MapContour, MapPoint, MapSettings, StabilityMap, stability_map};
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
+pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 
 use crate::friction::process::ProcessError;

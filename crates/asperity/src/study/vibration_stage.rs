@@ -11,8 +11,8 @@ use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    Drive, Ensemble, EnsembleSettings, Oscillator, PhasePoint, Scales, Trajectory, TrajectorySettings, VibrationError,
-    critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    Drive, Ensemble, EnsembleSettings, Method, Oscillator, PhasePoint, Scales, Trajectory, TrajectorySettings,
+    VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -57,7 +57,7 @@ pub(super) fn run(
     let oscillator = Oscillator::stribeck(window.mean, window.stribeck, section.damping_ratio, belt_velocity)?;
     let correlation_length = window.length_m / scales.length_m();
     let shape = window.shape.in_unit(scales.length_m());
-    let ensembles = Ensembles { section, oscillator, window, shape, correlation_length, seed };
+    let ensembles = Ensembles { section, oscillator: oscillator.clone(), window, shape, correlation_length, seed };
     let mut warnings = window.warnings.clone();
     let paper_scatter = Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() };
     let area_std = window.std * window.variance_reduction.sqrt();
@@ -139,7 +139,12 @@ impl Ensembles<'_> {
     }
 
     fn followed(&self) -> TrajectorySettings {
-        TrajectorySettings { duration: self.section.duration, start: None, drive: Drive::default() }
+        TrajectorySettings {
+            duration: self.section.duration,
+            start: None,
+            drive: Drive::default(),
+            method: Method::Taylor,
+        }
     }
 
     /// Ensembles over the sweep, and the one at the study's own damping ratio. Where slips turn out faster than expected,

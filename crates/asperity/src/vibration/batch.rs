@@ -30,7 +30,7 @@ pub fn deterministic_slips(
             follow_many(
                 settings,
                 0..chunk.len(),
-                |index| Ok(Task { oscillator: chunk[index], fluctuation: Steady, witness: Deaf }),
+                |index| Ok(Task { oscillator: chunk[index].clone(), fluctuation: Steady, witness: Deaf }),
                 |index, ended| slips[index] = ended.map(|followed| followed.slips),
             );
             slips
@@ -41,11 +41,11 @@ pub fn deterministic_slips(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vibration::{Drive, Forcing, Trajectory};
+    use crate::vibration::{Drive, Method, Forcing, Trajectory};
 
     #[test]
     fn machines_in_lockstep_slip_as_they_do_alone() {
-        let settings = TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance };
+        let settings = TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let machines: Vec<Oscillator> = (0..70)
             .map(|i| {
                 let free = Oscillator::stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();

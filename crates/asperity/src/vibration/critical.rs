@@ -17,7 +17,8 @@ pub struct CriticalDamping {
     /// ζ_c of the grazing–sliding fold: the slip orbit from a detachment touches the belt velocity. No stick-slip cycle
     /// exists above it.
     pub critical_damping_ratio: f64,
-    /// ζ_H of the Hopf bifurcation, 2ζ_H = −dμ/d|v| at the belt velocity. Steady sliding is stable above it.
+    /// ζ_H of the Hopf bifurcation, 2ζ_H = −dμ/d|v| at the belt velocity. Steady sliding is stable above it; it is negative
+    /// where the law rises with the speed.
     pub hopf_damping_ratio: f64,
 }
 
@@ -29,7 +30,7 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
     let weakening = oscillator.law().weakening(oscillator.belt_velocity());
     let hopf_damping_ratio = 0.5 * weakening;
     let jump = oscillator.static_friction() - oscillator.law().kinetic();
-    if weakening == 0.0 && jump == 0.0 {
+    if oscillator.law().is_constant() && jump == 0.0 {
         // The slip orbit of an undamped linear oscillator returns to its start: it grazes.
         return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
     }
@@ -38,6 +39,10 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
         Ok(first_minimum(&free.with_damping(damping)?, 0.0)?.map_or(1.0, |minimum| minimum.w))
     };
     let (mut low, mut at_low) = (0.0, least(0.0)?);
+    if at_low >= 0.0 {
+        // A law that rises with the speed damps by itself.
+        return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
+    }
     let mut high = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
     let mut at_high = least(high)?;
     while at_high <= 0.0 {
@@ -57,7 +62,7 @@ mod tests {
     use super::*;
     use crate::law::standard_normal_cdf;
     use crate::random;
-    use crate::vibration::{FrictionLaw, Parameters, limit_cycle};
+    use crate::vibration::{FrictionLaw, FrictionTable, Parameters, limit_cycle};
 
     #[test]
     fn the_paper_s_law_ends_at_the_published_damping() {
@@ -94,13 +99,24 @@ mod tests {
     #[test]
     fn a_cycle_exists_exactly_below_the_critical_damping_of_any_oscillator() {
         let rng = &mut random::stream(5, "test", 0);
-        for _ in 0..300 {
+        for i in 0..300 {
             let g = random::standard_normal(rng, 5);
             let static_friction = 0.2 * g[0].exp();
             let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
-            let law = FrictionLaw::Stribeck { kinetic, decay: 3.0 * (1.5 * g[2]).exp() };
-            let belt_velocity = 0.05 * (1.5 * g[3]).exp();
+            let decay = 3.0 * (1.5 * g[2]).exp();
+            let stribeck = FrictionLaw::Stribeck { kinetic, decay };
+            let (high_speed, stribeck_velocity) = (0.5 * kinetic, 0.5 / decay);
+            let points: Vec<_> =
+                (0..8).map(|i| 0.3 * f64::from(i) / decay).map(|v| [v, stribeck.coefficient(v)]).collect();
+            let law = match i % 3 {
+                0 => stribeck,
+                1 => FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity },
+                _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+            };
+            // A belt faster than the table moves under constant friction.
+            let belt_velocity = (0.05 * (1.5 * g[3]).exp()).min(if i % 3 == 2 { 1.0 / decay } else { f64::INFINITY });
             let of = |damping_ratio| {
+                let law = law.clone();
                 Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
                     .unwrap()
             };

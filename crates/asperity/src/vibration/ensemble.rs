@@ -13,7 +13,7 @@ use self::passage::Passage;
 pub use self::rate::{Passages, Rate, Share};
 use super::lanes::{Task, follow_many};
 use super::sample_law::{Gathering, RunningMoments, SampleLaw};
-use super::{Drive, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
+use super::{Drive, Method, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
 use crate::friction::process::{FrictionProcess, Steady};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::NORMAL_95;
@@ -147,7 +147,7 @@ impl Ensemble {
             return Err(VibrationError::Parameter { parameter: "least_valid_share", value, wanted: "in 0 … 1" });
         }
         let EnsembleSettings { duration, start, drive, .. } = *settings;
-        let followed = TrajectorySettings { duration, start, drive };
+        let followed = TrajectorySettings { duration, start, drive, method: Method::Taylor };
         let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;
@@ -172,7 +172,7 @@ impl Ensemble {
                                 return Err(Cancelled.into());
                             }
                             let fluctuation = process.path(settings.seed, index as u64);
-                            Ok(Task { oscillator: *oscillator, fluctuation, witness: Passage::new(duration) })
+                            Ok(Task { oscillator: oscillator.clone(), fluctuation, witness: Passage::new(duration) })
                         },
                         |index, ended| {
                             outcomes[index - chunk.start] = ended.map(|mut followed| {
@@ -235,7 +235,7 @@ mod tests {
     use super::*;
     use crate::friction::process::ProcessModel;
     use crate::monitor::Silent;
-    use crate::vibration::{Forcing, FrictionLaw, Parameters};
+    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Parameters};
 
     fn paper_process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -305,16 +305,20 @@ mod tests {
                 FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
                 FrictionLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
                 FrictionLaw::Coulomb { kinetic: 0.1 },
+                FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
+                FrictionLaw::Tabulated(
+                    FrictionTable::new(&[[0.0, 0.1], [0.01, 0.09], [0.03, 0.08], [0.05, 0.085]]).unwrap(),
+                ),
             ] {
                 for amplitude in [0.0, 0.02, 0.3] {
                     let parameters = Parameters {
                         static_friction: 0.1,
-                        law,
+                        law: law.clone(),
                         damping_ratio: 0.1,
                         belt_velocity: 0.01,
                         forcing: Some(Forcing { amplitude, frequency: 0.9 }),
                     };
-                    let oscillator = Oscillator::new(parameters).unwrap();
+                    let oscillator = Oscillator::new(parameters.clone()).unwrap();
                     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(6, 60.0, 4) };
                     let found = Ensemble::simulate(&oscillator, &process, &settings, &Silent).unwrap();
                     assert!(found.failures.is_empty(), "{parameters:?}: {:?}", found.failures[0]);

@@ -12,7 +12,7 @@ use std::ops::Range;
 use self::kernel::{Cuts, Expansion, LANES, Plants, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Slipped, follow, start_of};
-use super::{Drive, Event, EventKind, FrictionLaw, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
 use crate::friction::process::Fluctuation;
 use crate::wide::{Kernel, wide};
 
@@ -60,7 +60,7 @@ pub(super) fn follow_many<F: Fluctuation, W: Witness>(
         Ok(Followed { slips, fluctuation, witness })
     };
     let mut waiting = indices;
-    if settings.drive == Drive::Time || !(settings.duration.is_finite() && settings.duration > 0.0) {
+    if settings.drive == Drive::Time || settings.method != Method::Taylor || !(settings.duration.is_finite() && settings.duration > 0.0) {
         waiting.for_each(|index| done(index, alone(index)));
         return;
     }
@@ -124,9 +124,10 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
     /// A mass at its start; none if lanes cannot follow it.
     fn mount(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
         let Task { oscillator, fluctuation, witness } = task;
-        let known = match oscillator.law() {
-            FrictionLaw::Stribeck { .. } | FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. } => true,
-        };
+        let known = matches!(
+            oscillator.law(),
+            FrictionLaw::Stribeck { .. } | FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. }
+        );
         if !known || oscillator.forcing().is_some() {
             return Ok(None);
         }
@@ -137,7 +138,7 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
             fluctuation,
             witness,
             slips: Slips::default(),
-            oscillator,
+            oscillator: oscillator.clone(),
             velocity,
             static_friction: oscillator.static_friction(),
             drag: 2.0 * oscillator.damping_ratio() * velocity,
@@ -420,7 +421,7 @@ mod tests {
         duration: f64,
         indices: Range<usize>,
     ) -> Vec<Result<(Slips, All), VibrationError>> {
-        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance };
+        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
         let mut found: Vec<Option<Result<(Slips, All), VibrationError>>> = indices.clone().map(|_| None).collect();
         let first = indices.start;
         follow_many(
@@ -428,7 +429,7 @@ mod tests {
             indices,
             |index| {
                 let fluctuation = process.path(3, index as u64);
-                Ok(Task { oscillator: *oscillator, fluctuation, witness: All::default() })
+                Ok(Task { oscillator: oscillator.clone(), fluctuation, witness: All::default() })
             },
             |index, ended: Result<Followed<Path<'_>, All>, _>| {
                 let place = &mut found[index - first];
@@ -460,7 +461,7 @@ mod tests {
     fn lanes_and_the_single_mass_meet_the_same_events() {
         for (oscillator, std) in machines() {
             let process = process(std);
-            let settings = TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance };
+            let settings = TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Method::Taylor };
             for (index, ended) in followed(&oscillator, &process, 25.0, 0..40).into_iter().enumerate() {
                 let (slips, All(events)) = ended.unwrap();
                 let alone = Trajectory::simulate(&oscillator, process.path(3, index as u64), &settings).unwrap();
@@ -495,14 +496,14 @@ mod tests {
     #[test]
     fn a_record_that_ends_and_friction_without_sign_end_as_they_do_alone() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
+        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {
             let record = RecordedProcess::new(0.005, values).unwrap();
             let alone = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap_err();
             follow_many(
                 &settings,
                 0..3,
-                |_| Ok(Task { oscillator, fluctuation: record.path(), witness: All::default() }),
+                |_| Ok(Task { oscillator: oscillator.clone(), fluctuation: record.path(), witness: All::default() }),
                 |_, ended| assert_eq!(ended.map(|followed| followed.witness).unwrap_err(), alone),
             );
         }
@@ -510,7 +511,7 @@ mod tests {
 
     #[test]
     fn without_noise_every_lane_is_the_cycle() {
-        let settings = TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance };
+        let settings = TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let of = |index: usize| Oscillator::stribeck(0.1, 4.2, 0.1 + 0.005 * index as f64, 0.003).unwrap();
         follow_many(
             &settings,

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::VibrationError;
+use super::{FrictionTable, VibrationError, positive};
 
 /// Kinetic friction coefficient μ(|v|) of a sliding contact, at the dimensionless relative velocity v = v_rel·mω₀/N.
 ///
 /// The stick limit is a separate number, [`super::Oscillator::static_friction`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FrictionLaw {
     /// Velocity weakening μ = μ_k/(1 + a|v|), the law of Gaus et al. 2016 (there μ_k is the static coefficient).
@@ -29,42 +29,102 @@ pub enum FrictionLaw {
         /// b ≥ 0, per unit of dimensionless velocity.
         slope: f64,
     },
+    /// Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v_0}.
+    Exponential {
+        /// μ_k, the coefficient at vanishing sliding velocity.
+        kinetic: f64,
+        /// 0 < μ_∞ ≤ μ_k, the coefficient at high velocity.
+        high_speed: f64,
+        /// v_0 > 0, the Stribeck velocity.
+        stribeck_velocity: f64,
+    },
+    /// Points and monotone cubics between them.
+    Tabulated(FrictionTable),
 }
 
 impl FrictionLaw {
     /// Coefficient at the speed |v| ≥ 0.
     pub fn coefficient(&self, speed: f64) -> f64 {
-        match *self {
+        match self {
             Self::Stribeck { kinetic, decay } => kinetic / (1.0 + decay * speed),
-            Self::Coulomb { kinetic } => kinetic,
+            Self::Coulomb { kinetic } => *kinetic,
             Self::Linear { kinetic, slope } => kinetic - slope * speed,
+            Self::Exponential { kinetic, high_speed, stribeck_velocity } => {
+                high_speed + (kinetic - high_speed) * (-speed / stribeck_velocity).exp()
+            }
+            Self::Tabulated(table) => table.coefficient(speed),
         }
     }
 
-    /// Weakening rate −dμ/d|v| at the speed |v| ≥ 0.
+    /// Weakening rate −dμ/d|v| at the speed |v| ≥ 0; at the last point of a table, beyond it.
     pub fn weakening(&self, speed: f64) -> f64 {
-        match *self {
+        match self {
             Self::Stribeck { kinetic, decay } => kinetic * decay / (1.0 + decay * speed).powi(2),
             Self::Coulomb { .. } => 0.0,
-            Self::Linear { slope, .. } => slope,
+            Self::Linear { slope, .. } => *slope,
+            Self::Exponential { kinetic, high_speed, stribeck_velocity } => {
+                (kinetic - high_speed) / stribeck_velocity * (-speed / stribeck_velocity).exp()
+            }
+            Self::Tabulated(table) => table.weakening(speed),
         }
     }
 
     /// Coefficient at vanishing sliding velocity, μ_k.
     pub fn kinetic(&self) -> f64 {
-        match *self {
-            Self::Stribeck { kinetic, .. } | Self::Coulomb { kinetic } | Self::Linear { kinetic, .. } => kinetic,
+        match self {
+            Self::Stribeck { kinetic, .. }
+            | Self::Coulomb { kinetic }
+            | Self::Linear { kinetic, .. }
+            | Self::Exponential { kinetic, .. } => *kinetic,
+            Self::Tabulated(table) => table.kinetic(),
+        }
+    }
+
+    /// Least coefficient at speeds up to this one.
+    pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
+        match self {
+            Self::Tabulated(table) => table.least_coefficient(speed),
+            falling => falling.coefficient(speed),
+        }
+    }
+
+    /// A bound of |dμ/d|v||.
+    pub(super) fn steepest(&self) -> f64 {
+        match self {
+            Self::Tabulated(table) => table.steepest(),
+            falling => falling.weakening(0.0),
+        }
+    }
+
+    /// Whether the coefficient is the same at all speeds.
+    pub(super) fn is_constant(&self) -> bool {
+        match self {
+            Self::Tabulated(table) => table.is_constant(),
+            falling => falling.weakening(0.0) == 0.0,
         }
     }
 
     pub(super) fn validate(&self) -> Result<(), VibrationError> {
-        let rate = match *self {
-            Self::Stribeck { decay, .. } => decay,
-            Self::Coulomb { .. } => 0.0,
-            Self::Linear { slope, .. } => slope,
-        };
-        super::positive("kinetic_friction", self.kinetic())?;
-        super::non_negative("velocity weakening of the friction law", rate)
+        positive("kinetic_friction", self.kinetic())?;
+        match *self {
+            Self::Stribeck { decay: rate, .. } | Self::Linear { slope: rate, .. } => {
+                super::non_negative("velocity weakening of the friction law", rate)
+            }
+            Self::Exponential { kinetic, high_speed, stribeck_velocity } => {
+                positive("stribeck_velocity", stribeck_velocity)?;
+                positive("high-speed friction", high_speed)?;
+                if high_speed > kinetic {
+                    let wanted = "at most the kinetic friction";
+                    return Err(VibrationError::Parameter {
+                        parameter: "high-speed friction",
+                        value: high_speed,
+                        wanted,
+                    });
+                }
+                Ok(())
+            }
+            Self::Coulomb { .. } | Self::Tabulated(_) => Ok(()),
+        }
     }
 }
 
@@ -78,11 +138,30 @@ mod tests {
             FrictionLaw::Stribeck { kinetic: 0.3, decay: 4.2 },
             FrictionLaw::Coulomb { kinetic: 0.3 },
             FrictionLaw::Linear { kinetic: 0.4, slope: 0.3 },
+            FrictionLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 },
+            FrictionLaw::Tabulated(FrictionTable::new(&[[0.0, 0.4], [0.1, 0.3], [0.5, 0.2]]).unwrap()),
         ] {
             let (speed, h) = (0.2, 1e-5);
             let difference = (law.coefficient(speed - h) - law.coefficient(speed + h)) / (2.0 * h);
             assert!((law.weakening(speed) - difference).abs() < 1e-9);
             assert_eq!(law.coefficient(0.0), law.kinetic());
+        }
+    }
+
+    #[test]
+    fn laws_are_named_in_snake_case_and_tables_are_checked_when_read() {
+        let text = r#"{"tabulated":{"points":[[0.0,0.4],[0.1,0.3]]}}"#;
+        let law: FrictionLaw = serde_json::from_str(text).unwrap();
+        assert_eq!(serde_json::to_string(&law).unwrap(), text);
+        assert!(serde_json::from_str::<FrictionLaw>(r#"{"tabulated":{"points":[[0.1,0.4],[0.2,0.3]]}}"#).is_err());
+        let text = r#"{"exponential":{"kinetic":0.4,"high_speed":0.3,"stribeck_velocity":0.2}}"#;
+        assert_eq!(serde_json::to_string(&serde_json::from_str::<FrictionLaw>(text).unwrap()).unwrap(), text);
+    }
+
+    #[test]
+    fn an_exponential_that_rises_is_refused() {
+        for (kinetic, high_speed, stribeck_velocity) in [(0.3, 0.4, 0.1), (0.3, 0.0, 0.1), (0.3, 0.2, 0.0)] {
+            assert!(FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity }.validate().is_err());
         }
     }
 }

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use super::critical::critical_damping;
 use super::root::zero_between;
-use super::series::Weakening;
 use super::slip_orbit::first_minimum;
 use super::sway::Sway;
+use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
 
 /// Detachment phases at which the orbit is first looked at.

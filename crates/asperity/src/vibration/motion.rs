@@ -4,9 +4,11 @@ mod dense;
 mod slip;
 mod stick;
 
-use super::series::{Series, Weakening};
+use super::runge_kutta::Stepper;
+use super::series::Series;
 use super::sway::Sway;
-use super::{Drive, Event, EventKind, FrictionLaw, Oscillator, Phase, VibrationError};
+use super::weakening::Weakening;
+use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Phase, VibrationError};
 use crate::friction::process::Fluctuation;
 
 /// Steps in a row that may leave the time where it is (an arrival and a release at one time are two).
@@ -39,6 +41,8 @@ pub(super) struct Motion<F> {
     /// Whether the mass has moved backwards, ẋ < 0, since it last stuck.
     pub(super) reached_backward: bool,
     series: Series,
+    /// None: Taylor series.
+    stepper: Option<Stepper>,
     segment: Segment,
     idle_steps: usize,
 }
@@ -106,7 +110,7 @@ impl<F: Fluctuation> Motion<F> {
             damping: oscillator.damping_ratio(),
             velocity,
             sway: Sway::new(oscillator),
-            law: oscillator.law(),
+            law: oscillator.law().clone(),
             drive,
             fluctuation,
             cell: Cell::ENDLESS,
@@ -118,6 +122,7 @@ impl<F: Fluctuation> Motion<F> {
             phase: Phase::Stick,
             reached_backward: false,
             series: Series::new(),
+            stepper: None,
             segment: Segment { tau: 0.0, duration: 0.0, phase: Phase::Stick, m: 0.0, slope: 0.0, e: 0.0 },
             idle_steps: 0,
         };
@@ -134,6 +139,11 @@ impl<F: Fluctuation> Motion<F> {
             motion.e = motion.opposite_excess();
         }
         Ok(motion)
+    }
+
+    /// The same mass, integrated by another method.
+    pub(super) fn by(self, method: Method) -> Result<Self, VibrationError> {
+        Ok(Self { stepper: method.stepper()?, ..self })
     }
 
     /// A mass in a given state of slip.

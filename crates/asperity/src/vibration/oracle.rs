@@ -132,7 +132,7 @@ impl Oracle<'_> {
 mod tests {
     use super::*;
     use crate::friction::process::{Fluctuation, FrictionProcess, ProcessModel};
-    use crate::vibration::{Forcing, FrictionLaw, Parameters};
+    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Method, Parameters};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
         let model =
@@ -142,7 +142,7 @@ mod tests {
         let values = (0..4000).map(|_| path.next_knot().unwrap()).collect();
         let process = RecordedProcess::new(random.step(), values).unwrap();
         let oscillator = Oscillator::new(parameters).unwrap();
-        let settings = TrajectorySettings { duration: 50.0, start: None, drive };
+        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Method::Taylor };
         let fast = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
         let slow = Oracle {
             oscillator: &oscillator,
@@ -178,10 +178,21 @@ mod tests {
             forcing: None,
         };
         for drive in [Drive::Distance, Drive::Time] {
-            let [detach, restick, _] = compare(base, 0.01, 0.05, drive);
+            let [detach, restick, _] = compare(base.clone(), 0.01, 0.05, drive);
             assert!(detach >= 4 && restick >= 4);
-            compare(Parameters { law: FrictionLaw::Coulomb { kinetic: 0.2 }, ..base }, 0.005, 0.1, drive);
-            compare(Parameters { law: FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base }, 0.005, 0.1, drive);
+            compare(Parameters { law: FrictionLaw::Coulomb { kinetic: 0.2 }, ..base.clone() }, 0.005, 0.1, drive);
+            compare(
+                Parameters { law: FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base.clone() },
+                0.005,
+                0.1,
+                drive,
+            );
+            let law = FrictionLaw::Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 };
+            compare(Parameters { law, ..base.clone() }, 0.005, 0.1, drive);
+            // On a straight line cubics are the line; the oracle does not see the points, the fast way stops at them.
+            let line = |v: f64| [v, 0.3 - 0.2 * v];
+            let table = FrictionTable::new(&[0.0, 0.03, 0.06, 0.08, 0.1, 1.0].map(line)).unwrap();
+            compare(Parameters { law: FrictionLaw::Tabulated(table), ..base.clone() }, 0.005, 0.1, drive);
             // Weakening continuous at zero: every detachment starts at zero acceleration, and noise makes micro-slips.
             let paper = Parameters {
                 static_friction: 0.1,
@@ -190,7 +201,7 @@ mod tests {
                 belt_velocity: 0.02,
                 forcing: None,
             };
-            compare(paper, 0.004, 0.05, drive);
+            compare(paper.clone(), 0.004, 0.05, drive);
         }
     }
 
@@ -204,9 +215,9 @@ mod tests {
             forcing: Some(Forcing { amplitude: 0.4, frequency: 0.6 }),
         };
         for drive in [Drive::Distance, Drive::Time] {
-            let [_, _, reverse] = compare(base, 0.003, 0.2, drive);
+            let [_, _, reverse] = compare(base.clone(), 0.003, 0.2, drive);
             assert!(reverse >= 4, "{reverse} reversals");
-            let gentle = Parameters { forcing: Some(Forcing { amplitude: 0.15, frequency: 0.5 }), ..base };
+            let gentle = Parameters { forcing: Some(Forcing { amplitude: 0.15, frequency: 0.5 }), ..base.clone() };
             let [detach, restick, _] = compare(gentle, 0.003, 0.2, drive);
             assert!(detach >= 4 && restick >= 4);
         }

@@ -44,7 +44,7 @@ pub struct Forcing {
 }
 
 /// What an [`Oscillator`] is made of; see there for the meaning.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
     /// μ_st, the stick limit.
@@ -68,7 +68,7 @@ pub struct Parameters {
 ///
 /// # References
 /// Gaus, Proppe & Zaccardi, *Meccanica dei Materiali e delle Strutture* VI (2016) 1, 115–122, §5.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Oscillator {
     parameters: Parameters,
 }
@@ -77,12 +77,14 @@ impl Oscillator {
     /// Checks the parameters: 10⁻¹² ≤ μ_k ≤ μ_st ≤ 10³, weakening rate 0 … 10⁶, ζ = 0 … 10³, V = 10⁻¹² … 10⁶,
     /// q = 0 … 10⁶, η = 10⁻⁶ … 10³.
     pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
-        let Parameters { static_friction, law, damping_ratio, belt_velocity, forcing } = parameters;
+        let Parameters { static_friction, ref law, damping_ratio, belt_velocity, forcing } = parameters;
         FRICTION.holds("static_friction", static_friction)?;
         FRICTION.holds("kinetic_friction", law.kinetic())?;
         law.validate()?;
-        if let FrictionLaw::Stribeck { decay: rate, .. } | FrictionLaw::Linear { slope: rate, .. } = law {
-            WEAKENING.holds("velocity weakening of the friction law", rate)?;
+        if let FrictionLaw::Stribeck { decay, .. } = *law {
+            WEAKENING.holds("velocity weakening of the friction law", decay)?;
+        } else {
+            WEAKENING.holds("velocity weakening of the friction law", law.steepest())?;
         }
         if law.kinetic() > static_friction {
             return Err(VibrationError::Parameter {
@@ -113,12 +115,12 @@ impl Oscillator {
 
     /// The same oscillator with another damping ratio.
     pub fn with_damping(&self, damping_ratio: f64) -> Result<Self, VibrationError> {
-        Self::new(Parameters { damping_ratio, ..self.parameters })
+        Self::new(Parameters { damping_ratio, ..self.parameters.clone() })
     }
 
     /// The same oscillator with another harmonic force, or none.
     pub fn with_forcing(&self, forcing: Option<Forcing>) -> Result<Self, VibrationError> {
-        Self::new(Parameters { forcing, ..self.parameters })
+        Self::new(Parameters { forcing, ..self.parameters.clone() })
     }
 
     /// The parameters it was made of.
@@ -132,8 +134,8 @@ impl Oscillator {
     }
 
     /// Kinetic law.
-    pub fn law(&self) -> FrictionLaw {
-        self.parameters.law
+    pub fn law(&self) -> &FrictionLaw {
+        &self.parameters.law
     }
 
     /// Damping ratio ζ.

@@ -66,7 +66,7 @@ fn sampled<F: Fluctuation>(
 mod tests {
     use super::*;
     use crate::friction::process::RecordedProcess;
-    use crate::vibration::{Drive, Forcing, Trajectory, limit_cycle};
+    use crate::vibration::{Drive, Forcing, Method, Trajectory, limit_cycle};
 
     #[test]
     fn the_portrait_of_a_cycle_closes_and_touches_its_extremes() {
@@ -111,7 +111,7 @@ mod tests {
         let values = (0..4000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
         let process = RecordedProcess::new(0.0005, values).unwrap();
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 60.0, start: None, drive };
+            let settings = TrajectorySettings { duration: 60.0, start: None, drive, method: Method::Taylor };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let points = 6001;
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, points).unwrap();

@@ -8,10 +8,11 @@
 //! Nothing cancels when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every detachment is (0, 0).
 
 use super::polynomial::{self, CAPACITY};
-use super::{FrictionLaw, Oscillator};
+use super::runge_kutta::hermite;
+use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
 
-/// Last kept term of a series, relative to the state.
-const TOLERANCE: f64 = 2e-16;
+/// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
+const TOLERANCE: f64 = 1e-13;
 
 /// 1/n.
 pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
@@ -24,40 +25,43 @@ pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
     r
 };
 
-/// The constants of W′: jump + linear·W + gain·W/(1 + curvature·W) + e.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Weakening {
-    /// (μ_st − μ_k)/V.
-    pub(super) jump: f64,
-    pub(super) linear: f64,
-    pub(super) gain: f64,
-    pub(super) curvature: f64,
+/// Runs a block for the orders 1, 2, … below a limit, each with its order as a constant, so that no loop is left.
+macro_rules! for_orders {
+    ($n:ident < $limit:expr, $body:block) => {
+        for_orders!(@ $n, $limit, $body, 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
+    };
+    (@ $n:ident, $limit:expr, $body:block, $($order:literal)*) => {
+        $(if $order < $limit {
+            let $n: usize = $order;
+            $body
+        })*
+    };
 }
 
-impl Weakening {
-    pub(super) fn new(oscillator: &Oscillator) -> Self {
-        let v = oscillator.belt_velocity();
-        let jump = (oscillator.static_friction() - oscillator.law().kinetic()) / v;
-        let damping = -2.0 * oscillator.damping_ratio();
-        match oscillator.law() {
-            FrictionLaw::Stribeck { kinetic, decay } => {
-                Self { jump, linear: damping, gain: decay * kinetic, curvature: decay * v }
-            }
-            FrictionLaw::Coulomb { .. } => Self { jump, linear: damping, gain: 0.0, curvature: 0.0 },
-            FrictionLaw::Linear { slope, .. } => Self { jump, linear: damping + slope, gain: 0.0, curvature: 0.0 },
+/// tⁿ.
+#[inline(always)]
+fn power(t: f64, n: usize) -> f64 {
+    let (mut power, mut square, mut rest) = (1.0, t, n);
+    while rest > 0 {
+        if rest % 2 == 1 {
+            power *= square;
         }
+        square *= square;
+        rest /= 2;
     }
+    power
+}
 
-    /// aVW, whose value −1 is the pole of the continued law.
-    pub(super) fn curvature_of(&self, w: f64) -> f64 {
-        self.curvature * w
-    }
-
-    /// W′.
-    #[inline]
-    pub(super) fn acceleration(&self, w: f64, e: f64) -> f64 {
-        e + self.jump + self.linear * w + self.gain * w / (1.0 + self.curvature * w)
-    }
+/// About x^{1/n} of a number x > 0, within 1 % for n > 6, from the bits of x: the same on every machine.
+pub(super) fn root(x: f64, n: usize) -> f64 {
+    const BIAS: f64 = 1023.0;
+    // Exponent and mantissa in a row are log₂ x, at most 0.086 too small.
+    let logarithm = x.to_bits() as i64 as f64 * (1.0 / (1_i64 << 52) as f64) - BIAS;
+    let scaled = logarithm * RECIPROCAL[n] + BIAS;
+    let exponent = scaled as i64;
+    let share = scaled - exponent as f64;
+    // 2^share within 0.4 %.
+    f64::from_bits((exponent << 52) as u64) * (1.0 + share * (0.65 + 0.35 * share))
 }
 
 /// The constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
@@ -71,6 +75,20 @@ pub(super) struct Loading {
     pub(super) frequency: f64,
     /// ητ at the start of the step.
     pub(super) phase: f64,
+}
+
+impl Loading {
+    /// The constants of a step that begins t later.
+    pub(super) fn later(&self, t: f64) -> Self {
+        Self { phase: self.phase + self.frequency * t, ..*self }
+    }
+
+    /// e′ at the start.
+    #[inline(always)]
+    pub(super) fn rate(&self, w: f64) -> f64 {
+        let sway = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
+        self.base + sway - self.kappa * w
+    }
 }
 
 /// Taylor coefficients of W and e about the start of a step.
@@ -107,12 +125,15 @@ impl Series {
         (t * polynomial::split_value(&self.s[..self.len], t), polynomial::split_value(self.w(), t))
     }
 
-    /// Time at which S = `distance`, which is reached before h; `guess` should be close.
+    /// W and W′ at the start.
+    #[inline(always)]
+    pub(super) fn start(&self) -> [f64; 2] {
+        [self.w[0], self.w[1]]
+    }
+
+    /// Time in [0, h] at which S = `distance` by Newton's method from a close guess; none if that fails.
     #[inline]
-    pub(super) fn time_of_distance(&self, distance: f64, h: f64, guess: f64) -> f64 {
-        if distance <= 0.0 {
-            return 0.0;
-        }
+    pub(super) fn near_distance(&self, distance: f64, h: f64, guess: f64) -> Option<f64> {
         // Two steps on the leading terms are nearly free and leave one or two on the whole series.
         let [s0, s1, s2, s3] = [self.s[0], self.s[1], self.s[2], self.s[3]];
         let mut t = if guess < h { guess } else { h };
@@ -122,15 +143,23 @@ impl Series {
         }
         for _ in 0..4 {
             if !(t > 0.0 && t <= h) {
-                break;
+                return None;
             }
             let (s, w) = self.distance(t);
             let step = (s - distance) / w;
             t -= step;
             // Newton's error after a step is about its square times W′/2W.
             if step.abs() <= 1e-8 * t && step * step * self.scale <= 1e-17 * w {
-                return t.clamp(0.0, h);
+                return (t <= h).then_some(t);
             }
+        }
+        None
+    }
+
+    /// Time at which S = `distance`, which is reached before h.
+    pub(super) fn time_of_distance(&self, distance: f64, h: f64) -> f64 {
+        if distance <= 0.0 {
+            return 0.0;
         }
         let excess = |t: f64| {
             let (s, w) = self.distance(t);
@@ -144,12 +173,10 @@ impl Series {
     pub(super) fn expand(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64, horizon: f64) {
         // Terms fall like (√κ h)ⁿ/n!.
         let scaled = horizon * loading.kappa.max(1.0).sqrt();
-        if scaled < 0.07 {
-            self.expand_to::<10>(weakening, loading, w, e);
-        } else if scaled < 0.17 {
+        if scaled < 0.05 {
+            self.expand_to::<8>(weakening, loading, w, e);
+        } else if scaled < 0.25 {
             self.expand_to::<12>(weakening, loading, w, e);
-        } else if scaled < 0.33 {
-            self.expand_to::<14>(weakening, loading, w, e);
         } else if scaled < 0.55 {
             self.expand_to::<16>(weakening, loading, w, e);
         } else {
@@ -157,49 +184,74 @@ impl Series {
         }
     }
 
-    /// The recurrence, with N coefficients. Quotients: r(1 + cW) = gW gives r_n from r_0 … r_{n−1}.
-    #[inline]
-    fn expand_to<const N: usize>(&mut self, weakening: &Weakening, loading: &Loading, w0: f64, e0: f64) {
+    #[inline(always)]
+    fn expand_to<const N: usize>(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64) {
+        match &weakening.curve {
+            Curve::Straight => self.expand_with::<N>(NoTerms, weakening, loading, w, e),
+            Curve::Quotient(q) => self.expand_with::<N>(QuotientTerms::new(q, w), weakening, loading, w, e),
+            Curve::Exponential(x) => self.expand_with::<N>(ExponentialTerms::new(x, w), weakening, loading, w, e),
+            Curve::Cubic(c) => self.expand_with::<N>(CubicTerms::new(c, w), weakening, loading, w, e),
+        }
+    }
+
+    /// The recurrence, with N coefficients.
+    fn expand_with<const N: usize>(
+        &mut self,
+        mut terms: impl Recurrence<N>,
+        weakening: &Weakening,
+        loading: &Loading,
+        w0: f64,
+        e0: f64,
+    ) {
         let mut external = [0.0; N];
-        external[0] = loading.base;
         if loading.swing != 0.0 {
             // sin(phase + ηt) has the coefficients s, ηc, −η²s/2, …
             let (mut s, mut c) = (loading.swing * loading.phase.sin(), loading.swing * loading.phase.cos());
             for (n, term) in external.iter_mut().enumerate() {
-                *term += s;
+                *term = s;
                 (s, c) = (c * loading.frequency * RECIPROCAL[n + 1], -s * loading.frequency * RECIPROCAL[n + 1]);
             }
         }
-        let (mut w, mut e, mut r, mut s) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
-        let quotient = 1.0 / (1.0 + weakening.curvature * w0);
-        let curvature = weakening.curvature * quotient;
-        (w[0], e[0], r[0], s[0]) = (w0, e0, weakening.gain * w0 * quotient, w0);
-        // r_n = gain′·w_n − curvature′·Σ_{k=1}^{n−1} w_k r_{n−k}: the term w_n r_0 is in gain′.
-        let gain = weakening.gain * quotient - curvature * r[0];
-        let mut jump = weakening.jump;
-        for n in 0..N - 1 {
-            // Two sums, so that additions need not wait for each other.
-            let (mut inner, mut other) = (0.0, 0.0);
-            let mut k = 1;
-            while k < n {
-                inner += w[k] * r[n + 1 - k];
-                other += w[k + 1] * r[n - k];
-                k += 2;
-            }
-            if k == n {
-                inner += w[n] * r[1];
-            }
-            w[n + 1] = (e[n] + weakening.linear * w[n] + jump + r[n]) * RECIPROCAL[n + 1];
+        let (mut w, mut e, mut s) = ([0.0; N], [0.0; N], [0.0; N]);
+        (w[0], e[0], s[0]) = (w0, e0, w0);
+        w[1] = weakening.acceleration(w0, e0);
+        e[1] = loading.base + external[0] - loading.kappa * w0;
+        s[1] = 0.5 * w[1];
+        let slope = weakening.linear + terms.slope();
+        for_orders!(n < N - 1, {
+            w[n + 1] = (slope * w[n] + (e[n] + terms.rest(&w, n))) * RECIPROCAL[n + 1];
             e[n + 1] = (external[n] - loading.kappa * w[n]) * RECIPROCAL[n + 1];
-            r[n + 1] = gain * w[n + 1] - curvature * (inner + other);
             s[n + 1] = w[n + 1] * RECIPROCAL[n + 2];
-            jump = 0.0;
-        }
+        });
         self.w[..N].copy_from_slice(&w);
         self.e[..N].copy_from_slice(&e);
         self.s[..N].copy_from_slice(&s);
         self.len = N;
         self.scale = w0.abs().max(e0.abs()).max(1.0);
+    }
+
+    /// Polynomials through `count` Taylor coefficients of W, e and S at the start and, after h, at `end`.
+    pub(super) fn interpolate(
+        &mut self,
+        weakening: &Weakening,
+        loading: &Loading,
+        (w, e): (f64, f64),
+        end: [f64; 3],
+        h: f64,
+        count: usize,
+    ) {
+        let mut last = Self::new();
+        last.expand_to::<8>(weakening, &loading.later(h), end[0], end[1]);
+        self.expand_to::<8>(weakening, loading, w, e);
+        let distance = |series: &Self, from: f64| -> [f64; CAPACITY] {
+            std::array::from_fn(|k| if k == 0 { from } else { series.s[k - 1] })
+        };
+        let s = hermite(&distance(self, 0.0)[..count], &distance(&last, end[2])[..count], h);
+        self.w = hermite(&self.w[..count], &last.w[..count], h);
+        self.e = hermite(&self.e[..count], &last.e[..count], h);
+        self.s = std::array::from_fn(|k| s.get(k + 1).copied().unwrap_or(0.0));
+        // Values are summed in quadruples.
+        self.len = (2 * count).next_multiple_of(4);
     }
 
     /// The longest step ≤ `wanted` on which the dropped terms stay below rounding.
@@ -211,19 +263,14 @@ impl Series {
         let size = |k: usize| self.w[k].abs().max(self.e[k].abs());
         let allowed = TOLERANCE * self.scale;
         let (last, before) = (size(n), size(n - 1) * RECIPROCAL[n] * RECIPROCAL[n + 1]);
-        let power = wanted.powi(n as i32);
-        if wanted.is_finite() && last * power <= allowed && before * power * wanted <= allowed {
-            return wanted;
+        if wanted < 1.0 {
+            let power = power(wanted, n);
+            if last * power <= allowed && before * power * wanted <= allowed {
+                return wanted;
+            }
         }
-        wanted.min((allowed / last).powf(RECIPROCAL[n])).min((allowed / before).powf(RECIPROCAL[n + 1]))
-    }
-
-    /// First time in (0, h] at which W, positive just after 0, is zero.
-    #[inline]
-    pub(super) fn first_arrival(&self, h: f64) -> Option<f64> {
-        // Right after a detachment W = O(t) or O(t²); the factor is divided out, or its zero at t = 0 would be found.
-        let leading = self.w().iter().take(2).take_while(|c| **c == 0.0).count();
-        polynomial::first_zero(&self.w()[leading..], h)
+        let h = wanted.min(root(allowed / last, n));
+        if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) }
     }
 
     /// First extremum of W in (0, h]: a maximum if W rises at 0, else a minimum.

@@ -1,7 +1,8 @@
 //! The slip orbit from a detachment, continued smoothly past the belt velocity.
 
-use super::series::{Loading, Series, Weakening};
+use super::series::{Loading, Series};
 use super::sway::Sway;
+use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
 
 /// The law 1/(1 + aVW) is continued to this value of aVW and no farther; its pole lies at −1.
@@ -23,7 +24,7 @@ pub(super) struct Minimum {
 ///
 /// An orbit that dives far below zero is stopped on the way; its value is then negative, but no minimum.
 pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<Minimum>, VibrationError> {
-    let weakening = Weakening::new(oscillator);
+    let mut weakening = Weakening::new(oscillator);
     let sway = Sway::new(oscillator);
     let mut series = Series::new();
     let (mut w, mut e, mut time) = (0.0, 0.0, 0.0);
@@ -36,12 +37,20 @@ pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<
             frequency: sway.frequency,
             phase: sway.frequency * (tau + time),
         };
+        weakening.select(w, e, &loading);
         series.expand(&weakening, &loading, w, e, f64::INFINITY);
-        let h = series.reach(f64::INFINITY);
+        let mut h = series.reach(f64::INFINITY);
+        let exit = weakening.bounds().and_then(|bounds| series.first_exit(bounds, h));
+        if let Some((t, _)) = exit {
+            h = t;
+        }
         if falling && let Some(t) = series.first_extremum(h) {
             return Ok(Some(Minimum { time: time + t, w: series.state(t).0 }));
         }
         (w, e) = series.state(h);
+        if let Some((_, level)) = exit {
+            w = level;
+        }
         time += h;
         let acceleration = weakening.acceleration(w, e);
         if falling && weakening.curvature_of(w) < CONTINUATION {

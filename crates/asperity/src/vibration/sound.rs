@@ -130,14 +130,14 @@ mod tests {
     use super::*;
     use crate::friction::process::ProcessModel;
     use crate::monitor::Silent;
-    use crate::vibration::{Drive, FrictionLaw, Parameters};
+    use crate::vibration::{Drive, FrictionLaw, Method, Parameters};
 
     fn process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
     }
 
     fn settings(duration: f64) -> SoundSettings {
-        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance };
+        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
         SoundSettings { trajectories: 8, points_per_period: 64, from: 60.0, seed: 3, followed }
     }
 

@@ -24,16 +24,19 @@ impl Sway {
 
     /// (q/V) cos ητ.
     pub(super) fn force(&self, tau: f64) -> f64 {
-        self.amplitude * (self.frequency * tau).cos()
+        if self.amplitude == 0.0 { 0.0 } else { self.amplitude * (self.frequency * tau).cos() }
     }
 
     /// Rate at which the force grows the forward excess, (qη/V) sin ητ.
     pub(super) fn rate(&self, tau: f64) -> f64 {
-        self.amplitude * self.frequency * (self.frequency * tau).sin()
+        if self.amplitude == 0.0 { 0.0 } else { self.amplitude * self.frequency * (self.frequency * tau).sin() }
     }
 
     /// Growth of the excess in the direction ± during a stick of duration t: rate·t ± (q/V)[cos ητ − cos η(τ + t)].
     pub(super) fn growth(&self, direction: f64, rate: f64, tau: f64, t: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            return rate * t;
+        }
         let half = 0.5 * self.frequency * t;
         rate * t + direction * 2.0 * self.amplitude * half.sin() * (self.frequency * tau + half).sin()
     }

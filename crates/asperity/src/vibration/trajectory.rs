@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
-use super::{Drive, Event, EventKind, Oscillator, VibrationError, positive};
+use super::{Drive, Event, EventKind, Method, Oscillator, VibrationError, positive};
 use crate::friction::process::Fluctuation;
 
 /// How a mass is followed.
@@ -16,6 +16,9 @@ pub struct TrajectorySettings {
     pub start: Option<f64>,
     /// What the friction process is a function of.
     pub drive: Drive,
+    /// How slip is integrated.
+    #[serde(default)]
+    pub method: Method,
 }
 
 /// Counts of finished slips.
@@ -58,7 +61,7 @@ pub(super) fn started<F: Fluctuation>(
     settings: &TrajectorySettings,
 ) -> Result<Motion<F>, VibrationError> {
     positive("duration", settings.duration)?;
-    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)
+    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)?.by(settings.method)
 }
 
 /// The displacement X at τ = 0.
@@ -128,8 +131,12 @@ mod tests {
         let values = doubles(&std::fs::read(folder.join("frozen_mu.npy")).unwrap());
         let oscillator = Oscillator::stribeck(number("mus"), number("a"), number("z"), number("nu")).unwrap();
         let process = RecordedProcess::new(number("h_s"), values).unwrap();
-        let settings =
-            TrajectorySettings { duration: number("tau_end"), start: Some(number("X_start")), drive: Drive::Distance };
+        let settings = TrajectorySettings {
+            duration: number("tau_end"),
+            start: Some(number("X_start")),
+            drive: Drive::Distance,
+            method: Method::Taylor,
+        };
         let found = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
         let wanted = reference["events_mp"].as_array().unwrap();
         let mut worst = 0.0_f64;
@@ -159,7 +166,7 @@ mod tests {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let process = noisy(0.006, 0);
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 300.0, start: None, drive };
+            let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Method::Taylor };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, 300_001).unwrap();
             let mut counted = Slips::default();
@@ -176,7 +183,8 @@ mod tests {
     #[test]
     fn a_record_that_ends_and_friction_without_sign_are_errors() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
+        let settings =
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let run = |values: Vec<f64>| {
             Trajectory::simulate(&oscillator, RecordedProcess::new(0.01, values).unwrap().path(), &settings)
         };

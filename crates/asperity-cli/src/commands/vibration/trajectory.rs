@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use asperity::friction::process::RecordedProcess;
-use asperity::vibration::{self, Drive, TrajectorySettings, VibrationError};
+use asperity::vibration::{self, Drive, Method, TrajectorySettings, VibrationError};
 use clap::Args;
 use serde_json::json;
 
@@ -44,7 +44,8 @@ impl Trajectory {
         let values = asperity_formats::read_series(&self.friction_file).map_err(|e| unreadable(&e))?;
         let record = RecordedProcess::new(self.friction_step, values)
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;
-        let settings = TrajectorySettings { duration: self.duration, start: self.start, drive: Drive::Distance };
+        let (duration, start) = (self.duration, self.start);
+        let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: Method::Taylor };
         let simulated = monitor.at_once(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
         let path = simulated.map_err(|e| match e {
             VibrationError::ProcessTooShort { .. } | VibrationError::FrictionNotPositive { .. } => {

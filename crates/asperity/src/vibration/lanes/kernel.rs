@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::super::polynomial;
-use super::super::series::{RECIPROCAL, Weakening};
+use super::super::series::RECIPROCAL;
 use super::super::{FrictionLaw, Oscillator};
 
 /// Trajectories that advance together: two registers of four numbers, or one of eight.
@@ -90,14 +90,17 @@ impl Plants {
     };
 
     pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
-        let Weakening { jump, linear, gain, curvature } = Weakening::new(oscillator);
-        self.kinetic[lane] = oscillator.law().kinetic();
-        self.loss[lane] = match oscillator.law() {
-            FrictionLaw::Linear { slope, .. } => slope * oscillator.belt_velocity(),
-            _ => 0.0,
+        let velocity = oscillator.belt_velocity();
+        let (slope, gain, curvature) = match oscillator.law() {
+            FrictionLaw::Stribeck { kinetic, decay } => (0.0, decay * kinetic, decay * velocity),
+            FrictionLaw::Linear { slope, .. } => (*slope, 0.0, 0.0),
+            _ => (0.0, 0.0, 0.0),
         };
-        self.jump[lane] = jump;
-        self.linear[lane] = linear;
+        let kinetic = oscillator.law().kinetic();
+        self.kinetic[lane] = kinetic;
+        self.loss[lane] = slope * velocity;
+        self.jump[lane] = (oscillator.static_friction() - kinetic) / velocity;
+        self.linear[lane] = slope - 2.0 * oscillator.damping_ratio();
         self.gain[lane] = gain;
         self.curvature[lane] = curvature;
         self.softening[lane] = gain * curvature;

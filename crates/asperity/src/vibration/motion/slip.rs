@@ -1,9 +1,23 @@
 //! Slip: a Taylor step and its cuts.
 
+use super::super::arrival::Turning;
 use super::super::series::Loading;
 use super::super::{Drive, Event, EventKind, Phase, VibrationError};
 use super::{Motion, Segment};
 use crate::friction::process::Fluctuation;
+
+/// What ends a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Cut {
+    /// The reach of the series or the asked time.
+    None,
+    /// An arrival at v_rel = 0.
+    Arrival,
+    /// A knot of the friction process.
+    Knot,
+    /// A point of a tabulated law, at this W.
+    Point(f64),
+}
 
 /// Points at which the friction coefficient is checked when a bound does not settle its sign.
 const POSITIVITY_POINTS: usize = 32;
@@ -13,9 +27,6 @@ impl<F: Fluctuation> Motion<F> {
     pub(super) fn slip(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
         let direction = self.phase.direction();
         let remaining = until - self.tau;
-        let (estimate, to_knot) = self.horizon();
-        // A little more, so that the knot is inside the step.
-        let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         // The process changes with the sliding distance, or by itself.
         let (stretch, drift) = match self.drive {
             Drive::Distance => (self.cell.slope, 0.0),
@@ -28,23 +39,53 @@ impl<F: Fluctuation> Motion<F> {
             frequency: self.sway.frequency,
             phase: self.sway.frequency * self.tau,
         };
+        self.weakening.select(self.w, self.e, &loading);
+        let (estimate, to_knot) = self.horizon();
+        // A little more, so that the knot is inside the step.
+        let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
-        self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
-        let mut h = self.series.reach(wanted);
+        let (h, turning) = if let Some(stepper) = &mut self.stepper {
+            let step = stepper.step(&mut self.series, &self.weakening, &loading, (self.w, self.e), wanted);
+            (step.ok_or(VibrationError::Stalled { tau: self.tau })?, Turning::UNKNOWN)
+        } else {
+            self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
+            (self.series.reach(wanted), Turning::new(&self.weakening, &loading))
+        };
+        if self.drive == Drive::Distance
+            && to_knot.is_finite()
+            && let Some(t) = self.series.near_distance(to_knot, h, estimate)
+        {
+            let (w, e) = self.series.state(t);
+            let a = self.weakening.acceleration(w, e);
+            if self.series.stays(&turning, t, w, a) {
+                return self.finish_slip(t, (w, e, a), Cut::Knot, until);
+            }
+        }
         // First the arrival, then the knot: past an arrival the distance would run backwards.
-        let mut arrived = false;
-        if let Some(t) = self.series.first_arrival(h) {
-            (h, arrived) = (t, true);
+        let (mut h, mut cut) = match self.series.first_arrival(&self.weakening, &turning, h) {
+            Some(t) => (t, Cut::Arrival),
+            None => (h, Cut::None),
+        };
+        if let Some(bounds) = self.weakening.bounds()
+            && let Some((t, level)) = self.series.first_exit(bounds, h)
+        {
+            (h, cut) = (t, Cut::Point(level));
         }
-        let mut crossed = false;
         if self.drive == Drive::Time {
-            crossed = !arrived && h >= to_knot;
+            if cut != Cut::Arrival && h >= to_knot {
+                cut = Cut::Knot;
+            }
         } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
-            h = self.series.time_of_distance(to_knot, h, estimate);
-            (crossed, arrived) = (true, false);
+            (h, cut) = (self.series.time_of_distance(to_knot, h), Cut::Knot);
         }
-        self.finish_slip(h, crossed, arrived, until)
+        let (w, e) = self.series.state(h);
+        let w = match cut {
+            Cut::Arrival => 0.0,
+            Cut::Point(level) => level,
+            Cut::None | Cut::Knot => w.max(0.0),
+        };
+        self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, until)
     }
 
     /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
@@ -63,22 +104,22 @@ impl<F: Fluctuation> Motion<F> {
         (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
     }
 
-    /// Moves to the end of a step of the length h.
+    /// Moves to the end of a step of the length h, where W, e and W′ are given.
     #[inline]
     fn finish_slip(
         &mut self,
         h: f64,
-        crossed: bool,
-        arrived: bool,
+        (w, e, a): (f64, f64, f64),
+        cut: Cut,
         until: f64,
     ) -> Result<Option<Event>, VibrationError> {
-        let (before, rising) = (self.w, self.series.w()[1] > 0.0 || self.series.w()[0] == 0.0);
+        let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
+        let [before, slope] = self.series.start();
+        let turns = (slope > 0.0 || before == 0.0) && (arrived || a < 0.0);
         let m_before = self.m;
-        let (w, e) = self.series.state(h);
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
-        self.e = e;
-        self.w = if arrived { 0.0 } else { w.max(0.0) };
+        (self.w, self.e) = (w, e);
         if crossed && self.drive == Drive::Distance {
             self.sliding_distance = self.cell.end;
         } else {
@@ -89,7 +130,6 @@ impl<F: Fluctuation> Motion<F> {
         } else if self.cell.end.is_finite() {
             self.m = self.cell.left + self.cell.slope * (self.coordinate() - self.cell.start);
         }
-        let turns = rising && (arrived || self.weakening.acceleration(self.w, self.e) < 0.0);
         if self.phase == Phase::Slip && !self.reached_backward {
             self.reached_backward = self.w > 1.0
                 || (turns
@@ -104,7 +144,7 @@ impl<F: Fluctuation> Motion<F> {
     #[inline]
     fn check_friction(&self, w_before: f64, m_before: f64, h: f64, turns: bool) -> Result<(), VibrationError> {
         let fastest = if turns { self.series.ceiling(h) } else { w_before.max(self.w) };
-        if self.law.coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
+        if self.law.least_coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
             return Ok(());
         }
         for i in 0..=POSITIVITY_POINTS {

@@ -1,0 +1,205 @@
+//! The stick-slip oscillator by the crate `differential-equations`, with its event detection; prints JSON.
+//!
+//! `CASE key=value …`: `cycle` times cycles from one detachment to the next, `path` trajectories under friction whose knots a file
+//! holds. Slip ends where the relative velocity falls through zero; stick is a straight line, left in closed form.
+
+use std::collections::HashMap;
+use std::hint::black_box;
+use std::time::Instant;
+
+use differential_equations::control::ControlFlag;
+use differential_equations::ode::solve_ode;
+use differential_equations::prelude::*;
+use differential_equations::solout::{CrossingDirection, Event, EventConfig, EventSolout, Solout};
+use differential_equations::traits::State;
+
+/// Longest slip that is followed.
+const LONGEST_SLIP: f64 = 100.0;
+
+struct Machine {
+    friction: f64,
+    decay: f64,
+    damping: f64,
+    velocity: f64,
+}
+
+impl Machine {
+    fn acceleration(&self, x: f64, v: f64, m: f64) -> f64 {
+        self.friction / (1.0 + self.decay * (self.velocity - v)) + m - 2.0 * self.damping * v - x
+    }
+
+    /// Displacement at which stick ends.
+    fn release(&self, m: f64) -> f64 {
+        self.friction + m - 2.0 * self.damping * self.velocity
+    }
+}
+
+/// X and X′ without fluctuation.
+impl ODE<f64, [f64; 2]> for Machine {
+    fn diff(&self, _: f64, y: &[f64; 2], dydt: &mut [f64; 2]) {
+        *dydt = [y[1], self.acceleration(y[0], y[1], 0.0)];
+    }
+}
+
+impl Event<f64, [f64; 2]> for Machine {
+    fn config(&self) -> EventConfig {
+        EventConfig::new(CrossingDirection::Negative, Some(1))
+    }
+
+    fn event(&self, _: f64, y: &[f64; 2]) -> f64 {
+        self.velocity - y[1]
+    }
+}
+
+/// A machine under a straight line through knots of the fluctuation.
+struct Path<'a> {
+    machine: &'a Machine,
+    knots: &'a [f64],
+    step: f64,
+}
+
+impl Path<'_> {
+    fn fluctuation(&self, s: f64) -> f64 {
+        let place = s.max(0.0) / self.step;
+        let cell = (place as usize).min(self.knots.len() - 2);
+        self.knots[cell] + (self.knots[cell + 1] - self.knots[cell]) * (place - cell as f64)
+    }
+}
+
+/// X, X′ and the sliding distance.
+impl ODE<f64, [f64; 3]> for Path<'_> {
+    fn diff(&self, _: f64, y: &[f64; 3], dydt: &mut [f64; 3]) {
+        let machine = self.machine;
+        *dydt = [y[1], machine.acceleration(y[0], y[1], self.fluctuation(y[2])), machine.velocity - y[1]];
+    }
+}
+
+impl Event<f64, [f64; 3]> for Path<'_> {
+    fn config(&self) -> EventConfig {
+        EventConfig::new(CrossingDirection::Negative, Some(1))
+    }
+
+    fn event(&self, _: f64, y: &[f64; 3]) -> f64 {
+        self.machine.velocity - y[1]
+    }
+}
+
+/// Looks for the event and sees whether the mass moves backwards at the end of a step.
+struct Watch<O> {
+    event: O,
+    reached_backward: bool,
+}
+
+impl<const N: usize, O: Solout<f64, [f64; N]>> Solout<f64, [f64; N]> for Watch<O>
+where
+    [f64; N]: State<f64>,
+{
+    fn solout<I>(
+        &mut self,
+        t: f64,
+        t_before: f64,
+        y: &[f64; N],
+        y_before: &[f64; N],
+        interpolator: &mut I,
+        solution: &mut Solution<f64, [f64; N]>,
+    ) -> ControlFlag<f64, [f64; N]>
+    where
+        I: Interpolation<f64, [f64; N]> + ?Sized,
+    {
+        self.reached_backward |= y[1] < 0.0;
+        self.event.solout(t, t_before, y, y_before, interpolator, solution)
+    }
+}
+
+/// Time and state at the end of a slip, and whether it moved backwards.
+fn slip<const N: usize, S>(system: &S, start: [f64; N], rtol: f64, atol: f64) -> (f64, [f64; N], bool)
+where
+    S: ODE<f64, [f64; N]> + Event<f64, [f64; N]>,
+    [f64; N]: State<f64>,
+{
+    let mut method = ExplicitRungeKutta::dop853().rtol(rtol).atol(atol);
+    let mut watch = Watch { event: EventSolout::new(system, 0.0, LONGEST_SLIP), reached_backward: false };
+    let solution = solve_ode(&mut method, system, 0.0, LONGEST_SLIP, &start, &mut watch).expect("a slip is solved");
+    let (&t, &y) = (solution.t.last().expect("an end"), solution.y.last().expect("an end"));
+    assert!(t < LONGEST_SLIP, "the slip ends");
+    (t, y, watch.reached_backward)
+}
+
+/// The mean period of cycles.
+fn cycles(machine: &Machine, count: usize, rtol: f64, atol: f64) -> f64 {
+    let release = machine.release(0.0);
+    let mut total = 0.0;
+    for _ in 0..count {
+        let (t, [x, _], _) = slip(machine, black_box([release, machine.velocity]), rtol, atol);
+        total += t + (release - x) / machine.velocity;
+    }
+    total / count as f64
+}
+
+/// Ends of the cycles of a trajectory.
+fn follow(path: &Path<'_>, duration: f64, rtol: f64, atol: f64) -> Vec<f64> {
+    let machine = path.machine;
+    let (mut tau, mut x, mut s) = (0.0, 0.97 * machine.friction - 2.0 * machine.damping * machine.velocity, 0.0);
+    let mut ends = Vec::new();
+    loop {
+        let release = machine.release(path.fluctuation(s)).max(x);
+        tau += (release - x) / machine.velocity;
+        if tau >= duration {
+            return ends;
+        }
+        let (t, [end, _, slid], reached_backward) = slip(path, [release, machine.velocity, s], rtol, atol);
+        (x, s, tau) = (end, slid, tau + t);
+        if tau > duration {
+            return ends;
+        }
+        if reached_backward {
+            ends.push(tau);
+        }
+    }
+}
+
+fn main() {
+    let mut words = std::env::args().skip(1);
+    let case = words.next().expect("a case");
+    let words: HashMap<String, String> =
+        words.map(|word| word.split_once('=').map(|(k, v)| (k.into(), v.into())).expect("key=value")).collect();
+    let number = |key: &str| words[key].parse::<f64>().expect("a number");
+    let count = |key: &str| words[key].parse::<usize>().expect("a count");
+    let [friction, decay, damping, velocity] = ["friction", "decay", "damping", "velocity"].map(number);
+    let machine = Machine { friction, decay, damping, velocity };
+    let (rtol, atol, warm_up) = (number("rtol"), number("atol"), count("warm_up"));
+    let mut seconds = Vec::new();
+    let mut timed = |run: &mut dyn FnMut()| {
+        for turn in 0..warm_up + count("repeats") {
+            let start = Instant::now();
+            run();
+            if turn >= warm_up {
+                seconds.push(start.elapsed().as_secs_f64());
+            }
+        }
+    };
+    let answer = match case.as_str() {
+        "cycle" => {
+            let mut period = 0.0;
+            timed(&mut || period = cycles(&machine, count("cycles"), rtol, atol));
+            format!("\"period\": {period:?}")
+        }
+        "path" => {
+            let bytes = std::fs::read(&words["knots"]).expect("knots");
+            let knots: Vec<f64> =
+                bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("eight bytes"))).collect();
+            let each = knots.len() / count("paths");
+            let mut ends = Vec::new();
+            timed(&mut || {
+                ends.clear();
+                ends.extend(knots.chunks(each).map(|knots| {
+                    let path = Path { machine: &machine, knots, step: number("step") };
+                    follow(&path, number("duration"), rtol, atol)
+                }));
+            });
+            format!("\"ends\": {ends:?}")
+        }
+        _ => panic!("{case} is no case"),
+    };
+    println!("{{\"seconds\": {seconds:?}, {answer}}}");
+}

@@ -1,0 +1,210 @@
+//! The first arrival of a slip at v_rel = 0.
+//!
+//! Without forcing, A = W′ and B = base − κW obey A′ = pA + B, B′ = −κA with p = dW′/dW at fixed e. The angle of
+//! (A, B/√κ) turns by at most √κ + |p|/2 per unit of time, always clockwise through the zeros of A, and a maximum of W has
+//! B ≤ 0, W ≥ base/κ. So at W ≥ 0 a maximum is at least a quarter turn away from W = base/κ, and
+//!
+//! - a rising W does not arrive within a quarter turn, and if it begins at W ≤ base/κ, within half a turn;
+//! - a falling W that is negative at the end of a quarter turn at most has arrived exactly once;
+//! - a falling W that is positive and falls at the end of it has not arrived.
+//!
+//! Only a minimum inside such an interval is left to the bounds of [`polynomial::first_zero`].
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::polynomial;
+use super::series::{Loading, Series};
+use super::weakening::Weakening;
+
+/// Share of a turn that is used, for rounding.
+const MARGIN: f64 = 1.0 - 1e-9;
+/// Newton's correction, relative to W′, after which two more are below rounding, as W″ is of the order 1.
+const SMALL: f64 = 1e-6;
+
+/// What is known about arrivals in an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Arrivals {
+    None,
+    One,
+    Unknown,
+}
+
+/// What the turning of (A, B) tells about a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turning {
+    /// Largest time of a quarter turn at least; zero if nothing is known.
+    quarter: f64,
+    kappa: f64,
+    base: f64,
+}
+
+impl Turning {
+    #[inline]
+    pub(super) fn new(weakening: &Weakening, loading: &Loading) -> Self {
+        let Loading { kappa, base, swing, .. } = *loading;
+        let known = swing == 0.0 && base > 0.0;
+        let quarter = match weakening.steepest() {
+            Some(steepest) if known && kappa > 0.0 => MARGIN * FRAC_PI_2 / (kappa.sqrt() + 0.5 * steepest),
+            Some(_) if known => f64::INFINITY,
+            _ => 0.0,
+        };
+        Self { quarter, kappa, base }
+    }
+
+    /// Of a step whose polynomials are not the solution to rounding.
+    pub(super) const UNKNOWN: Self = Self { quarter: 0.0, kappa: 0.0, base: 0.0 };
+
+    /// Time during which a slip at (W, W′) does not arrive for certain.
+    #[inline]
+    pub(super) fn safe(&self, w: f64, a: f64) -> f64 {
+        if a < 0.0 {
+            0.0
+        } else if self.kappa * w <= self.base {
+            // For κ ≤ 0 this is always so, and a rising W rises for ever.
+            2.0 * self.quarter
+        } else {
+            self.quarter
+        }
+    }
+
+    /// Arrivals in an interval of the length h, from the states (W, W′) at its ends.
+    #[inline]
+    fn arrivals(&self, h: f64, (w0, a0): (f64, f64), (w1, a1): (f64, f64)) -> Arrivals {
+        if h <= self.safe(w0, a0) {
+            Arrivals::None
+        } else if h > self.quarter || w0 <= 0.0 || a0 >= 0.0 {
+            Arrivals::Unknown
+        } else if w1 > 0.0 {
+            if a1 <= 0.0 { Arrivals::None } else { Arrivals::Unknown }
+        } else if self.kappa > 0.0 {
+            Arrivals::One
+        } else {
+            Arrivals::Unknown
+        }
+    }
+}
+
+impl Series {
+    /// Whether a slip that has the state (w, a) after h, not yet arrived or arrived, has certainly not arrived before.
+    #[inline]
+    pub(super) fn stays(&self, turning: &Turning, h: f64, w: f64, a: f64) -> bool {
+        let [w0, a0] = self.start();
+        turning.arrivals(h, (w0, a0), (w, a)) == Arrivals::None
+    }
+
+    /// First time in (0, h] at which W, positive just after 0, is zero.
+    #[inline]
+    pub(super) fn first_arrival(&self, weakening: &Weakening, turning: &Turning, h: f64) -> Option<f64> {
+        let [w0, a0] = self.start();
+        let (mut t, mut state) = (0.0, (w0, a0));
+        while t < h && turning.quarter > 0.0 {
+            let next = h.min(t + turning.safe(state.0, state.1).max(turning.quarter));
+            if next <= t + turning.safe(state.0, state.1) && next == h {
+                return None;
+            }
+            let (w, e) = self.state(next);
+            let end = (w, weakening.acceleration(w, e));
+            match turning.arrivals(next - t, state, end) {
+                Arrivals::None => (t, state) = (next, end),
+                Arrivals::One => return Some(self.arrival_between(weakening, t, next, end)),
+                Arrivals::Unknown => return self.first_zero(h),
+            }
+        }
+        if turning.quarter > 0.0 { None } else { self.first_zero(h) }
+    }
+
+    /// The first zero of W in (0, h] by bounds of its coefficients.
+    fn first_zero(&self, h: f64) -> Option<f64> {
+        self.first_crossing(0.0, 1.0, h)
+    }
+
+    /// First time in (0, h] at which ±(W − level), positive just after 0, is zero.
+    pub(super) fn first_crossing(&self, level: f64, sign: f64, h: f64) -> Option<f64> {
+        let mut c = [0.0; polynomial::CAPACITY];
+        for (c, w) in c.iter_mut().zip(self.w()) {
+            *c = sign * w;
+        }
+        c[0] -= sign * level;
+        // Right after a start at the level, as a detachment is, the difference is O(t) or O(t²); the factor is divided out,
+        // or its zero at t = 0 would be found.
+        let leading = c.iter().take(2).take_while(|c| **c == 0.0).count();
+        polynomial::first_zero(&c[leading..self.w().len()], h)
+    }
+
+    /// First time in (0, h] at which W leaves (from, to), and the end it reaches; not through `from` if that is zero.
+    pub(super) fn first_exit(&self, (from, to): (f64, f64), h: f64) -> Option<(f64, f64)> {
+        let up = if to.is_finite() { self.first_crossing(to, -1.0, h) } else { None };
+        let down = if from > 0.0 { self.first_crossing(from, 1.0, up.unwrap_or(h)) } else { None };
+        down.map(|t| (t, from)).or(up.map(|t| (t, to)))
+    }
+
+    /// The only zero of W in (low, high], where W falls through it and is W, W′ = `end` at `high`.
+    fn arrival_between(&self, weakening: &Weakening, mut low: f64, mut high: f64, end: (f64, f64)) -> f64 {
+        let (mut t, (mut w, mut a)) = (high, end);
+        for _ in 0..100 {
+            let newton = if a < 0.0 { t - w / a } else { f64::NAN };
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let correction = (next - t).abs();
+            t = next;
+            let (value, e) = self.state(t);
+            (w, a) = (value, weakening.acceleration(value, e));
+            if w > 0.0 {
+                low = t
+            } else {
+                high = t
+            }
+            if correction <= SMALL * -a {
+                return (t - w / a).clamp(low, high);
+            }
+            if high - low <= f64::EPSILON * high {
+                return high;
+            }
+        }
+        high
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vibration::Oscillator;
+
+    #[test]
+    fn the_turning_and_the_bounds_of_coefficients_find_the_same_arrivals() {
+        let rng = &mut crate::random::stream(8, "test", 0);
+        let mut series = Series::new();
+        let (mut none, mut some, mut settled) = (0, 0, 0);
+        for i in 0..30_000 {
+            let g = crate::random::standard_normal(rng, 8);
+            let (friction, decay, damping) = ((0.5 * g[0]).exp() * 0.2, 4.0 * g[1].exp(), 0.2 * g[2].exp());
+            let oscillator = Oscillator::stribeck(friction, decay, damping, 0.05 * g[3].exp()).unwrap();
+            let weakening = Weakening::new(&oscillator);
+            let (base, kappa) = (1.0 + 0.5 * g[4], 1.0 + 0.7 * g[5]);
+            let loading = Loading { base, kappa, swing: 0.0, frequency: 0.0, phase: 0.0 };
+            // Every third state is a detachment.
+            let (w, e) = if i % 3 == 0 { (0.0, 0.0) } else { (g[6].abs(), 2.0 * g[7]) };
+            series.expand(&weakening, &loading, w, e, f64::INFINITY);
+            let h = series.reach(f64::INFINITY);
+            let turning = Turning::new(&weakening, &loading);
+            let (found, wanted) = (series.first_arrival(&weakening, &turning, h), series.first_zero(h));
+            match (found, wanted) {
+                (Some(a), Some(b)) => {
+                    // A zero moves by (rounding of W)/W′.
+                    let (w, e) = series.state(b);
+                    let slope = weakening.acceleration(w, e).abs();
+                    assert!((a - b).abs() * slope < 1e-13 * (1.0 + e.abs()), "{a} and {b}, W′ = {slope:e}");
+                    some += 1;
+                }
+                (None, None) => none += 1,
+                _ => panic!("{found:?} instead of {wanted:?}: {oscillator:?} {loading:?} {w} {e}"),
+            }
+            if let Some(t) = wanted.or(Some(h)) {
+                let (end, e) = series.state(0.99 * t);
+                let stays = series.stays(&turning, 0.99 * t, end, weakening.acceleration(end, e));
+                assert!(!stays || series.first_zero(0.99 * t).is_none());
+                settled += u32::from(stays);
+            }
+        }
+        assert!(none > 5000 && some > 3000 && settled > 8000, "{none} {some} {settled}");
+    }
+}

@@ -1,0 +1,283 @@
+//! The friction law in the slip equation W′ = e + jump + linear·W + r(W), and the Taylor coefficients of r(W).
+
+use super::polynomial::cross;
+use super::series::Loading;
+use super::{FrictionLaw, FrictionTable, Oscillator};
+
+/// The constants of W′; r(0) = 0.
+#[derive(Debug, Clone)]
+pub(super) struct Weakening {
+    /// (μ_st − μ_k)/V.
+    pub(super) jump: f64,
+    /// −2ζ, less the slope of a linear law.
+    pub(super) linear: f64,
+    pub(super) curve: Curve,
+    /// Largest |dW′/dW| at W ≥ 0; none if not known.
+    steepest: Option<f64>,
+    /// Of a tabulated law, with V.
+    table: Option<(FrictionTable, f64)>,
+}
+
+/// The nonlinear part r(W) of a law.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Curve {
+    /// 0.
+    Straight,
+    /// gW/(1 + cW).
+    Quotient(Quotient),
+    /// (g/c)(1 − e^{−cW}).
+    Exponential(Exponential),
+    /// A cubic between two points of a table.
+    Cubic(Cubic),
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Quotient {
+    gain: f64,
+    curvature: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exponential {
+    gain: f64,
+    curvature: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cubic {
+    index: usize,
+    /// The cubic holds at W from `from` to `to`.
+    pub(super) from: f64,
+    pub(super) to: f64,
+    /// In powers of W − from.
+    coefficients: [f64; 4],
+}
+
+impl Weakening {
+    pub(super) fn new(oscillator: &Oscillator) -> Self {
+        let v = oscillator.belt_velocity();
+        let jump = (oscillator.static_friction() - oscillator.law().kinetic()) / v;
+        let damping = -2.0 * oscillator.damping_ratio();
+        let (linear, curve) = match oscillator.law() {
+            FrictionLaw::Stribeck { kinetic, decay } if *decay > 0.0 => {
+                (damping, Curve::Quotient(Quotient { gain: decay * kinetic, curvature: decay * v }))
+            }
+            FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity } if high_speed < kinetic => {
+                let gain = (kinetic - high_speed) / stribeck_velocity;
+                (damping, Curve::Exponential(Exponential { gain, curvature: v / stribeck_velocity }))
+            }
+            FrictionLaw::Linear { slope, .. } => (damping + slope, Curve::Straight),
+            FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::of(table, v, 0))),
+            _ => (damping, Curve::Straight),
+        };
+        let gain = match &curve {
+            Curve::Straight => Some(0.0),
+            Curve::Quotient(q) => Some(q.gain),
+            Curve::Exponential(x) => Some(x.gain),
+            Curve::Cubic(_) => None,
+        };
+        let steepest = gain.map(|gain| linear.abs().max((linear + gain).abs()));
+        let table = match oscillator.law() {
+            FrictionLaw::Tabulated(table) => Some((table.clone(), v)),
+            _ => None,
+        };
+        Self { jump, linear, curve, steepest, table }
+    }
+
+    /// Turns to the interval of a table in which W lies, or into which it moves from a point.
+    #[inline(always)]
+    pub(super) fn select(&mut self, w: f64, e: f64, loading: &Loading) {
+        if self.table.is_some() {
+            self.select_piece(w, e, loading.rate(w));
+        }
+    }
+
+    fn select_piece(&mut self, w: f64, e: f64, e_rate: f64) {
+        let Some((table, v)) = &self.table else { return };
+        let at_least = |index: usize| table.pieces()[index].from / v <= w;
+        let mut index = if let Curve::Cubic(cubic) = &self.curve { cubic.index } else { 0 };
+        while index > 0 && !at_least(index) {
+            index -= 1;
+        }
+        while index + 1 < table.pieces().len() && at_least(index + 1) {
+            index += 1;
+        }
+        self.curve = Curve::Cubic(Cubic::of(table, *v, index));
+        let a = self.acceleration(w, e);
+        // At W′ = 0 the law has no part in W″.
+        let falls = a < 0.0 || (a == 0.0 && e_rate < 0.0);
+        if index > 0 && falls && table.pieces()[index].from / v == w {
+            self.curve = Curve::Cubic(Cubic::of(table, *v, index - 1));
+        }
+    }
+
+    /// Bounds of W where the present curve ends, if it does.
+    #[inline(always)]
+    pub(super) fn bounds(&self) -> Option<(f64, f64)> {
+        if let Curve::Cubic(cubic) = &self.curve { Some((cubic.from, cubic.to)) } else { None }
+    }
+
+    /// How far the continuation of a law below W = 0 has come: −1 is the pole of 1/(1 + cW).
+    pub(super) fn curvature_of(&self, w: f64) -> f64 {
+        match &self.curve {
+            Curve::Straight => 0.0,
+            Curve::Quotient(q) => q.curvature * w,
+            Curve::Exponential(x) => x.curvature * w,
+            Curve::Cubic(c) => w / c.to,
+        }
+    }
+
+    /// W′.
+    #[inline(always)]
+    pub(super) fn acceleration(&self, w: f64, e: f64) -> f64 {
+        let r = match &self.curve {
+            Curve::Straight => 0.0,
+            Curve::Quotient(q) => q.gain * w / (1.0 + q.curvature * w),
+            Curve::Exponential(x) => x.value(w),
+            Curve::Cubic(c) => c.derivatives(w)[0],
+        };
+        e + self.jump + self.linear * w + r
+    }
+
+    /// Largest |dW′/dW| at W ≥ 0; none if not known.
+    #[inline(always)]
+    pub(super) fn steepest(&self) -> Option<f64> {
+        self.steepest
+    }
+}
+
+impl Exponential {
+    fn value(&self, w: f64) -> f64 {
+        -(self.gain / self.curvature) * (-self.curvature * w).exp_m1()
+    }
+}
+
+impl Cubic {
+    /// (μ_k − μ(VW))/V in the interval of a table.
+    fn of(table: &FrictionTable, v: f64, index: usize) -> Self {
+        let piece = &table.pieces()[index];
+        let to = table.pieces().get(index + 1).map_or(f64::INFINITY, |next| next.from / v);
+        let [y, b, c, d] = piece.coefficients;
+        Self { index, from: piece.from / v, to, coefficients: [(table.kinetic() - y) / v, -b, -c * v, -d * v * v] }
+    }
+
+    /// r, r′, r″/2, r‴/6.
+    #[inline(always)]
+    fn derivatives(&self, w: f64) -> [f64; 4] {
+        let [a, b, c, d] = self.coefficients;
+        let x = w - self.from;
+        [a + x * (b + x * (c + x * d)), b + x * (2.0 * c + x * 3.0 * d), c + 3.0 * d * x, d]
+    }
+}
+
+/// Taylor coefficients of r(W(t)) from those of W(t), order by order.
+pub(super) trait Recurrence<const N: usize> {
+    /// dr/dW at the start.
+    fn slope(&self) -> f64;
+
+    /// r_n − slope·w_n, for n = 1, 2, … in turn; w is known up to n.
+    fn rest(&mut self, w: &[f64; N], n: usize) -> f64;
+}
+
+/// Of a law without a curve.
+pub(super) struct NoTerms;
+
+impl<const N: usize> Recurrence<N> for NoTerms {
+    #[inline(always)]
+    fn slope(&self) -> f64 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn rest(&mut self, _: &[f64; N], _: usize) -> f64 {
+        0.0
+    }
+}
+
+/// r(1 + cW) = gW gives r_n = slope·w_n − c′·Σ w_k r_{n−k} over 0 < k < n, with c′ = c/(1 + cW_0).
+pub(super) struct QuotientTerms<const N: usize> {
+    slope: f64,
+    curvature: f64,
+    r: [f64; N],
+}
+
+impl<const N: usize> QuotientTerms<N> {
+    #[inline(always)]
+    pub(super) fn new(quotient: &Quotient, w0: f64) -> Self {
+        let inverse = 1.0 / (1.0 + quotient.curvature * w0);
+        Self { slope: quotient.gain * inverse * inverse, curvature: quotient.curvature * inverse, r: [0.0; N] }
+    }
+}
+
+impl<const N: usize> Recurrence<N> for QuotientTerms<N> {
+    #[inline(always)]
+    fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    #[inline(always)]
+    fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
+        let rest = -self.curvature * cross(w, &self.r, n);
+        self.r[n] = self.slope * w[n] + rest;
+        rest
+    }
+}
+
+/// r′ = cW′(g/c − r) gives n·r_n = n·slope·w_n − c·Σ k·w_k r_{n−k} over 0 < k < n, with slope = g − c·r_0.
+pub(super) struct ExponentialTerms<const N: usize> {
+    slope: f64,
+    curvature: f64,
+    r: [f64; N],
+    /// k·w_k.
+    rates: [f64; N],
+}
+
+impl<const N: usize> ExponentialTerms<N> {
+    #[inline(always)]
+    pub(super) fn new(exponential: &Exponential, w0: f64) -> Self {
+        let Exponential { gain, curvature } = *exponential;
+        Self { slope: gain * (-curvature * w0).exp(), curvature, r: [0.0; N], rates: [0.0; N] }
+    }
+}
+
+impl<const N: usize> Recurrence<N> for ExponentialTerms<N> {
+    #[inline(always)]
+    fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    #[inline(always)]
+    fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
+        let rest = -self.curvature / n as f64 * cross(&self.rates, &self.r, n);
+        self.rates[n] = n as f64 * w[n];
+        self.r[n] = self.slope * w[n] + rest;
+        rest
+    }
+}
+
+/// r = r_0 + r′u + (r″/2)u² + (r‴/6)u³ with u = W − W_0.
+pub(super) struct CubicTerms<const N: usize> {
+    derivatives: [f64; 4],
+    /// u².
+    square: [f64; N],
+}
+
+impl<const N: usize> CubicTerms<N> {
+    #[inline(always)]
+    pub(super) fn new(cubic: &Cubic, w0: f64) -> Self {
+        Self { derivatives: cubic.derivatives(w0), square: [0.0; N] }
+    }
+}
+
+impl<const N: usize> Recurrence<N> for CubicTerms<N> {
+    #[inline(always)]
+    fn slope(&self) -> f64 {
+        self.derivatives[1]
+    }
+
+    #[inline(always)]
+    fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
+        self.square[n] = cross(w, w, n);
+        self.derivatives[2] * self.square[n] + self.derivatives[3] * cross(w, &self.square, n)
+    }
+}
