@@ -1,8 +1,6 @@
 //! What is known of a friction coefficient as a process, in SI: to be drawn from, carried to a machine, and kept in a file.
 
-use super::{
-    Correlation, CorrelationShape, Fluctuation, FrictionProcess, Generator, ProcessError, ProcessModel, positive,
-};
+use super::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, positive};
 use crate::law::Marginal;
 
 /// Most values of one simulated record.
@@ -173,7 +171,7 @@ impl FittedProcess {
         }
         let process = FrictionProcess::with_step(self.model(1.0)?, step_m)?;
         let mut path = process.path(seed, index);
-        Ok((0..count).map_while(|_| path.next_knot()).map(|m| self.mean + m).collect())
+        Ok((0..count).map(|_| self.mean + path.next_knot()).collect())
     }
 }
 
