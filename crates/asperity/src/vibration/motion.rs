@@ -241,3 +241,6 @@ fn drift_rate(drive: Drive, slope: f64) -> f64 {
         Drive::Time => slope,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -175,12 +175,16 @@ impl Transition {
         j
     }
 
-    /// The same quantile at any start and any innovation, by Newton's method on the sum itself.
-    pub(super) fn quantile(&self, start: f64, innovation: f64, guess: f64) -> f64 {
-        let weights = self.weights(&self.end(start));
+    /// The decayed polynomials of any start.
+    pub(super) fn from(&self, start: f64) -> Vec<f64> {
+        self.weights(&self.end(start))
+    }
+
+    /// The same quantile at any innovation, by Newton's method on the sum itself.
+    pub(super) fn quantile(&self, weights: &[f64], innovation: f64, guess: f64) -> f64 {
         let mut g = guess;
         for _ in 0..4 {
-            let Ok((z, slope)) = self.score(&weights, g, &self.end(g)) else { break };
+            let Ok((z, slope)) = self.score(weights, g, &self.end(g)) else { break };
             let change = (innovation - z) / slope;
             g += change;
             if change.abs() < 1e-9 {
