@@ -10,7 +10,7 @@ use std::time::Instant;
 use differential_equations::control::ControlFlag;
 use differential_equations::ode::solve_ode;
 use differential_equations::prelude::*;
-use differential_equations::solout::{CrossingDirection, Event, EventConfig, EventSolout, Solout};
+use differential_equations::solout::{CrossingDirection, DefaultSolout, Event, EventConfig, EventSolout, Solout};
 use differential_equations::traits::State;
 
 /// Longest slip that is followed.
@@ -84,14 +84,22 @@ impl Event<f64, [f64; 3]> for Path<'_> {
     }
 }
 
-/// Looks for the event and sees whether the mass moves backwards at the end of a step.
-struct Watch<O> {
-    event: O,
+/// Leaves events to the crate and remembers the last step.
+struct Watch<'a, const N: usize, S>
+where
+    S: Event<f64, [f64; N]>,
+    [f64; N]: State<f64>,
+{
+    event: EventSolout<'a, f64, [f64; N], S>,
+    t: f64,
+    y: [f64; N],
+    /// Whether the mass moves backwards at the end of a step.
     reached_backward: bool,
 }
 
-impl<const N: usize, O: Solout<f64, [f64; N]>> Solout<f64, [f64; N]> for Watch<O>
+impl<const N: usize, S> Solout<f64, [f64; N]> for Watch<'_, N, S>
 where
+    S: Event<f64, [f64; N]>,
     [f64; N]: State<f64>,
 {
     fn solout<I>(
@@ -107,37 +115,61 @@ where
         I: Interpolation<f64, [f64; N]> + ?Sized,
     {
         self.reached_backward |= y[1] < 0.0;
+        (self.t, self.y) = (t_before, *y_before);
         self.event.solout(t, t_before, y, y_before, interpolator, solution)
     }
 }
 
+/// How slips are integrated.
+#[derive(Clone, Copy)]
+struct How {
+    rtol: f64,
+    atol: f64,
+    /// Whether the last step is taken again, as far as the event, and the event found by Newton's method from there: the crate
+    /// finds it on its interpolation, whose error no tolerance governs.
+    refine: bool,
+}
+
 /// Time and state at the end of a slip, and whether it moved backwards.
-fn slip<const N: usize, S>(system: &S, start: [f64; N], rtol: f64, atol: f64) -> (f64, [f64; N], bool)
+fn slip<const N: usize, S>(system: &S, start: [f64; N], how: How) -> (f64, [f64; N], bool)
 where
     S: ODE<f64, [f64; N]> + Event<f64, [f64; N]>,
     [f64; N]: State<f64>,
 {
-    let mut method = ExplicitRungeKutta::dop853().rtol(rtol).atol(atol);
-    let mut watch = Watch { event: EventSolout::new(system, 0.0, LONGEST_SLIP), reached_backward: false };
+    let mut method = ExplicitRungeKutta::dop853().rtol(how.rtol).atol(how.atol);
+    let event = EventSolout::new(system, 0.0, LONGEST_SLIP);
+    let mut watch = Watch { event, t: 0.0, y: start, reached_backward: false };
     let solution = solve_ode(&mut method, system, 0.0, LONGEST_SLIP, &start, &mut watch).expect("a slip is solved");
     let (&t, &y) = (solution.t.last().expect("an end"), solution.y.last().expect("an end"));
     assert!(t < LONGEST_SLIP, "the slip ends");
-    (t, y, watch.reached_backward)
+    if !how.refine {
+        return (t, y, watch.reached_backward);
+    }
+    let mut method = ExplicitRungeKutta::dop853().rtol(how.rtol).atol(how.atol).h0(t - watch.t);
+    let again = solve_ode(&mut method, system, watch.t, t, &watch.y, &mut DefaultSolout::new()).expect("a step is solved");
+    let mut y = *again.y.last().expect("an end");
+    let mut slope = y;
+    system.diff(t, &y, &mut slope);
+    let rest = system.event(t, &y) / slope[1];
+    for (value, slope) in y.iter_mut().zip(slope) {
+        *value += rest * slope;
+    }
+    (t + rest, y, watch.reached_backward)
 }
 
 /// The mean period of cycles.
-fn cycles(machine: &Machine, count: usize, rtol: f64, atol: f64) -> f64 {
+fn cycles(machine: &Machine, count: usize, how: How) -> f64 {
     let release = machine.release(0.0);
     let mut total = 0.0;
     for _ in 0..count {
-        let (t, [x, _], _) = slip(machine, black_box([release, machine.velocity]), rtol, atol);
+        let (t, [x, _], _) = slip(machine, black_box([release, machine.velocity]), how);
         total += t + (release - x) / machine.velocity;
     }
     total / count as f64
 }
 
 /// Ends of the cycles of a trajectory.
-fn follow(path: &Path<'_>, duration: f64, rtol: f64, atol: f64) -> Vec<f64> {
+fn follow(path: &Path<'_>, duration: f64, how: How) -> Vec<f64> {
     let machine = path.machine;
     let (mut tau, mut x, mut s) = (0.0, 0.97 * machine.friction - 2.0 * machine.damping * machine.velocity, 0.0);
     let mut ends = Vec::new();
@@ -147,7 +179,7 @@ fn follow(path: &Path<'_>, duration: f64, rtol: f64, atol: f64) -> Vec<f64> {
         if tau >= duration {
             return ends;
         }
-        let (t, [end, _, slid], reached_backward) = slip(path, [release, machine.velocity, s], rtol, atol);
+        let (t, [end, _, slid], reached_backward) = slip(path, [release, machine.velocity, s], how);
         (x, s, tau) = (end, slid, tau + t);
         if tau > duration {
             return ends;
@@ -167,7 +199,8 @@ fn main() {
     let count = |key: &str| words[key].parse::<usize>().expect("a count");
     let [friction, decay, damping, velocity] = ["friction", "decay", "damping", "velocity"].map(number);
     let machine = Machine { friction, decay, damping, velocity };
-    let (rtol, atol, warm_up) = (number("rtol"), number("atol"), count("warm_up"));
+    let how = How { rtol: number("rtol"), atol: number("atol"), refine: words["refine"] == "true" };
+    let warm_up = count("warm_up");
     let mut seconds = Vec::new();
     let mut timed = |run: &mut dyn FnMut()| {
         for turn in 0..warm_up + count("repeats") {
@@ -181,7 +214,7 @@ fn main() {
     let answer = match case.as_str() {
         "cycle" => {
             let mut period = 0.0;
-            timed(&mut || period = cycles(&machine, count("cycles"), rtol, atol));
+            timed(&mut || period = cycles(&machine, count("cycles"), how));
             format!("\"period\": {period:?}")
         }
         "path" => {
@@ -194,7 +227,7 @@ fn main() {
                 ends.clear();
                 ends.extend(knots.chunks(each).map(|knots| {
                     let path = Path { machine: &machine, knots, step: number("step") };
-                    follow(&path, number("duration"), rtol, atol)
+                    follow(&path, number("duration"), how)
                 }));
             });
             format!("\"ends\": {ends:?}")

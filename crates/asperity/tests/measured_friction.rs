@@ -8,7 +8,7 @@ use asperity::friction::measured::{
     Prepared, RecordColumns,
 };
 use asperity::friction::process::{
-    Correlation, CorrelationShape, FittedProcess, Fluctuation, FrictionProcess, ProcessModel,
+    Correlation, CorrelationShape, FittedProcess, FrictionProcess, ProcessModel,
 };
 use asperity::law::Marginal;
 use asperity::stats::NORMAL_95;
@@ -25,7 +25,7 @@ fn planted() -> Vec<f64> {
     let process = FrictionProcess::with_step(model, STEP_M).unwrap();
     let mut path = process.path(11, 0);
     let n = 60_000;
-    (0..n).map(|i| MEAN + path.next_knot().unwrap() + 0.02 * (i as f64 / (n - 1) as f64 - 0.5)).collect()
+    (0..n).map(|i| MEAN + path.next_knot() + 0.02 * (i as f64 / (n - 1) as f64 - 0.5)).collect()
 }
 
 /// Time over force under 20 N, as a logger of a country of decimal commas writes it.

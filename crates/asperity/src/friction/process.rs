@@ -1,14 +1,19 @@
 //! A friction coefficient that fluctuates along the sliding distance: m(s) with a given law and correlation length.
 //!
 //! m(s) = σ·(F⁻¹(Φ(g(s))) − mean)/std, a translation of a stationary standard normal process g of correlation e^{−|s|/ℓ} or
-//! another [`CorrelationShape`], sampled at knots a fraction of ℓ apart and a straight line between them. A
-//! [`FittedProcess`] is what a study or a measured record says of such a process, in SI and as a file.
+//! another [`CorrelationShape`], sampled at knots a fraction of ℓ apart and a straight line between them. Other ways to make
+//! m(s) are a diffusion of Beta law and values that jump ([`Generator`]). A [`FittedProcess`] is what a study or a measured
+//! record says of such a process, in SI and as a file.
 
 mod fitted;
+mod generator;
+mod jacobi;
 mod json;
 mod model;
 mod moving_average;
+mod path;
 mod recorded;
+mod renewal;
 mod shape;
 mod spectral;
 mod table;
@@ -16,31 +21,69 @@ mod table;
 use thiserror::Error;
 
 pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
+pub use generator::Generator;
 pub use json::ProcessFileError;
-pub use model::{Correlation, FrictionProcess, Generator, Path, ProcessModel, window_variance_factor};
+pub use model::{Correlation, FrictionProcess, ProcessModel, window_variance_factor};
+pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;
 
 use crate::law::LawError;
 
-/// A realisation of the fluctuation m(s) of a friction coefficient, read knot by knot.
-///
-/// Knots lie at s = 0, h, 2h, …; between them m is a straight line.
-pub trait Fluctuation {
-    /// Distance h between knots; none if m = 0 everywhere.
-    fn step(&self) -> Option<f64>;
+/// A stretch of the sliding distance on which m is a straight line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Where it ends, counted from the start of the realisation so that rounding does not add up; infinite if m stays a
+    /// straight line for ever.
+    pub end: f64,
+    /// Its length.
+    pub length: f64,
+    /// m where it begins. If that is not `right` of the cell before, m jumps.
+    pub left: f64,
+    /// m where it ends.
+    pub right: f64,
+}
 
-    /// m at the next knot, first at s = 0; none past the end of a record.
-    fn next_knot(&mut self) -> Option<f64>;
+impl Cell {
+    /// dm/ds.
+    #[inline]
+    pub fn slope(&self) -> f64 {
+        (self.right - self.left) / self.length
+    }
+}
+
+/// A realisation of the fluctuation m(s) of a friction coefficient, read cell by cell.
+pub trait Fluctuation {
+    /// The next cell, the first from s = 0 on; none past the end of a record.
+    fn next_cell(&mut self) -> Option<Cell>;
 }
 
 impl<F: Fluctuation + ?Sized> Fluctuation for &mut F {
-    fn step(&self) -> Option<f64> {
-        (**self).step()
+    #[inline]
+    fn next_cell(&mut self) -> Option<Cell> {
+        (**self).next_cell()
+    }
+}
+
+/// Makes cells of values at equal distances.
+#[derive(Debug, Clone, Copy)]
+struct EqualCells {
+    step: f64,
+    index: usize,
+    last: Option<f64>,
+}
+
+impl EqualCells {
+    fn new(step: f64) -> Self {
+        Self { step, index: 0, last: None }
     }
 
-    fn next_knot(&mut self) -> Option<f64> {
-        (**self).next_knot()
+    /// The next cell, given its ends; `left` is the last `right`.
+    #[inline]
+    fn close(&mut self, left: f64, right: f64) -> Cell {
+        self.last = Some(right);
+        self.index += 1;
+        Cell { end: self.index as f64 * self.step, length: self.step, left, right }
     }
 }
 
@@ -74,6 +117,16 @@ pub enum ProcessError {
         correlation: &'static str,
         /// A generator that can.
         able: &'static str,
+    },
+    /// The generator cannot make the marginal law.
+    #[error("the {generator} generator makes a {wanted} law, not a {law} one; autoregressive and renewal make any")]
+    Marginal {
+        /// The generator.
+        generator: &'static str,
+        /// The law.
+        law: &'static str,
+        /// The law that it makes.
+        wanted: &'static str,
     },
     /// A window is no whole number of steps.
     #[error("a step of {step} does not go into the window of {window} a whole number of times; {nearest} does")]

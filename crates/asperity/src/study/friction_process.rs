@@ -37,6 +37,7 @@ pub(super) fn of_level(
             Err(_) if !varies => None,
             Err(error) => return Err(error.to_string()),
         },
+        generator: None,
         stribeck_s_per_m,
         averaged_over_m: Some([strips.window.length_m(), strips.window.area_m2() / strips.window.length_m()]),
         mean_pressure_pa: Some(level.level.mean_pressure_pa),

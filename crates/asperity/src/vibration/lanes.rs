@@ -13,7 +13,7 @@ use self::kernel::{Cuts, Expansion, LANES, Plants, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
-use crate::friction::process::Fluctuation;
+use crate::friction::process::{Cell, Fluctuation};
 use crate::wide::{Kernel, wide};
 
 /// Coefficients and relative tolerance of a step between knots, which are close, and without knots.
@@ -21,9 +21,6 @@ const NOISY: usize = 12;
 const NOISY_TOLERANCE: f64 = 1e-13;
 const STEADY: usize = 24;
 const STEADY_TOLERANCE: f64 = 1e-13;
-
-/// Knots drawn at once.
-const BLOCK: usize = 64;
 
 /// One trajectory to follow.
 pub(super) struct Task<F, W> {
@@ -68,7 +65,7 @@ pub(super) fn follow_many<F: Fluctuation, W: Witness>(
     let mut steady = Lanes::<STEADY, F, W>::new(settings);
     for index in &mut waiting {
         match make(index).and_then(|task| Rider::mount(index, task, settings)) {
-            Ok(Some(rider)) if rider.step.is_some() => together.queue.push(rider),
+            Ok(Some(rider)) if rider.cell.length.is_finite() => together.queue.push(rider),
             Ok(Some(rider)) => steady.queue.push(rider),
             Ok(None) => done(index, alone(index)),
             Err(error) => done(index, Err(error)),
@@ -96,15 +93,9 @@ struct Rider<F, W> {
     static_friction: f64,
     /// 2ζV.
     drag: f64,
-    /// Distance between knots; none without fluctuation.
-    step: Option<f64>,
-    knots: [f64; BLOCK],
-    /// The next knot to take.
-    next: usize,
-    /// Cells of the process passed, and m at the ends of this one.
-    cell: usize,
-    left: f64,
-    right: f64,
+    /// Where this cell of the process begins, and the cell.
+    start: f64,
+    cell: Cell,
     /// e at the start.
     excess: f64,
     /// Whether the mass moved backwards since it last stuck.
@@ -123,7 +114,7 @@ enum Fate {
 impl<F: Fluctuation, W: Witness> Rider<F, W> {
     /// A mass at its start; none if lanes cannot follow it.
     fn mount(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
-        let Task { oscillator, fluctuation, witness } = task;
+        let Task { oscillator, mut fluctuation, witness } = task;
         let known = matches!(
             oscillator.law(),
             FrictionLaw::Stribeck { .. } | FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. }
@@ -132,9 +123,9 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
             return Ok(None);
         }
         let velocity = oscillator.belt_velocity();
+        let Some(cell) = fluctuation.next_cell() else { return Ok(None) };
         let mut rider = Self {
             index,
-            step: fluctuation.step(),
             fluctuation,
             witness,
             slips: Slips::default(),
@@ -142,51 +133,29 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
             velocity,
             static_friction: oscillator.static_friction(),
             drag: 2.0 * oscillator.damping_ratio() * velocity,
-            knots: [0.0; BLOCK],
-            next: BLOCK,
-            cell: 0,
-            left: 0.0,
-            right: 0.0,
+            start: 0.0,
+            cell,
             excess: 0.0,
             reached_backward: false,
             idle_steps: 0,
         };
-        if rider.step.is_some() {
-            let (Some(left), Some(right)) = (rider.draw(), rider.draw()) else { return Ok(None) };
-            (rider.left, rider.right) = (left, right);
-        }
         let start = start_of(&oscillator, settings)?;
-        rider.excess = ((start - rider.static_friction) + rider.drag - rider.left) / velocity;
+        rider.excess = ((start - rider.static_friction) + rider.drag - cell.left) / velocity;
         // Whatever does not begin in stick begins alone.
-        let sticks = rider.excess <= 0.0
-            && -rider.excess - 2.0 * (rider.static_friction + rider.left) / velocity <= 0.0
-            && rider.static_friction + rider.left > 0.0;
+        let limit = rider.static_friction + cell.left;
+        let sticks = rider.excess <= 0.0 && -rider.excess - 2.0 * limit / velocity <= 0.0 && limit > 0.0;
         Ok(sticks.then_some(rider))
     }
 
-    /// The next knot; none past the end of a record.
-    fn draw(&mut self) -> Option<f64> {
-        if self.next == BLOCK {
-            for knot in &mut self.knots {
-                // A record that ends within the block ends it with NaN.
-                *knot = self.fluctuation.next_knot().unwrap_or(f64::NAN);
-            }
-            self.next = 0;
-        }
-        let knot = self.knots[self.next];
-        self.next += 1;
-        (!knot.is_nan()).then_some(knot)
-    }
-
-    /// m at the scaled distance `passed` since the last knot.
+    /// m at the scaled distance `passed` since the beginning of the cell.
     fn fluctuation_at(&self, passed: f64) -> f64 {
-        self.step.map_or(0.0, |step| self.left + (self.right - self.left) * (passed * self.velocity / step))
+        if self.cell.length.is_finite() { self.cell.left + self.cell.slope() * (passed * self.velocity) } else { self.cell.left }
     }
 
     fn show(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64, slipped: Slipped) {
         let m = self.fluctuation_at(passed);
         let displacement = (self.velocity * e + m + self.static_friction) * direction - self.drag;
-        let sliding_distance = self.step.map_or(0.0, |step| self.cell as f64 * step) + passed * self.velocity;
+        let sliding_distance = self.start + passed * self.velocity;
         self.witness.see(Event { kind, tau, displacement, sliding_distance }, slipped);
     }
 }
@@ -270,13 +239,9 @@ impl<const N: usize, F: Fluctuation, W: Witness> Lanes<N, F, W> {
     /// Puts a trajectory, which sticks, into a lane.
     fn seat(&mut self, lane: usize, rider: Rider<F, W>) -> Fate {
         self.plants.set(lane, &rider.oscillator);
-        let (step, velocity, excess) = (rider.step, rider.velocity, rider.excess);
-        let slope = step.map_or(0.0, |step| (rider.right - rider.left) / step);
+        let excess = rider.excess;
         self.states.tau[lane] = 0.0;
-        self.states.kappa[lane] = 1.0 + slope;
-        self.states.least[lane] = rider.left.min(rider.right);
-        self.states.span[lane] = step.map_or(f64::INFINITY, |step| step / velocity);
-        self.states.passed[lane] = 0.0;
+        self.states.enter(lane, &rider.cell, rider.velocity);
         self.riders[lane] = Some(rider);
         self.stick(lane, excess)
     }
@@ -308,13 +273,17 @@ impl<const N: usize, F: Fluctuation, W: Witness> Lanes<N, F, W> {
     fn cross(&mut self, lane: usize) -> Fate {
         let states = &mut self.states;
         let Some(rider) = &mut self.riders[lane] else { return Fate::Rides };
-        let Some(step) = rider.step else { return Fate::Rides };
-        let Some(right) = rider.draw() else { return Fate::Leaves };
-        (rider.left, rider.right) = (rider.right, right);
-        rider.cell += 1;
+        let Some(cell) = rider.fluctuation.next_cell() else { return Fate::Leaves };
+        let jump = cell.left - rider.cell.right;
+        // The displacement is continuous where m jumps; at rest there, the mass has to decide.
+        states.e[lane] -= jump / rider.velocity;
+        if jump != 0.0 && states.w[lane] == 0.0 {
+            return Fate::Leaves;
+        }
+        rider.start = rider.cell.end;
+        rider.cell = cell;
         rider.idle_steps = 0;
-        states.kappa[lane] = 1.0 + (rider.right - rider.left) / step;
-        states.least[lane] = rider.left.min(rider.right);
+        states.enter(lane, &cell, rider.velocity);
         Fate::Rides
     }
 

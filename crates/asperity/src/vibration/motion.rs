@@ -9,7 +9,7 @@ use super::series::Series;
 use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Phase, VibrationError};
-use crate::friction::process::Fluctuation;
+use crate::friction::process::{Cell, Fluctuation};
 
 /// Steps in a row that may leave the time where it is (an arrival and a release at one time are two).
 pub(super) const MAX_IDLE_STEPS: usize = 100;
@@ -28,7 +28,7 @@ pub(super) struct Motion<F> {
     law: FrictionLaw,
     drive: Drive,
     fluctuation: F,
-    cell: Cell,
+    cell: Stretch,
     /// Time at the end of the last step.
     pub(super) tau: f64,
     /// Sliding distance ∫|v_rel|dτ.
@@ -80,10 +80,9 @@ struct Segment {
     e: f64,
 }
 
-/// The knots between which the friction process is a straight line.
+/// The present cell of the friction process, with its start and slope at hand.
 #[derive(Debug, Clone, Copy)]
-struct Cell {
-    index: usize,
+struct Stretch {
     left: f64,
     right: f64,
     slope: f64,
@@ -91,8 +90,17 @@ struct Cell {
     end: f64,
 }
 
-impl Cell {
-    const ENDLESS: Self = Self { index: 0, left: 0.0, right: 0.0, slope: 0.0, start: 0.0, end: f64::INFINITY };
+impl Stretch {
+    fn new(cell: Cell, start: f64) -> Self {
+        Self { left: cell.left, right: cell.right, slope: cell.slope(), start, end: cell.end }
+    }
+
+    /// m at a coordinate inside.
+    #[inline]
+    fn at(&self, coordinate: f64) -> f64 {
+        // An endless cell is level.
+        if self.end.is_finite() { self.left + self.slope * (coordinate - self.start) } else { self.left }
+    }
 }
 
 impl<F: Fluctuation> Motion<F> {
@@ -113,7 +121,7 @@ impl<F: Fluctuation> Motion<F> {
             law: oscillator.law().clone(),
             drive,
             fluctuation,
-            cell: Cell::ENDLESS,
+            cell: Stretch { left: 0.0, right: 0.0, slope: 0.0, start: 0.0, end: 0.0 },
             tau: 0.0,
             sliding_distance: 0.0,
             m: 0.0,
@@ -126,12 +134,8 @@ impl<F: Fluctuation> Motion<F> {
             segment: Segment { tau: 0.0, duration: 0.0, phase: Phase::Stick, m: 0.0, slope: 0.0, e: 0.0 },
             idle_steps: 0,
         };
-        if let Some(step) = motion.fluctuation.step() {
-            motion.m = motion.draw()?;
-            let right = motion.draw()?;
-            let slope = (right - motion.m) / step;
-            motion.cell = Cell { index: 0, left: motion.m, right, slope, start: 0.0, end: step };
-        }
+        motion.cell = Stretch::new(motion.draw()?, 0.0);
+        motion.m = motion.cell.left;
         motion.e = ((start - motion.static_friction) + 2.0 * motion.damping * velocity - motion.m) / velocity
             - motion.sway.force(0.0);
         motion.phase = motion.phase_at_rest()?;
@@ -159,9 +163,9 @@ impl<F: Fluctuation> Motion<F> {
         (self.phase != Phase::Stick).then_some(state)
     }
 
-    fn draw(&mut self) -> Result<f64, VibrationError> {
+    fn draw(&mut self) -> Result<Cell, VibrationError> {
         let exhausted = VibrationError::ProcessTooShort { tau: self.tau, coordinate: self.coordinate() };
-        self.fluctuation.next_knot().ok_or(exhausted)
+        self.fluctuation.next_cell().ok_or(exhausted)
     }
 
     /// Where the friction process is read: sliding distance or Vτ.
@@ -205,15 +209,16 @@ impl<F: Fluctuation> Motion<F> {
         Some(Event { kind, tau: self.tau, displacement: self.displacement(), sliding_distance: self.sliding_distance })
     }
 
-    /// Moves into the next cell of the friction process.
+    /// Moves into the next cell of the friction process, from its end.
+    ///
+    /// Where m jumps the mass keeps its place and its velocity, so the excess e, of either direction, jumps by −Δm/V.
     fn next_cell(&mut self) -> Result<(), VibrationError> {
-        let Some(step) = self.fluctuation.step() else { return Ok(()) };
-        let left = self.cell.right;
-        let right = self.draw()?;
-        let index = self.cell.index + 1;
-        let (start, end) = (index as f64 * step, (index + 1) as f64 * step);
-        self.cell = Cell { index, left, right, slope: (right - left) / step, start, end };
-        self.m = left;
+        let before = self.cell;
+        self.cell = Stretch::new(self.draw()?, before.end);
+        self.m = self.cell.left;
+        if self.m != before.right {
+            self.e -= (self.m - before.right) / self.velocity;
+        }
         Ok(())
     }
 
@@ -246,3 +251,6 @@ fn drift_rate(drive: Drive, slope: f64) -> f64 {
         Drive::Time => slope,
     }
 }
+
+#[cfg(test)]
+mod tests;

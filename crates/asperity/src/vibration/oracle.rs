@@ -4,13 +4,13 @@
 //! events and knots by bisection of the step.
 
 use super::{Drive, EventKind, Oscillator, Trajectory, TrajectorySettings};
-use crate::friction::process::RecordedProcess;
+use crate::friction::process::Cell;
 
 const STEP: f64 = 1e-3;
 
 struct Oracle<'a> {
     oscillator: &'a Oscillator,
-    process: &'a RecordedProcess,
+    cells: &'a [Cell],
     drive: Drive,
     tau: f64,
     x: f64,
@@ -24,9 +24,8 @@ struct Oracle<'a> {
 
 impl Oracle<'_> {
     fn friction_fluctuation(&self, tau: f64, s: f64) -> f64 {
-        let position = self.coordinate(tau, s) / self.process.step() - self.cell as f64;
-        let [a, b] = [self.process.values()[self.cell], self.process.values()[self.cell + 1]];
-        a + position * (b - a)
+        let cell = &self.cells[self.cell];
+        cell.right + (self.coordinate(tau, s) - cell.end) / cell.length * (cell.right - cell.left)
     }
 
     fn coordinate(&self, tau: f64, s: f64) -> f64 {
@@ -81,7 +80,7 @@ impl Oracle<'_> {
         } else {
             self.sign * (self.oscillator.belt_velocity() - velocity) < 0.0
         };
-        (event, self.coordinate(tau, s) > (self.cell + 1) as f64 * self.process.step())
+        (event, self.coordinate(tau, s) > self.cells[self.cell].end)
     }
 
     fn sign_at_rest(&self) -> f64 {
@@ -131,22 +130,28 @@ impl Oracle<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::process::{Fluctuation, FrictionProcess, ProcessModel};
+    use crate::friction::process::{Fluctuation, FrictionProcess, Generator, ProcessModel};
     use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Method, Parameters};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
-        let model =
-            ProcessModel { steps_per_length: 4, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length) };
-        let random = FrictionProcess::new(model).unwrap();
-        let mut path = random.path(11, 0);
-        let values = (0..4000).map(|_| path.next_knot().unwrap()).collect();
-        let process = RecordedProcess::new(random.step(), values).unwrap();
+        compare_made(Generator::Autoregressive, parameters, std, length, drive)
+    }
+
+    fn compare_made(generator: Generator, parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
+        let model = ProcessModel {
+            steps_per_length: 4,
+            generator,
+            ..ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)
+        };
+        let process = FrictionProcess::new(model).unwrap();
+        let mut path = process.path(11, 0);
+        let cells: Vec<Cell> = (0..4000).map(|_| path.next_cell().unwrap()).collect();
         let oscillator = Oscillator::new(parameters).unwrap();
         let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Method::Taylor };
-        let fast = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
+        let fast = Trajectory::simulate(&oscillator, process.path(11, 0), &settings).unwrap();
         let slow = Oracle {
             oscillator: &oscillator,
-            process: &process,
+            cells: &cells,
             drive,
             tau: 0.0,
             x: oscillator.default_start(),
@@ -219,6 +224,36 @@ mod tests {
             assert!(reverse >= 4, "{reverse} reversals");
             let gentle = Parameters { forcing: Some(Forcing { amplitude: 0.15, frequency: 0.5 }), ..base.clone() };
             let [detach, restick, _] = compare(gentle, 0.003, 0.2, drive);
+            assert!(detach >= 4 && restick >= 4);
+        }
+    }
+
+    #[test]
+    fn fast_and_slow_integration_agree_where_friction_jumps() {
+        let base = Parameters {
+            static_friction: 0.3,
+            law: FrictionLaw::Coulomb { kinetic: 0.25 },
+            damping_ratio: 0.0,
+            belt_velocity: 0.05,
+            forcing: None,
+        };
+        for drive in [Drive::Distance, Drive::Time] {
+            let jumping = |parameters, std, length| compare_made(Generator::Renewal, parameters, std, length, drive);
+            let [detach, restick, _] = jumping(base.clone(), 0.02, 0.1);
+            assert!(detach >= 4 && restick >= 4);
+            let law = FrictionLaw::Stribeck { kinetic: 0.3, decay: 3.0 };
+            jumping(Parameters { law, damping_ratio: 0.05, ..base.clone() }, 0.03, 0.05);
+            let forced = Parameters {
+                static_friction: 0.1,
+                law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
+                damping_ratio: 0.1,
+                forcing: Some(Forcing { amplitude: 0.4, frequency: 0.6 }),
+                ..base.clone()
+            };
+            let [_, _, reverse] = jumping(forced.clone(), 0.01, 0.2);
+            assert!(reverse >= 4, "{reverse} reversals");
+            let gentle = Parameters { forcing: Some(Forcing { amplitude: 0.15, frequency: 0.5 }), ..forced };
+            let [detach, restick, _] = jumping(gentle, 0.01, 0.2);
             assert!(detach >= 4 && restick >= 4);
         }
     }

@@ -183,6 +183,7 @@ impl FittedRecord {
                 window_m: None,
                 length_without_window_m: None,
             }),
+            generator: None,
             stribeck_s_per_m: None,
             averaged_over_m: None,
             mean_pressure_pa: None,

@@ -1,8 +1,6 @@
 //! What is known of a friction coefficient as a process, in SI: to be drawn from, carried to a machine, and kept in a file.
 
-use super::{
-    Correlation, CorrelationShape, Fluctuation, FrictionProcess, Generator, ProcessError, ProcessModel, positive,
-};
+use super::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, positive};
 use crate::law::Marginal;
 
 /// Most values of one simulated record.
@@ -27,6 +25,8 @@ pub struct FittedProcess {
     pub marginal: Option<Marginal>,
     /// Correlation of μ along the sliding distance. `None` only where μ is constant.
     pub correlation: Option<FittedCorrelation>,
+    /// How realisations are made; `None`: [`Generator::of`] the correlation.
+    pub generator: Option<Generator>,
     /// Coefficient a of μ/(1 + a|v|) in s/m, where it is known.
     pub stribeck_s_per_m: Option<f64>,
     /// Length and width of the area over which this friction is averaged, in metre: window and strip of a study, the contact
@@ -98,7 +98,7 @@ impl FittedProcess {
     ///
     /// # Errors
     /// A mean that is not positive, a negative standard deviation, a law or a correlation that is none or is absent although
-    /// μ varies, an interval that does not rise, a Stribeck coefficient below zero.
+    /// μ varies, an interval that does not rise, a generator that cannot make the correlation or the law, a Stribeck coefficient below zero.
     pub fn check(&self) -> Result<(), ProcessError> {
         positive("mean", self.mean)?;
         non_negative("std", self.std)?;
@@ -118,6 +118,9 @@ impl FittedProcess {
                 return Err(ProcessError::Absent { absent, std: self.std });
             }
         }
+        if let (Some(generator), Some(correlation), Some(law)) = (self.generator, &self.correlation, &self.marginal) {
+            generator.check(correlation.shape, law)?;
+        }
         if let Some(a) = self.stribeck_s_per_m {
             non_negative("stribeck_s_per_m", a)?;
         }
@@ -128,7 +131,8 @@ impl FittedProcess {
     }
 
     /// The model of m(s) with lengths counted in `unit_m`: 1 for metre, N/c for the oscillator. The correlation is that of
-    /// m, not of the normal process below it; exponential ones are made by recursion, others by harmonics.
+    /// m, not of the normal process below it; unless a generator is stated, exponential ones are made by recursion, others by
+    /// harmonics.
     ///
     /// # Errors
     /// As [`FittedProcess::check`]; and a constant μ has no such model.
@@ -141,7 +145,7 @@ impl FittedProcess {
         let correlation = self.correlation.ok_or_else(|| absent("correlation"))?;
         Ok(ProcessModel {
             shape: correlation.shape.in_unit(unit_m),
-            generator: Generator::of(correlation.shape),
+            generator: self.generator.unwrap_or_else(|| Generator::of(correlation.shape)),
             correlation: Correlation::Corrected,
             ..ProcessModel::new(marginal, self.std, correlation.length_m / unit_m)
         })
@@ -173,7 +177,7 @@ impl FittedProcess {
         }
         let process = FrictionProcess::with_step(self.model(1.0)?, step_m)?;
         let mut path = process.path(seed, index);
-        Ok((0..count).map_while(|_| path.next_knot()).map(|m| self.mean + m).collect())
+        Ok((0..count).map(|_| self.mean + path.next_knot()).collect())
     }
 }
 
@@ -238,6 +242,7 @@ pub(super) mod tests {
                 },
                 length_without_window_m: None,
             }),
+            generator: None,
             stribeck_s_per_m: Some(4.2 / 7.9),
             averaged_over_m: Some([75e-6, 1e-3]),
             mean_pressure_pa: None,
@@ -285,6 +290,19 @@ pub(super) mod tests {
                 close("correlation", wanted, 3e-3, &|(_, acf)| acf[lag]);
             }
         }
+    }
+
+    #[test]
+    fn a_stated_generator_makes_the_record() {
+        let process = FittedProcess { generator: Some(Generator::Renewal), ..fitted(CorrelationShape::Exponential) };
+        let mu = process.simulate(0.1, 5e-6, 4, 0).unwrap();
+        // A jump per correlation length.
+        let jumps = mu.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
+        let wanted = 20_000.0 * -(-5.0_f64 / 250.0).exp_m1();
+        assert!((jumps - wanted).abs() < 4.0 * wanted.sqrt(), "{jumps}");
+        let windowed = CorrelationShape::WindowedExponential { window: 500e-6 };
+        let error = FittedProcess { generator: Some(Generator::Jacobi), ..fitted(windowed) }.check().unwrap_err();
+        assert!(matches!(error, ProcessError::Generator { generator: "jacobi", .. }), "{error}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use super::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind, ProcessError};
+use super::{CorrelationShape, FittedCorrelation, FittedProcess, Generator, Origin, OriginKind, ProcessError};
 use crate::law::Marginal;
 
 /// What the file says it is.
@@ -79,6 +79,8 @@ struct Document<'a> {
     std_interval: Option<[f64; 2]>,
     marginal: Option<&'a Marginal>,
     correlation: Option<CorrelationDocument>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    generator: Option<Generator>,
     stribeck_s_per_m: Option<f64>,
     averaged_over_m: Option<[f64; 2]>,
     mean_pressure_pa: Option<f64>,
@@ -129,6 +131,7 @@ impl FittedProcess {
             std_interval: self.std_interval,
             marginal: self.marginal.as_ref(),
             correlation,
+            generator: self.generator,
             stribeck_s_per_m: self.stribeck_s_per_m,
             averaged_over_m: self.averaged_over_m,
             mean_pressure_pa: self.mean_pressure_pa,
@@ -168,6 +171,7 @@ impl FittedProcess {
             "std_interval",
             "marginal",
             "correlation",
+            "generator",
             "stribeck_s_per_m",
             "averaged_over_m",
             "mean_pressure_pa",
@@ -179,6 +183,13 @@ impl FittedProcess {
                 ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: A_LAW }
             })?),
         };
+        let generator = fields
+            .present("generator")
+            .map(|value| {
+                let wanted = A_GENERATOR;
+                serde_json::from_value(value.clone()).map_err(|_| fields.wrong("generator", shown(Some(value)), wanted))
+            })
+            .transpose()?;
         let process = Self {
             mean: fields.number("mean")?,
             mean_interval: fields.optional_pair("mean_interval")?,
@@ -186,6 +197,7 @@ impl FittedProcess {
             std_interval: fields.optional_pair("std_interval")?,
             marginal,
             correlation: fields.object("correlation")?.map(|fields| correlation(&fields)).transpose()?,
+            generator,
             stribeck_s_per_m: fields.optional_number("stribeck_s_per_m")?,
             averaged_over_m: fields.optional_pair("averaged_over_m")?,
             mean_pressure_pa: fields.optional_number("mean_pressure_pa")?,
@@ -201,6 +213,8 @@ impl FittedProcess {
 
 const A_LAW: &str =
     "a law with its parameters, such as {\"beta\": {\"a\": 2.1, \"b\": 5.0, \"low\": 0.1, \"high\": 0.3}}";
+
+const A_GENERATOR: &str = "\"autoregressive\", {\"spectral\": {\"harmonics\": 256}}, \"jacobi\", \"renewal\" or null";
 
 fn correlation(fields: &Fields<'_>) -> Result<FittedCorrelation, ProcessFileError> {
     fields.only(&["model", "nu", "length_m", "length_m_interval", "window_m", "length_without_window_m"])?;
@@ -328,6 +342,15 @@ mod tests {
             assert_eq!(FittedProcess::from_json(&text).unwrap(), process);
             assert_eq!(FittedProcess::from_json(&text).unwrap().to_json().unwrap(), text);
         }
+        for generator in
+            [Generator::Autoregressive, Generator::Spectral { harmonics: 9 }, Generator::Jacobi, Generator::Renewal]
+        {
+            let made = FittedProcess { generator: Some(generator), ..fitted(SHAPES[0]) };
+            let text = made.to_json().unwrap();
+            assert!(text.contains(&format!("\"{}\"", generator.name())), "{text}");
+            assert_eq!(FittedProcess::from_json(&text).unwrap(), made);
+        }
+        assert!(!fitted(SHAPES[0]).to_json().unwrap().contains("generator"));
         let steady = FittedProcess { std: 0.0, marginal: None, correlation: None, ..fitted(SHAPES[0]) };
         assert_eq!(FittedProcess::from_json(&steady.to_json().unwrap()).unwrap(), steady);
         let law = Marginal::empirical(vec![0.1, 0.2, 0.1 + 0.2]).unwrap();
@@ -363,6 +386,8 @@ mod tests {
             ("\"a\": 2.1", "\"a\": -2.1", &["beta: a is -2.1"]),
             ("\"std_interval\": null", "\"std_interval\": [1, 0]", &["std_interval", "the lower first"]),
             ("\"std_interval\": null", "\"std_interval\": [1]", &["`std_interval`", "two numbers or null"]),
+            ("\"mean\": 0.21", "\"generator\": \"wiener\", \"mean\": 0.21", &["`generator`", "wiener", "renewal"]),
+            ("\"mean\": 0.21", "\"generator\": \"jacobi\", \"mean\": 0.21", &["jacobi", "matern", "spectral"]),
             ("{", "", &["line 2", "not JSON"]),
         ] {
             assert!(text.contains(from), "{from} in {text}");

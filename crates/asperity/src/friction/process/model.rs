@@ -1,47 +1,25 @@
 //! Stationary random friction processes.
 
-use rand_distr::{Distribution, StandardNormal};
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
-use super::moving_average::MovingAverage;
-use super::spectral::Harmonics;
+use super::jacobi::JacobiStep;
 use super::table::TranslationTable;
-use super::{CorrelationShape, Fluctuation, ProcessError, positive};
+use super::{CorrelationShape, Generator, Path, ProcessError, positive};
 use crate::law::Marginal;
 use crate::law::translation::Translation;
-use crate::random::{self, Stream};
+use crate::random;
 
 /// Name of the random stage of friction processes.
 const STAGE: &str = "friction process";
-
-/// How the standard normal process under the translation is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Generator {
-    /// The exact recursion of a sampled Ornstein–Uhlenbeck process, g_{i+1} = φg_i + √(1 − φ²)ξ, or of its moving average
-    /// over a window; endless. For exponential and windowed exponential correlations.
-    #[default]
-    Autoregressive,
-    /// A sum of harmonics with random frequencies and phases, after the paper. For every correlation without a window.
-    Spectral {
-        /// Number of harmonics.
-        harmonics: usize,
-    },
-}
-
-impl Generator {
-    /// The recursion where it makes a shape, which is exact, and otherwise 256 harmonics, with which the excess kurtosis of the
-    /// normal process is −0.006.
-    pub fn of(shape: CorrelationShape) -> Self {
-        if shape.has_recursion() { Self::Autoregressive } else { Self::Spectral { harmonics: 256 } }
-    }
-}
 
 /// Whose correlation has the given shape and length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Correlation {
-    /// The normal process's; the translation then shortens the correlation of m a little (the paper's way).
+    /// The normal process's; the translation then shortens the correlation of m a little (the paper's way). A Jacobi
+    /// diffusion and a renewal process have none, and the correlation of m is the given one in either case.
     #[default]
     Plain,
     /// The normal process is given the longer length with which the correlation of m is e⁻¹ at the given one.
@@ -61,9 +39,10 @@ pub struct ProcessModel {
     /// Shape of the correlation.
     #[serde(default)]
     pub shape: CorrelationShape,
-    /// Knots per lag at which the correlation falls to 1/e, which is ℓ of an exponential.
+    /// Knots per lag at which the correlation falls to 1/e, which is ℓ of an exponential; a renewal process has no knots but
+    /// where it is recorded.
     pub steps_per_length: usize,
-    /// How the normal process is made.
+    /// How it is made.
     pub generator: Generator,
     /// Whose correlation is meant.
     pub correlation: Correlation,
@@ -92,25 +71,20 @@ impl ProcessModel {
         self.shape.check(self.correlation_length)?;
         positive("standard deviation of the marginal law", self.marginal.std())?;
         positive("steps per correlation length", self.steps_per_length as f64)?;
-        let makes = match self.generator {
-            Generator::Autoregressive => self.shape.has_recursion(),
-            Generator::Spectral { harmonics } => {
-                positive("number of harmonics", harmonics as f64)?;
-                self.shape.spectral_quantile(0.5).is_some()
-            }
-        };
-        if !makes {
-            let (generator, able) = match self.generator {
-                Generator::Autoregressive => ("autoregressive", "spectral"),
-                Generator::Spectral { .. } => ("spectral", "autoregressive"),
-            };
-            return Err(ProcessError::Generator { generator, correlation: self.shape.name(), able });
-        }
+        self.generator.check(self.shape, &self.marginal)?;
         if let Some(value) = self.least.filter(|least| least.is_nan() || *least >= 0.0) {
             return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
         }
         Ok(())
     }
+}
+
+/// Tables and length of a [`FrictionProcess`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Parts<'a> {
+    pub(super) table: &'a TranslationTable,
+    pub(super) jacobi: Option<&'a JacobiStep>,
+    pub(super) length: f64,
 }
 
 /// A stationary random process m(s) of zero mean, ready to be sampled.
@@ -119,7 +93,9 @@ pub struct FrictionProcess {
     model: ProcessModel,
     table: TranslationTable,
     translation: Translation,
-    /// Correlation length of the normal process.
+    /// One step of a Jacobi diffusion; shared, because it is large.
+    jacobi: Option<Arc<JacobiStep>>,
+    /// Correlation length of the normal process, or of m if there is none.
     normal_length: f64,
     /// Distance between knots.
     step: f64,
@@ -129,7 +105,8 @@ impl FrictionProcess {
     /// Checks a model and tabulates its translation.
     ///
     /// Fails if a parameter is not positive, the law is none or has no finite standard deviation, the generator cannot make
-    /// the correlation, or the clamp is not negative.
+    /// the correlation or the law, the clamp is not negative, or a step of a Jacobi diffusion is below a thousandth of its
+    /// correlation length.
     pub fn new(model: ProcessModel) -> Result<Self, ProcessError> {
         model.check()?;
         let step = model.shape.decay_length(model.correlation_length) / model.steps_per_length as f64;
@@ -160,15 +137,21 @@ impl FrictionProcess {
     fn made(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
         let translation = Translation::new(&model.marginal)?;
         let normal_length = match model.correlation {
-            Correlation::Plain => model.correlation_length,
-            Correlation::Corrected => {
+            Correlation::Corrected if model.generator.translates() => {
                 let wanted = translation.normal_correlation((-1.0_f64).exp())?;
                 let decay = model.shape.decay_length(model.correlation_length);
                 model.shape.longer(model.correlation_length, decay, wanted)
             }
+            _ => model.correlation_length,
         };
         let table = TranslationTable::new(&model.marginal, model.std);
-        Ok(Self { model, table, translation, normal_length, step })
+        let jacobi = match (model.generator, &model.marginal) {
+            (Generator::Jacobi, Marginal::Beta { a, b, .. }) => {
+                Some(Arc::new(JacobiStep::new(*a, *b, step / normal_length)?))
+            }
+            _ => None,
+        };
+        Ok(Self { model, table, translation, jacobi, normal_length, step })
     }
 
     /// The model it was made of.
@@ -182,14 +165,15 @@ impl FrictionProcess {
         self.step
     }
 
-    /// Correlation of the normal process from knot to knot, e^{−h/ℓ_G} of an exponential.
+    /// Correlation from knot to knot, e^{−h/ℓ_G} of an exponential: of the normal process if there is one, else of m.
     pub fn normal_step_correlation(&self) -> f64 {
         self.model.shape.correlation(self.step, self.normal_length)
     }
 
     /// Correlation of m at two knots a distance `lag` apart, after the translation (without clamp).
     pub fn correlation_at(&self, lag: f64) -> f64 {
-        self.translation.correlation(self.model.shape.correlation(lag, self.normal_length))
+        let correlation = self.model.shape.correlation(lag, self.normal_length);
+        if self.model.generator.translates() { self.translation.correlation(correlation) } else { correlation }
     }
 
     /// Lower and upper end of the support of m; infinite for unbounded laws.
@@ -202,76 +186,19 @@ impl FrictionProcess {
         self.table.error()
     }
 
+    /// Largest error of the tabulated step of a Jacobi diffusion, in normal scores; 0 of all other generators.
+    pub fn transition_error(&self) -> f64 {
+        self.jacobi.as_ref().map_or(0.0, |step| step.error())
+    }
+
+    /// What the realisations need.
+    pub(super) fn parts(&self) -> Parts<'_> {
+        Parts { table: &self.table, jacobi: self.jacobi.as_deref(), length: self.normal_length }
+    }
+
     /// Realisation `index` under `seed`.
     pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
-        let mut rng = random::stream(seed, STAGE, index);
-        let step_share = self.step / self.normal_length;
-        let source = match (self.model.generator, self.model.shape) {
-            (Generator::Autoregressive, CorrelationShape::WindowedExponential { window }) => {
-                let steps = (window / self.step).round() as usize;
-                Source::Averaged(MovingAverage::draw(steps, step_share, &mut rng))
-            }
-            (Generator::Autoregressive, _) => {
-                let coefficient = self.normal_step_correlation();
-                // 1 − φ² without cancellation.
-                let innovation = (-(-2.0 * step_share).exp_m1()).sqrt();
-                Source::Autoregressive { g: StandardNormal.sample(&mut rng), coefficient, innovation }
-            }
-            (Generator::Spectral { harmonics }, shape) => {
-                let quantile = |probability| shape.spectral_quantile(probability).unwrap_or(f64::NAN);
-                Source::Spectral(Harmonics::draw(harmonics, step_share, quantile, &mut rng))
-            }
-        };
-        Path { process: self, rng, source, clamped: 0 }
-    }
-}
-
-/// A realisation of a [`FrictionProcess`], made knot by knot.
-#[derive(Debug, Clone)]
-pub struct Path<'a> {
-    process: &'a FrictionProcess,
-    rng: Stream,
-    source: Source,
-    clamped: u64,
-}
-
-#[derive(Debug, Clone)]
-enum Source {
-    Autoregressive { g: f64, coefficient: f64, innovation: f64 },
-    Averaged(MovingAverage),
-    Spectral(Harmonics),
-}
-
-impl Path<'_> {
-    /// Knots so far that were raised to the least value.
-    pub fn clamped(&self) -> u64 {
-        self.clamped
-    }
-}
-
-impl Fluctuation for Path<'_> {
-    fn step(&self) -> Option<f64> {
-        Some(self.process.step())
-    }
-
-    #[inline]
-    fn next_knot(&mut self) -> Option<f64> {
-        let normal = match &mut self.source {
-            Source::Autoregressive { g, coefficient, innovation } => {
-                let xi: f64 = StandardNormal.sample(&mut self.rng);
-                std::mem::replace(g, *coefficient * *g + *innovation * xi)
-            }
-            Source::Averaged(average) => average.advance(&mut self.rng),
-            Source::Spectral(harmonics) => harmonics.advance(),
-        };
-        let m = self.process.table.value(normal);
-        match self.process.model.least {
-            Some(least) if m < least => {
-                self.clamped += 1;
-                Some(least)
-            }
-            _ => Some(m),
-        }
+        Path::new(self, random::stream(seed, STAGE, index))
     }
 }
 
@@ -293,7 +220,7 @@ mod tests {
 
     fn knots(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
         let mut path = process.path(7, index);
-        (0..count).map(|_| path.next_knot().unwrap()).collect()
+        (0..count).map(|_| path.next_knot()).collect()
     }
 
     #[test]
@@ -405,7 +332,7 @@ mod tests {
         let model = ProcessModel { least: Some(-1e-3), ..beta(1e-3, 1.0) };
         let process = FrictionProcess::new(model).unwrap();
         let mut path = process.path(1, 0);
-        let values: Vec<f64> = (0..2000).map(|_| path.next_knot().unwrap()).collect();
+        let values: Vec<f64> = (0..2000).map(|_| path.next_knot()).collect();
         let raised = values.iter().filter(|m| **m == -1e-3).count() as u64;
         assert!(raised > 0 && raised == path.clamped());
         assert!(values.iter().all(|m| *m >= -1e-3));

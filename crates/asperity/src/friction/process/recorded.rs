@@ -1,18 +1,15 @@
 //! Processes that are given: a record, or none.
 
-use super::{Fluctuation, ProcessError, positive};
+use super::{Cell, EqualCells, Fluctuation, ProcessError, positive};
 
 /// No fluctuation, m = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Steady;
 
 impl Fluctuation for Steady {
-    fn step(&self) -> Option<f64> {
-        None
-    }
-
-    fn next_knot(&mut self) -> Option<f64> {
-        None
+    #[inline]
+    fn next_cell(&mut self) -> Option<Cell> {
+        Some(Cell { end: f64::INFINITY, length: f64::INFINITY, left: 0.0, right: 0.0 })
     }
 }
 
@@ -49,24 +46,26 @@ impl RecordedProcess {
 
     /// The record from its start.
     pub fn path(&self) -> RecordedPath<'_> {
-        RecordedPath { step: self.step, rest: self.values.iter() }
+        RecordedPath { cells: EqualCells::new(self.step), rest: self.values.iter() }
     }
 }
 
 /// A reading of a [`RecordedProcess`].
 #[derive(Debug, Clone)]
 pub struct RecordedPath<'a> {
-    step: f64,
+    cells: EqualCells,
     rest: std::slice::Iter<'a, f64>,
 }
 
 impl Fluctuation for RecordedPath<'_> {
-    fn step(&self) -> Option<f64> {
-        Some(self.step)
-    }
-
-    fn next_knot(&mut self) -> Option<f64> {
-        self.rest.next().copied()
+    #[inline]
+    fn next_cell(&mut self) -> Option<Cell> {
+        let left = match self.cells.last {
+            Some(left) => left,
+            None => *self.rest.next()?,
+        };
+        let right = *self.rest.next()?;
+        Some(self.cells.close(left, right))
     }
 }
 
@@ -76,11 +75,13 @@ mod tests {
 
     #[test]
     fn a_record_is_read_once_and_then_ends() {
-        let record = RecordedProcess::new(0.5, vec![1.0, -2.0]).unwrap();
+        let record = RecordedProcess::new(0.5, vec![1.0, -2.0, 4.0]).unwrap();
         let mut path = record.path();
-        assert_eq!(path.step(), Some(0.5));
-        assert_eq!([path.next_knot(), path.next_knot(), path.next_knot()], [Some(1.0), Some(-2.0), None]);
-        assert_eq!((Steady.step(), Steady.next_knot()), (None, None));
+        let first = Cell { end: 0.5, length: 0.5, left: 1.0, right: -2.0 };
+        let second = Cell { end: 1.0, length: 0.5, left: -2.0, right: 4.0 };
+        assert_eq!([path.next_cell(), path.next_cell(), path.next_cell()], [Some(first), Some(second), None]);
+        assert_eq!(second.slope(), 12.0);
+        assert_eq!(Steady.next_cell().map(|cell| (cell.end, cell.slope())), Some((f64::INFINITY, 0.0)));
     }
 
     #[test]

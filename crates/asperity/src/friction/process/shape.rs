@@ -96,9 +96,14 @@ impl CorrelationShape {
         positive("correlation length", length)
     }
 
+    /// Whether it is e^{−s/ℓ}.
+    pub(super) fn is_exponential(&self) -> bool {
+        matches!(self, Self::Exponential | Self::Matern { nu: 0.5 })
+    }
+
     /// Whether a normal process of this shape is an Ornstein–Uhlenbeck process or its moving average.
     pub(super) fn has_recursion(&self) -> bool {
-        matches!(self, Self::Exponential | Self::Matern { nu: 0.5 } | Self::WindowedExponential { .. })
+        self.is_exponential() || matches!(self, Self::WindowedExponential { .. })
     }
 
     /// Lag at which the correlation is 1/e.

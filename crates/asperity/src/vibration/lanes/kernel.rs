@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::super::polynomial;
 use super::super::series::RECIPROCAL;
 use super::super::{FrictionLaw, Oscillator};
+use crate::friction::process::Cell;
 
 /// Trajectories that advance together: two registers of four numbers, or one of eight.
 pub(in crate::vibration) const LANES: usize = 16;
@@ -48,7 +49,7 @@ pub(super) struct States {
     pub(super) span: Lane,
     /// Scaled distance S since the last knot.
     pub(super) passed: Lane,
-    /// The least m in this cell, if below zero.
+    /// The least m in this cell, at most zero.
     pub(super) least: Lane,
     /// The largest W at a cut since the last detachment.
     pub(super) fastest: Lane,
@@ -123,6 +124,16 @@ impl Cuts {
 }
 
 impl States {
+    /// Moves into a cell of the process.
+    #[inline(always)]
+    pub(super) fn enter(&mut self, lane: usize, cell: &Cell, velocity: f64) {
+        let endless = cell.length == f64::INFINITY;
+        self.kappa[lane] = 1.0 + if endless { 0.0 } else { cell.slope() };
+        self.span[lane] = cell.length / velocity;
+        self.passed[lane] = 0.0;
+        self.least[lane] = smaller(smaller(cell.left, cell.right), 0.0);
+    }
+
     /// Lets an empty lane slide steadily.
     pub(super) fn park(&mut self, lane: usize) {
         (self.w[lane], self.e[lane], self.tau[lane]) = (1.0, 0.0, 0.0);

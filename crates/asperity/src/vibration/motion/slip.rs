@@ -125,11 +125,7 @@ impl<F: Fluctuation> Motion<F> {
         } else {
             self.sliding_distance += self.velocity * self.series.distance(h).0;
         }
-        if crossed {
-            self.next_cell()?;
-        } else if self.cell.end.is_finite() {
-            self.m = self.cell.left + self.cell.slope * (self.coordinate() - self.cell.start);
-        }
+        self.m = if crossed { self.cell.right } else { self.cell.at(self.coordinate()) };
         if self.phase == Phase::Slip && !self.reached_backward {
             self.reached_backward = self.w > 1.0
                 || (turns
@@ -137,7 +133,17 @@ impl<F: Fluctuation> Motion<F> {
                     && self.series.first_extremum(h).is_some_and(|t| self.series.state(t).0 > 1.0));
         }
         self.check_friction(before, m_before, h, turns)?;
-        if arrived { self.arrive() } else { Ok(None) }
+        if arrived {
+            return self.arrive();
+        }
+        if crossed {
+            self.next_cell()?;
+            // At rest on the very knot the friction behind it decides.
+            if self.w == 0.0 && self.e < 0.0 {
+                return self.decide_at_rest();
+            }
+        }
+        Ok(None)
     }
 
     /// Refuses a friction coefficient that is not positive somewhere in the last step.
@@ -170,8 +176,12 @@ impl<F: Fluctuation> Motion<F> {
     fn arrive(&mut self) -> Result<Option<Event>, VibrationError> {
         // An arrival has W′ = e + jump ≤ 0; anything else is rounding at a grazing arrival.
         self.e = self.e.min(-self.weakening.jump);
-        let arrived_from = self.phase;
-        if arrived_from == Phase::OverSlip {
+        self.decide_at_rest()
+    }
+
+    /// What a mass does that slipped, is at W = 0 and lacks the force to slip on in its direction.
+    fn decide_at_rest(&mut self) -> Result<Option<Event>, VibrationError> {
+        if self.phase == Phase::OverSlip {
             self.e = self.opposite_excess();
         }
         self.phase = self.phase_at_rest()?;

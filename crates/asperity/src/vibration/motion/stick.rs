@@ -28,18 +28,29 @@ impl<F: Fluctuation> Motion<F> {
         if self.drive == Drive::Time {
             if h >= to_knot && released.is_none() {
                 self.next_cell()?;
-            } else if self.cell.end.is_finite() {
-                self.m = self.cell.left + self.cell.slope * (self.coordinate() - self.cell.start);
+                return self.stick_behind_knot();
             }
-            let coefficient = self.static_friction + self.m;
-            if coefficient <= 0.0 {
-                let (tau, sliding_distance) = (self.tau, self.sliding_distance);
-                return Err(VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance });
-            }
+            self.m = self.cell.at(self.coordinate());
+            // For its check of the friction coefficient alone.
+            self.phase_at_rest()?;
         }
         let Some(phase) = released else { return Ok(None) };
         // At the release the excess is zero by definition.
         (self.w, self.e, self.phase) = (0.0, 0.0, phase);
+        self.reached_backward = false;
+        Ok(self.event(EventKind::Detach))
+    }
+
+    /// A jump of friction may release the mass at once, with an excess that is not zero.
+    fn stick_behind_knot(&mut self) -> Result<Option<Event>, VibrationError> {
+        let phase = self.phase_at_rest()?;
+        if phase == Phase::Stick {
+            return Ok(None);
+        }
+        if phase == Phase::OverSlip {
+            self.e = self.opposite_excess();
+        }
+        (self.w, self.phase) = (0.0, phase);
         self.reached_backward = false;
         Ok(self.event(EventKind::Detach))
     }
