@@ -1,0 +1,3 @@
+//! x
+pub(super) mod grazing;
+pub(super) mod tangent;
