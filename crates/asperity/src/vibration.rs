@@ -30,6 +30,7 @@ mod reattachment;
 mod root;
 mod series;
 mod slip_orbit;
+mod structure;
 mod sway;
 mod sweep;
 mod trajectory;
@@ -45,6 +46,7 @@ pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use reattachment::Reattachments;
+pub use structure::*;
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 
