@@ -22,6 +22,11 @@ const PHASES: usize = 96;
 ///
 /// Fails without forcing and when no phase closes the orbit, which happens far from resonance.
 pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
+    Ok(grazing_lock(oscillator)?.1)
+}
+
+/// Time of the detachment of that orbit, and its damping ratio.
+pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), VibrationError> {
     let what = "locked cycle";
     let Some(forcing) = oscillator.forcing() else {
         return Err(VibrationError::NotFound { what, reason: "the oscillator has no forcing" });
@@ -38,7 +43,7 @@ pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
         let stick = sway.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
         Ok(stick.map(|stick| (minimum.time + stick - period, damping)))
     };
-    let mut best: Option<f64> = None;
+    let mut best: Option<(f64, f64)> = None;
     let mut last: Option<(f64, f64)> = None;
     for i in 0..=PHASES {
         let phase = period * i as f64 / PHASES as f64;
@@ -50,7 +55,7 @@ pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
                 let (negative, positive) = if at_a < 0.0 { ((a, at_a), (b, at_b)) } else { ((b, at_b), (a, at_a)) };
                 let root = zero_between(value, negative, positive, 1e-14)?;
                 if let Some((_, damping)) = mismatch(root)? {
-                    best = Some(best.map_or(damping, |b| b.max(damping)));
+                    best = best.filter(|(_, largest)| *largest >= damping).or(Some((root, damping)));
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! Which starts end in steady sliding, and which in stick-slip.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -184,6 +186,7 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
     area.validate()?;
     let fates = Fates::new(oscillator)?;
     let [columns, rows] = area.cells;
+    let finished = AtomicUsize::new(0);
     let lines: Vec<Vec<Attractor>> = (0..rows)
         .into_par_iter()
         .map(|row| {
@@ -195,7 +198,7 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
                 fates.of(displacement, velocity)
             };
             let line = (0..columns).map(start).collect::<Result<Vec<_>, _>>();
-            monitor.progress("rows of the basin", row + 1, rows);
+            monitor.progress("rows of the basin", finished.fetch_add(1, Ordering::Relaxed) + 1, rows);
             line
         })
         .collect::<Result<_, VibrationError>>()?;
@@ -265,4 +268,129 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
     let Some(minimum) = first_minimum_from(&free, 0.0, e, |_, _| {})? else { return Ok(None) };
     // The touch is tangential: rounding may make it an arrival a little before.
     drawn(SeparatrixKind::GrazingOrbit, SlipState { tau: 0.0, phase: Phase::Slip, w: 0.0, e }, minimum.time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Silent;
+    use crate::random;
+    use crate::vibration::{FrictionLaw, Parameters, critical_damping};
+
+    fn midway(friction: f64, velocity: f64, share: f64) -> Oscillator {
+        let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
+        let ends = critical_damping(&of(0.0)).unwrap();
+        of(ends.hopf_damping_ratio + share * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
+    }
+
+    fn coulomb(damping_ratio: f64) -> Oscillator {
+        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        Oscillator::new(Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None })
+            .unwrap()
+    }
+
+    const AREA: BasinBox = BasinBox { displacement: [-0.3, 0.8], velocity: [-0.3, 0.3], cells: [120, 90] };
+
+    /// Follows a start until it sticks or has settled, with no look at the return map.
+    fn followed(oscillator: &Oscillator, [x, velocity]: [f64; 2]) -> Attractor {
+        let belt = oscillator.belt_velocity();
+        let (phase, sign) = if velocity < belt { (Phase::Slip, 1.0) } else { (Phase::OverSlip, -1.0) };
+        let force = sign * (x + 2.0 * oscillator.damping_ratio() * belt);
+        let e = (force - oscillator.static_friction()) / belt;
+        let state = SlipState { tau: 0.0, phase, w: (1.0 - velocity / belt).abs(), e };
+        let mut motion = Motion::in_slip(oscillator, Steady, state).unwrap();
+        loop {
+            if motion.step(f64::INFINITY).unwrap().is_some_and(|event| event.kind == EventKind::Restick) {
+                return Attractor::StickSlip;
+            }
+            if motion.has_settled(1e-4) {
+                return Attractor::Sliding;
+            }
+        }
+    }
+
+    #[test]
+    fn the_map_decides_as_following_does() {
+        for (oscillator, tell) in [
+            (midway(0.3, 0.1, 0.5), "one unstable cycle"),
+            (midway(1.0, 0.2, 0.2), "near the Hopf point"),
+            (coulomb(0.05), "a grazing orbit"),
+        ] {
+            let fates = Fates::new(&oscillator).unwrap();
+            let scale = oscillator.static_friction();
+            let rng = &mut random::stream(8, "test", 0);
+            let mut counts = [0, 0];
+            for _ in 0..300 {
+                let g = random::standard_normal(rng, 2);
+                let start = [scale * (0.8 + 0.3 * g[0]), 1.3 * oscillator.belt_velocity() * g[1]];
+                let found = fates.of(start[0], start[1]).unwrap();
+                assert_eq!(found, followed(&oscillator, start), "{tell}: {start:?}");
+                counts[usize::from(found == Attractor::Sliding)] += 1;
+            }
+            assert!(counts[0] > 10 && counts[1] > 10, "{tell}: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_sliding_share_of_a_box_is_the_area_inside_the_separatrix() {
+        for (oscillator, kind) in [
+            (midway(0.3, 0.1, 0.5), SeparatrixKind::UnstableCycle),
+            (midway(0.3, 0.1, 0.9), SeparatrixKind::UnstableCycle),
+            (coulomb(0.05), SeparatrixKind::GrazingOrbit),
+        ] {
+            let found = basin(&oscillator, &AREA, &Silent).unwrap();
+            let curve = separatrix(&oscillator, 4001).unwrap().unwrap();
+            assert_eq!(curve.kind, kind);
+            let size = (AREA.displacement[1] - AREA.displacement[0]) * (AREA.velocity[1] - AREA.velocity[0]);
+            // Counting centres errs by much less than a cell for each cell on the curve, about 100 of them.
+            let cell = size / found.attractors.len() as f64;
+            assert!((found.sliding_share * size - curve.area()).abs() < 10.0 * cell, "{kind:?}: {}", curve.area());
+            assert!(curve.area() > 100.0 * cell);
+        }
+    }
+
+    #[test]
+    fn the_grazing_orbit_of_coulomb_friction_is_a_damped_oscillation() {
+        let (damping, velocity) = (0.05, 0.05);
+        let curve = separatrix(&coulomb(damping), 301).unwrap().unwrap();
+        let end = curve.points[300];
+        let frequency = f64::sqrt(1.0 - damping * damping);
+        for point in &curve.points {
+            // It ends at X′ = V, X″ = 0, where X − μ_k = −2ζV.
+            let t = point.tau - end.tau;
+            let (x0, v0) = (-2.0 * damping * velocity, velocity);
+            let (sin, cos) = (frequency * t).sin_cos();
+            let x = (-damping * t).exp() * (x0 * cos + (v0 + damping * x0) / frequency * sin);
+            assert!((point.displacement - 0.3 - x).abs() < 1e-12, "{point:?}");
+        }
+        assert!((curve.points[0].velocity - velocity).abs() < 1e-15);
+    }
+
+    #[test]
+    fn outside_the_two_critical_dampings_all_starts_end_alike() {
+        let ends = critical_damping(&midway(0.3, 0.1, 0.5)).unwrap();
+        for (damping, wanted) in [
+            (0.9 * ends.hopf_damping_ratio, Attractor::StickSlip),
+            (1.01 * ends.critical_damping_ratio, Attractor::Sliding),
+            (3.0, Attractor::Sliding),
+        ] {
+            let oscillator = Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
+            let area = BasinBox { cells: [20, 20], ..AREA };
+            let found = basin(&oscillator, &area, &Silent).unwrap();
+            assert!(found.attractors.iter().all(|a| *a == wanted), "{damping}");
+            assert_eq!(separatrix(&oscillator, 100).unwrap(), None);
+        }
+    }
+
+    #[test]
+    fn an_empty_box_is_refused() {
+        let oscillator = midway(0.3, 0.1, 0.5);
+        for area in [
+            BasinBox { displacement: [0.3, 0.3], ..AREA },
+            BasinBox { velocity: [0.0, f64::NAN], ..AREA },
+            BasinBox { cells: [0, 5], ..AREA },
+        ] {
+            assert!(matches!(basin(&oscillator, &area, &Silent), Err(VibrationError::Parameter { .. })));
+        }
+    }
 }
