@@ -5,7 +5,8 @@
 //!
 //! [`Oscillator`] → [`limit_cycle`] (period, extremes), [`critical_damping`] (where the cycle ends), [`Trajectory`] (events
 //! of one realisation of the friction process), [`Ensemble`] (the law of many), [`damping_sweep`] (how noise smears the
-//! end of the cycle).
+//! end of the cycle). Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`],
+//! [`basin`], [`bifurcation_diagram`].
 //!
 //! # Method
 //! Slip is integrated by Taylor series in variables in which nothing cancels; a step is a polynomial, and its first zero
@@ -46,7 +47,12 @@ pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use reattachment::Reattachments;
-pub use structure::*;
+pub use structure::{
+    Attractor, Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd,
+    BranchPoint, Criticality, CurveSettings, ForcedCycle, HopfPoint, Mark, MarkKind, Parameter, Separatrix,
+    SeparatrixKind, SlipCycle, Turnover, basin, bifurcation_diagram, critical_curve, forced_cycles, hopf_point,
+    locked_curve, separatrix, slip_cycles,
+};
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 

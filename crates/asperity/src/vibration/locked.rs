@@ -38,7 +38,9 @@ pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), Vibrat
         if 1.0 + sway.rate(phase) <= 0.0 {
             return Ok(None);
         }
-        let Some(damping) = grazing_damping(oscillator, phase, free.max(0.01), 60.0 * free.max(0.01))? else { return Ok(None) };
+        let Some(damping) = grazing_damping(oscillator, phase, free.max(0.01), 60.0 * free.max(0.01))? else {
+            return Ok(None);
+        };
         let Some(minimum) = first_minimum(&oscillator.with_damping(damping)?, phase)? else { return Ok(None) };
         let stick = sway.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
         Ok(stick.map(|stick| (minimum.time + stick - period, damping)))

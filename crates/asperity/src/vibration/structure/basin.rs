@@ -10,6 +10,7 @@ use super::super::portrait::{PhasePoint, sampled};
 use super::super::root::zero_between;
 use super::super::series::Weakening;
 use super::super::slip_orbit::first_minimum_from;
+use super::super::sway::Sway;
 use super::super::{Drive, EventKind, Oscillator, Phase, Regime, VibrationError, limit_cycle};
 use super::planar::Planar;
 use super::slip_cycle::{ReturnMap, return_map};
@@ -54,10 +55,15 @@ impl BasinBox {
     }
 
     fn validate(&self) -> Result<(), VibrationError> {
-        for (parameter, [low, high]) in [("displacement of the box", self.displacement), ("velocity of the box", self.velocity)]
+        for (parameter, [low, high]) in
+            [("displacement of the box", self.displacement), ("velocity of the box", self.velocity)]
         {
             if !(low.is_finite() && high.is_finite() && low < high) {
-                return Err(VibrationError::Parameter { parameter, value: high, wanted: "finite, and more than its least" });
+                return Err(VibrationError::Parameter {
+                    parameter,
+                    value: high,
+                    wanted: "finite, and more than its least",
+                });
             }
         }
         if let Some(&few) = self.cells.iter().find(|n| !(1..=100_000).contains(*n)) {
@@ -76,6 +82,24 @@ pub struct Basin {
     pub attractors: Vec<Attractor>,
     /// Share of the cells that end in steady sliding.
     pub sliding_share: f64,
+}
+
+/// A mass at (X, X′) at τ = 0.
+pub(super) fn started_at(
+    oscillator: &Oscillator,
+    displacement: f64,
+    velocity: f64,
+) -> Result<Motion<Steady>, VibrationError> {
+    let belt = oscillator.belt_velocity();
+    let w = 1.0 - velocity / belt;
+    if w == 0.0 {
+        return Motion::new(oscillator, Steady, Drive::Distance, displacement);
+    }
+    let phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
+    let external = belt * Sway::new(oscillator).force(0.0);
+    let force = phase.direction() * (displacement + 2.0 * oscillator.damping_ratio() * belt - external);
+    let e = (force - oscillator.static_friction()) / belt;
+    Motion::in_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
 }
 
 /// Decides where starts end: by the return map of slip as soon as an orbit crosses its section, else by following it.
@@ -110,18 +134,13 @@ impl Fates {
 
     /// Where the start (X, X′) ends.
     pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<Attractor, VibrationError> {
-        let belt = self.oscillator.belt_velocity();
-        let w = 1.0 - velocity / belt;
-        let mut motion = if w == 0.0 {
-            Motion::new(&self.oscillator, Steady, Drive::Distance, displacement)?
-        } else {
-            let phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
-            let force = phase.direction() * (displacement + 2.0 * self.oscillator.damping_ratio() * belt);
-            let e = (force - self.oscillator.static_friction()) / belt;
-            Motion::in_slip(&self.oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })?
-        };
+        let mut motion = started_at(&self.oscillator, displacement, velocity)?;
         let mut reversals = 0;
         for _ in 0..MAX_STEPS {
+            // Looked at before a step: from rest itself a step has no end.
+            if motion.has_settled(SETTLED) {
+                return Ok(self.near_rest());
+            }
             let before = match motion.slip_state() {
                 None => return Ok(self.after_stick),
                 Some(state) => state,
@@ -133,9 +152,6 @@ impl Fates {
             }
             if reversals > MAX_REVERSALS {
                 return Ok(Attractor::StickSlip);
-            }
-            if motion.has_settled(SETTLED) {
-                return Ok(self.near_rest());
             }
             if before.phase == Phase::Slip
                 && before.w < 1.0

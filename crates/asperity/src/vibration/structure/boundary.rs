@@ -33,7 +33,11 @@ impl CurveSettings {
     pub(super) fn validate(&self) -> Result<(), VibrationError> {
         let [low, high] = self.range;
         if !(low.is_finite() && high.is_finite() && low < high) {
-            return Err(VibrationError::Parameter { parameter: "range", value: high, wanted: "finite, and more than its least" });
+            return Err(VibrationError::Parameter {
+                parameter: "range",
+                value: high,
+                wanted: "finite, and more than its least",
+            });
         }
         for (parameter, value) in [("deviation", self.deviation), ("longest_step", self.longest_step)] {
             if !(value > 1e-6 && value <= 1.0) {
@@ -221,7 +225,8 @@ mod tests {
     #[test]
     fn the_linear_law_has_the_line_of_half_its_slope_and_nothing_over_what_it_has_not() {
         let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.1 };
-        let parameters = Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
         let oscillator = Oscillator::new(parameters).unwrap();
         let settings = CurveSettings::new([0.0, 1.0]);
         let curve = critical_curve(&oscillator, Parameter::Weakening, &settings, &Silent).unwrap();
@@ -236,6 +241,10 @@ mod tests {
         let beyond = CurveSettings::new([300.0, 3000.0]);
         let lost = critical_curve(&oscillator, Parameter::StaticFriction, &beyond, &Silent).unwrap();
         let last = lost.points[lost.points.len() - 1].parameter;
-        assert!(matches!(lost.end, BranchEnd::Lost { .. }) && (last / 1000.0 - 1.0).abs() < 1e-8, "{last} {:?}", lost.end);
+        assert!(
+            matches!(lost.end, BranchEnd::Lost { .. }) && (last / 1000.0 - 1.0).abs() < 1e-8,
+            "{last} {:?}",
+            lost.end
+        );
     }
 }

@@ -98,7 +98,10 @@ impl Lock {
             return Err(VibrationError::NotFound { what, reason: "the force holds the mass at that phase" });
         }
         let Some(found) = graze(&oscillator, tau)? else {
-            return Err(VibrationError::NotFound { what, reason: "the slip orbit does not turn back to the belt velocity" });
+            return Err(VibrationError::NotFound {
+                what,
+                reason: "the slip orbit does not turn back to the belt velocity",
+            });
         };
         let touch = found.minimum.time;
         let Some(stick) = sway.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {

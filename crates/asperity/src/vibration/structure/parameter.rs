@@ -50,7 +50,9 @@ impl Parameter {
                 // A kinetic coefficient equal to the static one stays equal to the bit.
                 let scaled = |kinetic: f64| value * (kinetic / old.static_friction);
                 let law = match old.law {
-                    FrictionLaw::Stribeck { kinetic, decay } => FrictionLaw::Stribeck { kinetic: scaled(kinetic), decay },
+                    FrictionLaw::Stribeck { kinetic, decay } => {
+                        FrictionLaw::Stribeck { kinetic: scaled(kinetic), decay }
+                    }
                     FrictionLaw::Coulomb { kinetic } => FrictionLaw::Coulomb { kinetic: scaled(kinetic) },
                     FrictionLaw::Linear { kinetic, slope } => FrictionLaw::Linear { kinetic: scaled(kinetic), slope },
                 };
@@ -100,7 +102,9 @@ mod tests {
         let law = FrictionLaw::Coulomb { kinetic: 0.2 };
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..*forced.parameters() }).unwrap();
         assert_eq!(Parameter::Weakening.of(&coulomb), None);
-        assert!(Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err());
+        assert!(
+            Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
+        );
         assert!(Parameter::BeltVelocity.set(&coulomb, -1.0).is_err());
     }
 }

@@ -211,7 +211,8 @@ mod tests {
         };
         assert!((back(r) / r - 1.0).abs() < 1e-14);
         let h = 1e-4 * r;
-        let (near, wide) = ((back(r + h) - back(r - h)) / (2.0 * h), (back(r + 2.0 * h) - back(r - 2.0 * h)) / (4.0 * h));
+        let (near, wide) =
+            ((back(r + h) - back(r - h)) / (2.0 * h), (back(r + 2.0 * h) - back(r - 2.0 * h)) / (4.0 * h));
         assert!(((4.0 * near - wide) / 3.0 - cycle.multiplier).abs() < 1e-10, "{near} and {}", cycle.multiplier);
     }
 }
