@@ -1,5 +1,6 @@
 //! What a parameter that rises, and then falls, leads the motion through.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
@@ -121,7 +122,7 @@ pub fn bifurcation_diagram(
         let value = values.len() as f64;
         return Err(VibrationError::Parameter { parameter: "number of values", value, wanted: "at least 2" });
     }
-    if let Some(pair) = values.windows(2).find(|pair| !(pair[0] < pair[1])) {
+    if let Some(pair) = values.windows(2).find(|pair| pair[1].partial_cmp(&pair[0]) != Some(Ordering::Greater)) {
         return Err(VibrationError::Parameter { parameter: "values of the diagram", value: pair[1], wanted: "rising" });
     }
     if settings.recorded < 2 {
@@ -205,7 +206,8 @@ fn forced_point(
     let mut motion = started_at(oscillator, x, v)?;
     let (mut state, mut states) = ([x, v], Vec::new());
     // Turns with the forcing period in which they end, and extremes of each forcing period.
-    let (mut turns, mut strokes) = (Vec::new(), Vec::new());
+    let mut turns = Vec::new();
+    let (mut displacements, mut velocities) = (Vec::new(), Vec::new());
     let (mut turn, mut touched) = (Turn::EMPTY, false);
     let mut begun = None;
     for stroke in 0..settings.transient + settings.recorded {
@@ -241,16 +243,17 @@ fn forced_point(
         begun = begun.map(|begun| begun - period);
         if recorded {
             states.push(state);
-            strokes.push((displacement, velocity));
+            displacements.push(displacement);
+            velocities.push(velocity);
         }
     }
     let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
     let multiplicity = multiplicity(&states, scale);
     let shown = multiplicity.unwrap_or(settings.recorded);
     let since = settings.transient + settings.recorded - shown;
-    let last = &strokes[settings.recorded - shown..];
-    let span = |of: fn(&([f64; 2], [f64; 2])) -> [f64; 2]| {
-        last.iter().map(of).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| [a.min(c), b.max(d)])
+    let span = |spans: &[[f64; 2]]| {
+        let spans = &spans[settings.recorded - shown..];
+        spans.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| [a.min(*c), b.max(*d)])
     };
     let turnovers = turns.into_iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
         duration: turn.duration,
@@ -261,8 +264,8 @@ fn forced_point(
         parameter: value,
         attractor: if touched { Attractor::StickSlip } else { Attractor::Sliding },
         multiplicity,
-        displacement: span(|stroke| stroke.0),
-        velocity: span(|stroke| stroke.1),
+        displacement: span(&displacements),
+        velocity: span(&velocities),
         turnovers: turnovers.collect(),
     };
     Ok((point, state))

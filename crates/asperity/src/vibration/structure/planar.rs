@@ -102,6 +102,10 @@ impl Planar {
         for _ in 0..MAX_STEPS {
             series.expand(&self.weakening, &FREE, w, e, f64::INFINITY);
             let h = series.reach(f64::INFINITY);
+            if h == f64::INFINITY {
+                // Rest itself, to rounding.
+                return Ok(Half::Settles);
+            }
             let mut beyond = polynomial::derivative(&[0.0]);
             let n = series.w().len();
             beyond[..n].copy_from_slice(series.w());

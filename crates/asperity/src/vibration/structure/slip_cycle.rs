@@ -10,6 +10,8 @@ use super::planar::{Lap, Planar, Turn};
 const AMPLITUDES: usize = 64;
 /// |ln(P/r)| below this is rounding: no growth and no decay.
 const NEUTRAL: f64 = 1e-12;
+/// Amplitudes below this share of the first on the grid are not looked at.
+const SMALLEST: f64 = 1e-6;
 /// |ln(P/r)| of a cycle that was found.
 const CLOSED: f64 = 1e-9;
 
@@ -109,9 +111,10 @@ pub(super) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
     Ok(Some(map))
 }
 
-/// Where the orbits that come back end.
+/// Where the orbits that come back end; zero if all touch, as around a node that repels.
 fn edge(planar: &Planar, mut back: f64, mut touches: f64) -> Result<f64, VibrationError> {
-    while touches - back > 4.0 * f64::EPSILON * touches {
+    let least = SMALLEST * touches;
+    while touches - back > 4.0 * f64::EPSILON * touches && touches > least {
         let middle = 0.5 * (back + touches);
         match planar.turn(middle)? {
             Turn::Touches => touches = middle,
@@ -198,6 +201,15 @@ mod tests {
                 assert_eq!(slip_cycles(&Oscillator::new(parameters).unwrap()).unwrap(), []);
             }
         }
+    }
+
+    #[test]
+    fn around_a_rest_that_repels_without_turning_there_is_none() {
+        let law = FrictionLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
+        let parameters =
+            Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };
+        let map = return_map(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
+        assert!(map.cycles.is_empty() && map.growth == [1.0] && map.edge < 1e-3);
     }
 
     #[test]
