@@ -5,7 +5,8 @@
 //!
 //! [`Oscillator`] → [`limit_cycle`] (period, extremes), [`critical_damping`] (where the cycle ends), [`Trajectory`] (events
 //! of one realisation of the friction process), [`Ensemble`] (the law of many), [`damping_sweep`] (how noise smears the
-//! end of the cycle).
+//! end of the cycle). Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`],
+//! [`basin`], [`bifurcation_diagram`].
 //!
 //! # Method
 //! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]), in variables in which nothing cancels; a step
@@ -37,6 +38,7 @@ mod series;
 mod slip_orbit;
 mod sound;
 mod stability_map;
+mod structure;
 mod sway;
 mod sweep;
 mod table;
@@ -59,6 +61,12 @@ pub use runge_kutta::Method;
 pub use sample_law::SampleLaw;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{Machine, MapAxis, MapCell, MapContour, MapPoint, MapSettings, StabilityMap, stability_map};
+pub use structure::{
+    Attractor, Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd,
+    BranchPoint, Criticality, CurveSettings, ForcedCycle, HopfPoint, Mark, MarkKind, Parameter, Separatrix,
+    SeparatrixKind, SlipCycle, Turnover, basin, bifurcation_diagram, critical_curve, forced_cycles, hopf_point,
+    locked_curve, separatrix, slip_cycles,
+};
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::root::zero_between;
 use super::slip_orbit::first_minimum;
+use super::structure::grazing::grazing_damping;
 use super::{Oscillator, VibrationError};
 
 /// Largest damping ratio that is searched.
@@ -25,7 +25,7 @@ pub struct CriticalDamping {
 /// ζ_c and ζ_H of an oscillator; its own damping ratio and forcing are left aside.
 ///
 /// ζ_c is the zero, in ζ, of the least relative velocity on the slip orbit from a detachment, continued smoothly below
-/// zero. First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
+/// zero, by Newton's method with the derivative of the orbit. First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
 pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, VibrationError> {
     let weakening = oscillator.law().weakening(oscillator.belt_velocity());
     let hopf_damping_ratio = 0.5 * weakening;
@@ -35,25 +35,13 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
         return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
     }
     let free = oscillator.with_forcing(None)?;
-    let least = |damping: f64| -> Result<f64, VibrationError> {
-        Ok(first_minimum(&free.with_damping(damping)?, 0.0)?.map_or(1.0, |minimum| minimum.w))
+    let guess = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
+    let critical_damping_ratio = match grazing_damping(&free, 0.0, guess, MAX_DAMPING)? {
+        Some(damping) => damping,
+        // A law that rises with the speed damps by itself; or weakening and jump are below rounding.
+        None if first_minimum(&free.with_damping(0.0)?, 0.0)?.is_none_or(|m| m.w >= 0.0) => hopf_damping_ratio.max(0.0),
+        None => return Err(VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" }),
     };
-    let (mut low, mut at_low) = (0.0, least(0.0)?);
-    if at_low >= 0.0 {
-        // A law that rises with the speed damps by itself.
-        return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
-    }
-    let mut high = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
-    let mut at_high = least(high)?;
-    while at_high <= 0.0 {
-        (low, at_low) = (high, at_high);
-        high *= 2.0;
-        if high > MAX_DAMPING {
-            return Err(VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" });
-        }
-        at_high = least(high)?;
-    }
-    let critical_damping_ratio = zero_between(least, (low, at_low), (high, at_high), 1e-15)?;
     Ok(CriticalDamping { critical_damping_ratio, hopf_damping_ratio })
 }
 
@@ -62,7 +50,15 @@ mod tests {
     use super::*;
     use crate::law::standard_normal_cdf;
     use crate::random;
+    use crate::vibration::root::zero_between;
     use crate::vibration::{FrictionLaw, FrictionTable, Parameters, limit_cycle};
+
+    /// ζ_c by bisection of the same least velocity, without its derivative.
+    fn bisected(oscillator: &Oscillator, above: f64) -> f64 {
+        let least = |damping| Ok(first_minimum(&oscillator.with_damping(damping)?, 0.0)?.map_or(1.0, |m| m.w));
+        let (at_zero, at_above) = (least(0.0).unwrap(), least(above).unwrap());
+        zero_between(least, (0.0, at_zero), (above, at_above), 1e-15).unwrap()
+    }
 
     #[test]
     fn the_paper_s_law_ends_at_the_published_damping() {
@@ -121,6 +117,8 @@ mod tests {
                     .unwrap()
             };
             let critical = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
+            let slow = bisected(&of(0.0), 2.0 * critical);
+            assert!((critical / slow - 1.0).abs() < 1e-13, "{critical:.17} instead of {slow:.17}: {:?}", of(0.0));
             for (factor, exists) in [(0.3, true), (1.0 - 1e-7, true), (1.0 + 1e-7, false), (1.7, false)] {
                 let regime =
                     limit_cycle(&of(factor * critical)).unwrap_or_else(|e| panic!("{e} {factor} {:?}", of(critical)));

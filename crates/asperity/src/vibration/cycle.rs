@@ -65,17 +65,17 @@ impl Regime {
 
 /// What happened between two detachments.
 #[derive(Debug, Clone, Copy)]
-struct Turn {
-    duration: f64,
-    slip: f64,
-    reattachment: Option<f64>,
-    lowest: f64,
-    highest: f64,
-    slowest: f64,
+pub(super) struct Turn {
+    pub(super) duration: f64,
+    pub(super) slip: f64,
+    pub(super) reattachment: Option<f64>,
+    pub(super) lowest: f64,
+    pub(super) highest: f64,
+    pub(super) slowest: f64,
 }
 
 impl Turn {
-    const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         duration: 0.0,
         slip: 0.0,
         reattachment: None,
@@ -84,7 +84,7 @@ impl Turn {
         slowest: f64::INFINITY,
     };
 
-    fn include(&mut self, motion: &Motion<Steady>) {
+    pub(super) fn include(&mut self, motion: &Motion<Steady>) {
         for tau in motion.turning_times() {
             let (x, velocity) = motion.sample(tau);
             self.lowest = self.lowest.min(x);
@@ -93,7 +93,7 @@ impl Turn {
         }
     }
 
-    fn cycle(turns: &[Self]) -> LimitCycle {
+    pub(super) fn cycle(turns: &[Self]) -> LimitCycle {
         let fold = |f: fn(f64, f64) -> f64, of: fn(&Self) -> f64| turns.iter().map(of).reduce(f).unwrap_or(f64::NAN);
         LimitCycle {
             period: turns.iter().map(|t| t.duration).sum(),
@@ -169,7 +169,7 @@ fn free_cycle(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationE
 fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime, SlipState), VibrationError> {
     let mut motion = Motion::new(oscillator, Steady, Drive::Distance, oscillator.default_start())?;
     let mut turns: Vec<Turn> = Vec::new();
-    let mut phases: Vec<f64> = Vec::new();
+    let mut detachments: Vec<(Phase, f64)> = Vec::new();
     // A turn begins at a detachment, a stroke with each forcing period.
     let (mut turn, mut stroke) = (Turn::EMPTY, Turn::EMPTY);
     // Time counts from the last whole forcing period, so that phases keep their digits.
@@ -186,12 +186,11 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
                 turns.push(turn);
                 turn = Turn::EMPTY;
                 (detached_at, slides_since) = (motion.tau, motion.tau);
-                // Detachments into over-slip never repeat one into slip.
-                let forward = motion.slip_state().filter(|state| state.phase == Phase::Slip);
-                phases.push(forward.map_or(f64::NAN, |state| state.tau));
-                if let Some(period) = repetition(&phases, forcing_period) {
+                let Some(state) = motion.slip_state() else { continue };
+                detachments.push((state.phase, state.tau));
+                if let Some(period) = repetition(&detachments, forcing_period) {
                     let cycle = Turn::cycle(&turns[turns.len() - period..]);
-                    return Ok((Regime::Cycle(cycle), SlipState::detached(motion.tau)));
+                    return Ok((Regime::Cycle(cycle), state));
                 }
             }
             Some(EventKind::Restick) => {
@@ -220,12 +219,13 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
     Ok((Regime::Irregular, SlipState::detached(0.0)))
 }
 
-/// Number of slips after which the phases repeat: the last one and the one before agree with those a period earlier.
-fn repetition(phases: &[f64], forcing_period: f64) -> Option<usize> {
-    let n = phases.len();
+/// Number of slips after which detachments repeat: the last one and the one before agree with those a period earlier.
+fn repetition(detachments: &[(Phase, f64)], forcing_period: f64) -> Option<usize> {
+    let n = detachments.len();
     let same = |a: usize, b: usize| {
-        let difference = (phases[a] - phases[b]).abs();
-        difference.min(forcing_period - difference) < PHASE_TOLERANCE
+        let ((phase, tau), (other, before)) = (detachments[a], detachments[b]);
+        let difference = (tau - before).abs();
+        phase == other && difference.min(forcing_period - difference) < PHASE_TOLERANCE
     };
     (1..=MAX_MULTIPLICITY).find(|&k| n >= k + 3 && same(n - 1, n - 1 - k) && same(n - 2, n - 2 - k))
 }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::critical::critical_damping;
 use super::root::zero_between;
 use super::slip_orbit::first_minimum;
+use super::structure::grazing::grazing_damping;
 use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
@@ -21,6 +22,11 @@ const PHASES: usize = 96;
 ///
 /// Fails without forcing and when no phase closes the orbit, which happens far from resonance.
 pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
+    Ok(grazing_lock(oscillator)?.1)
+}
+
+/// Time of the detachment of that orbit, and its damping ratio.
+pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), VibrationError> {
     let what = "locked cycle";
     let Some(forcing) = oscillator.forcing() else {
         return Err(VibrationError::NotFound { what, reason: "the oscillator has no forcing" });
@@ -32,12 +38,14 @@ pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
         if 1.0 + sway.rate(phase) <= 0.0 {
             return Ok(None);
         }
-        let Some(damping) = grazing_damping(oscillator, phase, free)? else { return Ok(None) };
+        let Some(damping) = grazing_damping(oscillator, phase, free.max(0.01), 60.0 * free.max(0.01))? else {
+            return Ok(None);
+        };
         let Some(minimum) = first_minimum(&oscillator.with_damping(damping)?, phase)? else { return Ok(None) };
         let stick = sway.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
         Ok(stick.map(|stick| (minimum.time + stick - period, damping)))
     };
-    let mut best: Option<f64> = None;
+    let mut best: Option<(f64, f64)> = None;
     let mut last: Option<(f64, f64)> = None;
     for i in 0..=PHASES {
         let phase = period * i as f64 / PHASES as f64;
@@ -49,36 +57,13 @@ pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
                 let (negative, positive) = if at_a < 0.0 { ((a, at_a), (b, at_b)) } else { ((b, at_b), (a, at_a)) };
                 let root = zero_between(value, negative, positive, 1e-14)?;
                 if let Some((_, damping)) = mismatch(root)? {
-                    best = Some(best.map_or(damping, |b| b.max(damping)));
+                    best = best.filter(|(_, largest)| *largest >= damping).or(Some((root, damping)));
                 }
             }
         }
         last = here;
     }
     best.ok_or(VibrationError::NotFound { what, reason: "no detachment phase closes the grazing orbit" })
-}
-
-/// Damping ratio at which the slip orbit of a detachment at the time τ touches the belt velocity.
-fn grazing_damping(oscillator: &Oscillator, tau: f64, free: f64) -> Result<Option<f64>, VibrationError> {
-    let least = |damping: f64| -> Result<f64, VibrationError> {
-        Ok(first_minimum(&oscillator.with_damping(damping)?, tau)?.map_or(1.0, |minimum| minimum.w))
-    };
-    let at_zero = least(0.0)?;
-    if at_zero >= 0.0 {
-        return Ok(None);
-    }
-    let (mut low, mut at_low) = (0.0, at_zero);
-    let mut high = free.max(0.01);
-    let mut at_high = least(high)?;
-    for _ in 0..10 {
-        if at_high > 0.0 {
-            return zero_between(least, (low, at_low), (high, at_high), 1e-15).map(Some);
-        }
-        (low, at_low) = (high, at_high);
-        high *= 1.5;
-        at_high = least(high)?;
-    }
-    Ok(None)
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub fn trajectory_portrait(
     sampled(started(oscillator, fluctuation, settings)?, from, settings.duration, points)
 }
 
-fn sampled<F: Fluctuation>(
+pub(super) fn sampled<F: Fluctuation>(
     mut motion: Motion<F>,
     from: f64,
     to: f64,

@@ -1,6 +1,7 @@
 //! The slip orbit from a detachment, continued smoothly past the belt velocity.
 
 use super::series::{Loading, Series};
+use super::structure::tangent::Step;
 use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
@@ -24,10 +25,20 @@ pub(super) struct Minimum {
 ///
 /// An orbit that dives far below zero is stopped on the way; its value is then negative, but no minimum.
 pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<Minimum>, VibrationError> {
+    first_minimum_from(oscillator, tau, 0.0, |_, _| {})
+}
+
+/// The same for an orbit from (W, e) = (0, e) that rises; `visit` sees each step and the time since the start before it.
+pub(super) fn first_minimum_from(
+    oscillator: &Oscillator,
+    tau: f64,
+    excess: f64,
+    mut visit: impl FnMut(Step, f64),
+) -> Result<Option<Minimum>, VibrationError> {
     let mut weakening = Weakening::new(oscillator);
     let sway = Sway::new(oscillator);
     let mut series = Series::new();
-    let (mut w, mut e, mut time) = (0.0, 0.0, 0.0);
+    let (mut w, mut e, mut time) = (0.0, excess, 0.0);
     let mut falling = false;
     for _ in 0..MAX_STEPS {
         let loading = Loading {
@@ -45,8 +56,10 @@ pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<
             h = t;
         }
         if falling && let Some(t) = series.first_extremum(h) {
+            visit(Step { series: &series, length: t }, time);
             return Ok(Some(Minimum { time: time + t, w: series.state(t).0 }));
         }
+        visit(Step { series: &series, length: h }, time);
         (w, e) = series.state(h);
         if let Some((_, level)) = exit {
             w = level;

@@ -1,6 +1,7 @@
 //! What lies inside the last step.
 
 use super::super::polynomial::{self, bracketed_zero};
+use super::super::structure::tangent::Step;
 use super::super::{Drive, Phase};
 use super::{Motion, Segment, drift_rate};
 use crate::friction::process::Fluctuation;
@@ -50,6 +51,12 @@ impl<F: Fluctuation> Motion<F> {
             cuts.push(duration);
         }
         cuts.into_iter().map(|t| tau + t).collect()
+    }
+
+    /// The last step, if it was slip or over-slip.
+    pub(in crate::vibration) fn slip_step(&self) -> Option<Step<'_>> {
+        let Segment { duration: length, phase, .. } = self.segment;
+        (phase != Phase::Stick).then_some(Step { series: &self.series, length })
     }
 
     /// Whether W passed a minimum above zero in the last step: it fell at its beginning and rises at its end.

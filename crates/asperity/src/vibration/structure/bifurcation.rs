@@ -1,0 +1,400 @@
+//! What a parameter that rises, and then falls, leads the motion through.
+
+use std::cmp::Ordering;
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::super::cycle::Turn;
+use super::super::root::zero_between;
+use super::super::{EventKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary};
+use super::basin::{Attractor, Fates, started_at};
+use super::parameter::Parameter;
+use super::slip_cycle::slip_cycles;
+use crate::monitor::{Cancelled, Monitor};
+
+/// Difference of states, relative to the belt velocity and the stick limit, that counts as a repetition.
+const REPEATS: f64 = 1e-6;
+/// Most forcing periods in a period of a motion that counts as periodic.
+const MAX_MULTIPLICITY: usize = 32;
+
+/// How a diagram is computed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BifurcationSettings {
+    /// Values of the parameter, rising.
+    pub values: Vec<f64>,
+    /// Forcing periods that are left out at each value, for the motion to settle.
+    pub transient: usize,
+    /// Forcing periods that are recorded after that, at least 2.
+    pub recorded: usize,
+}
+
+impl BifurcationSettings {
+    /// `count` ≥ 2 equally spaced values, 400 forcing periods to settle and 100 to record.
+    pub fn new([low, high]: [f64; 2], count: usize) -> Self {
+        let last = count.max(2) - 1;
+        let values = (0..=last).map(|i| low + (high - low) * i as f64 / last as f64).collect();
+        Self { values, transient: 400, recorded: 100 }
+    }
+}
+
+/// What happens from one detachment to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Turnover {
+    /// Time T between the two.
+    pub duration: f64,
+    /// Displacement X_r at the last re-attachment between them.
+    pub reattachment_displacement: Option<f64>,
+    /// Least X′ between them.
+    pub velocity_min: f64,
+}
+
+/// The motion at one value of the parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BifurcationPoint {
+    /// Value of the parameter.
+    pub parameter: f64,
+    /// What the motion ends in; under forcing, whether it reaches the belt velocity.
+    pub attractor: Attractor,
+    /// Forcing periods in a period of the motion; none if it does not repeat itself within 32 or half of those recorded.
+    /// Always 1 without forcing.
+    pub multiplicity: Option<usize>,
+    /// Least and largest X.
+    pub displacement: [f64; 2],
+    /// Least and largest X′.
+    pub velocity: [f64; 2],
+    /// One period of detachments, or all recorded ones of a motion that does not repeat itself. A cycle that passes the belt
+    /// velocity without stick has none under forcing.
+    pub turnovers: Vec<Turnover>,
+}
+
+/// What is marked on a diagram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MarkKind {
+    /// ζ = ζ_H: steady sliding loses its stability.
+    Hopf,
+    /// ζ = ζ_c: the stick-slip cycle ends.
+    Fold,
+    /// ζ of [`locked_boundary`]: the locked cycle ends.
+    LockedFold,
+}
+
+/// A value of the parameter at which the structure changes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mark {
+    /// What changes.
+    pub kind: MarkKind,
+    /// Value of the parameter.
+    pub parameter: f64,
+}
+
+/// Attractors over a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BifurcationDiagram {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// What a rising parameter leads through.
+    pub upward: Vec<BifurcationPoint>,
+    /// What a falling parameter leads through, also listed by rising parameter.
+    pub downward: Vec<BifurcationPoint>,
+    /// Changes of the structure between the first and the last value. Without forcing all Hopf points and folds that part
+    /// neighbouring values; with forcing the end of the locked cycle, over the damping ratio only.
+    pub marks: Vec<Mark>,
+}
+
+/// The attractors that a slowly rising and then slowly falling parameter leads through.
+///
+/// Each value starts where the one before ended, the first from rest on the belt; where the two directions differ, more than
+/// one attractor exists. Without forcing the attractor is exact: the start is put into its basin. With forcing the motion
+/// is followed for a stated time, so close to a bifurcation it may not have settled.
+///
+/// Fails for values that do not rise or are out of range, if friction does not stay positive, and when cancelled.
+pub fn bifurcation_diagram(
+    oscillator: &Oscillator,
+    parameter: Parameter,
+    settings: &BifurcationSettings,
+    monitor: &dyn Monitor,
+) -> Result<BifurcationDiagram, VibrationError> {
+    let values = &settings.values;
+    if values.len() < 2 {
+        let value = values.len() as f64;
+        return Err(VibrationError::Parameter { parameter: "number of values", value, wanted: "at least 2" });
+    }
+    if let Some(pair) = values.windows(2).find(|pair| pair[1].partial_cmp(&pair[0]) != Some(Ordering::Greater)) {
+        return Err(VibrationError::Parameter { parameter: "values of the diagram", value: pair[1], wanted: "rising" });
+    }
+    if settings.recorded < 2 {
+        let value = settings.recorded as f64;
+        return Err(VibrationError::Parameter { parameter: "recorded", value, wanted: "at least 2" });
+    }
+    let oscillators = values.iter().map(|value| parameter.set(oscillator, *value)).collect::<Result<Vec<_>, _>>()?;
+    let first = &oscillators[0];
+    let mut state = [first.default_start(), first.belt_velocity()];
+    let total = 2 * values.len();
+    let mut points = Vec::with_capacity(total);
+    for i in (0..values.len()).chain((0..values.len()).rev()) {
+        if monitor.cancelled() {
+            return Err(Cancelled.into());
+        }
+        let (point, end) = match oscillators[i].forcing() {
+            None => free_point(&oscillators[i], values[i], state)?,
+            Some(forcing) => forced_point(&oscillators[i], TAU / forcing.frequency, values[i], state, settings)?,
+        };
+        state = end;
+        points.push(point);
+        monitor.progress("values of the diagram", points.len(), total);
+    }
+    let mut downward = points.split_off(values.len());
+    downward.reverse();
+    let marks = marks(oscillator, parameter, values, &oscillators)?;
+    Ok(BifurcationDiagram { parameter, upward: points, downward, marks })
+}
+
+/// The attractor of a start and a state on it.
+fn free_point(
+    oscillator: &Oscillator,
+    value: f64,
+    [x, v]: [f64; 2],
+) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
+    let belt = oscillator.belt_velocity();
+    let mut attractor = Fates::new(oscillator)?.of(x, v)?;
+    let rest = oscillator.law().coefficient(belt);
+    let mut point = BifurcationPoint {
+        parameter: value,
+        attractor,
+        multiplicity: Some(1),
+        displacement: [rest; 2],
+        velocity: [0.0; 2],
+        turnovers: Vec::new(),
+    };
+    if attractor == Attractor::StickSlip {
+        if let Regime::Cycle(cycle) = limit_cycle(oscillator)? {
+            point.displacement = [cycle.displacement_min, cycle.displacement_max];
+            point.velocity = [cycle.velocity_min, belt];
+            point.turnovers = vec![Turnover {
+                duration: cycle.period,
+                reattachment_displacement: cycle.reattachment_displacement,
+                velocity_min: cycle.velocity_min,
+            }];
+            let detachment = oscillator.static_friction() - 2.0 * oscillator.damping_ratio() * belt;
+            return Ok((point, [detachment, belt]));
+        }
+        // Undecided to rounding at the fold: what has no cycle slides.
+        attractor = Attractor::Sliding;
+    }
+    if attractor == Attractor::SlipCycle
+        && let Some(cycle) = slip_cycles(oscillator)?.into_iter().find(|cycle| cycle.is_stable())
+    {
+        point.displacement = [cycle.displacement_min, cycle.displacement_max];
+        point.velocity = [cycle.velocity_min, cycle.velocity_max];
+        return Ok((point, [cycle.displacement_max, 0.0]));
+    }
+    point.attractor = attractor;
+    Ok((point, [rest, 0.0]))
+}
+
+/// The motion after its transient, and its state at the end of a forcing period.
+fn forced_point(
+    oscillator: &Oscillator,
+    period: f64,
+    value: f64,
+    [x, v]: [f64; 2],
+    settings: &BifurcationSettings,
+) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
+    let mut motion = started_at(oscillator, x, v)?;
+    let (mut state, mut states) = ([x, v], Vec::new());
+    // Turns with the forcing period in which they end, and extremes of each forcing period.
+    let mut turns = Vec::new();
+    let (mut displacements, mut velocities) = (Vec::new(), Vec::new());
+    let (mut turn, mut touched) = (Turn::EMPTY, false);
+    let mut begun = None;
+    for stroke in 0..settings.transient + settings.recorded {
+        let recorded = stroke >= settings.transient;
+        let (mut displacement, mut velocity) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        while motion.tau < period {
+            let event = motion.step(period)?;
+            if recorded {
+                turn.include(&motion);
+                for (x, v) in motion.turning_times().into_iter().map(|tau| motion.sample(tau)) {
+                    displacement = [displacement[0].min(x), displacement[1].max(x)];
+                    velocity = [velocity[0].min(v), velocity[1].max(v)];
+                }
+            }
+            touched |= recorded && event.is_some();
+            match event.map(|e| e.kind) {
+                Some(EventKind::Restick) => turn.reattachment = Some(motion.displacement()),
+                Some(EventKind::Detach) if recorded => {
+                    if let Some(begun) = begun {
+                        turn.duration = motion.tau - begun;
+                        turns.push((stroke, turn));
+                    }
+                    (turn, begun) = (Turn::EMPTY, Some(motion.tau));
+                }
+                Some(EventKind::Detach | EventKind::Reverse) | None => {}
+            }
+            if motion.tau >= period {
+                let (x, v) = motion.sample(motion.tau);
+                state = [x, v];
+            }
+        }
+        motion.tau -= period;
+        begun = begun.map(|begun| begun - period);
+        if recorded {
+            states.push(state);
+            displacements.push(displacement);
+            velocities.push(velocity);
+        }
+    }
+    let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
+    let multiplicity = multiplicity(&states, scale);
+    let shown = multiplicity.unwrap_or(settings.recorded);
+    let since = settings.transient + settings.recorded - shown;
+    let span = |spans: &[[f64; 2]]| {
+        let spans = &spans[settings.recorded - shown..];
+        spans.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| [a.min(*c), b.max(*d)])
+    };
+    let turnovers = turns.into_iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
+        duration: turn.duration,
+        reattachment_displacement: turn.reattachment,
+        velocity_min: turn.slowest,
+    });
+    let point = BifurcationPoint {
+        parameter: value,
+        attractor: if touched { Attractor::StickSlip } else { Attractor::Sliding },
+        multiplicity,
+        displacement: span(&displacements),
+        velocity: span(&velocities),
+        turnovers: turnovers.collect(),
+    };
+    Ok((point, state))
+}
+
+/// After how many forcing periods the states repeat, in the later half of the record.
+fn multiplicity(states: &[[f64; 2]], scale: [f64; 2]) -> Option<usize> {
+    let n = states.len();
+    let same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] - b[i]).abs() < REPEATS * scale[i]);
+    (1..=MAX_MULTIPLICITY.min(n / 2)).find(|&k| (n / 2..n).all(|i| same(states[i], states[i - k])))
+}
+
+fn marks(
+    oscillator: &Oscillator,
+    parameter: Parameter,
+    values: &[f64],
+    oscillators: &[Oscillator],
+) -> Result<Vec<Mark>, VibrationError> {
+    let (low, high) = (values[0], values[values.len() - 1]);
+    if oscillator.forcing().is_some() {
+        if parameter != Parameter::DampingRatio {
+            return Ok(Vec::new());
+        }
+        // No locked cycle, no mark.
+        let boundary = locked_boundary(oscillator).ok().filter(|damping| (low..=high).contains(damping));
+        return Ok(boundary.map(|parameter| Mark { kind: MarkKind::LockedFold, parameter }).into_iter().collect());
+    }
+    let mut marks = Vec::new();
+    for kind in [MarkKind::Hopf, MarkKind::Fold] {
+        let above = |oscillator: &Oscillator| -> Result<f64, VibrationError> {
+            let ends = critical_damping(oscillator)?;
+            let end = if kind == MarkKind::Hopf { ends.hopf_damping_ratio } else { ends.critical_damping_ratio };
+            Ok(oscillator.damping_ratio() - end)
+        };
+        let heights = oscillators.iter().map(above).collect::<Result<Vec<_>, _>>()?;
+        for i in 1..values.len() {
+            let (a, b) = ((values[i - 1], heights[i - 1]), (values[i], heights[i]));
+            if a.1 * b.1 < 0.0 {
+                let (negative, positive) = if a.1 < 0.0 { (a, b) } else { (b, a) };
+                let height = |value: f64| above(&parameter.set(oscillator, value)?);
+                marks.push(Mark { kind, parameter: zero_between(height, negative, positive, 1e-15)? });
+            }
+        }
+    }
+    Ok(marks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Silent;
+    use crate::vibration::{Forcing, forced_cycles};
+
+    #[test]
+    fn stick_slip_lasts_to_the_fold_and_sliding_to_the_hopf_point() {
+        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.0, 0.1).unwrap();
+        let ends = critical_damping(&oscillator).unwrap();
+        let (hopf, fold) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
+        let settings = BifurcationSettings::new([0.28, 0.36], 41);
+        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        for (points, limit) in [(&found.upward, fold), (&found.downward, hopf)] {
+            for point in points {
+                let wanted = if point.parameter < limit { Attractor::StickSlip } else { Attractor::Sliding };
+                assert_eq!(point.attractor, wanted, "{point:?}, limit {limit}");
+                assert_eq!(point.turnovers.len(), usize::from(wanted == Attractor::StickSlip));
+            }
+        }
+        assert_eq!(found.marks.iter().map(|m| m.kind).collect::<Vec<_>>(), [MarkKind::Hopf, MarkKind::Fold]);
+        assert!((found.marks[0].parameter - hopf).abs() < 1e-13 && (found.marks[1].parameter - fold).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_section_of_a_cycle_is_the_published_one_and_fast_belts_do_not_squeal() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let settings =
+            BifurcationSettings { values: vec![0.003, 0.02, 0.05], ..BifurcationSettings::new([0.0, 1.0], 2) };
+        let found = bifurcation_diagram(&oscillator, Parameter::BeltVelocity, &settings, &Silent).unwrap();
+        for points in [&found.upward, &found.downward] {
+            let turnover = points[0].turnovers[0];
+            assert!((turnover.duration / 6.372_163_483_739_709 - 1.0).abs() < 1e-12);
+            assert!((turnover.reattachment_displacement.unwrap() / 0.096_795_689_222_287_6 - 1.0).abs() < 1e-12);
+            assert_eq!(points[2].attractor, Attractor::Sliding);
+            assert!((points[2].displacement[0] - 0.1 / 1.21).abs() < 1e-15);
+        }
+        // ζ_H(V) = ζ has the closed form V = (√(aμ/2ζ) − 1)/a.
+        let wanted = ((4.2_f64 * 0.1 / 0.34).sqrt() - 1.0) / 4.2;
+        assert!((found.marks[0].parameter - wanted).abs() < 1e-13, "{:?}", found.marks);
+    }
+
+    #[test]
+    fn a_forced_oscillator_is_locked_up_to_its_boundary_and_irregular_motion_has_many_points() {
+        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
+        let boundary = locked_boundary(&forced).unwrap();
+        let values = vec![0.2, 0.25, boundary - 1e-3, boundary + 1e-3, 0.3];
+        let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
+        let found = bifurcation_diagram(&forced, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        assert_eq!(found.marks, [Mark { kind: MarkKind::LockedFold, parameter: boundary }]);
+        for point in &found.upward[..3] {
+            assert_eq!((point.attractor, point.multiplicity), (Attractor::StickSlip, Some(1)), "{point:?}");
+            let oscillator = forced.with_damping(point.parameter).unwrap();
+            let cycles = forced_cycles(&oscillator, 1, &Silent).unwrap();
+            let stable = cycles.iter().find(|c| c.is_stable()).unwrap().cycle;
+            assert_eq!(point.turnovers.len(), 1);
+            let differences = [
+                point.turnovers[0].duration - stable.period,
+                point.turnovers[0].velocity_min - stable.velocity_min,
+                point.displacement[1] - stable.displacement_max,
+                point.velocity[1] - 0.1,
+            ];
+            assert!(differences.iter().all(|d| d.abs() < 1e-9), "{differences:?}");
+        }
+        assert_eq!(found.upward[4].attractor, Attractor::Sliding, "{:?}", found.upward[4]);
+        let beating = free.with_damping(0.1).unwrap().with_forcing(Some(Forcing { amplitude: 0.05, frequency: 0.7 }));
+        let settings = BifurcationSettings::new([0.1, 0.11], 2);
+        let found = bifurcation_diagram(&beating.unwrap(), Parameter::DampingRatio, &settings, &Silent).unwrap();
+        assert!(
+            found.upward[0].multiplicity.is_none() && found.upward[0].turnovers.len() > 80,
+            "{:?}",
+            found.upward[0]
+        );
+    }
+
+    #[test]
+    fn values_that_do_not_rise_are_refused() {
+        let oscillator = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        for values in [vec![], vec![0.1], vec![0.2, 0.1], vec![0.1, f64::NAN]] {
+            let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
+            assert!(bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).is_err());
+        }
+    }
+}

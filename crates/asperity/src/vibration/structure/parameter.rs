@@ -1,0 +1,122 @@
+//! Which parameter of an oscillator is varied.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
+
+/// A parameter that a curve or a diagram runs over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parameter {
+    /// ζ.
+    DampingRatio,
+    /// V.
+    BeltVelocity,
+    /// μ_st; the kinetic coefficient keeps its ratio to it.
+    StaticFriction,
+    /// How fast the law falls: a of the Stribeck law, b of the linear law.
+    Weakening,
+    /// q.
+    ForcingAmplitude,
+    /// η.
+    ForcingFrequency,
+}
+
+impl Parameter {
+    /// Its value; none if the oscillator has no such parameter.
+    pub fn of(self, oscillator: &Oscillator) -> Option<f64> {
+        match self {
+            Self::DampingRatio => Some(oscillator.damping_ratio()),
+            Self::BeltVelocity => Some(oscillator.belt_velocity()),
+            Self::StaticFriction => Some(oscillator.static_friction()),
+            Self::Weakening => match oscillator.law() {
+                FrictionLaw::Stribeck { decay: rate, .. } | FrictionLaw::Linear { slope: rate, .. } => Some(*rate),
+                _ => None,
+            },
+            Self::ForcingAmplitude => oscillator.parameters().forcing.map(|f| f.amplitude),
+            Self::ForcingFrequency => oscillator.parameters().forcing.map(|f| f.frequency),
+        }
+    }
+
+    /// The same oscillator with another value. Fails out of its range, and if there is no such parameter.
+    pub fn set(self, oscillator: &Oscillator, value: f64) -> Result<Oscillator, VibrationError> {
+        let old = oscillator.parameters().clone();
+        let missing = |reason| VibrationError::NotFound { what: "parameter", reason };
+        let forcing = old.forcing;
+        let forcing = || forcing.ok_or(missing("the oscillator has no forcing"));
+        Oscillator::new(match self {
+            Self::DampingRatio => Parameters { damping_ratio: value, ..old },
+            Self::BeltVelocity => Parameters { belt_velocity: value, ..old },
+            Self::StaticFriction => {
+                // A kinetic coefficient equal to the static one stays equal to the bit.
+                let scaled = |kinetic: f64| value * (kinetic / old.static_friction);
+                let law = match &old.law {
+                    FrictionLaw::Stribeck { kinetic, decay } => {
+                        FrictionLaw::Stribeck { kinetic: scaled(*kinetic), decay: *decay }
+                    }
+                    FrictionLaw::Coulomb { kinetic } => FrictionLaw::Coulomb { kinetic: scaled(*kinetic) },
+                    FrictionLaw::Linear { kinetic, slope } => {
+                        FrictionLaw::Linear { kinetic: scaled(*kinetic), slope: *slope }
+                    }
+                    FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity } => FrictionLaw::Exponential {
+                        kinetic: scaled(*kinetic),
+                        high_speed: scaled(*high_speed),
+                        stribeck_velocity: *stribeck_velocity,
+                    },
+                    FrictionLaw::Tabulated(table) => {
+                        let points: Vec<[f64; 2]> = table.points().map(|[v, mu]| [v, scaled(mu)]).collect();
+                        FrictionLaw::Tabulated(FrictionTable::new(&points)?)
+                    }
+                };
+                Parameters { static_friction: value, law, ..old }
+            }
+            Self::Weakening => {
+                let law = match &old.law {
+                    FrictionLaw::Stribeck { kinetic, .. } => FrictionLaw::Stribeck { kinetic: *kinetic, decay: value },
+                    FrictionLaw::Linear { kinetic, .. } => FrictionLaw::Linear { kinetic: *kinetic, slope: value },
+                    _ => return Err(missing("the friction law has no weakening rate")),
+                };
+                Parameters { law, ..old }
+            }
+            Self::ForcingAmplitude => Parameters { forcing: Some(Forcing { amplitude: value, ..forcing()? }), ..old },
+            Self::ForcingFrequency => Parameters { forcing: Some(Forcing { frequency: value, ..forcing()? }), ..old },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_that_was_set_is_read_back_and_nothing_else_moves() {
+        let forced = Oscillator::stribeck(0.3, 4.2, 0.1, 0.05)
+            .unwrap()
+            .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.9 }))
+            .unwrap();
+        let all = [
+            Parameter::DampingRatio,
+            Parameter::BeltVelocity,
+            Parameter::StaticFriction,
+            Parameter::Weakening,
+            Parameter::ForcingAmplitude,
+            Parameter::ForcingFrequency,
+        ];
+        for parameter in all {
+            let other = parameter.set(&forced, 0.7).unwrap();
+            assert_eq!(parameter.of(&other), Some(0.7));
+            for rest in all.into_iter().filter(|p| *p != parameter) {
+                assert_eq!(rest.of(&other), rest.of(&forced));
+            }
+        }
+        let friction = Parameter::StaticFriction.set(&forced, 0.7).unwrap();
+        assert_eq!(friction.law().kinetic(), 0.7);
+        let law = FrictionLaw::Coulomb { kinetic: 0.2 };
+        let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
+        assert_eq!(Parameter::Weakening.of(&coulomb), None);
+        assert!(
+            Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
+        );
+        assert!(Parameter::BeltVelocity.set(&coulomb, -1.0).is_err());
+    }
+}
