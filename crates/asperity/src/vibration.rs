@@ -20,6 +20,7 @@ mod ensemble;
 mod events;
 mod law;
 mod locked;
+pub mod mode_coupling;
 mod motion;
 #[cfg(test)]
 mod oracle;
