@@ -28,7 +28,7 @@ mod trajectory;
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use ensemble::{Ensemble, EnsembleSettings, Outcome};
 pub use growth::{GrowthRates, GrowthSettings, growth_rates};
-pub use model::{Damping, Model, Parameters, Steady};
+pub use model::{Damping, Model, Parameters, SteadySliding};
 pub use motion::{Contact, Event, EventKind, State};
 pub use spectrum::{Critical, EigenvalueScan, Instability, Mode, critical_friction, eigenvalue_scan, modes};
 pub use trajectory::{Point, Trajectory, TrajectorySettings};

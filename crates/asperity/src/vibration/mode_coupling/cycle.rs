@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::super::VibrationError;
-use super::motion::{Cut, Motion};
+use super::motion::{Cut, Motion, Now};
 use super::trajectory::default_start;
 use super::{Contact, EventKind, Model, State};
 use crate::friction::process;
@@ -18,8 +18,8 @@ const SETTLED: f64 = 1e-8;
 const MAX_MULTIPLICITY: usize = 32;
 /// Summits of x after which a motion counts as irregular.
 const MAX_SUMMITS: usize = 40_000;
-/// Time after which a motion without summits is given up.
-const MAX_WAIT: f64 = 1e6;
+/// Time without a summit after which a motion is given up, in the unit 1 + μ_s/(k₁₁V) of a stick.
+const MAX_WAIT: f64 = 1e3;
 
 /// One period of the limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -56,6 +56,9 @@ pub enum Regime {
     Cycle(LimitCycle),
     /// It comes to rest in space, in steady sliding.
     Steady,
+    /// The belt carries it away: it sticks, and the normal force grows faster than the force that would release it, because
+    /// det K(μ_s) ≤ 0 (self-locking).
+    Locked,
     /// It did not repeat itself, with up to 32 summits of x in a period, within 40,000 summits.
     Irregular,
 }
@@ -65,7 +68,7 @@ impl Regime {
     pub fn cycle(&self) -> Option<&LimitCycle> {
         match self {
             Self::Cycle(cycle) => Some(cycle),
-            Self::Steady | Self::Irregular => None,
+            Self::Steady | Self::Locked | Self::Irregular => None,
         }
     }
 }
@@ -103,7 +106,16 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
     // A small wave alone may belong to an irregular motion.
     let mut small = 0;
     for _ in 0..MAX_SUMMITS {
-        let summit = next_summit(&mut motion, |_, _| {})?;
+        let Some(summit) = next_summit(&mut motion, |_, _| {})? else {
+            let Now { x, u, y, v, .. } = motion.now;
+            return if u.abs() + v.abs() <= SETTLED * (x.abs() + y.abs()) {
+                Ok(Regime::Steady)
+            } else if model.divergence().is_some_and(|friction| model.parameters().static_friction >= friction) {
+                Ok(Regime::Locked)
+            } else {
+                Err(lost())
+            };
+        };
         let settled = summit.fall <= SETTLED * (summit.state.tangential.abs() + summit.state.normal.abs());
         small = if settled { small + 1 } else { 0 };
         if small == MAX_MULTIPLICITY {
@@ -119,22 +131,26 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
     Ok(Regime::Irregular)
 }
 
-/// Follows the mass to its next summit and shows every step.
+fn lost() -> VibrationError {
+    VibrationError::NotFound { what: "vibration", reason: "the mass does not come back" }
+}
+
+/// Follows the mass to its next summit and shows every step; none if it does not come back.
 fn next_summit(
     motion: &mut Motion<process::Steady>,
     mut show: impl FnMut(&Motion<process::Steady>, Cut),
-) -> Result<Summit, VibrationError> {
-    let until = motion.now.tau + MAX_WAIT;
+) -> Result<Option<Summit>, VibrationError> {
+    let until = motion.now.tau + MAX_WAIT * motion.stick_time();
     let mut lowest = motion.now.x;
     while motion.now.tau < until {
         let cut = motion.step(until)?;
         lowest = lowest.min(motion.now.x);
         show(motion, cut);
         if cut == Cut::Summit {
-            return Ok(Summit { state: motion.now.state(), fall: motion.now.x - lowest });
+            return Ok(Some(Summit { state: motion.now.state(), fall: motion.now.x - lowest }));
         }
     }
-    Err(VibrationError::NotFound { what: "vibration", reason: "the mass does not come back" })
+    Ok(None)
 }
 
 /// One more period, measured; extremes lie at ends of steps.
@@ -159,7 +175,8 @@ fn measured(motion: &mut Motion<process::Steady>, first: Summit, summits: usize)
                 detachments += usize::from(event.kind == EventKind::Detach);
                 lift_offs += usize::from(event.kind == EventKind::LiftOff);
             }
-        })?;
+        })?
+        .ok_or_else(lost)?;
     }
     let period = motion.now.tau - began;
     Ok(LimitCycle {
@@ -287,6 +304,20 @@ mod tests {
         let (slow, fast) = (cycle(&model(0.9, 0.05, 0.6)), cycle(&model(0.9, 0.05, 3.0)));
         assert_eq!(slow.detachments, 0);
         assert!((slow.period - fast.period).abs() < 1e-9 && (slow.normal[0] - fast.normal[0]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn springs_that_lean_the_other_way_lock() {
+        // det K(μ) = 3 − 4μ/3 then.
+        let springs = Parameters::default().springs;
+        let leaning = |friction: f64| {
+            let parameters = *model(friction, 0.05, 0.3).parameters();
+            Model::new(Parameters { springs: [springs[1], springs[0]], ..parameters }).unwrap()
+        };
+        let start = State { tangential: 0.1, tangential_velocity: 0.3, normal: 0.0, normal_velocity: 0.0 };
+        assert_eq!(limit_cycle(&leaning(2.3), Some(start)).unwrap(), Regime::Locked);
+        assert_eq!(limit_cycle(&leaning(2.0), Some(start)).unwrap(), Regime::Steady);
+        assert!(limit_cycle(&leaning(2.3), None).is_err());
     }
 
     #[test]

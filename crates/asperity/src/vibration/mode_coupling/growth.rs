@@ -234,7 +234,7 @@ impl Linear {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::super::{Damping, Mode, Parameters};
+    use super::super::{Damping, Mode, Parameters, State, Trajectory, TrajectorySettings};
     use super::*;
     use crate::friction::process::{ProcessModel, RecordedProcess, Steady};
     use crate::monitor::Silent;
@@ -294,6 +294,34 @@ mod tests {
             let found = rate(periods, 100);
             assert!((found - 0.077_701_506_391_896_69).abs() < 1.0 / (3.2 * f64::from(periods)), "{periods}: {found}");
         }
+    }
+
+    #[test]
+    fn a_slope_of_the_fluctuation_stiffens_the_mass() {
+        // Uncoupled, under m = 0.3 s and the constant normal force 1, motion is linear: the difference of two trajectories from
+        // one place obeys the linearised system.
+        let model = Model::new(Parameters {
+            angles_deg: [0.0, 90.0],
+            springs: [1.0, 1.0],
+            damping: Damping::Axes { tangential: 0.1, normal: 0.1 },
+            belt_velocity: 1.0,
+            ..Parameters::default()
+        })
+        .unwrap();
+        let ramp = RecordedProcess::new(0.1, (0..400).map(|i| 0.03 * f64::from(i)).collect()).unwrap();
+        let end = |x: f64, u: f64| {
+            let start = State { tangential: x, tangential_velocity: u, normal: 0.0, normal_velocity: 0.0 };
+            let settings = TrajectorySettings { duration: 7.0, start: Some(start) };
+            Trajectory::simulate(&model, ramp.path(), &settings).unwrap().end
+        };
+        let (a, b) = (end(0.9, 0.0), end(0.9, -0.2));
+        let system = Linear::new(&model, 0.8, 7.0, 0.0).unwrap();
+        let (mut state, mut tau) = ([0.0, -0.2, 0.0, 0.0], 0.0);
+        while tau < 7.0 {
+            tau += system.advance(&mut state, 0.0, 0.3, 7.0 - tau);
+        }
+        assert!((b.tangential - a.tangential - state[0]).abs() < 1e-13);
+        assert!((b.tangential_velocity - a.tangential_velocity - state[1]).abs() < 1e-13);
     }
 
     #[test]

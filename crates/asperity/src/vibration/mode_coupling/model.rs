@@ -73,7 +73,7 @@ impl Default for Parameters {
 
 /// The state in which the mass rests in space and the belt slides under it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Steady {
+pub struct SteadySliding {
     /// x.
     pub tangential: f64,
     /// y.
@@ -183,12 +183,12 @@ impl Model {
 
     /// Steady sliding at the coefficient μ, under the normal force det K(0)/det K(μ); none where the stiffness with friction
     /// K(μ) has no positive determinant, so that nothing holds the mass.
-    pub fn steady(&self, friction: f64) -> Option<Steady> {
+    pub fn steady(&self, friction: f64) -> Option<SteadySliding> {
         let [k11, k12, k22] = self.stiffness;
         let determinant = k11 * k22 - k12 * (k12 - friction * self.parameters.contact_stiffness);
         let (tangential, normal) = (k22 * friction / determinant, -k12 * friction / determinant);
         let normal_force = 1.0 + self.parameters.contact_stiffness * normal;
-        (determinant > 0.0).then_some(Steady { tangential, normal, normal_force })
+        (determinant > 0.0).then_some(SteadySliding { tangential, normal, normal_force })
     }
 }
 
@@ -248,7 +248,7 @@ mod tests {
         let model = Model::new(Parameters { springs: [0.3, 1.7], ..Parameters::default() }).unwrap();
         let [k11, k12, k22] = model.stiffness();
         for friction in [0.1, 0.5, 1.5] {
-            let Steady { tangential: x, normal: y, normal_force: n } = model.steady(friction).unwrap();
+            let SteadySliding { tangential: x, normal: y, normal_force: n } = model.steady(friction).unwrap();
             assert!((k11 * x + k12 * y - friction * n).abs() < 1e-15);
             assert!((k12 * x + k22 * y).abs() < 1e-15);
             assert_eq!(n, 1.0 + model.parameters().contact_stiffness * y);

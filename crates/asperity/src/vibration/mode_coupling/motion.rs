@@ -207,6 +207,11 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         Ok(motion)
     }
 
+    /// 1 + μ_s/(k₁₁V), about the longest stick but for coupling.
+    pub(super) fn stick_time(&self) -> f64 {
+        1.0 + self.model.parameters().static_friction / (self.model.stiffness[0] * self.model.belt_velocity())
+    }
+
     /// k₃.
     pub(super) fn contact_stiffness(&self) -> f64 {
         self.model.parameters().contact_stiffness

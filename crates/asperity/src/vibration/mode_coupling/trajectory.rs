@@ -221,12 +221,17 @@ mod tests {
     #[test]
     fn small_motion_grows_with_the_real_part_of_the_eigenvalue() {
         let damping = Damping::Modal { ratios: [0.03, 0.01] };
-        for friction in [0.4, 0.9] {
-            let law = FrictionLaw::Coulomb { kinetic: friction };
-            let model =
-                Model::new(Parameters { damping, law, static_friction: friction, ..Parameters::default() }).unwrap();
+        // Coulomb friction makes it linear exactly; under a falling law what is not linear is of the order of the amplitude.
+        for (law, a, tolerance) in [
+            (FrictionLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
+            (FrictionLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
+            (FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
+            (FrictionLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
+        ] {
+            let model = Model::new(Parameters { damping, law, static_friction: 0.9, ..Parameters::default() }).unwrap();
+            let friction = model.sliding_friction();
             let [k11, k12, _] = model.stiffness();
-            let [c11, c12, _] = model.damping();
+            let (c11, c12) = (model.effective_damping(friction), model.damping()[1]);
             let steady = model.steady(friction).unwrap();
             for mode in modes(&model, friction) {
                 // Eigenvector (1, r), r = −(λ² + c₁₁λ + k₁₁)/(c₁₂λ + k₁₂ − μk₃), in real and imaginary parts.
@@ -235,7 +240,6 @@ mod tests {
                 let bottom = (c12 * g + k12 - friction * 4.0 / 3.0, c12 * w);
                 let size = bottom.0 * bottom.0 + bottom.1 * bottom.1;
                 let r = (-(top.0 * bottom.0 + top.1 * bottom.1) / size, -(top.1 * bottom.0 - top.0 * bottom.1) / size);
-                let a = 1e-3;
                 let start = state(steady.tangential + a, a * g, steady.normal + a * r.0, a * (g * r.0 - w * r.1));
                 // After two periods the deviation is the same, e^{growth·τ} as large.
                 let duration = 2.0 * TAU / w;
@@ -249,7 +253,7 @@ mod tests {
                     (end.normal_velocity, start.normal_velocity),
                 ] {
                     let growth = (after / before).ln() / duration;
-                    assert!((growth - g).abs() < 1e-12 * a / before.abs() / 1e-3, "{friction}: {growth} {g}");
+                    assert!((growth - g).abs() < tolerance * (a / before).abs(), "{law:?}: {growth} {g}");
                 }
             }
         }
@@ -322,11 +326,11 @@ mod tests {
         let points = Trajectory::portrait(&lively(), Steady, &settings, 0.0, 14_001).unwrap();
         let trajectory = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
         assert_eq!((points.len(), points[14_000].state), (14_001, trajectory.end));
-        for (points, kind) in [(Contact::Stick, EventKind::Detach), (Contact::Flight, EventKind::Landing)]
+        for (mut points, kind) in [(Contact::Stick, EventKind::Detach), (Contact::Flight, EventKind::Landing)]
             .map(|(contact, kind)| (points.iter().filter(move |p| p.contact == contact), kind))
         {
             let last = trajectory.events.iter().rev().find(|event| event.kind == kind).unwrap();
-            let before = points.filter(|p| p.tau <= last.tau).last().unwrap();
+            let before = points.rfind(|p| p.tau <= last.tau).unwrap();
             assert!(last.tau - before.tau <= 1e-3 && (last.state.normal - before.state.normal).abs() < 2e-3);
         }
         let share = points.iter().filter(|p| p.contact == Contact::Flight).count() as f64 / 14_001.0;

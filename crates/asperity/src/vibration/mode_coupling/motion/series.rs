@@ -143,8 +143,8 @@ impl Series {
     /// First time in (0, h] at which the force that stick needs reaches the limit `friction`·n in a direction ±.
     pub(super) fn release(&self, friction: f64, direction: f64, h: f64) -> Option<f64> {
         let mut margin = [0.0; MOST_TERMS];
-        for k in 0..self.len {
-            margin[k] = friction * self.normal[k] - direction * self.holding[k];
+        for (margin, (normal, holding)) in margin.iter_mut().zip(self.normal.iter().zip(&self.holding)) {
+            *margin = friction * normal - direction * holding;
         }
         first_end(&margin[..self.len], 1.0, h)
     }
