@@ -25,6 +25,7 @@ mod events;
 mod lanes;
 mod law;
 mod locked;
+pub mod mode_coupling;
 mod motion;
 #[cfg(test)]
 mod oracle;

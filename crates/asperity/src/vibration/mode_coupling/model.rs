@@ -1,0 +1,292 @@
+//! The oscillator with two degrees of freedom and its state of steady sliding.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::{FrictionLaw, VibrationError, non_negative, positive};
+
+/// Largest stiffness, velocity, friction coefficient and damping; beyond, an answer would be a number without meaning.
+const MOST: f64 = 1e6;
+/// ω₂² − ω₁² over ω₂² below which the modes count as equal.
+const DISTINCT: f64 = 1e-9;
+
+/// How the motion is damped, by a force −C·(x′, y′) that also acts in flight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Damping {
+    /// Damping ratios ζ₁, ζ₂ of the modes without friction, the slow one first: C has their shapes and the values 2ζᵢωᵢ.
+    Modal {
+        /// ζ₁ and ζ₂.
+        ratios: [f64; 2],
+    },
+    /// C = a·1 + b·K, with the stiffness K of the mass in contact without friction.
+    Proportional {
+        /// a.
+        mass: f64,
+        /// b.
+        stiffness: f64,
+    },
+    /// One damper along the belt and one across.
+    Axes {
+        /// Along x.
+        tangential: f64,
+        /// Along y.
+        normal: f64,
+    },
+}
+
+/// What a [`Model`] is made of; see there for the meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Parameters {
+    /// α₁ and α₂: directions of the inclined springs in degrees, from the belt's velocity towards the belt.
+    pub angles_deg: [f64; 2],
+    /// k₁ and k₂ ≥ 0.
+    pub springs: [f64; 2],
+    /// k₃ > 0.
+    pub contact_stiffness: f64,
+    /// Damping.
+    pub damping: Damping,
+    /// μ_s, the stick limit.
+    pub static_friction: f64,
+    /// Kinetic law μ(|v|).
+    pub law: FrictionLaw,
+    /// V > 0.
+    pub belt_velocity: f64,
+}
+
+impl Default for Parameters {
+    /// Springs at 150° and 30° with k₁, k₂ = ⅔(2 ∓ √3) and k₃ = 4/3, without damping, so that K = \[2, 1 − Δ; 1, 2\] with
+    /// Δ = 4μ/3 and ω² = 2 ± √(1 − Δ): the modes meet at μ = ¾. Coulomb friction μ = 0.8, V = 0.5.
+    fn default() -> Self {
+        let root = 3.0_f64.sqrt();
+        Self {
+            angles_deg: [150.0, 30.0],
+            springs: [2.0 / 3.0 * (2.0 - root), 2.0 / 3.0 * (2.0 + root)],
+            contact_stiffness: 4.0 / 3.0,
+            damping: Damping::Axes { tangential: 0.0, normal: 0.0 },
+            static_friction: 0.8,
+            law: FrictionLaw::Coulomb { kinetic: 0.8 },
+            belt_velocity: 0.5,
+        }
+    }
+}
+
+/// The state in which the mass rests in space and the belt slides under it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SteadySliding {
+    /// x.
+    pub tangential: f64,
+    /// y.
+    pub normal: f64,
+    /// n = 1 + k₃y > 0.
+    pub normal_force: f64,
+}
+
+/// A mass on two inclined springs, pressed on a moving belt through a contact spring, checked and dimensionless.
+///
+/// With x along the belt's velocity, y into the belt, zero where the static normal force 1 acts alone, and the contact
+/// force n = max(0, 1 + k₃y),
+///
+/// - x″ = −k₁₁x − k₁₂y − (C·(x′, y′))ₓ + sign(V − x′)·\[μ(|V − x′|) + m(s)\]·n,
+/// - y″ = −k₁₂x − k_yy·y − (C·(x′, y′))_y + 1 − n,
+/// - k₁₁ = Σkᵢcos²αᵢ, k₁₂ = Σkᵢ sin αᵢ cos αᵢ, k_yy = Σkᵢ sin²αᵢ; in contact k₂₂ = k_yy + k₃;
+/// - stick, x′ = V, as long as the friction that this needs is at most (μ_s + m)·n.
+///
+/// The sliding distance s = ∫|V − x′|dτ stands still in stick and in flight.
+///
+/// # References
+/// Hoffmann, Fischer, Allgaier & Gaul, *Mechanics Research Communications* **29** (2002) 197,
+/// <https://doi.org/10.1016/S0093-6413(02)00254-9>; stick, flight and fluctuation are added here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Model {
+    parameters: Parameters,
+    /// k₁₁, k₁₂, k₂₂ in contact.
+    pub(super) stiffness: [f64; 3],
+    /// c₁₁, c₁₂, c₂₂.
+    pub(super) damping: [f64; 3],
+}
+
+impl Model {
+    /// Checks the parameters: finite angles, stiffnesses, damping and friction up to 10⁶, 0 < V ≤ 10⁶, μ_k ≤ μ_s, and
+    /// springs that hold the mass (k₁₁k₂₂ > k₁₂²). Modal damping of two equal modes must have equal ratios.
+    pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
+        let Parameters { angles_deg, springs, contact_stiffness, static_friction, law, belt_velocity, .. } = parameters;
+        let bounded = |parameter, value: f64| {
+            if value.abs() <= MOST {
+                Ok(())
+            } else {
+                Err(VibrationError::Parameter { parameter, value, wanted: "of a size up to 1e6" })
+            }
+        };
+        angles_deg.iter().try_for_each(|&angle| bounded("angle of a spring", angle))?;
+        for spring in springs {
+            non_negative("stiffness of a spring", spring)?;
+            bounded("stiffness of a spring", spring)?;
+        }
+        for (name, value) in [
+            ("contact_stiffness", contact_stiffness),
+            ("static_friction", static_friction),
+            ("belt_velocity", belt_velocity),
+        ] {
+            positive(name, value)?;
+            bounded(name, value)?;
+        }
+        law.validate()?;
+        bounded("velocity weakening of the friction law", law.weakening(0.0))?;
+        if law.kinetic() > static_friction {
+            let value = law.kinetic();
+            let wanted = "at most the static friction";
+            return Err(VibrationError::Parameter { parameter: "kinetic_friction", value, wanted });
+        }
+        let mut stiffness = [0.0, 0.0, contact_stiffness];
+        for (angle, k) in angles_deg.iter().zip(springs) {
+            let (sin, cos) = angle.to_radians().sin_cos();
+            stiffness[0] += k * cos * cos;
+            stiffness[1] += k * sin * cos;
+            stiffness[2] += k * sin * sin;
+        }
+        let [k11, k12, k22] = stiffness;
+        let determinant = k11 * k22 - k12 * k12;
+        if determinant.is_nan() || determinant <= 1e-12 * k11 * k22 {
+            let wanted = "positive: the springs do not hold the mass";
+            return Err(VibrationError::Parameter { parameter: "k11·k22 - k12²", value: determinant, wanted });
+        }
+        let damping = damping_matrix(parameters.damping, stiffness)?;
+        damping.iter().try_for_each(|&c| bounded("damping", c))?;
+        Ok(Self { parameters, stiffness, damping })
+    }
+
+    /// The parameters it was made of.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Stiffness (k₁₁, k₁₂, k₂₂) of the mass in contact, without friction.
+    pub fn stiffness(&self) -> [f64; 3] {
+        self.stiffness
+    }
+
+    /// Damping (c₁₁, c₁₂, c₂₂).
+    pub fn damping(&self) -> [f64; 3] {
+        self.damping
+    }
+
+    /// V.
+    pub fn belt_velocity(&self) -> f64 {
+        self.parameters.belt_velocity
+    }
+
+    /// μ(V), the coefficient of steady sliding.
+    pub fn sliding_friction(&self) -> f64 {
+        self.parameters.law.coefficient(self.parameters.belt_velocity)
+    }
+
+    /// Steady sliding at the coefficient μ, under the normal force det K(0)/det K(μ); none where the stiffness with friction
+    /// K(μ) has no positive determinant, so that nothing holds the mass.
+    pub fn steady(&self, friction: f64) -> Option<SteadySliding> {
+        let [k11, k12, k22] = self.stiffness;
+        let determinant = k11 * k22 - k12 * (k12 - friction * self.parameters.contact_stiffness);
+        let (tangential, normal) = (k22 * friction / determinant, -k12 * friction / determinant);
+        let normal_force = 1.0 + self.parameters.contact_stiffness * normal;
+        (determinant > 0.0).then_some(SteadySliding { tangential, normal, normal_force })
+    }
+}
+
+/// C for a given K; both symmetric, as (11, 12, 22).
+fn damping_matrix(damping: Damping, stiffness: [f64; 3]) -> Result<[f64; 3], VibrationError> {
+    let (mass, share) = match damping {
+        Damping::Axes { tangential, normal } => {
+            non_negative("tangential damping", tangential)?;
+            non_negative("normal damping", normal)?;
+            return Ok([tangential, 0.0, normal]);
+        }
+        Damping::Proportional { mass, stiffness } => (mass, stiffness),
+        Damping::Modal { ratios } => {
+            let [k11, k12, k22] = stiffness;
+            let (mean, radius) = (0.5 * (k11 + k22), (0.5 * (k11 - k22)).hypot(k12));
+            let fast = mean + radius;
+            let slow = (k11 * k22 - k12 * k12) / fast;
+            // Every function of a symmetric 2 × 2 matrix is a·1 + b·K.
+            let wanted = [2.0 * ratios[0] * slow.sqrt(), 2.0 * ratios[1] * fast.sqrt()];
+            ratios.iter().try_for_each(|&ratio| non_negative("damping ratio", ratio))?;
+            if 2.0 * radius <= DISTINCT * fast {
+                if ratios[0] != ratios[1] {
+                    let wanted = "that of the first mode, because the modes have one frequency";
+                    return Err(VibrationError::Parameter { parameter: "damping ratio", value: ratios[1], wanted });
+                }
+                (wanted[0], 0.0)
+            } else {
+                let share = (wanted[1] - wanted[0]) / (fast - slow);
+                return Ok(combination(wanted[0] - share * slow, share, stiffness));
+            }
+        }
+    };
+    non_negative("damping proportional to the mass", mass)?;
+    non_negative("damping proportional to the stiffness", share)?;
+    Ok(combination(mass, share, stiffness))
+}
+
+/// a·1 + b·K.
+fn combination(a: f64, b: f64, [k11, k12, k22]: [f64; 3]) -> [f64; 3] {
+    [a + b * k11, b * k12, a + b * k22]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_has_the_stiffness_of_the_example() {
+        let model = Model::new(Parameters::default()).unwrap();
+        for (found, wanted) in model.stiffness().iter().zip([2.0, 1.0, 2.0]) {
+            assert!((found - wanted).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn forces_balance_in_steady_sliding() {
+        let model = Model::new(Parameters { springs: [0.3, 1.7], ..Parameters::default() }).unwrap();
+        let [k11, k12, k22] = model.stiffness();
+        for friction in [0.1, 0.5, 1.5] {
+            let SteadySliding { tangential: x, normal: y, normal_force: n } = model.steady(friction).unwrap();
+            assert!((k11 * x + k12 * y - friction * n).abs() < 1e-15);
+            assert!((k12 * x + k22 * y).abs() < 1e-15);
+            assert_eq!(n, 1.0 + model.parameters().contact_stiffness * y);
+            let ratio = (k11 * k22 - k12 * k12) / (k11 * k22 - k12 * (k12 - friction * 4.0 / 3.0));
+            assert!((n - ratio).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn modal_damping_damps_the_modes_it_names() {
+        let damping = Damping::Modal { ratios: [0.02, 0.07] };
+        let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
+        let [c11, c12, c22] = model.damping();
+        // Modes (1, ∓1) with ω² = 1 and 3.
+        for (found, wanted) in [(c11 - c12, 0.04), (c22 - c12, 0.04), (c11 + c12, 0.14 * 3.0_f64.sqrt())] {
+            assert!((found - wanted).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused_at_the_door() {
+        let fine = Parameters::default();
+        let law = FrictionLaw::Coulomb { kinetic: 0.9 };
+        for parameters in [
+            Parameters { angles_deg: [f64::NAN, 30.0], ..fine },
+            Parameters { springs: [-1.0, 1.0], ..fine },
+            Parameters { springs: [0.0, 0.0], ..fine },
+            Parameters { angles_deg: [30.0, 30.0], contact_stiffness: 1e-15, ..fine },
+            Parameters { contact_stiffness: 0.0, ..fine },
+            Parameters { belt_velocity: 1e9, ..fine },
+            Parameters { law, ..fine },
+            Parameters { damping: Damping::Modal { ratios: [0.1, -0.1] }, ..fine },
+            Parameters { damping: Damping::Axes { tangential: 0.0, normal: f64::INFINITY }, ..fine },
+            Parameters { damping: Damping::Proportional { mass: -1.0, stiffness: 0.0 }, ..fine },
+        ] {
+            assert!(Model::new(parameters).is_err(), "{parameters:?}");
+        }
+        assert!(serde_json::from_str::<Parameters>(r#"{"spring": [1.0, 1.0]}"#).is_err());
+        assert_eq!(serde_json::from_str::<Parameters>("{}").unwrap(), fine);
+    }
+}
