@@ -31,8 +31,8 @@ use std::time::Instant;
 use asperity::friction::process::{Fluctuation, FrictionProcess, ProcessModel, Steady};
 use asperity::monitor::Silent;
 use asperity::vibration::{
-    Drive, Ensemble, EnsembleSettings, Event, EventKind, Oscillator, Trajectory, TrajectorySettings, damping_sweep,
-    deterministic_slips, limit_cycle,
+    Drive, Ensemble, EnsembleSettings, Event, EventKind, Method, Oscillator, Trajectory, TrajectorySettings,
+    damping_sweep, deterministic_slips, limit_cycle,
 };
 use serde_json::{Value, json};
 
@@ -97,7 +97,7 @@ impl Job {
     }
 
     fn settings(&self, duration: f64) -> TrajectorySettings {
-        TrajectorySettings { duration, start: Some(self.oscillator.default_start()), drive: Drive::Distance }
+        TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::default() }
     }
 
     /// Time in which a mass from the default start finishes at least `cycles` cycles.
@@ -141,7 +141,7 @@ impl Job {
 
     /// When lanes finish cycle `number`: the least duration in which they count so many.
     fn end_of_cycle(&self, number: usize) -> Result<f64> {
-        let machines = [self.oscillator; 8];
+        let machines = vec![self.oscillator.clone(); 8];
         let (mut before, mut after) = (0.0, self.long_enough(number)?);
         loop {
             let middle = 0.5 * (before + after);

@@ -267,7 +267,7 @@ mod tests {
                 springs: [1.0, 2.0],
                 damping: Damping::Axes { tangential: 2.0 * ratio, normal: 0.1 },
                 static_friction,
-                law,
+                law: law.clone(),
                 belt_velocity,
                 ..Parameters::default()
             })
@@ -311,8 +311,8 @@ mod tests {
         // det K(μ) = 3 − 4μ/3 then.
         let springs = Parameters::default().springs;
         let leaning = |friction: f64| {
-            let parameters = *model(friction, 0.05, 0.3).parameters();
-            Model::new(Parameters { springs: [springs[1], springs[0]], ..parameters }).unwrap()
+            let parameters = model(friction, 0.05, 0.3).parameters().clone();
+            Model::new(Parameters { springs: [springs[1], springs[0]], ..parameters.clone() }).unwrap()
         };
         let start = State { tangential: 0.1, tangential_velocity: 0.3, normal: 0.0, normal_velocity: 0.0 };
         assert_eq!(limit_cycle(&leaning(2.3), Some(start)).unwrap(), Regime::Locked);

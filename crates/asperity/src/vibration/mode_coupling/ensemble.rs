@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::super::reattachment::RunningMoments;
+use super::super::sample_law::RunningMoments;
 use super::super::{Count, Failure, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;

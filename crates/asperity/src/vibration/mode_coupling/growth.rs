@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::reattachment::RunningMoments;
+use super::super::sample_law::RunningMoments;
 use super::super::{Failure, VibrationError, positive};
 use super::ensemble::{Runs, run_all};
 use super::{Model, modes};
-use crate::friction::process::{Fluctuation, FrictionProcess};
+use crate::friction::process::{Cell, Fluctuation, FrictionProcess};
 use crate::monitor::Monitor;
 use crate::stats::{quantile_sorted, sorted_present, wilson_interval};
 
@@ -142,25 +142,17 @@ impl Linear {
         // Neither mode is absent from this state but by chance.
         let mut state = [1.0, 0.3, -0.5, 0.2];
         let end = self.settling + self.duration;
-        let step = fluctuation.step().map_or(f64::INFINITY, |step| step / self.velocity);
-        let (mut tau, mut index, mut knots) = (0.0, 0_u64, [0.0; 2]);
-        let (mut log_size, mut at_start) = (0.0, None);
-        if step.is_finite() {
-            knots[1] = self.knot(&mut fluctuation, tau)?;
-        }
+        let (mut tau, mut log_size, mut at_start) = (0.0, 0.0, None);
         while tau < end {
+            let cell = self.cell(&mut fluctuation, tau)?;
             // The times of knots are not summed up.
-            let next = if step.is_finite() { (index + 1) as f64 * step } else { end };
-            let mut slope = 0.0;
-            if step.is_finite() {
-                knots = [knots[1], self.knot(&mut fluctuation, tau)?];
-                slope = (knots[1] - knots[0]) / step;
-            }
+            let next = cell.end / self.velocity;
+            let slope = if cell.length.is_finite() { cell.slope() * self.velocity } else { 0.0 };
             let began = tau;
             for goal in [self.settling, end] {
                 let goal = goal.min(next);
                 while tau < goal {
-                    let m = knots[0] + slope * (tau - began);
+                    let m = cell.left + slope * (tau - began);
                     let h = self.advance(&mut state, m, slope, goal - tau);
                     tau = if h == goal - tau { goal } else { tau + h };
                 }
@@ -173,17 +165,16 @@ impl Linear {
                 log_size += largest.ln();
                 state.iter_mut().for_each(|z| *z /= largest);
             }
-            index += 1;
         }
         Ok((log_size + self.log_size(&state) - at_start.unwrap_or(f64::NAN)) / self.duration)
     }
 
-    fn knot(&self, fluctuation: &mut impl Fluctuation, tau: f64) -> Result<f64, VibrationError> {
+    fn cell(&self, fluctuation: &mut impl Fluctuation, tau: f64) -> Result<Cell, VibrationError> {
         let sliding_distance = self.velocity * tau;
-        let m = fluctuation.next_knot().ok_or(VibrationError::ProcessTooShort { tau, coordinate: sliding_distance })?;
-        let coefficient = self.friction + m;
+        let cell = fluctuation.next_cell().ok_or(VibrationError::ProcessTooShort { tau, coordinate: sliding_distance })?;
+        let coefficient = self.friction + cell.left.min(cell.right);
         if coefficient > 0.0 {
-            Ok(m)
+            Ok(cell)
         } else {
             Err(VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance })
         }
@@ -339,6 +330,6 @@ mod tests {
         assert_eq!(one, two);
         assert!(one.se < 0.002 && (one.mean - one.deterministic).abs() < 0.02, "{one:?}");
         assert!(one.quantiles[0] < one.mean && one.mean < one.quantiles[2]);
-        assert!(growth_rates(&model, 0.8, &process, &GrowthSettings { trajectories: 1, ..settings }, &Silent).is_err());
+        assert!(growth_rates(&model, 0.8, &process, &GrowthSettings { trajectories: 1, ..settings.clone() }, &Silent).is_err());
     }
 }

@@ -35,7 +35,7 @@ pub enum Damping {
 }
 
 /// What a [`Model`] is made of; see there for the meaning.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// α₁ and α₂: directions of the inclined springs in degrees, from the belt's velocity towards the belt.
@@ -97,7 +97,7 @@ pub struct SteadySliding {
 /// # References
 /// Hoffmann, Fischer, Allgaier & Gaul, *Mechanics Research Communications* **29** (2002) 197,
 /// <https://doi.org/10.1016/S0093-6413(02)00254-9>; stick, flight and fluctuation are added here.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     parameters: Parameters,
     /// k₁₁, k₁₂, k₂₂ in contact.
@@ -110,7 +110,8 @@ impl Model {
     /// Checks the parameters: finite angles, stiffnesses, damping and friction up to 10⁶, 0 < V ≤ 10⁶, μ_k ≤ μ_s, and
     /// springs that hold the mass (k₁₁k₂₂ > k₁₂²). Modal damping of two equal modes must have equal ratios.
     pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
-        let Parameters { angles_deg, springs, contact_stiffness, static_friction, law, belt_velocity, .. } = parameters;
+        let Parameters { angles_deg, springs, contact_stiffness, static_friction, belt_velocity, .. } = parameters;
+        let law = &parameters.law;
         let bounded = |parameter, value: f64| {
             if value.abs() <= MOST {
                 Ok(())
@@ -132,6 +133,10 @@ impl Model {
             bounded(name, value)?;
         }
         law.validate()?;
+        if let FrictionLaw::Tabulated(_) = law {
+            let reason = "mode coupling takes laws with a formula, no table";
+            return Err(VibrationError::NotFound { what: "series of the friction law", reason });
+        }
         bounded("velocity weakening of the friction law", law.weakening(0.0))?;
         if law.kinetic() > static_friction {
             let value = law.kinetic();
@@ -273,18 +278,18 @@ mod tests {
         let fine = Parameters::default();
         let law = FrictionLaw::Coulomb { kinetic: 0.9 };
         for parameters in [
-            Parameters { angles_deg: [f64::NAN, 30.0], ..fine },
-            Parameters { springs: [-1.0, 1.0], ..fine },
-            Parameters { springs: [0.0, 0.0], ..fine },
-            Parameters { angles_deg: [30.0, 30.0], contact_stiffness: 1e-15, ..fine },
-            Parameters { contact_stiffness: 0.0, ..fine },
-            Parameters { belt_velocity: 1e9, ..fine },
-            Parameters { law, ..fine },
-            Parameters { damping: Damping::Modal { ratios: [0.1, -0.1] }, ..fine },
-            Parameters { damping: Damping::Axes { tangential: 0.0, normal: f64::INFINITY }, ..fine },
-            Parameters { damping: Damping::Proportional { mass: -1.0, stiffness: 0.0 }, ..fine },
+            Parameters { angles_deg: [f64::NAN, 30.0], ..fine.clone() },
+            Parameters { springs: [-1.0, 1.0], ..fine.clone() },
+            Parameters { springs: [0.0, 0.0], ..fine.clone() },
+            Parameters { angles_deg: [30.0, 30.0], contact_stiffness: 1e-15, ..fine.clone() },
+            Parameters { contact_stiffness: 0.0, ..fine.clone() },
+            Parameters { belt_velocity: 1e9, ..fine.clone() },
+            Parameters { law, ..fine.clone() },
+            Parameters { damping: Damping::Modal { ratios: [0.1, -0.1] }, ..fine.clone() },
+            Parameters { damping: Damping::Axes { tangential: 0.0, normal: f64::INFINITY }, ..fine.clone() },
+            Parameters { damping: Damping::Proportional { mass: -1.0, stiffness: 0.0 }, ..fine.clone() },
         ] {
-            assert!(Model::new(parameters).is_err(), "{parameters:?}");
+            assert!(Model::new(parameters.clone()).is_err(), "{parameters:?}");
         }
         assert!(serde_json::from_str::<Parameters>(r#"{"spring": [1.0, 1.0]}"#).is_err());
         assert_eq!(serde_json::from_str::<Parameters>("{}").unwrap(), fine);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use self::series::{Series, holding};
 use super::super::VibrationError;
 use super::Model;
-use crate::friction::process::Fluctuation;
+use crate::friction::process::{Cell, Fluctuation};
 
 /// Steps in a row that may leave the time where it is.
 const MAX_IDLE_STEPS: usize = 100;
@@ -144,23 +144,14 @@ impl Now {
     }
 }
 
-/// The straight line of the friction process between two knots.
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    index: usize,
-    left: f64,
-    right: f64,
-    slope: f64,
-    start: f64,
-    end: f64,
-}
-
 /// A mass while it is followed.
 #[derive(Debug)]
 pub(super) struct Motion<'a, F> {
     model: &'a Model,
     fluctuation: F,
     cell: Cell,
+    /// Where it begins.
+    began: f64,
     pub(super) now: Now,
     /// Contact during the last step, and when it began.
     pub(super) passed: (Contact, f64),
@@ -189,15 +180,10 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             released: false,
             touching: false,
         };
-        let cell = Cell { index: 0, left: 0.0, right: 0.0, slope: 0.0, start: 0.0, end: f64::INFINITY };
+        let cell = Cell { end: 0.0, length: f64::INFINITY, left: 0.0, right: 0.0 };
         let passed = (Contact::Slip, 0.0);
-        let mut motion = Self { model, fluctuation, cell, now, passed, series: Series::ZERO, idle_steps: 0 };
-        if let Some(step) = motion.fluctuation.step() {
-            motion.now.m = motion.draw()?;
-            let right = motion.draw()?;
-            let left = motion.now.m;
-            motion.cell = Cell { index: 0, left, right, slope: (right - left) / step, start: 0.0, end: step };
-        }
+        let mut motion = Self { model, fluctuation, cell, began: 0.0, now, passed, series: Series::ZERO, idle_steps: 0 };
+        motion.next_cell()?;
         if motion.now.normal(model) < 0.0 {
             motion.now.contact = Contact::Flight;
         } else {
@@ -215,11 +201,6 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
     /// k₃.
     pub(super) fn contact_stiffness(&self) -> f64 {
         self.model.parameters().contact_stiffness
-    }
-
-    fn draw(&mut self) -> Result<f64, VibrationError> {
-        let exhausted = VibrationError::ProcessTooShort { tau: self.now.tau, coordinate: self.now.sliding_distance };
-        self.fluctuation.next_knot().ok_or(exhausted)
     }
 
     /// Advances to the next cut, at most to `until`.
@@ -251,7 +232,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
     }
 
     fn expand(&mut self, until: f64, horizon: f64) -> f64 {
-        self.series.expand(self.model, &self.now, self.cell.slope, horizon);
+        self.series.expand(self.model, &self.now, self.slope(), horizon);
         self.series.reach(horizon.min(until - self.now.tau))
     }
 
@@ -287,7 +268,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             return Ok(Cut::None);
         }
         self.now.sliding_distance = distance;
-        self.now.m = self.cell.left + self.cell.slope * (distance - self.cell.start);
+        self.now.m = self.cell.left + self.slope() * (distance - self.began);
         match kind {
             None => Ok(self.at_turn(turn)),
             Some(EventKind::LiftOff) => Ok(self.lift_off()),
@@ -417,14 +398,15 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
 
     /// Moves into the next cell of the friction process.
     fn next_cell(&mut self) -> Result<(), VibrationError> {
-        let Some(step) = self.fluctuation.step() else { return Ok(()) };
-        let left = self.cell.right;
-        let right = self.draw()?;
-        let index = self.cell.index + 1;
-        let (start, end) = (index as f64 * step, (index + 1) as f64 * step);
-        self.cell = Cell { index, left, right, slope: (right - left) / step, start, end };
-        self.now.m = left;
+        let exhausted = VibrationError::ProcessTooShort { tau: self.now.tau, coordinate: self.now.sliding_distance };
+        (self.began, self.cell) = (self.cell.end, self.fluctuation.next_cell().ok_or(exhausted)?);
+        self.now.m = self.cell.left;
         Ok(())
+    }
+
+    /// dm/ds in this cell.
+    fn slope(&self) -> f64 {
+        if self.cell.length.is_finite() { self.cell.slope() } else { 0.0 }
     }
 
     fn event(&self, kind: EventKind) -> Cut {

@@ -228,7 +228,7 @@ mod tests {
             (FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
             (FrictionLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
         ] {
-            let model = Model::new(Parameters { damping, law, static_friction: 0.9, ..Parameters::default() }).unwrap();
+            let model = Model::new(Parameters { damping, law: law.clone(), static_friction: 0.9, ..Parameters::default() }).unwrap();
             let friction = model.sliding_friction();
             let [k11, k12, _] = model.stiffness();
             let (c11, c12) = (model.effective_damping(friction), model.damping()[1]);
@@ -345,14 +345,14 @@ mod tests {
             springs: [1.0, 2.0],
             damping: Damping::Axes { tangential: 0.34, normal: 0.1 },
             static_friction: 0.1,
-            law: oscillator.law(),
+            law: oscillator.law().clone(),
             belt_velocity: 0.003,
             ..Parameters::default()
         })
         .unwrap();
         let process = FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, 0.01)).unwrap();
         let drive = vibration::Drive::Distance;
-        let settings = vibration::TrajectorySettings { duration: 60.0, start: None, drive };
+        let settings = vibration::TrajectorySettings { duration: 60.0, start: None, drive, method: vibration::Method::Taylor };
         let wanted = vibration::Trajectory::simulate(&oscillator, process.path(1, 0), &settings).unwrap().events;
         let start = state(oscillator.default_start(), 0.003, 0.0, 0.0);
         let settings = TrajectorySettings { duration: 60.0, start: Some(start) };

@@ -56,9 +56,9 @@ impl Series {
         // Terms fall about like (ρh)ⁿ/n!; `reach` shortens the step if they do not.
         let scaled = horizon * (k11 + k22 + slope.abs()).sqrt().max(c11 + c22);
         self.len = if scaled < 0.07 {
-            10
+            12
         } else if scaled < 0.33 {
-            14
+            16
         } else {
             MOST_TERMS
         };
@@ -71,7 +71,7 @@ impl Series {
             self.holding[k] = holding(model, [self.x[k], self.u[k], self.y[k], self.v[k]]);
             let mut force = 0.0;
             if direction != 0.0 {
-                self.law[k] = law_term(parameters.law, &self.law, &self.w, k);
+                self.law[k] = law_term(&parameters.law, &self.law, &self.w, k);
                 self.friction[k] = self.law[k] + if k == 0 { now.m } else { slope * self.s[k] };
                 for j in 0..=k {
                     force += self.friction[j] * self.normal[k - j];
@@ -171,7 +171,7 @@ pub(super) fn holding(model: &Model, [x, u, y, v]: [f64; 4]) -> f64 {
 }
 
 /// Coefficient k of μ(w(t)), given those before.
-fn law_term(law: FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize) -> f64 {
+fn law_term(law: &FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize) -> f64 {
     match law {
         _ if k == 0 => law.coefficient(w[0]),
         FrictionLaw::Coulomb { .. } => 0.0,
@@ -184,6 +184,16 @@ fn law_term(law: FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize)
             }
             -decay * sum / (1.0 + decay * w[0])
         }
+        FrictionLaw::Exponential { high_speed, stribeck_velocity, .. } => {
+            // v₀μ′ = −(μ − μ_∞)w′.
+            let mut sum = k as f64 * w[k] * (before[0] - high_speed);
+            for j in 1..k {
+                sum += j as f64 * w[j] * before[k - j];
+            }
+            -sum / (k as f64 * stribeck_velocity)
+        }
+        // Models do not take tables.
+        FrictionLaw::Tabulated(_) => f64::NAN,
     }
 }
 
