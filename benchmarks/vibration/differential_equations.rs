@@ -34,6 +34,15 @@ impl Machine {
     }
 }
 
+/// A system in slip.
+trait Slipping<const N: usize>: ODE<f64, [f64; N]> + Event<f64, [f64; N]>
+where
+    [f64; N]: State<f64>,
+{
+    /// Time to the event from a state close to it.
+    fn rest(&self, y: &[f64; N], slope: &[f64; N]) -> f64;
+}
+
 /// X and X′ without fluctuation.
 impl ODE<f64, [f64; 2]> for Machine {
     fn diff(&self, _: f64, y: &[f64; 2], dydt: &mut [f64; 2]) {
@@ -48,6 +57,12 @@ impl Event<f64, [f64; 2]> for Machine {
 
     fn event(&self, _: f64, y: &[f64; 2]) -> f64 {
         self.velocity - y[1]
+    }
+}
+
+impl Slipping<2> for Machine {
+    fn rest(&self, y: &[f64; 2], slope: &[f64; 2]) -> f64 {
+        (self.velocity - y[1]) / slope[1]
     }
 }
 
@@ -81,6 +96,58 @@ impl Event<f64, [f64; 3]> for Path<'_> {
 
     fn event(&self, _: f64, y: &[f64; 3]) -> f64 {
         self.machine.velocity - y[1]
+    }
+}
+
+impl Slipping<3> for Path<'_> {
+    fn rest(&self, y: &[f64; 3], slope: &[f64; 3]) -> f64 {
+        (self.machine.velocity - y[1]) / slope[1]
+    }
+}
+
+/// One straight piece of a path, which ends at the next knot or where slip ends.
+struct Piece<'a> {
+    machine: &'a Machine,
+    start: f64,
+    end: f64,
+    left: f64,
+    slope: f64,
+}
+
+impl Piece<'_> {
+    fn to_knot(&self, y: &[f64; 3]) -> f64 {
+        self.end - y[2]
+    }
+
+    fn relative_velocity(&self, y: &[f64; 3]) -> f64 {
+        self.machine.velocity - y[1]
+    }
+}
+
+impl ODE<f64, [f64; 3]> for Piece<'_> {
+    fn diff(&self, _: f64, y: &[f64; 3], dydt: &mut [f64; 3]) {
+        let m = self.left + self.slope * (y[2] - self.start);
+        *dydt = [y[1], self.machine.acceleration(y[0], y[1], m), self.machine.velocity - y[1]];
+    }
+}
+
+impl Event<f64, [f64; 3]> for Piece<'_> {
+    fn config(&self) -> EventConfig {
+        EventConfig::new(CrossingDirection::Negative, Some(1))
+    }
+
+    fn event(&self, _: f64, y: &[f64; 3]) -> f64 {
+        self.relative_velocity(y).min(self.to_knot(y))
+    }
+}
+
+impl Slipping<3> for Piece<'_> {
+    fn rest(&self, y: &[f64; 3], slope: &[f64; 3]) -> f64 {
+        if self.relative_velocity(y) < self.to_knot(y) {
+            self.relative_velocity(y) / slope[1]
+        } else {
+            self.to_knot(y) / slope[2]
+        }
     }
 }
 
@@ -133,7 +200,7 @@ struct How {
 /// Time and state at the end of a slip, and whether it moved backwards.
 fn slip<const N: usize, S>(system: &S, start: [f64; N], how: How) -> (f64, [f64; N], bool)
 where
-    S: ODE<f64, [f64; N]> + Event<f64, [f64; N]>,
+    S: Slipping<N>,
     [f64; N]: State<f64>,
 {
     let mut method = ExplicitRungeKutta::dop853().rtol(how.rtol).atol(how.atol);
@@ -150,7 +217,7 @@ where
     let mut y = *again.y.last().expect("an end");
     let mut slope = y;
     system.diff(t, &y, &mut slope);
-    let rest = system.event(t, &y) / slope[1];
+    let rest = system.rest(&y, &slope);
     for (value, slope) in y.iter_mut().zip(slope) {
         *value += rest * slope;
     }
@@ -168,8 +235,27 @@ fn cycles(machine: &Machine, count: usize, how: How) -> f64 {
     total / count as f64
 }
 
+/// One slip from a detachment at `start`, piece by piece between knots.
+fn slip_by_pieces(path: &Path<'_>, start: [f64; 3], how: How) -> (f64, [f64; 3], bool) {
+    let (mut tau, mut y, mut reached_backward) = (0.0, start, false);
+    let mut cell = (y[2] / path.step) as usize;
+    loop {
+        let (left, right) = (path.knots[cell], path.knots[cell + 1]);
+        let slope = (right - left) / path.step;
+        let (start, end) = (cell as f64 * path.step, (cell + 1) as f64 * path.step);
+        let piece = Piece { machine: path.machine, start, end, left, slope };
+        let (t, state, backward) = slip(&piece, y, how);
+        (tau, y, reached_backward) = (tau + t, state, reached_backward || backward);
+        if piece.relative_velocity(&y) < piece.to_knot(&y) {
+            return (tau, y, reached_backward);
+        }
+        y[2] = end;
+        cell += 1;
+    }
+}
+
 /// Ends of the cycles of a trajectory.
-fn follow(path: &Path<'_>, duration: f64, how: How) -> Vec<f64> {
+fn follow(path: &Path<'_>, duration: f64, pieces: bool, how: How) -> Vec<f64> {
     let machine = path.machine;
     let (mut tau, mut x, mut s) = (0.0, 0.97 * machine.friction - 2.0 * machine.damping * machine.velocity, 0.0);
     let mut ends = Vec::new();
@@ -179,12 +265,14 @@ fn follow(path: &Path<'_>, duration: f64, how: How) -> Vec<f64> {
         if tau >= duration {
             return ends;
         }
-        let (t, [end, _, slid], reached_backward) = slip(path, [release, machine.velocity, s], how);
+        let start = [release, machine.velocity, s];
+        let (t, [end, _, slid], backward) =
+            if pieces { slip_by_pieces(path, start, how) } else { slip(path, start, how) };
         (x, s, tau) = (end, slid, tau + t);
         if tau > duration {
             return ends;
         }
-        if reached_backward {
+        if backward {
             ends.push(tau);
         }
     }
@@ -227,7 +315,7 @@ fn main() {
                 ends.clear();
                 ends.extend(knots.chunks(each).map(|knots| {
                     let path = Path { machine: &machine, knots, step: number("step") };
-                    follow(&path, number("duration"), how)
+                    follow(&path, number("duration"), words["pieces"] == "true", how)
                 }));
             });
             format!("\"ends\": {ends:?}")
