@@ -51,28 +51,29 @@ pub struct WindowCorrelation {
 
 impl WindowStudy {
     /// The study with ρ_0 = e^{−s/ℓ} of records at the mean load ([`Record::at_mean_load`]), which are moving averages; the
-    /// same strips, in the same order, under every window. Strips are taken for free ones.
+    /// same strips, in the same order, under every window. Strips are taken for free ones of one lane.
     ///
     /// # Errors
     /// No strip, records that do not vary, or strips shorter than about three windows.
     pub fn of(records: &[(Window, Vec<Record>)]) -> Result<Self, EstimateError> {
-        Self::with(records, RecordModel::Exponential, LengthSettings::default())
+        Self::with(records, 1, RecordModel::Exponential, LengthSettings::default())
     }
 
-    /// The study with another model or other ends. Ends are periodic only where the positions of every window go round the
+    /// The study of strips of so many lanes, with another model or other ends. Ends are periodic only where the positions of every window go round the
     /// strip evenly.
     ///
     /// # Errors
     /// As [`WindowStudy::of`].
     pub fn with(
         records: &[(Window, Vec<Record>)],
+        lanes: usize,
         model: RecordModel,
         settings: LengthSettings,
     ) -> Result<Self, EstimateError> {
         let channels: Vec<WindowedRecords<'_>> =
-            records.iter().map(|(window, records)| under(window, records)).collect();
+            records.iter().map(|(window, records)| under(window, records, lanes)).collect();
         let joint = fit_length(&channels, model, settings)?;
-        let shape = WindowedModel::new(model, 0.0);
+        let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
         let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
         let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = channels
             .par_iter()
@@ -106,10 +107,12 @@ impl WindowStudy {
     }
 }
 
-fn under<'a>(window: &Window, records: &'a [Record]) -> WindowedRecords<'a> {
+fn under<'a>(window: &Window, records: &'a [Record], lanes: usize) -> WindowedRecords<'a> {
     WindowedRecords {
         window_m: window.length_m(),
         step_m: window.step_m(),
+        cell_m: window.cell_m(),
+        lanes,
         records: records.iter().map(|record| record.friction.as_slice()).collect(),
     }
 }

@@ -1,6 +1,6 @@
 //! Moments of a stationary process from its records.
 
-use super::{Interval, Moments, RecordSum, Spread};
+use super::{Interval, Layout, Moments, RecordSum, Spread};
 
 /// Probability beyond either end of an interval.
 const TAIL: f64 = 0.025;
@@ -44,7 +44,7 @@ impl Estimate {
 /// Moments of all values present, each with what the records tell of that of their process.
 ///
 /// To first order the error of a moment is the sum of what each value adds to it, its influence. The variance of that sum is
-/// estimated from the products of influences over pairs of values within a record, under a flat-top window of their lag;
+/// estimated from the products of influences over pairs of values on the same strip, under a flat-top window of their lag;
 /// intervals are Student's, on as many degrees of freedom as the records hold blocks, on a scale on which the spread hardly
 /// depends on the moment. One long record is as good as many short ones of the same total length.
 ///
@@ -68,14 +68,18 @@ pub struct ProcessMoments {
     /// Excess kurtosis.
     pub excess_kurtosis: Option<Estimate>,
     /// Number of independent values whose mean would be as uncertain, at most the number of values. Where the records do not
-    /// tell, one for each record.
+    /// tell, one for each strip.
     pub effective_size: f64,
 }
 
 impl ProcessMoments {
-    /// Moments of `records` with equal steps, independent of each other, of one stationary process; NaN is a missing value. A
-    /// periodic record goes on with its first value after its last.
-    pub fn of(records: &[&[f64]], periodic: bool) -> Self {
+    /// Moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are independent of each
+    /// other, lanes of one count as far as they differ; `true` and `false` stand for periodic and free strips of one lane.
+    ///
+    /// # Panics
+    /// If the lanes of a strip differ in number or length.
+    pub fn of(records: &[&[f64]], layout: impl Into<Layout>) -> Self {
+        let layout = layout.into();
         let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
         let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
         let n = moments.n as f64;
@@ -86,12 +90,12 @@ impl ProcessMoments {
             coefficient_of_variation: None,
             skewness: None,
             excess_kurtosis: None,
-            effective_size: (records.len() as f64).min(n),
+            effective_size: (layout.strips(records.len()) as f64).min(n),
         };
         if moments.n < 4 || moments.std == 0.0 {
             return found;
         }
-        let sum = RecordSum::new(&records, moments.mean, periodic);
+        let sum = RecordSum::new(&records, moments.mean, layout);
         // Influences over the number of values, from the deviation in standard deviations.
         let influences = |influence: &dyn Fn(f64) -> f64| -> Vec<Vec<f64>> {
             let of = |value: &f64| influence((value - moments.mean) / moments.std) / n;
@@ -145,7 +149,8 @@ impl Spread {
 
 /// Share of the values present that exceed a level, with a 95 % interval on the scale of its logit; see [`ProcessMoments`]
 /// for the records.
-pub fn share_above(records: &[&[f64]], level: f64, periodic: bool) -> (f64, Option<Estimate>) {
+pub fn share_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
+    let layout = layout.into();
     let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
     let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
     let above = |value: &f64| if value.is_nan() { f64::NAN } else { f64::from(u8::from(*value > level)) };
@@ -156,7 +161,7 @@ pub fn share_above(records: &[&[f64]], level: f64, periodic: bool) -> (f64, Opti
     }
     let influences: Vec<Vec<f64>> =
         indicators.iter().map(|record| record.iter().map(|v| (v - share) / moments.n as f64).collect()).collect();
-    let estimate = RecordSum::new(&records, moments.mean, periodic).spread(&influences, 1.0).and_then(|spread| {
+    let estimate = RecordSum::new(&records, moments.mean, layout).spread(&influences, 1.0).and_then(|spread| {
         let half = spread.student(TAIL) * spread.variance.sqrt() / (share * (1.0 - share));
         let odds = |sign: f64| share / (1.0 - share) * (sign * half).exp();
         let end = |sign: f64| odds(sign) / (1.0 + odds(sign));

@@ -15,6 +15,7 @@ use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
 use crate::map::Grid;
 use crate::monitor::Monitor;
+use crate::stats::Layout;
 use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
@@ -54,9 +55,10 @@ impl SolvedLevel {
         seed: u64,
     ) -> Result<Self, StudyError> {
         let failed = |error| StudyError::Friction { level: control.name(), error };
-        let statistics = FrictionStatistics::of(&level.records, window.step_m(), periodic, seed).map_err(failed)?;
+        let (lanes, layout) = (level.lanes, Layout { periodic, lanes: level.lanes });
+        let statistics = FrictionStatistics::of(&level.records, window.step_m(), layout, seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
-        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), periodic, seed).map_err(failed)?;
+        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), layout, seed).map_err(failed)?;
         // The study knows the correlation under rectangles.
         let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
         let narrower = level.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
@@ -66,9 +68,9 @@ impl SolvedLevel {
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with(&windows, RecordModel::Exponential, settings).ok();
+        let study = || WindowStudy::with(&windows, lanes, RecordModel::Exponential, settings).ok();
         let window_study = if varies { study() } else { None };
-        let analysis = ProcessAnalysis::of(&at_mean_load, window, periodic, strip_m);
+        let analysis = ProcessAnalysis::of(&at_mean_load, window, layout, strip_m);
         Ok(Self { control, level, statistics, mean, at_mean_load, process, analysis, window_study })
     }
 

@@ -41,9 +41,12 @@ pub struct LengthFit {
     pub std: f64,
     /// ln L of Whittle's likelihood, of wavenumbers that count once however many windows show them.
     pub log_likelihood: f64,
-    /// Variance of the score over that of Gaussian records: 1 where the model and normality hold.
+    /// Variance of the score over that of independent Gaussian records: 1 where the model and normality hold.
     pub dispersion: f64,
-    /// Pieces of records whose scatter makes the interval.
+    /// How many of the lanes of a strip say the same: variance of the score of strips over that of lanes taken as
+    /// independent; 1 with one lane.
+    pub lanes_alike: f64,
+    /// Pieces of strips whose scatter makes the interval.
     pub pieces: usize,
 }
 
@@ -53,8 +56,9 @@ pub struct LengthFit {
 /// wavenumber counts once however many windows show it, so windows on the same strips are not taken for independent.
 ///
 /// The interval is where 2 ln(L_max/L) < c t², t Student's quantile and c the variance of the score over its information.
-/// c comes from pieces of the records (strips, or about twenty pieces where strips are fewer) and, with the weight of ten
-/// of them, from theory for Gaussian records.
+/// c comes from pieces of the strips (whole ones, or about twenty pieces where they are fewer) and, with the weight of ten
+/// of them, from theory for Gaussian records. The scores of the lanes of a piece are added up before they scatter, and theory is
+/// multiplied by [`LengthFit::lanes_alike`], which without pieces is the number of lanes.
 ///
 /// # Errors
 /// No record, a step that is not positive, values that do not vary, or fewer than three wavenumbers below 1/(2W).
@@ -64,7 +68,7 @@ pub fn fit_length(
     settings: LengthSettings,
 ) -> Result<LengthFit, EstimateError> {
     check(channels)?;
-    let shape = WindowedModel::new(model, 0.0);
+    let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
     let records = channels.iter().map(|channel| channel.records.len()).max().unwrap_or(0);
     let owners: Vec<usize> = (0..records).collect();
     let too_few = || EstimateError::TooFew { present: 0, wanted: 3 };
@@ -79,13 +83,14 @@ pub fn fit_length(
     let narrowest = narrowest(channels);
     let pieces = Pieces::of(narrowest, length_m, settings.ends, &shape);
     let theory = theoretical_dispersion(settings.ends);
-    let (dispersion, freedom, count) = match pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m))) {
-        Some((found, count)) => {
-            let own = count as f64 - 1.0;
-            ((PRIOR * theory + own * found) / (PRIOR + own), PRIOR + own, count)
-        }
-        None => (theory, PRIOR, 1),
-    };
+    let (dispersion, lanes_alike, freedom, count) =
+        match pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), narrowest.lanes)) {
+            Some((found, lanes_alike, count)) => {
+                let own = count as f64 - 1.0;
+                ((PRIOR * theory * lanes_alike + own * found) / (PRIOR + own), lanes_alike, PRIOR + own, count)
+            }
+            None => (theory * narrowest.lanes as f64, narrowest.lanes as f64, PRIOR, 1),
+        };
     let t = student_quantile(0.5 + 0.5 * settings.level, freedom);
     let bound = least + 0.5 * dispersion * t * t;
     let interval = Interval {
@@ -93,7 +98,7 @@ pub fn fit_length(
         high: crossing(&curve, bound, length_m.max(low_m), high_m),
     };
     let std = likelihood.variance(&likelihood.spectra(length_m)).sqrt();
-    Ok(LengthFit { model, length_m, interval, std, log_likelihood: -least, dispersion, pieces: count })
+    Ok(LengthFit { model, length_m, interval, std, log_likelihood: -least, dispersion, lanes_alike, pieces: count })
 }
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
@@ -200,29 +205,38 @@ fn theoretical_dispersion(ends: RecordEnds) -> f64 {
     1000.0 * power(4) / power(2).powi(2)
 }
 
-/// Pieces of records under the narrowest window.
+/// Pieces of strips under the narrowest window.
 pub(super) struct Pieces {
+    /// Of pieces of records.
     likelihood: Likelihood,
+    /// The piece of a strip that each piece of a record belongs to.
+    places: Vec<usize>,
+    /// Pieces of strips.
     count: usize,
 }
 
 impl Pieces {
     fn of(channel: &WindowedRecords<'_>, length_m: f64, ends: RecordEnds, shape: &WindowedModel) -> Option<Self> {
-        let wanted = PIECES.div_ceil(channel.records.len());
+        let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.lanes));
         let shortest = SHORTEST_PIECE * (length_m + channel.window_m) / channel.step_m;
-        let mut pieces: Vec<&[f64]> = Vec::new();
-        for record in &channel.records {
-            let parts = wanted.min((record.len() as f64 / shortest) as usize).max(1);
-            let length = record.len() / parts;
-            pieces.extend(record.chunks_exact(length.max(1)).take(parts));
+        let (mut pieces, mut places, mut count) = (Vec::<&[f64]>::new(), Vec::new(), 0);
+        for strip in channel.records.chunks(channel.lanes) {
+            let parts = wanted.min((strip[0].len() as f64 / shortest) as usize).max(1).min(strip[0].len());
+            for record in strip {
+                let length = record.len() / parts.max(1);
+                for (place, piece) in record.chunks_exact(length.max(1)).take(parts).enumerate() {
+                    pieces.push(piece);
+                    places.push(count + place);
+                }
+            }
+            count += parts;
         }
         let whole = pieces.len() == channel.records.len();
-        let count = pieces.len();
-        let owners: Vec<usize> = (0..count).collect();
+        let owners: Vec<usize> = (0..pieces.len()).collect();
         let cut = WindowedRecords { records: pieces, ..channel.clone() };
         let ends = if whole { ends } else { RecordEnds::Free };
         let likelihood = Likelihood::of(&[cut], &owners, ends, shape)?;
-        (count > 1).then_some(Self { likelihood, count })
+        (count > 1).then_some(Self { likelihood, places, count })
     }
 
     /// Those of the narrowest window of several.
@@ -237,15 +251,27 @@ impl Pieces {
 
     /// −ln L of every piece.
     pub(super) fn negative_logs(&self, length_m: f64) -> Vec<f64> {
-        self.likelihood.negative_log_by_owner(&self.likelihood.spectra(length_m), self.count)
+        let spectra = self.likelihood.spectra(length_m);
+        self.by_place(&self.likelihood.negative_log_by_owner(&spectra, self.places.len()))
     }
 
-    /// Variance of the pieces' scores over their information, and the number of pieces.
-    fn dispersion(&self, length_m: f64) -> Option<(f64, usize)> {
-        let (scores, information) = self.likelihood.scores(length_m, self.count);
-        let spread = Moments::of(&scores).sample_std();
-        let found = self.count as f64 * spread * spread / information;
-        found.is_finite().then_some((found, self.count))
+    /// Variance of the pieces' scores over their information, how many lanes say the same, and the number of pieces.
+    fn dispersion(&self, length_m: f64, lanes: usize) -> Option<(f64, f64, usize)> {
+        let (scores, information) = self.likelihood.scores(length_m, self.places.len());
+        let of = |scores: &[f64]| {
+            let spread = Moments::of(scores).sample_std();
+            scores.len() as f64 * spread * spread / information
+        };
+        let found = of(&self.by_place(&scores));
+        let alike = if lanes == 1 { 1.0 } else { (found / of(&scores)).clamp(1.0, lanes as f64) };
+        (found.is_finite() && alike.is_finite()).then_some((found, alike, self.count))
+    }
+
+    /// Sums over the lanes of every piece.
+    fn by_place(&self, of_records: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.count];
+        self.places.iter().zip(of_records).for_each(|(place, value)| sums[*place] += value);
+        sums
     }
 }
 
@@ -269,7 +295,7 @@ mod tests {
 
     fn fit(records: &[Vec<f64>], window_m: f64, step_m: f64) -> LengthFit {
         let records = records.iter().map(Vec::as_slice).collect();
-        let channel = WindowedRecords { window_m, step_m, records };
+        let channel = WindowedRecords { window_m, step_m, cell_m: 1.0, lanes: 1, records };
         fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap()
     }
 
@@ -313,6 +339,8 @@ mod tests {
             .map(|(window, record)| WindowedRecords {
                 window_m: *window as f64,
                 step_m: (*window / 8) as f64,
+                cell_m: 1.0,
+                lanes: 1,
                 records: vec![record],
             })
             .collect();
@@ -328,7 +356,7 @@ mod tests {
     fn records_that_say_nothing_are_refused() {
         let settings = LengthSettings::default();
         let of = |values: &[f64], step_m: f64| {
-            let channel = WindowedRecords { window_m: 1.0, step_m, records: vec![values] };
+            let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values] };
             fit_length(&[channel], RecordModel::Exponential, settings)
         };
         assert_eq!(fit_length(&[], RecordModel::Exponential, settings), Err(EstimateError::Nothing));

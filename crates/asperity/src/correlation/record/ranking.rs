@@ -15,7 +15,8 @@ const LEVEL: f64 = 0.95;
 pub struct RankedLength {
     /// The fit.
     pub fit: LengthFit,
-    /// Akaike's criterion −2 ln L + 2k less that of the best model; k counts length, variance and a fitted ν.
+    /// Akaike's criterion −2 ln L + 2k less that of the best model; k counts length, variance and a fitted ν, and ln L is that
+    /// of as many independent lanes as those of a strip are worth.
     pub aic_difference: f64,
     /// Whether the best model is better beyond chance; false of the best itself.
     pub worse: bool,
@@ -24,7 +25,7 @@ pub struct RankedLength {
 /// Fits models as [`fit_length`] does and ranks them by Akaike's criterion, the best first.
 ///
 /// ln L is a sum over the wavenumbers of all records, of which every one holds two independent values, so correlated lags
-/// are not counted as if they were independent. A model is worse than the best if the difference of ln L of pieces of the
+/// are not counted as if they were independent; that over lanes of a strip is divided by [`LengthFit::lanes_alike`]. A model is worse than the best if the difference of ln L of pieces of the
 /// records is positive by a one-sided Student test at 5 % (Vuong, *Econometrica* **57** (1989) 307,
 /// <https://doi.org/10.2307/1912557>); otherwise the records do not tell the two apart.
 ///
@@ -41,14 +42,14 @@ pub fn rank_lengths(
     fits.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
     let Some(best) = fits.first().copied() else { return Err(EstimateError::Nothing) };
     let parts = |fit: &LengthFit| {
-        let shape = WindowedModel::new(fit.model, 0.0);
+        let shape = WindowedModel::new(fit.model, 0.0).on_cells(channels[0].cell_m);
         Pieces::of_narrowest(channels, best.length_m, settings.ends, &shape)
             .map(|pieces| pieces.negative_logs(fit.length_m))
     };
     let of_best = parts(&best);
     let rank = |fit: &LengthFit| RankedLength {
         fit: *fit,
-        aic_difference: 2.0 * (best.log_likelihood - fit.log_likelihood),
+        aic_difference: 2.0 * (best.log_likelihood - fit.log_likelihood) / best.lanes_alike,
         worse: match (&of_best, parts(fit)) {
             (Some(reference), Some(other)) if fit.model != best.model => beyond_chance(reference, &other),
             _ => false,
@@ -109,7 +110,7 @@ mod tests {
     }
 
     fn ranked(record: &[f64]) -> Vec<RankedLength> {
-        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, records: vec![record] };
+        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![record] };
         rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings::default()).unwrap()
     }
 
@@ -129,7 +130,7 @@ mod tests {
     #[test]
     fn the_smoothness_of_a_filtered_record_is_found() {
         let record = filtered(1.0 / 10.0, false, 3000, 3);
-        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, records: vec![&record] };
+        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![&record] };
         let found = fit_matern(&[channel], LengthSettings::default()).unwrap();
         // ν = 1/2; ordinates well above the corner, some thousand, know the exponent −(2ν + 1) to some hundredths.
         assert!(matches!(found.model, RecordModel::Matern { nu } if (nu - 0.5).abs() < 0.1), "{found:?}");

@@ -127,7 +127,7 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
 /// Correlation up to half the record, and its models, the most likely first.
 fn correlate(values: &[f64], step_m: f64) -> Result<(RecordCorrelation, Vec<RankedLength>), MeasuredError> {
     let found = RecordCorrelation::estimate(&[values], step_m, values.len() / 2, LagNormalisation::PairNormalised)?;
-    let channel = WindowedRecords { window_m: 0.0, step_m, records: vec![values] };
+    let channel = WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values] };
     let models = rank_lengths(&[channel], &MODELS, LengthSettings::default())?;
     Ok((found, models))
 }
@@ -155,7 +155,7 @@ impl FittedRecord {
             return Err(MeasuredError::TooShort { present, effective: effective_size, wanted });
         }
         let (mut laws, marginal) = law(choice, values, effective_size)?;
-        if let Ok(null) = ProcessNull::of(&[values], DRAWS, SEED) {
+        if let Ok(null) = ProcessNull::of(&[values], false, DRAWS, SEED) {
             let known: Option<Vec<FitGoodness>> = laws.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
             laws.goodness = known.unwrap_or(laws.goodness);
         }

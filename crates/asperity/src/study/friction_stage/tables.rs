@@ -145,7 +145,8 @@ fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         let window_m = window.length_m();
         columns.push(("window_only".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, 0.0))));
         columns.extend(lead.window_study.as_ref().map(|study| {
-            ("windowed_fit".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, study.length_m)))
+            let model = WindowedModel::new(study.model, window_m).on_cells(window.cell_m());
+            ("windowed_fit".to_owned(), over_lags(&|lag| model.correlation(lag, study.length_m)))
         }));
     }
     let others = correlation.models.iter().filter(|fit| fit.model != exponential.model);
@@ -168,7 +169,7 @@ fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         ("density_m_high".to_owned(), spectrum.high.clone()),
     ];
     if let (Some(study), true) = (&lead.window_study, window.is_rectangle()) {
-        let model = WindowedModel::new(study.model, window.length_m());
+        let model = WindowedModel::new(study.model, window.length_m()).on_cells(window.cell_m());
         columns.push(("window_only_m".to_owned(), spectrum.of_model(&model, 0.0, variance)));
         columns.push(("windowed_fit_m".to_owned(), spectrum.of_model(&model, study.length_m, variance)));
     }
