@@ -1,7 +1,7 @@
 //! Which correlation model suits records best.
 
 use super::RecordModel;
-use super::length::{LengthFit, LengthSettings, Pieces, fit_length};
+use super::length::{LengthFit, LengthSettings, Pieces, fit_length, narrowest};
 use super::likelihood::WindowedRecords;
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
@@ -38,24 +38,37 @@ pub fn rank_lengths(
 ) -> Result<Vec<RankedLength>, EstimateError> {
     let fits: Result<Vec<LengthFit>, EstimateError> =
         models.iter().map(|model| fit_length(channels, *model, settings)).collect();
-    let mut fits = fits?;
-    fits.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
-    let Some(best) = fits.first().copied() else { return Err(EstimateError::Nothing) };
+    if models.is_empty() {
+        return Err(EstimateError::Nothing);
+    }
+    Ok(ranked(channels, fits?.into_iter().map(|fit| (fit, 0.0)).collect(), settings))
+}
+
+/// Fits of the same wavenumbers with the cost of their further parameters, by −2 ln L + cost.
+pub(super) fn ranked(
+    channels: &[WindowedRecords<'_>],
+    mut fits: Vec<(LengthFit, f64)>,
+    settings: LengthSettings,
+) -> Vec<RankedLength> {
+    let criterion = |(fit, cost): &(LengthFit, f64)| cost - 2.0 * fit.log_likelihood / fit.lanes_alike;
+    fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+    let Some(best) = fits.first().copied() else { return Vec::new() };
+    let reach_m = best.0.length_m + best.0.window_m;
     let parts = |fit: &LengthFit| {
-        let shape = WindowedModel::new(fit.model, 0.0).on_cells(channels[0].cell_m);
-        Pieces::of_narrowest(channels, best.length_m, settings.ends, &shape)
-            .map(|pieces| pieces.negative_logs(fit.length_m))
+        let shape = WindowedModel::new(fit.model, 0.0).on_cells(fit.cell_m);
+        let seen = WindowedRecords { window_m: fit.window_m, cell_m: fit.cell_m, ..narrowest(channels).clone() };
+        Pieces::of(&seen, reach_m, settings, &shape).map(|pieces| pieces.negative_logs(fit.length_m, fit.noise_share))
     };
-    let of_best = parts(&best);
-    let rank = |fit: &LengthFit| RankedLength {
-        fit: *fit,
-        aic_difference: 2.0 * (best.log_likelihood - fit.log_likelihood) / best.lanes_alike,
-        worse: match (&of_best, parts(fit)) {
-            (Some(reference), Some(other)) if fit.model != best.model => beyond_chance(reference, &other),
+    let of_best = parts(&best.0);
+    let rank = |own: &(LengthFit, f64)| RankedLength {
+        fit: own.0,
+        aic_difference: own.1 - best.1 + 2.0 * (best.0.log_likelihood - own.0.log_likelihood) / best.0.lanes_alike,
+        worse: match (&of_best, parts(&own.0)) {
+            (Some(reference), Some(other)) if own.0.model != best.0.model => beyond_chance(reference, &other),
             _ => false,
         },
     };
-    Ok(fits.iter().map(rank).collect())
+    fits.iter().map(rank).collect()
 }
 
 /// Whether −ln L of the other model is greater piece by piece, beyond chance.
