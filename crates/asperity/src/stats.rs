@@ -102,6 +102,11 @@ pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
 }
 
+/// Probability of at least |t| under Student's law, of both signs; NaN unless the degrees of freedom are positive.
+pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
+}
+
 /// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.
 ///
 /// Unlike the normal approximation it stays inside [0, 1] and has positive width at 0 and at `trials` successes.

@@ -9,7 +9,7 @@ use crate::friction::window::Window;
 use crate::stats::Layout;
 
 /// Models of the correlation that is left when the window is taken out.
-const MODELS: [RecordModel; 3] =
+pub const MODELS: [RecordModel; 3] =
     [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
 /// Largest lag of the cross-correlation in windows.
 const CROSS_WINDOWS: f64 = 2.0;

@@ -46,6 +46,11 @@ impl RecordSum {
         found
     }
 
+    /// Pairs at the lags 0, 1, 2, …, over the squared number of values.
+    pub(crate) fn shares(&self) -> &[f64] {
+        &self.shares
+    }
+
     /// The spread of a statistic whose error is the sum of its influences (NaN where a value is missing), record after record
     /// as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for those of the process.
     ///

@@ -22,7 +22,11 @@ pub(super) fn of_level(
         length_m: found.exponential.length_m,
         length_interval_m: found.length_interval.map(pair),
         window_m: Some(strips.window.length_m()),
-        length_without_window_m: level.window_study.as_ref().map(|study| study.length_m),
+        length_without_window_m: level
+            .window_study
+            .as_ref()
+            // Who carries it on takes it for that of an exponential.
+            .map(|study| study.model.integral_scale_m(study.length_m)),
     });
     let varies = process.moments.std > 0.0;
     let fitted = FittedProcess {

@@ -382,12 +382,18 @@ pub struct LevelResult {
     /// ℓ_μ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
     /// Its interval.
-    pub correlation_length_interval: Option<Pair>,
+    pub correlation_length_m_interval: Option<Pair>,
     /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
     /// everything.
     pub correlation_length_without_window_m: Option<f64>,
     /// Its interval.
-    pub correlation_length_without_window_interval: Option<Pair>,
+    pub correlation_length_without_window_m_interval: Option<Pair>,
+    /// Model that it is the length of.
+    pub correlation_without_window_model: Option<&'static str>,
+    /// Probability of a spectrum at least as far from that model's where it holds.
+    pub correlation_without_window_fit_p: Option<f64>,
+    /// Probability that the windows one by one give lengths as different where one length holds under all.
+    pub correlation_without_window_agreement_p: Option<f64>,
     /// Whether that interval includes what cannot be told from 0, less than a step: the correlation is the window's.
     pub window_only: Option<bool>,
     /// Marginal law ranked first by Akaike's criterion.
@@ -438,7 +444,7 @@ pub struct AtMeanLoad {
     /// ℓ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
     /// Its interval.
-    pub correlation_length_interval: Option<Pair>,
+    pub correlation_length_m_interval: Option<Pair>,
     /// Curves fitted to the correlation, the closest first; their ℓ contains the window.
     pub correlation_curves: Vec<CorrelationCurveResult>,
     /// Models of the correlation that is left when the window is taken out, the most likely first.

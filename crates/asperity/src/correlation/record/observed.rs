@@ -33,6 +33,17 @@ pub enum Observation {
     },
 }
 
+impl Observation {
+    /// Name as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Points => "points",
+            Self::Means => "means_over_step",
+            Self::MovingAverage { .. } => "moving_average",
+        }
+    }
+}
+
 /// What is known of the making of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordHistory {
@@ -63,7 +74,7 @@ pub struct ObservedLengths {
 }
 
 impl ObservedLengths {
-    /// Fits the usual models to one record of equal steps, NaN being a missing value: of values at points, of means over the step,
+    /// Fits the usual models to records of one process with equal steps, NaN being a missing value: of values at points, of means over the step,
     /// and of moving averages of up to twenty values, each without and with white noise of its own.
     ///
     /// All candidates are compared on the same wavenumbers. Where the best of them does not fit (see [`super::LackOfFit`]), as behind a filter
@@ -72,20 +83,21 @@ impl ObservedLengths {
     ///
     /// # Errors
     /// As [`fit_length`].
-    pub fn of(values: &[f64], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
+    pub fn of(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
         let nyquist_per_m = 0.5 / step_m;
-        let whole = Self::within(values, step_m, history, nyquist_per_m)?;
+        let values: usize = records.iter().map(|record| record.len()).sum();
+        let whole = Self::within(records, step_m, history, nyquist_per_m)?;
         let refused = |found: &Self| found.chosen.lack_of_fit.is_some_and(|test| test.significant());
         let mut highest_per_m = nyquist_per_m.min(history.band.low_pass_m.map_or(f64::INFINITY, f64::recip));
         let mut found = whole.clone();
         while refused(&found) {
             highest_per_m *= 0.5;
             let least_per_m =
-                (LEAST_WAVE / found.chosen.length_m).max(LEAST_WAVENUMBERS / (step_m * values.len() as f64));
+                (LEAST_WAVE / found.chosen.length_m).max(LEAST_WAVENUMBERS / (step_m * values as f64));
             if highest_per_m < least_per_m {
                 return Ok(whole);
             }
-            found = match Self::within(values, step_m, history, highest_per_m) {
+            found = match Self::within(records, step_m, history, highest_per_m) {
                 Ok(found) => Self { narrowed_to_per_m: Some(highest_per_m), ..found },
                 Err(_) => return Ok(whole),
             };
@@ -93,7 +105,12 @@ impl ObservedLengths {
         Ok(found)
     }
 
-    fn within(values: &[f64], step_m: f64, history: RecordHistory, highest_per_m: f64) -> Result<Self, EstimateError> {
+    fn within(
+        records: &[&[f64]],
+        step_m: f64,
+        history: RecordHistory,
+        highest_per_m: f64,
+    ) -> Result<Self, EstimateError> {
         let band = RecordBand { highest_per_m: Some(highest_per_m), ..history.band };
         let settings = |noise: bool| LengthSettings { noise, band, ..LengthSettings::default() };
         let channel = |observation: Observation| {
@@ -104,7 +121,7 @@ impl ObservedLengths {
                 Observation::Means => (step_m, 0.0),
                 Observation::MovingAverage { values } => (values as f64 * step_m, step_m),
             };
-            WindowedRecords { window_m, step_m, cell_m, lanes: 1, records: vec![values] }
+            WindowedRecords { window_m, step_m, cell_m, lanes: 1, records: records.to_vec() }
         };
         let averages: &[usize] =
             if history.decimation == 1 && highest_per_m > 0.499 / step_m { &AVERAGES } else { &[] };
