@@ -11,7 +11,7 @@ use crate::correlation::{
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 use crate::law::Marginal;
-use crate::law::fit::{End, Family, Fit, FitGoodness, Ranking, rank_by_aic};
+use crate::law::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
 use crate::stats::{Estimate, Histogram, ProcessMoments, StatsError, quantile_sorted, sorted_present};
 
@@ -31,7 +31,7 @@ const EMPIRICAL_VALUES: usize = 1001;
 /// Which law is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LawChoice {
-    /// The first by Akaike's criterion whose ends the record sees.
+    /// The first by Akaike's criterion whose ends the record sees, its own quantiles among the laws.
     #[default]
     Auto,
     /// One family.
@@ -103,7 +103,7 @@ pub struct FittedRecord {
 fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
     let families = match choice {
         LawChoice::One(family) => vec![family],
-        LawChoice::Auto | LawChoice::Empirical => Family::ANYWHERE.to_vec(),
+        LawChoice::Auto | LawChoice::Empirical => [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat(),
     };
     let ranking = rank_by_aic(&families, values, Some(effective_size));
     let law = if choice == LawChoice::Empirical {
@@ -112,10 +112,7 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
         let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
         Marginal::empirical(quantiles.collect())?
     } else {
-        // A fitted end far outside the record makes a law of four parameters that is hardly different from a simpler one.
-        let seen = |fit: &&Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
-        let chosen = ranking.fits.iter().find(seen).or(ranking.fits.first());
-        match (chosen, ranking.failed.first()) {
+        match (ranking.chosen(), ranking.failed.first()) {
             (Some(fit), _) => fit.law.clone(),
             (None, Some((_, error))) => return Err(error.clone().into()),
             (None, None) => return Err(MeasuredError::TooFew { present: 0, what: "are there", wanted: 10 }),
@@ -156,10 +153,9 @@ impl FittedRecord {
         }
         let (mut laws, marginal) = law(choice, values, effective_size)?;
         if let Ok(null) = ProcessNull::of(&[values], false, DRAWS, SEED) {
-            let known: Option<Vec<FitGoodness>> = laws.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
-            laws.goodness = known.unwrap_or(laws.goodness);
+            laws.assess(&null, values);
         }
-        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).map(|place| laws.goodness[place]);
+        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
         let (correlation, models) = correlate(values, record.step_m)?;
         let Some(best) = chosen(&models) else {
             return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
@@ -246,8 +242,9 @@ impl FittedRecord {
                 .filter(|law| !matches!(law, Marginal::Empirical { .. }))
                 .map(|law| ("fitted_density".into(), density(law))),
         );
-        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen);
-        columns.extend(others.map(|fit| (format!("{}_density", fit.family.name()), density(&fit.law))));
+        let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
+        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen).filter(smooth);
+        columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
         Some(columns)
     }
 
