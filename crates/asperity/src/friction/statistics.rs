@@ -9,7 +9,7 @@ use crate::correlation::{
 };
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
-use crate::law::fit::{End, Family, Fit, FitGoodness, ParameterEstimate, Ranking, rank_by_aic};
+use crate::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
 use crate::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
 
@@ -39,7 +39,7 @@ pub struct FrictionStatistics {
     pub sparse_share: f64,
     /// Number of independent windows that the correlated ones are worth.
     pub effective_windows: f64,
-    /// Marginal laws ranked by Akaike's criterion. The p-values of their distances know the fit and the correlation.
+    /// Marginal laws ranked by Akaike's criterion, the windows' own among them. The p-values of their distances know the fit and the correlation.
     pub marginals: Ranking,
     /// Parameters of the laws, in their order, with intervals.
     pub parameters: Vec<Vec<ParameterEstimate>>,
@@ -73,12 +73,7 @@ impl FrictionStatistics {
     ///
     /// # Errors
     /// Fewer than ten windows with contact.
-    pub fn of(
-        records: &[Record],
-        step_m: f64,
-        layout: impl Into<Layout>,
-        seed: u64,
-    ) -> Result<Self, FrictionError> {
+    pub fn of(records: &[Record], step_m: f64, layout: impl Into<Layout>, seed: u64) -> Result<Self, FrictionError> {
         let layout = layout.into();
         let records = &without_rounding(records)[..];
         let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
@@ -92,11 +87,10 @@ impl FrictionStatistics {
         let cells = || records.iter().flat_map(|record| &record.contact_cells);
         let sparse = cells().filter(|cells| **cells < WANTED_CONTACT_CELLS).count();
         let effective_windows = estimates.effective_size;
-        let mut marginals = rank_by_aic(&Family::POSITIVE, &pooled, Some(effective_windows));
+        let families = [&Family::POSITIVE[..], &Family::EMPIRICAL].concat();
+        let mut marginals = rank_by_aic(&families, &pooled, Some(effective_windows));
         if let Ok(null) = ProcessNull::of(&series, layout, DRAWS, seed) {
-            let known = |fit: &Fit| null.goodness(fit, &pooled).ok();
-            let goodness: Option<Vec<FitGoodness>> = marginals.fits.iter().map(known).collect();
-            marginals.goodness = goodness.unwrap_or(marginals.goodness);
+            marginals.assess(&null, &pooled);
         }
         let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, layout)).collect();
         let beta = marginals.fits.iter().find(|fit| fit.family == Family::BetaFreeBounds).cloned();
@@ -117,17 +111,9 @@ impl FrictionStatistics {
         })
     }
 
-    /// The marginal law to go on with: the first of the ranking whose ends the sample sees. A fitted end far outside the
-    /// sample makes a law of four parameters that is hardly different from a simpler one.
+    /// The marginal law to go on with, [`Ranking::chosen`].
     pub fn marginal(&self) -> Option<&Fit> {
-        self.marginals.fits.get(self.marginal_place()?)
-    }
-
-    /// Place of [`FrictionStatistics::marginal`] in the ranking.
-    pub fn marginal_place(&self) -> Option<usize> {
-        let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
-        let fits = &self.marginals.fits;
-        fits.iter().position(seen).or(if fits.is_empty() { None } else { Some(0) })
+        self.marginals.chosen()
     }
 
     /// Share of the windows whose μ exceeds a value, and the same with an interval; the laws have

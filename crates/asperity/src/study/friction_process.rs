@@ -31,8 +31,7 @@ pub(super) fn of_level(
     let varies = process.moments.std > 0.0;
     let fitted = FittedProcess {
         mean: level.mean,
-        // The interval is that of the mean over windows, which counts every window alike.
-        mean_interval: None,
+        mean_interval: process.estimates.mean.map(|mean| pair(mean.interval)).filter(|_| varies),
         std: process.moments.std,
         std_interval: process.estimates.std.map(|std| pair(std.interval)).filter(|_| varies),
         marginal: process.marginal().filter(|_| varies).map(|fit| fit.law.clone()),

@@ -433,6 +433,8 @@ pub struct LevelResult {
 pub struct AtMeanLoad {
     /// μ̄ = ΣF/ΣN.
     pub mean: f64,
+    /// Its interval: the error of the quotient is, to first order, that of the mean of μ̄ + (F − μ̄N)/N̄.
+    pub mean_interval: Option<Pair>,
     /// Standard deviation.
     pub std: f64,
     /// Its interval.
@@ -453,10 +455,23 @@ pub struct AtMeanLoad {
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// How well it fits.
+    /// How well it fits; `null` for the windows' own law.
     pub gof: Option<GoodnessResult>,
+    /// All laws that were fitted, the first by Akaike's criterion first. `marginal` is the first whose ends the windows see.
+    pub laws: Vec<RankedLawResult>,
     /// Independent windows that the correlated ones are worth.
     pub effective_windows: f64,
+}
+
+/// A law among others.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RankedLawResult {
+    /// Name; `shifted_` where a shift was fitted, `empirical` for the windows' own law.
+    pub name: &'static str,
+    /// Akaike's criterion, of as many independent windows as the correlated ones are worth, less that of the first law.
+    pub aic_difference: f64,
+    /// How well it fits; `null` for the windows' own law.
+    pub gof: Option<GoodnessResult>,
 }
 
 /// Distances between the windows and the marginal law, with p-values that know that the law was fitted and how the windows are

@@ -277,7 +277,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
     let laws = &fitted.laws;
     let law = |fit: &Fit| {
         let aic = fit.aic_correlated(laws.effective_size);
-        json!({ "name": fit.family.name(), "law": fit.law.to_string(), "aic": aic })
+        json!({ "name": fit.family.key(), "law": fit.law.to_string(), "aic": aic })
     };
     let model = |ranked: &RankedLength| {
         let fit = &ranked.fit;

@@ -184,7 +184,8 @@ impl WindowedModel {
 
     /// Covariance of the means of n values a step of δ lengths apart, t steps from each other.
     fn mean_of_cells(&self, t: f64, n: f64, step: f64) -> f64 {
-        let exponential = matches!(self.model, RecordModel::Exponential) || self.model == RecordModel::Matern { nu: 0.5 };
+        let exponential =
+            matches!(self.model, RecordModel::Exponential) || self.model == RecordModel::Matern { nu: 0.5 };
         if exponential && n * step >= NO_WINDOW {
             // Σ_{u > x} (u − x) φ^u = φ^{x+1}/(1 − φ)², and Σ φ^|u| over all u = (1 + φ)/(1 − φ).
             let (phi, rest) = ((-step).exp(), -(-step).exp_m1());
@@ -313,7 +314,8 @@ mod tests {
         let phi = (-1.0 / length).exp();
         for frequency in [0.003, 0.05, 0.125, 0.21] {
             let phase = 2.0 * PI * frequency;
-            let lags = (1..2000_i32).map(|lag| 2.0 * windowed.covariance(f64::from(lag), length) * (f64::from(lag) * phase).cos());
+            let lags = (1..2000_i32)
+                .map(|lag| 2.0 * windowed.covariance(f64::from(lag), length) * (f64::from(lag) * phase).cos());
             let found = windowed.covariance(0.0, length) + lags.sum::<f64>();
             let passes = ((0.5 * cells * phase).sin() / (cells * (0.5 * phase).sin())).powi(2);
             let wanted = passes * (1.0 - phi * phi) / (1.0 - 2.0 * phi * phase.cos() + phi * phi);

@@ -92,7 +92,8 @@ impl Stationarity {
         let time = found / (1.0 - 3.0 * found / n as f64).max(0.1);
         let within = blocks_within(n, time);
         let many = records.len().div_ceil(lanes) >= MANY;
-        let wander = within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, lanes, blocks, |value| value)));
+        let wander =
+            within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, lanes, blocks, |value| value)));
         let blocks = match within {
             _ if many => 4 * (n / 8).clamp(1, 4),
             Some(blocks) => blocks,

@@ -11,9 +11,11 @@ use crate::correlation::{
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 use crate::law::Marginal;
-use crate::law::fit::{End, Family, Fit, FitGoodness, Ranking, rank_by_aic};
+use crate::law::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
-use crate::stats::{Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present};
+use crate::stats::{
+    Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present,
+};
 
 /// Least number of independent values that a record must be worth.
 const LEAST_INDEPENDENT: f64 = 5.0;
@@ -32,7 +34,7 @@ const EMPIRICAL_VALUES: usize = 1001;
 /// Which law is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LawChoice {
-    /// The first by Akaike's criterion whose ends the record sees.
+    /// The first by Akaike's criterion whose ends the record sees, its own quantiles among the laws.
     #[default]
     Auto,
     /// One family.
@@ -110,7 +112,7 @@ pub struct FittedRecord {
 fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
     let families = match choice {
         LawChoice::One(family) => vec![family],
-        LawChoice::Auto | LawChoice::Empirical => Family::ANYWHERE.to_vec(),
+        LawChoice::Auto | LawChoice::Empirical => [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat(),
     };
     let ranking = rank_by_aic(&families, values, Some(effective_size));
     let law = if choice == LawChoice::Empirical {
@@ -119,10 +121,7 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
         let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
         Marginal::empirical(quantiles.collect())?
     } else {
-        // A fitted end far outside the record makes a law of four parameters that is hardly different from a simpler one.
-        let seen = |fit: &&Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
-        let chosen = ranking.fits.iter().find(seen).or(ranking.fits.first());
-        match (chosen, ranking.failed.first()) {
+        match (ranking.chosen(), ranking.failed.first()) {
             (Some(fit), _) => fit.law.clone(),
             (None, Some((_, error))) => return Err(error.clone().into()),
             (None, None) => return Err(MeasuredError::TooFew { present: 0, what: "are there", wanted: 10 }),
@@ -194,10 +193,9 @@ impl FittedRecord {
         let effective_size = moments.effective_size.max(LEAST_INDEPENDENT);
         let (mut laws, marginal) = law(choice, values, effective_size)?;
         if let Ok(null) = ProcessNull::of(&pieces, false, DRAWS, SEED) {
-            let known: Option<Vec<FitGoodness>> = laws.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
-            laws.goodness = known.unwrap_or(laws.goodness);
+            laws.assess(&null, values);
         }
-        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).map(|place| laws.goodness[place]);
+        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
         // What a narrowed band calls noise is not that of the values.
         let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
         let (shape, length_m) = CorrelationShape::of(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
@@ -307,8 +305,9 @@ impl FittedRecord {
                 .filter(|law| !matches!(law, Marginal::Empirical { .. }))
                 .map(|law| ("fitted_density".into(), density(law))),
         );
-        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen);
-        columns.extend(others.map(|fit| (format!("{}_density", fit.family.name()), density(&fit.law))));
+        let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
+        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen).filter(smooth);
+        columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
         Some(columns)
     }
 

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::{Goodness, anderson_darling, kolmogorov_smirnov};
-use crate::law::fit::{Fit, FitGoodness, inverse};
 use crate::fourier::RealFft2;
+use crate::law::fit::{Fit, FitGoodness, inverse};
 use crate::law::{LawError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use crate::random;
 use crate::stats::{Layout, sorted_present};
@@ -25,7 +25,8 @@ const LONGEST_SHARE: usize = 8;
 /// Fisher's information I. Scores and distances depend on g alone, so that one set of draws serves every law.
 ///
 /// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again. Periodic strips
-/// are drawn periodic, with the covariance of the autoregression summed over all turns. Lanes of a strip are drawn with the
+/// are drawn periodic, with the covariance of the autoregression, fitted along them, summed over all turns; below some six
+/// correlation lengths that goes round twice. Lanes of a strip are drawn with the
 /// correlation that those of the sample have at the same position, by their distance round the strip.
 ///
 /// # References
@@ -50,12 +51,7 @@ impl ProcessNull {
     ///
     /// # Panics
     /// If the lanes of a strip differ in number or length.
-    pub fn of(
-        records: &[&[f64]],
-        layout: impl Into<Layout>,
-        draws: usize,
-        seed: u64,
-    ) -> Result<Self, LawError> {
+    pub fn of(records: &[&[f64]], layout: impl Into<Layout>, draws: usize, seed: u64) -> Result<Self, LawError> {
         let layout = layout.into();
         let sorted = sorted_present(records.iter().flat_map(|record| record.iter().copied()));
         let error = |reason| LawError::Sample { law: "goodness of fit", n: sorted.len(), reason };
@@ -390,6 +386,49 @@ mod tests {
     }
 
     #[test]
+    fn round_a_strip_the_covariance_is_that_of_all_turns() {
+        let truth = autoregression();
+        // ρ_l = 1.2 ρ_{l−1} − .5 ρ_{l−2}.
+        let mut rho = vec![1.0, 0.8];
+        (2..400).for_each(|l| rho.push(1.2 * rho[l - 1] - 0.5 * rho[l - 2]));
+        for n in [7_usize, 12, 40] {
+            let circle = Circle::of(&truth, n);
+            // After nine turns of seven .5^{31} is left.
+            let turns = |lag: usize| {
+                (-9..=9_i64).map(|m| rho[(lag as i64 + m * n as i64).unsigned_abs() as usize]).sum::<f64>()
+            };
+            // What an impulse becomes, correlated with itself.
+            let mut impulse = vec![0.0; n];
+            impulse[0] = 1.0;
+            let response = circle.path(impulse);
+            for lag in 0..n {
+                let found: f64 = (0..n).map(|i| response[i] * response[(i + lag) % n]).sum();
+                assert!((found - turns(lag) / turns(0)).abs() < 1e-8, "{n} {lag}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_are_drawn_as_they_correlate() {
+        let of = |i: u64| random::standard_normal(&mut random::stream(7, "lanes", i), 4000);
+        let layout = Layout { periodic: true, lanes: 4 };
+        let copies = lane_mixture(&vec![of(0); 4], layout);
+        assert!(copies.iter().all(|share| (share - 0.5).abs() < 1e-12), "{copies:?}");
+        // Each lane shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
+        let germs: Vec<Vec<f64>> = (0..4).map(of).collect();
+        let lanes: Vec<Vec<f64>> =
+            (0..4).map(|l| germs[l].iter().zip(&germs[(l + 1) % 4]).map(|(a, b)| a + b).collect()).collect();
+        let mixture = lane_mixture(&lanes, layout);
+        let drawn = mixed(&germs, &mixture);
+        let product = |a: usize, b: usize| drawn[a].iter().zip(&drawn[b]).map(|(x, y)| x * y).sum::<f64>() / 4000.0;
+        // 4,000 products know a correlation to 1/√4,000 = .016, here twice.
+        for (a, b, wanted) in [(0, 0, 1.0), (0, 1, 0.5), (1, 2, 0.5), (0, 2, 0.0), (0, 3, 0.5)] {
+            assert!((product(a, b) - wanted).abs() < 4.0 * 0.023, "{a} {b}: {}", product(a, b));
+        }
+        assert_eq!(lane_mixture(&[of(0)], false.into()), [1.0]);
+    }
+
+    #[test]
     fn first_order_distances_of_refitted_laws_are_those_of_refits() {
         // Records of a correlated normal process, to each of which the normal law is fitted in earnest.
         let truth = autoregression();
@@ -458,6 +497,9 @@ mod tests {
         let three = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         assert_eq!(one.install(|| p(&values)), three.install(|| p(&values)));
         assert!((p(&values) - p(&small)).abs() < 0.021, "one draw more or less");
-        assert!(ProcessNull::of(&[&[1.0; 20]], false, 9, 0).is_err() && ProcessNull::of(&[&values[..5]], false, 9, 0).is_err());
+        assert!(
+            ProcessNull::of(&[&[1.0; 20]], false, 9, 0).is_err()
+                && ProcessNull::of(&[&values[..5]], false, 9, 0).is_err()
+        );
     }
 }
