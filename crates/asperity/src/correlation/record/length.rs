@@ -131,7 +131,8 @@ pub fn fit_length(
         high: crossing(&curve, bound, length_m.max(low_m), high_m),
     };
     let tangent = likelihood.tangent(length_m, noise_share);
-    let lack_of_fit = tangent.lack_of_fit(theory * lanes_alike).and_then(|(statistic, degrees_of_freedom)| {
+    // Skewed records scatter more than theory, as their scores do.
+    let lack_of_fit = tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
         let law = ChiSquared::new(degrees_of_freedom).ok()?;
         Some(LackOfFit { statistic, degrees_of_freedom, p_value: law.sf(statistic.max(0.0)) })
     });
