@@ -4,6 +4,7 @@ mod autocorrelation;
 pub(crate) mod blocks;
 mod bootstrap;
 mod histogram;
+mod layout;
 mod moments;
 mod process;
 mod record_sum;
@@ -17,6 +18,8 @@ pub(crate) use autocorrelation::lag_sums;
 pub use autocorrelation::{CorrelationTime, correlation_time};
 pub use bootstrap::{Bootstrap, Resampling};
 pub use histogram::Histogram;
+pub use layout::Layout;
+pub(crate) use layout::sum_of_lanes;
 pub use moments::{Extent, Moments};
 pub use process::{Estimate, ProcessMoments, share_above};
 pub(crate) use record_sum::RecordSum;
@@ -97,6 +100,11 @@ pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     let inside = probability > 0.0 && probability < 1.0;
     let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
     law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
+}
+
+/// Probability of at least |t| under Student's law, of both signs; NaN unless the degrees of freedom are positive.
+pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
 }
 
 /// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.

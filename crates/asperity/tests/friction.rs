@@ -18,6 +18,7 @@ use asperity::law::fit::Family;
 use asperity::map::{Grid, HeightMap};
 use asperity::monitor::Silent;
 use asperity::random;
+use asperity::stats::Moments;
 use asperity::surface::{RandomSurface, SpectralField};
 use ndarray::Array2;
 
@@ -391,7 +392,7 @@ fn statistics_of_a_planted_process_are_its_own() {
         assert!((estimate.value - truth).abs() < 4.0 * estimate.standard_error, "{estimate:?} for {truth}");
         assert!(estimate.interval.contains(estimate.value));
     }
-    let (place, beta) = (found.marginal_place().unwrap(), found.beta.as_ref().unwrap());
+    let (place, beta) = (found.marginals.place().unwrap(), found.beta.as_ref().unwrap());
     println!("{} {:?}", found.marginal().unwrap().law, found.marginals.goodness[place]);
     assert!((beta.law.mean() / law.mean() - 1.0).abs() < 0.01 && (beta.law.std() / law.std() - 1.0).abs() < 0.05);
     assert_eq!(found.parameters.len(), found.marginals.fits.len());
@@ -409,6 +410,31 @@ fn statistics_of_a_planted_process_are_its_own() {
     }
     let length_m = found.correlation.unwrap().exponential.length_m;
     assert!((length_m / 1e-4 - 1.0).abs() < 0.2, "{length_m:e}");
+}
+
+#[test]
+fn the_mean_at_the_mean_load_is_known_as_well_as_a_jackknife_over_strips_knows_it() {
+    // Loads of Beta(2.1, 5), and forces that follow them half, in strips of 20 ℓ.
+    let (loads, own) = (beta_strips(40, 200, 11), beta_strips(40, 200, 12));
+    let strip = |(load, own): (&Record, &Record)| {
+        let force = load.friction.iter().zip(&own.friction).map(|(n, f)| 0.1 * n + 0.1 * f).collect();
+        record(force, load.friction.clone())
+    };
+    let records: Vec<Record> = loads.iter().zip(&own).map(strip).collect();
+    let (mean, linear) = Record::at_mean_load(&records);
+    let found = FrictionStatistics::of(&linear, 1e-5, false, 1).unwrap().estimates.mean.unwrap();
+    assert!((found.value - mean).abs() < 1e-14);
+    let without = |left_out: usize| {
+        let kept: Vec<Record> =
+            records.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, r)| r.clone()).collect();
+        Record::at_mean_load(&kept).0
+    };
+    let left: Vec<f64> = (0..40).map(without).collect();
+    let jackknife = Moments::of(&left).std * 39.0_f64.sqrt();
+    // Each knows the error to 1/√(2·40); the quotient to √2 as much.
+    assert!((found.standard_error / jackknife).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{found:?} {jackknife}");
+    // ΣF/ΣN of loads that make the force half: the quotients themselves scatter far more.
+    assert!(found.interval.contains(0.2), "{found:?}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn mean_scatter_and_variation_of_friction_fall_with_penetration_and_the_law_lean
         assert_eq!(level.window_only, Some(true), "at {:?}", level.percentile);
         // ℓ of an exponential fitted to the triangle of 600 µm: 322–368 µm; 3 standard errors of 16 strips.
         let length_m = level.at_mean_load.correlation_length_m.unwrap();
-        let [low, high] = level.at_mean_load.correlation_length_interval.unwrap();
+        let [low, high] = level.at_mean_load.correlation_length_m_interval.unwrap();
         let reach_m = 1.5 * (high - low) / 1.96;
         assert!(length_m > 322e-6 - reach_m && length_m < 368e-6 + reach_m, "{length_m:e} ± {reach_m:e}");
     }

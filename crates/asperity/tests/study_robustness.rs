@@ -454,7 +454,7 @@ fn constant_friction_is_an_answer_at_every_link() {
                 "reattachment/mean",
                 "reattachment/std",
                 "/correlation_length_without_window_m",
-                "/correlation_length_without_window_interval",
+                "/correlation_length_without_window_m_interval",
                 "/window_only",
                 "/level_mean_pressure_pa",
                 "/period",

@@ -178,7 +178,7 @@ fn process(friction: &Value) -> DataTable {
         let only = if level["window_only"] == Value::Bool(true) { " (window only)" } else { "" };
         let upscaling = &level["upscaling"];
         vec![
-            process["mean"].as_f64().map_or("–".into(), |mean| significant(mean, 6)),
+            shown(process, "mean"),
             shown(process, "std"),
             format!("{with_window}{only}"),
             shown(level, "correlation_length_without_window_m"),
@@ -223,6 +223,15 @@ fn law(lead: &Value) -> DataTable {
                 let chance = chance.map_or(String::new(), |p| format!(" (p = {})", significant(p, 2)));
                 group.push(vec![name.into(), format!("{}{chance}", significant(distance, 3))]);
             }
+        }
+        let laws: Vec<String> = list(&part["laws"])
+            .iter()
+            .filter_map(|law| {
+                Some(format!("{} {}", in_words(&law["name"]), significant(law["aic_difference"].as_f64()?, 3)))
+            })
+            .collect();
+        if !laws.is_empty() {
+            group.push(vec!["laws by ΔAIC".into(), laws.join(", ")]);
         }
         for level in list(&part["return_levels"]) {
             let distance = level["distance_m"].as_f64().map_or("–".into(), |metre| Dimension::Length.show(metre));

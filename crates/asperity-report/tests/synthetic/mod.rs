@@ -454,15 +454,15 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
             "std": value("std"), "std_interval": [value("std_low"), value("std_high")],
             "coefficient_of_variation": value("coefficient_of_variation"),
             "skewness": 0.54, "excess_kurtosis": -0.12, "contact_fraction": 0.02,
-            "correlation_length_m": 2.4e-4, "correlation_length_interval": [1.9e-4, 3.1e-4],
-            "correlation_length_without_window_m": 2.5e-5, "correlation_length_without_window_interval": [2.1e-5, 2.9e-5],
+            "correlation_length_m": 2.4e-4, "correlation_length_m_interval": [1.9e-4, 3.1e-4],
+            "correlation_length_without_window_m": 2.5e-5, "correlation_length_without_window_m_interval": [2.1e-5, 2.9e-5],
             "window_only": row == 5, "effective_windows": 120.0,
             "marginal_parameter_intervals": {"a": [1.8, 2.6], "b": null},
             "gof": {"kolmogorov_smirnov": 0.021, "kolmogorov_smirnov_p": 0.41, "anderson_darling": null, "anderson_darling_p": null},
             "return_levels": [{"distance_m": 0.1, "mu": 0.231, "interval": [0.228, 0.236]}, {"distance_m": 1.0, "mu": 0.24, "interval": null}],
             "at_mean_load": {
                 "mean": value("at_mean_load"), "std": value("std_at_mean_load"), "std_interval": null, "effective_windows": 118.0,
-                "correlation_length_m": 2.5e-4, "correlation_length_interval": [2e-4, 3.2e-4],
+                "correlation_length_m": 2.5e-4, "correlation_length_m_interval": [2e-4, 3.2e-4],
                 "marginal": {"name": "lognormal", "parameters": {"mu": -4.2, "sigma": 0.3, "shift": 0.18}},
                 "correlation_models": [
                     {"model": "triangle", "window_taken_out": false, "length_m": 6e-4, "interval": null, "misfit": 0.012,

@@ -73,6 +73,8 @@ fn lengths(runs: usize) -> Result<String> {
                 let channel = WindowedRecords {
                     window_m: 25e-6,
                     step_m: 25e-6 / 16.0,
+                    cell_m: CELL_M,
+                    lanes: 1,
                     records: records.iter().map(Vec::as_slice).collect(),
                 };
                 Ok(fit_length(
@@ -151,6 +153,8 @@ fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
         .map(|(window, step, records)| WindowedRecords {
             window_m: *window as f64 * CELL_M,
             step_m: *step as f64 * CELL_M,
+            cell_m: CELL_M,
+            lanes: 1,
             records: records.iter().map(Vec::as_slice).collect(),
         })
         .collect();
@@ -192,7 +196,7 @@ fn drifts(runs: usize) -> Result<String> {
                 };
                 let records: Vec<Vec<f64>> = (0..strips).map(of).collect();
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-                Ok(Stationarity::of(&views, CELL_M * LENGTH as f64 / 40.0)?)
+                Ok(Stationarity::of(&views, 1, CELL_M * LENGTH as f64 / 40.0)?)
             })?;
             let rate = |called: &dyn Fn(&Stationarity) -> bool| {
                 100.0 * found.iter().filter(|tests| called(tests)).count() as f64 / runs as f64
@@ -235,7 +239,7 @@ fn cross(runs: usize) -> Result<String> {
                 };
                 let records: Vec<(Vec<f64>, Vec<f64>)> = (0..strips).map(|s| (of(&a, s), of(&b, s))).collect();
                 let views: Vec<(&[f64], &[f64])> = records.iter().map(|(a, b)| (a.as_slice(), b.as_slice())).collect();
-                Ok(cross_correlation(&views, CELL_M * LENGTH as f64 / 40.0, 0)?.interval.contains(rho))
+                Ok(cross_correlation(&views, 1, CELL_M * LENGTH as f64 / 40.0, 0)?.interval.contains(rho))
             })?;
             writeln!(text, "| {rho} | {strips} | {} |", share(hits.iter().filter(|hit| **hit).count(), runs))?;
         }

@@ -100,7 +100,7 @@ fn level(text: &mut String, planted: Planted, family: Family, runs: usize) {
         .into_par_iter()
         .filter_map(|run| {
             let (records, fit) = fitted(planted, family, run);
-            let null = ProcessNull::of(&views(&records), DRAWS, run).ok()?;
+            let null = ProcessNull::of(&views(&records), planted.periodic, DRAWS, run).ok()?;
             let goodness = null.goodness(&fit?, &records.concat()).ok()?;
             let darling = goodness.anderson_darling.map_or(1.0, |a| a.p_value);
             Some([goodness.kolmogorov_smirnov.p_value, darling, null.order() as f64])

@@ -74,7 +74,7 @@ pub(super) fn minimise(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], ra
 }
 
 /// Solves a small symmetric positive system by elimination with pivoting; a singular direction stays at zero.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for i in 0..n {
         let pivot = (i..n).max_by(|p, q| a[*p][i].abs().total_cmp(&a[*q][i].abs())).unwrap_or(i);

@@ -3,21 +3,26 @@
 use super::estimate::{EstimateError, first_crossing};
 use crate::stats::{Moments, lag_sums};
 
+mod band;
 mod cross;
 mod fit;
 mod length;
 mod likelihood;
 mod model;
+mod observed;
 mod ranking;
 mod spectrum;
 mod stationarity;
 mod tail;
+mod tangent;
 
+pub use band::RecordBand;
 pub use cross::{CrossCorrelation, cross_correlation};
 pub use fit::{RecordFit, fit_record, fitted_length_interval};
-pub use length::{LengthFit, LengthSettings, fit_length};
+pub use length::{LackOfFit, LengthFit, LengthSettings, fit_length};
 pub use likelihood::{RecordEnds, WindowedRecords};
 pub use model::{RecordModel, WindowedModel, windowed_exponential};
+pub use observed::{Observation, ObservedLengths, RecordHistory};
 pub use ranking::{RankedLength, fit_matern, rank_lengths};
 pub use spectrum::{RecordSpectrum, record_spectrum};
 pub use stationarity::{DriftTest, Stationarity, Wander};

@@ -6,9 +6,10 @@ use crate::correlation::{
 };
 use crate::friction::strip::Record;
 use crate::friction::window::Window;
+use crate::stats::Layout;
 
 /// Models of the correlation that is left when the window is taken out.
-const MODELS: [RecordModel; 3] =
+pub const MODELS: [RecordModel; 3] =
     [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
 /// Largest lag of the cross-correlation in windows.
 const CROSS_WINDOWS: f64 = 2.0;
@@ -28,12 +29,20 @@ pub struct ProcessAnalysis {
 }
 
 impl ProcessAnalysis {
-    /// Analyses records at the mean load ([`Record::at_mean_load`]) of strips of `strip_m`, seen through `window`.
-    pub fn of(records: &[Record], window: &Window, periodic: bool, strip_m: f64) -> Self {
+    /// Analyses records at the mean load ([`Record::at_mean_load`]) of strips of `strip_m` and so many lanes, seen through
+    /// `window`.
+    pub fn of(records: &[Record], window: &Window, layout: impl Into<Layout>, strip_m: f64) -> Self {
+        let Layout { periodic, lanes } = layout.into();
         let (step_m, series) = (window.step_m(), series(records));
         let ends = record_ends(records, window, periodic, strip_m);
         let models = if window.is_rectangle() {
-            let channel = WindowedRecords { window_m: window.length_m(), step_m, records: series.clone() };
+            let channel = WindowedRecords {
+                window_m: window.length_m(),
+                step_m,
+                cell_m: window.cell_m(),
+                lanes,
+                records: series.clone(),
+            };
             rank_lengths(&[channel], &MODELS, LengthSettings { ends, ..LengthSettings::default() })
         } else {
             Err(EstimateError::Nothing)
@@ -43,9 +52,9 @@ impl ProcessAnalysis {
         let reach = (CROSS_WINDOWS * window.length_m() / step_m).round() as usize;
         Self {
             models,
-            spectrum: record_spectrum(&series, step_m, ends),
-            stationarity: Stationarity::of(&series, step_m),
-            area_and_load: cross_correlation(&pairs, step_m, reach),
+            spectrum: record_spectrum(&series, lanes, step_m, ends),
+            stationarity: Stationarity::of(&series, lanes, step_m),
+            area_and_load: cross_correlation(&pairs, lanes, step_m, reach),
         }
     }
 }

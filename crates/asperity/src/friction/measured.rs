@@ -10,6 +10,7 @@ mod preparation;
 mod record;
 mod sampling;
 mod smoothing;
+mod strokes;
 
 use thiserror::Error;
 
@@ -149,6 +150,16 @@ pub enum MeasuredError {
         steps: f64,
         /// Rows of the record.
         rows: usize,
+    },
+    /// Neither one direction of sliding nor strokes.
+    #[error(
+        "friction changes its sign without being strokes to and fro, and its mean is {:.1} % of its mean size: cut one direction \
+         out, or take the offset of the force out",
+        100.0 * ratio
+    )]
+    NoDirection {
+        /// Mean over mean size.
+        ratio: f64,
     },
     /// Too little is left.
     #[error("{present} values {what}; wanted at least {wanted}")]

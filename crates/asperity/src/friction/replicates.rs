@@ -32,8 +32,8 @@ impl LevelMoments {
         [self.mean, self.std, self.coefficient_of_variation, self.correlation_length_m]
     }
 
-    /// Of records whose positions lie `step_m` apart.
-    fn of(records: &[&[f64]], step_m: f64) -> Self {
+    /// Of records whose positions lie `step_m` apart, so many lanes to a strip.
+    fn of(records: &[&[f64]], lanes: usize, step_m: f64) -> Self {
         let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
         if moments.n < 2 {
             return Self::NONE;
@@ -45,7 +45,7 @@ impl LevelMoments {
             mean: moments.mean,
             std: moments.std,
             coefficient_of_variation: moments.std / moments.mean,
-            correlation_length_m: correlate(records, step_m).map_or(f64::NAN, |c| c.exponential.length_m),
+            correlation_length_m: correlate(records, lanes, step_m).map_or(f64::NAN, |c| c.exponential.length_m),
         }
     }
 }
@@ -64,7 +64,7 @@ impl MomentReplicates {
     pub fn of_quotient(level: &Level, step_m: f64) -> Self {
         Self::by(level, |records| {
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
-            LevelMoments::of(&series, step_m)
+            LevelMoments::of(&series, level.lanes, step_m)
         })
     }
 
@@ -73,7 +73,7 @@ impl MomentReplicates {
         Self::by(level, |records| {
             let (mean, records) = Record::at_mean_load(records);
             let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
-            LevelMoments { mean, ..LevelMoments::of(&series, step_m) }
+            LevelMoments { mean, ..LevelMoments::of(&series, level.lanes, step_m) }
         })
     }
 

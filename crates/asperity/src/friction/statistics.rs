@@ -9,9 +9,9 @@ use crate::correlation::{
 };
 use crate::friction::FrictionError;
 use crate::friction::strip::Record;
-use crate::law::fit::{End, Family, Fit, FitGoodness, ParameterEstimate, Ranking, rank_by_aic};
+use crate::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
-use crate::stats::{Estimate, Interval, Moments, ProcessMoments, share_above};
+use crate::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
 
 pub use tail::{LawTail, ReturnLevel, Tail};
 
@@ -39,7 +39,7 @@ pub struct FrictionStatistics {
     pub sparse_share: f64,
     /// Number of independent windows that the correlated ones are worth.
     pub effective_windows: f64,
-    /// Marginal laws ranked by Akaike's criterion. The p-values of their distances know the fit and the correlation.
+    /// Marginal laws ranked by Akaike's criterion, the windows' own among them. The p-values of their distances know the fit and the correlation.
     pub marginals: Ranking,
     /// Parameters of the laws, in their order, with intervals.
     pub parameters: Vec<Vec<ParameterEstimate>>,
@@ -50,7 +50,7 @@ pub struct FrictionStatistics {
     /// Autocorrelation over lags up to half the strip, or why there is none.
     pub correlation: Result<ProcessCorrelation, EstimateError>,
     records: Vec<Vec<f64>>,
-    periodic: bool,
+    layout: Layout,
 }
 
 /// Autocorrelation of μ(s) with its fitted models.
@@ -67,16 +67,18 @@ pub struct ProcessCorrelation {
 }
 
 impl FrictionStatistics {
-    /// Statistics of the records of one level, whose positions lie `step_m` apart; on a `periodic` strip the last is a
-    /// neighbour of the first. A friction coefficient that does not vary at all has no correlation and no marginal law.
+    /// Statistics of the records of one level, whose positions lie `step_m` apart; on a periodic strip the last is a neighbour of
+    /// the first, and lanes of a strip are not taken for independent (`true` and `false` stand for periodic and free strips of
+    /// one lane). A friction coefficient that does not vary at all has no correlation and no marginal law.
     ///
     /// # Errors
     /// Fewer than ten windows with contact.
-    pub fn of(records: &[Record], step_m: f64, periodic: bool, seed: u64) -> Result<Self, FrictionError> {
+    pub fn of(records: &[Record], step_m: f64, layout: impl Into<Layout>, seed: u64) -> Result<Self, FrictionError> {
+        let layout = layout.into();
         let records = &without_rounding(records)[..];
         let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
         let pooled: Vec<f64> = series.concat();
-        let estimates = ProcessMoments::of(&series, periodic);
+        let estimates = ProcessMoments::of(&series, layout);
         let moments = estimates.moments;
         let empty_windows = pooled.len() - moments.n;
         if moments.n < 10 {
@@ -85,13 +87,12 @@ impl FrictionStatistics {
         let cells = || records.iter().flat_map(|record| &record.contact_cells);
         let sparse = cells().filter(|cells| **cells < WANTED_CONTACT_CELLS).count();
         let effective_windows = estimates.effective_size;
-        let mut marginals = rank_by_aic(&Family::POSITIVE, &pooled, Some(effective_windows));
-        if let Ok(null) = ProcessNull::of(&series, DRAWS, seed) {
-            let known = |fit: &Fit| null.goodness(fit, &pooled).ok();
-            let goodness: Option<Vec<FitGoodness>> = marginals.fits.iter().map(known).collect();
-            marginals.goodness = goodness.unwrap_or(marginals.goodness);
+        let families = [&Family::POSITIVE[..], &Family::EMPIRICAL].concat();
+        let mut marginals = rank_by_aic(&families, &pooled, Some(effective_windows));
+        if let Ok(null) = ProcessNull::of(&series, layout, DRAWS, seed) {
+            marginals.assess(&null, &pooled);
         }
-        let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, periodic)).collect();
+        let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, layout)).collect();
         let beta = marginals.fits.iter().find(|fit| fit.family == Family::BetaFreeBounds).cloned();
         Ok(Self {
             moments,
@@ -100,34 +101,26 @@ impl FrictionStatistics {
             contact_cells: cells().sum::<f64>() / pooled.len() as f64,
             sparse_share: sparse as f64 / pooled.len() as f64,
             effective_windows,
-            tail: Tail::of(&series, step_m, &marginals.fits),
+            tail: Tail::of(&series, layout.lanes, step_m, &marginals.fits),
             marginals,
             parameters,
             beta,
-            correlation: correlate(&series, step_m),
+            correlation: correlate(&series, layout.lanes, step_m),
             records: series.iter().map(|record| record.to_vec()).collect(),
-            periodic,
+            layout,
         })
     }
 
-    /// The marginal law to go on with: the first of the ranking whose ends the sample sees. A fitted end far outside the
-    /// sample makes a law of four parameters that is hardly different from a simpler one.
+    /// The marginal law to go on with, [`Ranking::chosen`].
     pub fn marginal(&self) -> Option<&Fit> {
-        self.marginals.fits.get(self.marginal_place()?)
-    }
-
-    /// Place of [`FrictionStatistics::marginal`] in the ranking.
-    pub fn marginal_place(&self) -> Option<usize> {
-        let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
-        let fits = &self.marginals.fits;
-        fits.iter().position(seen).or(if fits.is_empty() { None } else { Some(0) })
+        self.marginals.chosen()
     }
 
     /// Share of the windows whose μ exceeds a value, and the same with an interval; the laws have
     /// [`crate::law::Marginal::survival`].
     pub fn share_above(&self, mu: f64) -> (f64, Option<Estimate>) {
         let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
-        share_above(&series, mu, self.periodic)
+        share_above(&series, mu, self.layout)
     }
 }
 
@@ -143,12 +136,12 @@ fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
     records.iter().map(settled).collect()
 }
 
-pub(super) fn correlate(series: &[&[f64]], step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
+pub(super) fn correlate(series: &[&[f64]], lanes: usize, step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
     let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
     let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;
     let length_interval =
-        fitted_length_interval(series, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
+        fitted_length_interval(series, lanes, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
     let mut models =
         RecordModel::USUAL.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
     models.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));

@@ -160,6 +160,11 @@ impl Window {
         cells as f64 * self.cell_m * self.row_m
     }
 
+    /// Length of a cell along x in metre.
+    pub fn cell_m(&self) -> f64 {
+        self.cell_m
+    }
+
     /// Cells along x.
     pub fn cells(&self) -> usize {
         self.cells

@@ -1,6 +1,7 @@
 //! Maximum-likelihood fits, compared by Akaike's criterion.
 
 mod beta;
+mod empirical;
 mod gamma;
 mod johnson;
 mod lognormal;
@@ -45,6 +46,11 @@ pub enum Family {
     BetaFreeBounds,
     /// Johnson law, unbounded or bounded, whichever is more likely.
     Johnson,
+    /// The sample's own law: a density constant in bins of equal shares.
+    Empirical {
+        /// Number of bins.
+        bins: usize,
+    },
 }
 
 impl Family {
@@ -67,6 +73,14 @@ impl Family {
         Self::BetaFreeBounds,
     ];
 
+    /// The sample's own law, coarse to fine; a ranking keeps the best of them.
+    pub const EMPIRICAL: [Self; 4] = [
+        Self::Empirical { bins: 4 },
+        Self::Empirical { bins: 8 },
+        Self::Empirical { bins: 16 },
+        Self::Empirical { bins: 32 },
+    ];
+
     /// Name of the law.
     pub fn name(self) -> &'static str {
         match self {
@@ -76,6 +90,17 @@ impl Family {
             Self::Gamma | Self::ShiftedGamma => "gamma",
             Self::Beta { .. } | Self::BetaFreeBounds => "beta",
             Self::Johnson => "johnson",
+            Self::Empirical { .. } => "empirical",
+        }
+    }
+
+    /// Name that tells laws with a fitted shift from those without.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::ShiftedLognormal => "shifted_lognormal",
+            Self::ShiftedWeibull => "shifted_weibull",
+            Self::ShiftedGamma => "shifted_gamma",
+            _ => self.name(),
         }
     }
 
@@ -85,6 +110,7 @@ impl Family {
             Self::Normal | Self::Lognormal | Self::Weibull | Self::Gamma | Self::Beta { .. } => 2,
             Self::ShiftedLognormal | Self::ShiftedWeibull | Self::ShiftedGamma => 3,
             Self::BetaFreeBounds | Self::Johnson => 4,
+            Self::Empirical { bins } => bins + 1,
         }
     }
 }
@@ -182,6 +208,7 @@ pub fn fit(family: Family, values: &[f64]) -> Result<Fit, LawError> {
         Family::Beta { low, high } => beta::fit_between(&sorted, low, high),
         Family::BetaFreeBounds => beta::fit_free(&sorted),
         Family::Johnson => johnson::fit(&sorted),
+        Family::Empirical { bins } => empirical::fit(bins, &sorted),
     }
 }
 

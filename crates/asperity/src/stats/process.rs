@@ -1,6 +1,6 @@
 //! Moments of a stationary process from its records.
 
-use super::{Interval, Moments, RecordSum, Spread};
+use super::{Interval, Layout, Moments, RecordSum, Spread};
 
 /// Probability beyond either end of an interval.
 const TAIL: f64 = 0.025;
@@ -44,7 +44,7 @@ impl Estimate {
 /// Moments of all values present, each with what the records tell of that of their process.
 ///
 /// To first order the error of a moment is the sum of what each value adds to it, its influence. The variance of that sum is
-/// estimated from the products of influences over pairs of values within a record, under a flat-top window of their lag;
+/// estimated from the products of influences over pairs of values on the same strip, under a flat-top window of their lag;
 /// intervals are Student's, on as many degrees of freedom as the records hold blocks, on a scale on which the spread hardly
 /// depends on the moment. One long record is as good as many short ones of the same total length.
 ///
@@ -67,15 +67,20 @@ pub struct ProcessMoments {
     pub skewness: Option<Estimate>,
     /// Excess kurtosis.
     pub excess_kurtosis: Option<Estimate>,
-    /// Number of independent values whose mean would be as uncertain, at most the number of values. Where the records do not
-    /// tell, one for each record.
+    /// Number of independent values whose mean would be as uncertain, at most the number of values. Where the mean has no
+    /// interval, as behind a filter that takes slow waves out, that of the standard deviation; where the records do not
+    /// tell either, one for each strip.
     pub effective_size: f64,
 }
 
 impl ProcessMoments {
-    /// Moments of `records` with equal steps, independent of each other, of one stationary process; NaN is a missing value. A
-    /// periodic record goes on with its first value after its last.
-    pub fn of(records: &[&[f64]], periodic: bool) -> Self {
+    /// Moments of `records` with equal steps of one stationary process; NaN is a missing value. Strips are independent of each
+    /// other, lanes of one count as far as they differ; `true` and `false` stand for periodic and free strips of one lane.
+    ///
+    /// # Panics
+    /// If the lanes of a strip differ in number or length.
+    pub fn of(records: &[&[f64]], layout: impl Into<Layout>) -> Self {
+        let layout = layout.into();
         let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
         let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
         let n = moments.n as f64;
@@ -86,12 +91,12 @@ impl ProcessMoments {
             coefficient_of_variation: None,
             skewness: None,
             excess_kurtosis: None,
-            effective_size: (records.len() as f64).min(n),
+            effective_size: (layout.strips(records.len()) as f64).min(n),
         };
         if moments.n < 4 || moments.std == 0.0 {
             return found;
         }
-        let sum = RecordSum::new(&records, moments.mean, periodic);
+        let sum = RecordSum::new(&records, moments.mean, layout);
         // Influences over the number of values, from the deviation in standard deviations.
         let influences = |influence: &dyn Fn(f64) -> f64| -> Vec<Vec<f64>> {
             let of = |value: &f64| influence((value - moments.mean) / moments.std) / n;
@@ -99,14 +104,19 @@ impl ProcessMoments {
         };
         // A statistic of order k is made of k means.
         let spread = |order: f64, influence: &dyn Fn(f64) -> f64| sum.spread(&influences(influence), order);
-        let Some(mean) = spread(1.0, &|v| v) else { return found };
+        let mean = spread(1.0, &|v| v);
         let (g, h) = (moments.skewness, moments.excess_kurtosis + 3.0);
-        found.effective_size = (1.0 / mean.variance).min(n);
-        found.mean = Estimate::linear(moments.mean, mean.scaled(moments.std));
+        if let Some(mean) = mean {
+            found.effective_size = (1.0 / mean.variance).min(n);
+            found.mean = Estimate::linear(moments.mean, mean.scaled(moments.std));
+        }
         let Some(log_std) = spread(2.0, &|v| 0.5 * (v * v - 1.0)) else { return found };
+        if mean.is_none() {
+            found.effective_size = (0.25 * (h - 1.0) / log_std.variance).clamp(found.effective_size, n);
+        }
         // The variance about the mean of the records is less than that about the mean of the process, and the mean of a
         // logarithm less than the logarithm of the mean.
-        let lift = log_std.variance.exp() / (1.0 - mean.variance.min(0.5)).sqrt();
+        let lift = log_std.variance.exp() / (1.0 - mean.map_or(0.0, |mean| mean.variance.min(0.5))).sqrt();
         found.std = Estimate::logarithmic(moments.std, lift, log_std);
         let variation = moments.std / moments.mean;
         let away = found.mean.is_some_and(|mean| !mean.interval.contains(0.0));
@@ -119,6 +129,58 @@ impl ProcessMoments {
             spread(4.0, &|v| v.powi(4) - h - 4.0 * g * v - 2.0 * h * (v * v - 1.0)).and_then(|s| excess_kurtosis(h, s));
         found
     }
+
+    /// The same with intervals of mean and standard deviation that a model of the correlation makes where the records give none,
+    /// or where they are wider: short records know their correlation badly, a model of one length knows it better.
+    ///
+    /// `correlation` is that of the model at a lag in steps, and `length_error` the standard error of the logarithm of its length.
+    /// With S_k = Σ ρ^k over all pairs of values over their squared number, the variance of the mean is σ² S_1/(1 − S_1), and that of
+    /// ln σ (κ − 1) S_2/4 with the kurtosis κ. The degrees of freedom are those of the scatter of σ² and ℓ, which err alike.
+    ///
+    /// # Panics
+    /// As [`ProcessMoments::of`].
+    #[must_use]
+    pub fn with_correlation(
+        self,
+        records: &[&[f64]],
+        layout: impl Into<Layout>,
+        correlation: &dyn Fn(usize) -> f64,
+        length_error: f64,
+    ) -> Self {
+        let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
+        if self.moments.n < 4 || self.moments.std == 0.0 {
+            return self;
+        }
+        let sum = RecordSum::new(&records, self.moments.mean, layout.into());
+        let (mut first, mut second) = (0.0, 0.0);
+        for (lag, share) in sum.shares().iter().enumerate() {
+            let rho = correlation(lag);
+            (first, second) = (first + share * rho, second + share * rho * rho);
+        }
+        if !(first > 0.0 && first < 0.5 && second > 0.0) {
+            return self;
+        }
+        let freedom = |relative: f64| (2.0 / (relative * relative)).max(1.0);
+        let spread = |variance, blocks| Spread { variance, blocks, skewness: 0.0 };
+        let mean = spread(first / (1.0 - first), freedom((2.0 * second).sqrt() + length_error));
+        let kurtosis = (self.moments.excess_kurtosis + 3.0).max(3.0);
+        let log_std = spread(0.25 * (kurtosis - 1.0) * second, freedom(length_error));
+        let lift = log_std.variance.exp() / (1.0 - first).sqrt();
+        let std = Estimate::logarithmic(self.moments.std, lift, log_std);
+        let n = self.moments.n as f64;
+        Self {
+            effective_size: if self.mean.is_none() { (1.0 / mean.variance).min(n) } else { self.effective_size },
+            mean: wider(self.mean, Estimate::linear(self.moments.mean, mean.scaled(self.moments.std))),
+            std: wider(self.std, std),
+            ..self
+        }
+    }
+}
+
+/// The one with the wider interval.
+fn wider(a: Option<Estimate>, b: Option<Estimate>) -> Option<Estimate> {
+    let width = |estimate: &Estimate| estimate.interval.high - estimate.interval.low;
+    a.into_iter().chain(b).max_by(|a, b| width(a).total_cmp(&width(b)))
 }
 
 /// Skewness on the scale of its arctangent, on which its spread hardly depends on it.
@@ -145,7 +207,8 @@ impl Spread {
 
 /// Share of the values present that exceed a level, with a 95 % interval on the scale of its logit; see [`ProcessMoments`]
 /// for the records.
-pub fn share_above(records: &[&[f64]], level: f64, periodic: bool) -> (f64, Option<Estimate>) {
+pub fn share_above(records: &[&[f64]], level: f64, layout: impl Into<Layout>) -> (f64, Option<Estimate>) {
+    let layout = layout.into();
     let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
     let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
     let above = |value: &f64| if value.is_nan() { f64::NAN } else { f64::from(u8::from(*value > level)) };
@@ -156,7 +219,7 @@ pub fn share_above(records: &[&[f64]], level: f64, periodic: bool) -> (f64, Opti
     }
     let influences: Vec<Vec<f64>> =
         indicators.iter().map(|record| record.iter().map(|v| (v - share) / moments.n as f64).collect()).collect();
-    let estimate = RecordSum::new(&records, moments.mean, periodic).spread(&influences, 1.0).and_then(|spread| {
+    let estimate = RecordSum::new(&records, moments.mean, layout).spread(&influences, 1.0).and_then(|spread| {
         let half = spread.student(TAIL) * spread.variance.sqrt() / (share * (1.0 - share));
         let odds = |sign: f64| share / (1.0 - share) * (sign * half).exp();
         let end = |sign: f64| odds(sign) / (1.0 + odds(sign));

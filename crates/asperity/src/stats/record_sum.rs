@@ -1,6 +1,8 @@
 //! Variance of a sum over correlated records.
 
-use super::{Spread, flat_top, lag_sums};
+use std::borrow::Cow;
+
+use super::{Layout, Spread, flat_top, lag_sums, sum_of_lanes};
 
 /// The reach of a correlogram is where it falls to this.
 const FADED: f64 = 0.2;
@@ -20,45 +22,50 @@ const LEAST_BLOCKS: f64 = 5.0;
 /// Ordered pairs of values on records of one stationary process, by their lag.
 #[derive(Debug, Clone)]
 pub(crate) struct RecordSum {
-    /// Number of values in each record.
+    /// Number of positions on each strip.
     lengths: Vec<usize>,
-    periodic: bool,
-    /// Pairs at the lags 0, 1, 2, …, over the squared number of values.
+    layout: Layout,
+    /// Pairs on the same strip at the lags 0, 1, 2, …, over the squared number of values.
     shares: Vec<f64>,
     /// Distance in steps at which the correlation of the values falls to 1/e.
     length: f64,
 }
 
 impl RecordSum {
-    /// Pairs of the values present (finite) of `records`; the records are independent of each other. A periodic record goes
-    /// on with its first value after its last. `mean` is that of the values.
+    /// Pairs of the values present (finite) of `records`, across the lanes of a strip too. `mean` is that of the values.
     ///
     /// # Panics
-    /// If a record is empty.
-    pub(crate) fn new(records: &[&[f64]], mean: f64, periodic: bool) -> Self {
-        let lengths: Vec<usize> = records.iter().map(|record| record.len()).collect();
-        let (products, counts) = pooled(records, mean, periodic);
-        let present = counts[0];
-        let mut found = Self { lengths, periodic, shares: vec![], length: 0.0 };
+    /// If a record is empty, or the lanes of a strip differ in length.
+    pub(crate) fn new(records: &[&[f64]], mean: f64, layout: Layout) -> Self {
+        let lengths: Vec<usize> = layout.by_strip(records).map(|lanes| lanes[0].len()).collect();
+        let (products, counts) = pooled(records, mean, layout);
+        let present = records.iter().flat_map(|record| record.iter()).filter(|v| v.is_finite()).count() as f64;
+        let mut found = Self { lengths, layout, shares: vec![], length: 0.0 };
         found.length = crossing(&products, &counts, (-1.0_f64).exp());
         found.shares = counts.into_iter().map(|count| count / (present * present)).collect();
         found
     }
 
+    /// Pairs at the lags 0, 1, 2, …, over the squared number of values.
+    pub(crate) fn shares(&self) -> &[f64] {
+        &self.shares
+    }
+
     /// The spread of a statistic whose error is the sum of its influences (NaN where a value is missing), record after record
     /// as [`RecordSum::new`] had them, which add up to zero because `fitted` means were taken for those of the process.
     ///
-    /// The variance is the sum of the products of influences over all pairs within records, under a window of their lag that
+    /// The variance is the sum of the products of influences over all pairs within strips, under a window of their lag that
     /// is flat and then falls to zero. It is corrected for what the fitted means took out, and for the tail of an exponential
-    /// correlogram beyond the window. Where no record is longer than the window it is the scatter between records.
+    /// correlogram beyond the window. Where no record is longer than the window it is the scatter between strips.
     ///
     /// `None` when fewer than five blocks are left, or the influences do not vary.
     ///
     /// # References
     /// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>.
     pub(crate) fn spread(&self, influence: &[Vec<f64>], fitted: f64) -> Option<Spread> {
+        let influence = self.across(influence);
         let views: Vec<&[f64]> = influence.iter().map(Vec::as_slice).collect();
-        let (products, _) = pooled(&views, 0.0, self.periodic);
+        let (products, _) = pooled(&views, 0.0, Layout { lanes: 1, ..self.layout });
         let reach = crossing(&products, &self.shares, FADED);
         let least = (REACHES * reach).max(LEAST_LENGTHS * self.length).max(3.0);
         let spare = 0.75 / (self.shares[0] * BLOCKS_TO_SPARE);
@@ -80,11 +87,19 @@ impl RecordSum {
         let within: f64 =
             self.shares.iter().enumerate().map(|(lag, s)| flat_top(lag as f64, end) * s * exponential(lag)).sum();
         let variance = sum / (1.0 - fitted * taken(end)) / (within / whole);
-        let (third, fourth, blocks) = self.block_moments(influence, end.round() as usize);
+        let (third, fourth, blocks) = self.block_moments(&influence, end.round() as usize);
         let excess = (fourth - 3.0 / blocks).max(0.0);
         let freedom = 1.0 / (squares + 0.5 * excess) - 1.0;
         let sound = variance > 0.0 && 1.0 / squares >= LEAST_BLOCKS + 1.0;
         sound.then_some(Spread { variance, blocks: freedom, skewness: third })
+    }
+
+    /// Influences added up across the lanes of every strip.
+    fn across<'a>(&self, influence: &'a [Vec<f64>]) -> Cow<'a, [Vec<f64>]> {
+        match self.layout.lanes {
+            1 => Cow::Borrowed(influence),
+            _ => self.layout.by_strip(influence).map(|lanes| sum_of_lanes(lanes, |value| value)).collect(),
+        }
     }
 
     fn weighted(&self, end: f64, term: impl Fn(f64, f64) -> f64) -> f64 {
@@ -109,16 +124,24 @@ impl RecordSum {
     }
 }
 
-/// Sums of products of deviations from `mean` over ordered pairs, and numbers of these pairs, at each lag; on a periodic
-/// record the lag is that of the shorter way round.
-fn pooled(records: &[&[f64]], mean: f64, periodic: bool) -> (Vec<f64>, Vec<f64>) {
+/// Sums of products of deviations from `mean` over ordered pairs on the same strip, and numbers of these pairs, at each lag; on
+/// a periodic strip the lag is that of the shorter way round.
+fn pooled(records: &[&[f64]], mean: f64, layout: Layout) -> (Vec<f64>, Vec<f64>) {
+    let periodic = layout.periodic;
     let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
     let lags = if periodic { longest / 2 + 1 } else { longest };
     let (mut products, mut counts) = (vec![0.0; lags], vec![0.0; lags]);
-    for record in records {
-        let n = record.len();
-        let (of_record, pairs) = lag_sums(record, mean, n);
-        for (lag, (product, count)) in of_record.into_iter().zip(pairs).enumerate() {
+    for strip in layout.by_strip(records) {
+        let n = strip[0].len();
+        let (of_strip, pairs) = match strip {
+            [record] => lag_sums(record, mean, n),
+            // A product of sums over lanes is the sum of the products of all pairs of lanes.
+            lanes => {
+                let of = |value: &dyn Fn(f64) -> f64| lag_sums(&sum_of_lanes(lanes, value), 0.0, n).0;
+                (of(&|value| value - mean), of(&|_| 1.0).into_iter().map(f64::round).collect())
+            }
+        };
+        for (lag, (product, count)) in of_strip.into_iter().zip(pairs).enumerate() {
             let times = if lag == 0 { 1.0 } else { 2.0 };
             let place = if periodic { lag.min(n - lag) } else { lag };
             products[place] += times * product;
@@ -174,7 +197,7 @@ mod tests {
         records[1].truncate(9);
         records[0][4] = f64::NAN;
         for periodic in [false, true] {
-            let (products, counts) = pooled(&views(&records), 0.1, periodic);
+            let (products, counts) = pooled(&views(&records), 0.1, periodic.into());
             let (mut naive, mut pairs) = (vec![0.0; products.len()], vec![0.0; products.len()]);
             for record in &records {
                 for (i, a) in record.iter().enumerate() {
@@ -202,7 +225,7 @@ mod tests {
             for run in 0..runs {
                 let records = autoregressive(0.9, records, n, run + 1);
                 let mean = Moments::of(&records.concat()).mean;
-                let sum = RecordSum::new(&views(&records), mean, false);
+                let sum = RecordSum::new(&views(&records), mean, false.into());
                 let influence: Vec<Vec<f64>> =
                     records.iter().map(|record| record.iter().map(|x| (x - mean) / 2000.0).collect()).collect();
                 let spread = sum.spread(&influence, 1.0).unwrap();
@@ -227,6 +250,6 @@ mod tests {
         let records = autoregressive(0.99, 1, 300, 9);
         let mean = Moments::of(&records[0]).mean;
         let influence = vec![records[0].iter().map(|x| (x - mean) / 300.0).collect()];
-        assert!(RecordSum::new(&views(&records), mean, false).spread(&influence, 1.0).is_none());
+        assert!(RecordSum::new(&views(&records), mean, false.into()).spread(&influence, 1.0).is_none());
     }
 }

@@ -22,13 +22,16 @@ pub(super) fn of_level(
         length_m: found.exponential.length_m,
         length_interval_m: found.length_interval.map(pair),
         window_m: Some(strips.window.length_m()),
-        length_without_window_m: level.window_study.as_ref().map(|study| study.length_m),
+        length_without_window_m: level
+            .window_study
+            .as_ref()
+            // Who carries it on takes it for that of an exponential.
+            .map(|study| study.model.integral_scale_m(study.length_m)),
     });
     let varies = process.moments.std > 0.0;
     let fitted = FittedProcess {
         mean: level.mean,
-        // The interval is that of the mean over windows, which counts every window alike.
-        mean_interval: None,
+        mean_interval: process.estimates.mean.map(|mean| pair(mean.interval)).filter(|_| varies),
         std: process.moments.std,
         std_interval: process.estimates.std.map(|std| pair(std.interval)).filter(|_| varies),
         marginal: process.marginal().filter(|_| varies).map(|fit| fit.law.clone()),

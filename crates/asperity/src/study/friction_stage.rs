@@ -5,16 +5,17 @@ mod tables;
 mod words;
 
 use crate::contact::{Control, HalfSpace, Solver};
-use crate::correlation::{LengthSettings, RecordEnds, RecordModel};
-use crate::friction::analysis::{ProcessAnalysis, record_ends};
+use crate::correlation::{LengthSettings, RecordEnds};
+use crate::friction::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::friction::law::FrictionLaw;
 use crate::friction::statistics::FrictionStatistics;
 use crate::friction::strip::{Level, Record, Strips};
-use crate::friction::upscaling::{exponential, variance_reduction};
+use crate::friction::upscaling::variance_reduction;
 use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
 use crate::map::Grid;
 use crate::monitor::Monitor;
+use crate::stats::Layout;
 use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
@@ -54,9 +55,10 @@ impl SolvedLevel {
         seed: u64,
     ) -> Result<Self, StudyError> {
         let failed = |error| StudyError::Friction { level: control.name(), error };
-        let statistics = FrictionStatistics::of(&level.records, window.step_m(), periodic, seed).map_err(failed)?;
+        let (lanes, layout) = (level.lanes, Layout { periodic, lanes: level.lanes });
+        let statistics = FrictionStatistics::of(&level.records, window.step_m(), layout, seed).map_err(failed)?;
         let (mean, at_mean_load) = Record::at_mean_load(&level.records);
-        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), periodic, seed).map_err(failed)?;
+        let process = FrictionStatistics::of(&at_mean_load, window.step_m(), layout, seed).map_err(failed)?;
         // The study knows the correlation under rectangles.
         let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
         let narrower = level.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
@@ -66,18 +68,21 @@ impl SolvedLevel {
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with(&windows, RecordModel::Exponential, settings).ok();
+        let study = || WindowStudy::with(&windows, lanes, &MODELS, settings).ok();
         let window_study = if varies { study() } else { None };
-        let analysis = ProcessAnalysis::of(&at_mean_load, window, periodic, strip_m);
+        let analysis = ProcessAnalysis::of(&at_mean_load, window, layout, strip_m);
         Ok(Self { control, level, statistics, mean, at_mean_load, process, analysis, window_study })
     }
 
     /// Variance of μ over the nominal area over that of one window, by the correlation that is left without the window.
     pub(super) fn variance_reduction(&self, window: &Window, nominal_area_m2: f64) -> f64 {
-        let length_m = self.window_study.as_ref().map_or(0.0, |study| study.length_m);
+        let correlation = |lag_m: f64| match &self.window_study {
+            Some(study) if study.length_m > 0.0 => study.model.correlation(lag_m, study.length_m),
+            _ => 0.0,
+        };
         // Windows of another shape count as rectangles of their area and width.
         let rectangle_m = window.area_m2() / window.width_m();
-        variance_reduction(rectangle_m, window.width_m(), nominal_area_m2, &exponential(length_m))
+        variance_reduction(rectangle_m, window.width_m(), nominal_area_m2, &correlation)
     }
 
     /// Both upscalings.
@@ -211,6 +216,7 @@ pub(super) fn run(
     output.tables = tables::of_levels(&levels);
     output.tables.extend(tables::of_lead(&levels[lead], window));
     output.warnings.extend(words::drift(&levels[lead]));
+    output.warnings.extend(words::correlation(&levels[lead]));
     if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {
         output.fields.push(("pressure_strip", Field { grid, unit: "Pa", values: pressure_pa.clone() }));
     }

@@ -382,12 +382,18 @@ pub struct LevelResult {
     /// ℓ_μ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
     /// Its interval.
-    pub correlation_length_interval: Option<Pair>,
+    pub correlation_length_m_interval: Option<Pair>,
     /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
     /// everything.
     pub correlation_length_without_window_m: Option<f64>,
     /// Its interval.
-    pub correlation_length_without_window_interval: Option<Pair>,
+    pub correlation_length_without_window_m_interval: Option<Pair>,
+    /// Model that it is the length of.
+    pub correlation_without_window_model: Option<&'static str>,
+    /// Probability of a spectrum at least as far from that model's where it holds.
+    pub correlation_without_window_fit_p: Option<f64>,
+    /// Probability that the windows one by one give lengths as different where one length holds under all.
+    pub correlation_without_window_agreement_p: Option<f64>,
     /// Whether that interval includes what cannot be told from 0, less than a step: the correlation is the window's.
     pub window_only: Option<bool>,
     /// Marginal law ranked first by Akaike's criterion.
@@ -427,6 +433,8 @@ pub struct LevelResult {
 pub struct AtMeanLoad {
     /// μ̄ = ΣF/ΣN.
     pub mean: f64,
+    /// Its interval: the error of the quotient is, to first order, that of the mean of μ̄ + (F − μ̄N)/N̄.
+    pub mean_interval: Option<Pair>,
     /// Standard deviation.
     pub std: f64,
     /// Its interval.
@@ -438,7 +446,7 @@ pub struct AtMeanLoad {
     /// ℓ of the exponential fit; it contains the window.
     pub correlation_length_m: Option<f64>,
     /// Its interval.
-    pub correlation_length_interval: Option<Pair>,
+    pub correlation_length_m_interval: Option<Pair>,
     /// Curves fitted to the correlation, the closest first; their ℓ contains the window.
     pub correlation_curves: Vec<CorrelationCurveResult>,
     /// Models of the correlation that is left when the window is taken out, the most likely first.
@@ -447,10 +455,23 @@ pub struct AtMeanLoad {
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// How well it fits.
+    /// How well it fits; `null` for the windows' own law.
     pub gof: Option<GoodnessResult>,
+    /// All laws that were fitted, the first by Akaike's criterion first. `marginal` is the first whose ends the windows see.
+    pub laws: Vec<RankedLawResult>,
     /// Independent windows that the correlated ones are worth.
     pub effective_windows: f64,
+}
+
+/// A law among others.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RankedLawResult {
+    /// Name; `shifted_` where a shift was fitted, `empirical` for the windows' own law.
+    pub name: &'static str,
+    /// Akaike's criterion, of as many independent windows as the correlated ones are worth, less that of the first law.
+    pub aic_difference: f64,
+    /// How well it fits; `null` for the windows' own law.
+    pub gof: Option<GoodnessResult>,
 }
 
 /// Distances between the windows and the marginal law, with p-values that know that the law was fitted and how the windows are

@@ -251,6 +251,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         .with("mean_interval", json!(process.mean_interval))
         .with("std", process.std)
         .with("std_interval", json!(process.std_interval))
+        .with("std_measured", fitted.std_measured)
         .with("coefficient_of_variation", moments.moments.coefficient_of_variation())
         .with("coefficient_of_variation_interval", interval(moments.coefficient_of_variation))
         .with("skewness", moments.moments.skewness)
@@ -260,6 +261,10 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
         .with("correlation", correlation.map(|correlation| correlation.shape.name()))
         .with("correlation_length_m", correlation.map(|correlation| correlation.length_m))
         .with("correlation_length_m_interval", json!(correlation.and_then(|correlation| correlation.length_interval_m)))
+        .with("correlation_fit_p_value", fitted.length.lack_of_fit.map(|test| test.p_value))
+        .with("values_are", fitted.observation.name())
+        .with("noise_share", fitted.length.noise_share)
+        .with("noise_share_interval", json!(fitted.length.noise_interval.map(|i| [i.low, i.high])))
         .with("law", process.marginal.as_ref().map(ToString::to_string))
         .with("law_distance", fit.map(|fit| fit.statistic))
         .with("law_p_value", fit.map(|fit| fit.p_value));
@@ -272,7 +277,7 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
     let laws = &fitted.laws;
     let law = |fit: &Fit| {
         let aic = fit.aic_correlated(laws.effective_size);
-        json!({ "name": fit.family.name(), "law": fit.law.to_string(), "aic": aic })
+        json!({ "name": fit.family.key(), "law": fit.law.to_string(), "aic": aic })
     };
     let model = |ranked: &RankedLength| {
         let fit = &ranked.fit;
@@ -282,6 +287,9 @@ fn answer(prepared: &Prepared, fitted: &FittedRecord, json: bool) -> Answer {
             "length_m_interval": [fit.interval.low, fit.interval.high],
             "aic_difference": ranked.aic_difference,
             "worse": ranked.worse,
+            "window_m": fit.window_m,
+            "noise_share": fit.noise_share,
+            "fit_p_value": fit.lack_of_fit.map(|test| test.p_value),
         })
     };
     let warnings: Vec<&String> = record.warnings.iter().chain(&fitted.warnings).collect();

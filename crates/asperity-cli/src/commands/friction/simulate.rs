@@ -68,11 +68,20 @@ impl Simulate {
         monitor.note(&format!("{said} {}", self.out.display()));
         let mu = record.column("mu").unwrap_or_default();
         let moments = Moments::of(mu);
+        let negative = mu.iter().filter(|mu| **mu < 0.0).count();
+        if negative > 0 {
+            monitor.warn(&format!(
+                "{}: {negative} of {} drawn values are below zero; the law reaches there, and friction does not",
+                self.process.display(),
+                mu.len()
+            ));
+        }
         Answer::default()
             .with("values", mu.len())
             .with("step_m", self.step.0)
             .with("mean", moments.mean)
             .with("std", moments.std)
+            .with("negative_values", negative)
             .with("process_mean", process.mean)
             .with("process_std", process.std)
             .print(self.json)

@@ -26,12 +26,13 @@ pub struct CrossCorrelation {
     pub pieces: usize,
 }
 
-/// Correlation of the pairs of records up to `largest_lag` steps about their common means; NaN is a missing value.
+/// Correlation of the pairs of records, so many lanes to a strip, up to `largest_lag` steps about their common means; NaN is a missing value.
 ///
 /// # Errors
 /// A step that is not positive, fewer than four pairs, or a quantity that does not vary.
 pub fn cross_correlation(
     records: &[(&[f64], &[f64])],
+    lanes: usize,
     step_m: f64,
     largest_lag: usize,
 ) -> Result<CrossCorrelation, EstimateError> {
@@ -66,7 +67,7 @@ pub fn cross_correlation(
         if count > 0.0 { sum / count / scale } else { f64::NAN }
     };
     let correlation: Vec<f64> = lags.iter().map(at).collect();
-    let pieces = pieces(records);
+    let pieces = pieces(records, lanes);
     let total = pieces.iter().fold(Sums::default(), |sum, piece| sum.plus(piece, 1.0));
     let coefficient = total.correlation();
     let count = pieces.len();
@@ -113,24 +114,26 @@ impl Sums {
     }
 }
 
-/// About twenty pieces, whole records where there are as many, of at least some correlation times each. Both quantities are
+/// About twenty pieces, whole strips where there are as many, of at least some correlation times each. Both quantities are
 /// counted from their means in units of their standard deviations.
-fn pieces(records: &[(&[f64], &[f64])]) -> Vec<Sums> {
+fn pieces(records: &[(&[f64], &[f64])], lanes: usize) -> Vec<Sums> {
     let first = Moments::of_values(records.iter().flat_map(|pair| pair.0.iter().copied()));
     let second = Moments::of_values(records.iter().flat_map(|pair| pair.1.iter().copied()));
     let time = |values: &[f64]| correlation_time(values).map_or(1.0, |time| time.steps);
     let longest = records.iter().map(|pair| time(pair.0).max(time(pair.1))).fold(1.0, f64::max);
-    let wanted = PIECES.div_ceil(records.len().max(1));
+    let wanted = PIECES.div_ceil(records.len().div_ceil(lanes).max(1));
     let mut pieces = Vec::new();
-    for (a, b) in records {
-        let parts = wanted.min((a.len() as f64 / (SHORTEST_PIECE * longest)) as usize).max(1);
+    for strip in records.chunks(lanes) {
+        let parts = wanted.min((strip[0].0.len() as f64 / (SHORTEST_PIECE * longest)) as usize).max(1);
         for part in 0..parts {
             let mut sums = Sums::default();
-            for i in part * a.len() / parts..(part + 1) * a.len() / parts {
-                let x = (a[i] - first.mean) / first.std;
-                let y = b.get(i).map_or(f64::NAN, |b| (b - second.mean) / second.std);
-                if x.is_finite() && y.is_finite() {
-                    sums = sums.plus(&Sums { n: 1.0, a: x, b: y, aa: x * x, bb: y * y, ab: x * y }, 1.0);
+            for (a, b) in strip {
+                for i in part * a.len() / parts..(part + 1) * a.len() / parts {
+                    let x = (a[i] - first.mean) / first.std;
+                    let y = b.get(i).map_or(f64::NAN, |b| (b - second.mean) / second.std);
+                    if x.is_finite() && y.is_finite() {
+                        sums = sums.plus(&Sums { n: 1.0, a: x, b: y, aa: x * x, bb: y * y, ab: x * y }, 1.0);
+                    }
                 }
             }
             if sums.n > 0.0 {
@@ -166,7 +169,7 @@ mod tests {
     #[test]
     fn the_lag_function_peaks_where_one_follows_the_other() {
         let (a, b) = pair(0.9, 7, 4000, 0);
-        let found = cross_correlation(&[(&a, &b)], 1.0, 20).unwrap();
+        let found = cross_correlation(&[(&a, &b)], 1, 1.0, 20).unwrap();
         let top = (0..41).max_by(|i, j| found.correlation[*i].total_cmp(&found.correlation[*j])).unwrap();
         assert_eq!(found.lags[top], 7);
         assert!((found.correlation[20] - found.coefficient).abs() < 1e-12);
@@ -179,7 +182,7 @@ mod tests {
             for run in 0..100 {
                 let drawn: Vec<_> = (0..records).map(|r| pair(rho, 0, n, 1 + run * records + r)).collect();
                 let views: Vec<(&[f64], &[f64])> = drawn.iter().map(|(a, b)| (a.as_slice(), b.as_slice())).collect();
-                let found = cross_correlation(&views, 1.0, 0).unwrap();
+                let found = cross_correlation(&views, 1, 1.0, 0).unwrap();
                 hits += usize::from(found.interval.contains(rho));
             }
             // 95 ± 2.2 of 100: four errors.
@@ -191,8 +194,8 @@ mod tests {
     fn quantities_in_proportion_correlate_fully_and_constants_not_at_all() {
         let (a, _) = pair(0.0, 0, 500, 999);
         let b: Vec<f64> = a.iter().map(|value| 3.0 - 2.0 * value).collect();
-        let found = cross_correlation(&[(&a, &b)], 1.0, 0).unwrap();
+        let found = cross_correlation(&[(&a, &b)], 1, 1.0, 0).unwrap();
         assert!((found.coefficient + 1.0).abs() < 1e-12);
-        assert!(cross_correlation(&[(&a, &[1.0; 500])], 1.0, 0).is_err());
+        assert!(cross_correlation(&[(&a, &[1.0; 500])], 1, 1.0, 0).is_err());
     }
 }

@@ -1,5 +1,8 @@
 //! Correlation lengths of records with their intervals.
 
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::band::RecordBand;
 use super::likelihood::{Likelihood, RecordEnds, WindowedRecords};
 use super::model::{RecordModel, WindowedModel};
 use crate::correlation::estimate::EstimateError;
@@ -19,12 +22,34 @@ pub struct LengthSettings {
     pub ends: RecordEnds,
     /// Confidence level of the interval, between 0 and 1.
     pub level: f64,
+    /// Whether the values may hold white noise of their own, whose share is fitted too.
+    pub noise: bool,
+    /// The frequencies that are used.
+    pub band: RecordBand,
 }
 
 impl Default for LengthSettings {
-    /// Free ends and 95 %.
+    /// Free ends, 95 %, no noise, all frequencies up to half a wave in a window.
     fn default() -> Self {
-        Self { ends: RecordEnds::Free, level: 0.95 }
+        Self { ends: RecordEnds::Free, level: 0.95, noise: false, band: RecordBand::default() }
+    }
+}
+
+/// A test of a spectrum against that of records: χ² of bands of wavenumbers that knows which parameters were fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LackOfFit {
+    /// Sum of squared departures.
+    pub statistic: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: f64,
+    /// Probability of at least as much where the model holds.
+    pub p_value: f64,
+}
+
+impl LackOfFit {
+    /// Whether the model is refused at 1 %.
+    pub fn significant(&self) -> bool {
+        self.p_value < 0.01
     }
 }
 
@@ -37,13 +62,26 @@ pub struct LengthFit {
     pub length_m: f64,
     /// Interval of ℓ; its ends are at most the length of the longest record, and 0 means that no length is excluded from below.
     pub interval: Interval,
-    /// Standard deviation under the narrowest window, in the unit of the records.
+    /// The narrowest window in metre.
+    pub window_m: f64,
+    /// Distance in metre of the values that a window is the mean of; 0 where it is the mean over a line.
+    pub cell_m: f64,
+    /// Standard deviation under the narrowest window, without noise and filters, in the unit of the records.
     pub std: f64,
+    /// Share of white noise in the variance of the values; 0 where none was looked for.
+    pub noise_share: f64,
+    /// Its interval; none where none was looked for.
+    pub noise_interval: Option<Interval>,
+    /// Whether the model fits; none where there are too few wavenumbers to tell.
+    pub lack_of_fit: Option<LackOfFit>,
     /// ln L of Whittle's likelihood, of wavenumbers that count once however many windows show them.
     pub log_likelihood: f64,
-    /// Variance of the score over that of Gaussian records: 1 where the model and normality hold.
+    /// Variance of the score over that of independent Gaussian records: 1 where the model and normality hold.
     pub dispersion: f64,
-    /// Pieces of records whose scatter makes the interval.
+    /// How many of the lanes of a strip say the same: variance of the score of strips over that of lanes taken as
+    /// independent; 1 with one lane.
+    pub lanes_alike: f64,
+    /// Pieces of strips whose scatter makes the interval.
     pub pieces: usize,
 }
 
@@ -53,8 +91,9 @@ pub struct LengthFit {
 /// wavenumber counts once however many windows show it, so windows on the same strips are not taken for independent.
 ///
 /// The interval is where 2 ln(L_max/L) < c t², t Student's quantile and c the variance of the score over its information.
-/// c comes from pieces of the records (strips, or about twenty pieces where strips are fewer) and, with the weight of ten
-/// of them, from theory for Gaussian records.
+/// c comes from pieces of the strips (whole ones, or about twenty pieces where they are fewer) and, with the weight of ten
+/// of them, from theory for Gaussian records. The scores of the lanes of a piece are added up before they scatter, and theory is
+/// multiplied by [`LengthFit::lanes_alike`], which without pieces is the number of lanes.
 ///
 /// # Errors
 /// No record, a step that is not positive, values that do not vary, or fewer than three wavenumbers below 1/(2W).
@@ -64,27 +103,26 @@ pub fn fit_length(
     settings: LengthSettings,
 ) -> Result<LengthFit, EstimateError> {
     check(channels)?;
-    let shape = WindowedModel::new(model, 0.0);
+    let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
     let records = channels.iter().map(|channel| channel.records.len()).max().unwrap_or(0);
     let owners: Vec<usize> = (0..records).collect();
     let too_few = || EstimateError::TooFew { present: 0, wanted: 3 };
-    let likelihood = Likelihood::of(channels, &owners, settings.ends, &shape).ok_or_else(too_few)?;
+    let likelihood = Likelihood::of(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)?;
     let (low_m, high_m) = range_m(channels);
-    // Rounding may leave nothing of an expectation; such a length is none.
-    let curve = |length_m: f64| {
-        let value = likelihood.negative_log(&likelihood.spectra(length_m));
-        if value.is_nan() { f64::INFINITY } else { value }
-    };
+    let noise_at = |length_m: f64| likelihood.profile(length_m, settings.noise);
+    let curve = |length_m: f64| noise_at(length_m).1;
     let (length_m, least) = minimum(&curve, low_m, high_m);
+    let (noise_share, _) = noise_at(length_m);
     let narrowest = narrowest(channels);
-    let pieces = Pieces::of(narrowest, length_m, settings.ends, &shape);
-    let theory = theoretical_dispersion(settings.ends);
-    let (dispersion, freedom, count) = match pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m))) {
-        Some((found, count)) => {
+    let pieces = Pieces::of(narrowest, length_m + narrowest.window_m, settings, &shape);
+    let theory = likelihood.spread();
+    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_share, narrowest.lanes));
+    let (dispersion, lanes_alike, freedom, count) = match scattered {
+        Some((found, lanes_alike, count)) => {
             let own = count as f64 - 1.0;
-            ((PRIOR * theory + own * found) / (PRIOR + own), PRIOR + own, count)
+            ((PRIOR * theory * lanes_alike + own * found) / (PRIOR + own), lanes_alike, PRIOR + own, count)
         }
-        None => (theory, PRIOR, 1),
+        None => (theory * narrowest.lanes as f64, narrowest.lanes as f64, PRIOR, 1),
     };
     let t = student_quantile(0.5 + 0.5 * settings.level, freedom);
     let bound = least + 0.5 * dispersion * t * t;
@@ -92,8 +130,43 @@ pub fn fit_length(
         low: if length_m == 0.0 { 0.0 } else { lower_end(&curve, bound, low_m, length_m) },
         high: crossing(&curve, bound, length_m.max(low_m), high_m),
     };
-    let std = likelihood.variance(&likelihood.spectra(length_m)).sqrt();
-    Ok(LengthFit { model, length_m, interval, std, log_likelihood: -least, dispersion, pieces: count })
+    let tangent = likelihood.tangent(length_m, noise_share);
+    // Skewed records scatter more than theory, as their scores do.
+    let lack_of_fit = tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
+        let law = ChiSquared::new(degrees_of_freedom).ok()?;
+        Some(LackOfFit { statistic, degrees_of_freedom, p_value: law.sf(statistic.max(0.0)) })
+    });
+    let noise_interval = settings.noise.then(|| {
+        let reach = tangent.noise_variance(noise_share).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
+        Interval { low: (noise_share - reach).max(0.0), high: (noise_share + reach).min(1.0) }
+    });
+    Ok(LengthFit {
+        model,
+        length_m,
+        interval,
+        window_m: narrowest.window_m,
+        cell_m: narrowest.cell_m,
+        std: (tangent.variance() * (1.0 - noise_share)).sqrt(),
+        noise_share,
+        noise_interval,
+        lack_of_fit,
+        log_likelihood: -least,
+        dispersion,
+        lanes_alike,
+        pieces: count,
+    })
+}
+
+/// −ln L of a model where it is least, without the rest of [`fit_length`]; infinite where it cannot be fitted.
+pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings: LengthSettings) -> f64 {
+    let channels = std::slice::from_ref(channel);
+    let shape = WindowedModel::new(model, 0.0).on_cells(channel.cell_m);
+    let owners: Vec<usize> = (0..channel.records.len()).collect();
+    let Some(likelihood) = Likelihood::of(channels, &owners, (settings.ends, settings.band), &shape) else {
+        return f64::INFINITY;
+    };
+    let (low_m, high_m) = range_m(channels);
+    minimum(&|length_m| likelihood.profile(length_m, settings.noise).1, low_m, high_m).1
 }
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
@@ -114,7 +187,7 @@ fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
 }
 
 /// The channel of the narrowest window, which says nearly everything that the others say.
-fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords<'a> {
+pub(super) fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords<'a> {
     let less = |a: &'b WindowedRecords<'a>, b: &'b WindowedRecords<'a>| if b.window_m < a.window_m { b } else { a };
     channels.iter().fold(&channels[0], less)
 }
@@ -192,60 +265,69 @@ fn bisect(curve: &dyn Fn(f64) -> f64, bound: f64, inside_m: f64, outside_m: f64)
     (inside * outside).sqrt()
 }
 
-/// Variance of the score of a Gaussian record over its information: neighbouring ordinates of a tapered record are
-/// correlated, n Σw⁴/(Σw²)².
-fn theoretical_dispersion(ends: RecordEnds) -> f64 {
-    let weights = super::likelihood::taper(1000, ends, Likelihood::TAPER);
-    let power = |exponent: i32| weights.iter().map(|w| w.powi(exponent)).sum::<f64>();
-    1000.0 * power(4) / power(2).powi(2)
-}
-
-/// Pieces of records under the narrowest window.
+/// Pieces of strips under the narrowest window.
 pub(super) struct Pieces {
+    /// Of pieces of records.
     likelihood: Likelihood,
+    /// The piece of a strip that each piece of a record belongs to.
+    places: Vec<usize>,
+    /// Pieces of strips.
     count: usize,
 }
 
 impl Pieces {
-    fn of(channel: &WindowedRecords<'_>, length_m: f64, ends: RecordEnds, shape: &WindowedModel) -> Option<Self> {
-        let wanted = PIECES.div_ceil(channel.records.len());
-        let shortest = SHORTEST_PIECE * (length_m + channel.window_m) / channel.step_m;
-        let mut pieces: Vec<&[f64]> = Vec::new();
-        for record in &channel.records {
-            let parts = wanted.min((record.len() as f64 / shortest) as usize).max(1);
-            let length = record.len() / parts;
-            pieces.extend(record.chunks_exact(length.max(1)).take(parts));
-        }
-        let whole = pieces.len() == channel.records.len();
-        let count = pieces.len();
-        let owners: Vec<usize> = (0..count).collect();
-        let cut = WindowedRecords { records: pieces, ..channel.clone() };
-        let ends = if whole { ends } else { RecordEnds::Free };
-        let likelihood = Likelihood::of(&[cut], &owners, ends, shape)?;
-        (count > 1).then_some(Self { likelihood, count })
-    }
-
-    /// Those of the narrowest window of several.
-    pub(super) fn of_narrowest(
-        channels: &[WindowedRecords<'_>],
-        length_m: f64,
-        ends: RecordEnds,
+    /// Cuts strips into about [`PIECES`], none shorter than ten times `reach_m`.
+    pub(super) fn of(
+        channel: &WindowedRecords<'_>,
+        reach_m: f64,
+        settings: LengthSettings,
         shape: &WindowedModel,
     ) -> Option<Self> {
-        Self::of(narrowest(channels), length_m, ends, shape)
+        let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.lanes));
+        let shortest = SHORTEST_PIECE * reach_m / channel.step_m;
+        let (mut pieces, mut places, mut count) = (Vec::<&[f64]>::new(), Vec::new(), 0);
+        for strip in channel.records.chunks(channel.lanes) {
+            let parts = wanted.min((strip[0].len() as f64 / shortest) as usize).max(1).min(strip[0].len());
+            for record in strip {
+                let length = record.len() / parts.max(1);
+                for (place, piece) in record.chunks_exact(length.max(1)).take(parts).enumerate() {
+                    pieces.push(piece);
+                    places.push(count + place);
+                }
+            }
+            count += parts;
+        }
+        let whole = pieces.len() == channel.records.len();
+        let owners: Vec<usize> = (0..pieces.len()).collect();
+        let cut = WindowedRecords { records: pieces, ..channel.clone() };
+        let ends = if whole { settings.ends } else { RecordEnds::Free };
+        let likelihood = Likelihood::of(&[cut], &owners, (ends, settings.band), shape)?;
+        (count > 1).then_some(Self { likelihood, places, count })
     }
 
     /// −ln L of every piece.
-    pub(super) fn negative_logs(&self, length_m: f64) -> Vec<f64> {
-        self.likelihood.negative_log_by_owner(&self.likelihood.spectra(length_m), self.count)
+    pub(super) fn negative_logs(&self, length_m: f64, noise: f64) -> Vec<f64> {
+        let spectra = self.likelihood.with_noise(&self.likelihood.spectra(length_m), noise);
+        self.by_place(&self.likelihood.negative_log_by_owner(&spectra, self.places.len()))
     }
 
-    /// Variance of the pieces' scores over their information, and the number of pieces.
-    fn dispersion(&self, length_m: f64) -> Option<(f64, usize)> {
-        let (scores, information) = self.likelihood.scores(length_m, self.count);
-        let spread = Moments::of(&scores).sample_std();
-        let found = self.count as f64 * spread * spread / information;
-        found.is_finite().then_some((found, self.count))
+    /// Variance of the pieces' scores over their information, how many lanes say the same, and the number of pieces.
+    fn dispersion(&self, length_m: f64, noise: f64, lanes: usize) -> Option<(f64, f64, usize)> {
+        let (scores, information) = self.likelihood.tangent(length_m, noise).scores(self.places.len());
+        let of = |scores: &[f64]| {
+            let spread = Moments::of(scores).sample_std();
+            scores.len() as f64 * spread * spread / information
+        };
+        let found = of(&self.by_place(&scores));
+        let alike = if lanes == 1 { 1.0 } else { (found / of(&scores)).clamp(1.0, lanes as f64) };
+        (found.is_finite() && alike.is_finite()).then_some((found, alike, self.count))
+    }
+
+    /// Sums over the lanes of every piece.
+    fn by_place(&self, of_records: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.count];
+        self.places.iter().zip(of_records).for_each(|(place, value)| sums[*place] += value);
+        sums
     }
 }
 
@@ -269,7 +351,7 @@ mod tests {
 
     fn fit(records: &[Vec<f64>], window_m: f64, step_m: f64) -> LengthFit {
         let records = records.iter().map(Vec::as_slice).collect();
-        let channel = WindowedRecords { window_m, step_m, records };
+        let channel = WindowedRecords { window_m, step_m, cell_m: 1.0, lanes: 1, records };
         fit_length(&[channel], RecordModel::Exponential, LengthSettings::default()).unwrap()
     }
 
@@ -313,6 +395,8 @@ mod tests {
             .map(|(window, record)| WindowedRecords {
                 window_m: *window as f64,
                 step_m: (*window / 8) as f64,
+                cell_m: 1.0,
+                lanes: 1,
                 records: vec![record],
             })
             .collect();
@@ -328,7 +412,7 @@ mod tests {
     fn records_that_say_nothing_are_refused() {
         let settings = LengthSettings::default();
         let of = |values: &[f64], step_m: f64| {
-            let channel = WindowedRecords { window_m: 1.0, step_m, records: vec![values] };
+            let channel = WindowedRecords { window_m: 1.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values] };
             fit_length(&[channel], RecordModel::Exponential, settings)
         };
         assert_eq!(fit_length(&[], RecordModel::Exponential, settings), Err(EstimateError::Nothing));

@@ -2,12 +2,16 @@
 
 use std::f64::consts::PI;
 
+use super::band::RecordBand;
 use super::model::WindowedModel;
+use super::tangent::Tangent;
 use crate::fourier::RealFft2;
 use crate::stats::{Moments, lag_sums};
 
 /// Shortest record that has a spectrum.
 const SHORTEST: usize = 8;
+/// Least and largest share of noise that is tried.
+const NOISE: (f64, f64) = (1e-6, 0.98);
 
 /// What lies beyond the ends of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,7 +30,11 @@ pub struct WindowedRecords<'a> {
     pub window_m: f64,
     /// Distance between values in metre.
     pub step_m: f64,
-    /// Independent records, such as strips.
+    /// Distance in metre of the values that a window is the mean of; 0 where it is the mean over a line.
+    pub cell_m: f64,
+    /// Records per strip. Strips are independent of each other; lanes of a strip, one after another here, need not be.
+    pub lanes: usize,
+    /// The records.
     pub records: Vec<&'a [f64]>,
 }
 
@@ -65,7 +73,7 @@ pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Ve
 }
 
 /// Records of one length and step under one window.
-struct Group {
+pub(super) struct Group {
     n: usize,
     step_m: f64,
     window: WindowedModel,
@@ -74,9 +82,13 @@ struct Group {
     /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; none for periodic records, where it is 1.
     lag_weights: Vec<f64>,
     /// How much each of the wavenumbers 1, 2, … counts.
-    shares: Vec<f64>,
+    pub(super) shares: Vec<f64>,
+    /// Share of the power that filters leave of each; 1 where it does not count.
+    passed: Vec<f64>,
+    /// Variance of a periodogram ordinate of the taper over that of independent ones.
+    spread: f64,
     /// Periodograms at the wavenumbers 1, 2, …, and the owners of the records.
-    powers: Vec<(usize, Vec<f64>)>,
+    pub(super) powers: Vec<(usize, Vec<f64>)>,
 }
 
 impl Group {
@@ -118,7 +130,11 @@ impl Group {
         }
         let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
         self.plan.forward(&folded, &mut spectrum, &mut work);
-        spectrum[1..=self.shares.len()].iter().map(|value| self.step_m * value.re).collect()
+        spectrum[1..=self.shares.len()].iter().zip(&self.passed).map(|(v, passed)| self.step_m * v.re * passed).collect()
+    }
+
+    pub(super) fn frequency_per_m(&self, place: usize) -> f64 {
+        (place + 1) as f64 / (self.n as f64 * self.step_m)
     }
 }
 
@@ -132,13 +148,15 @@ impl Group {
 ///
 /// A window keeps nothing at its own wavenumber 1/W, so wavenumbers beyond [`Likelihood::BAND`]/W are left out. Where
 /// several windows show a wavenumber, each of them counts with its share of one: windows on the same strip say the same.
+///
+/// White noise of the values themselves, of the share η of their variance, adds a floor: E = (1 − η) E_process + η Δ.
 pub(super) struct Likelihood {
-    groups: Vec<Group>,
+    pub(super) groups: Vec<Group>,
     narrowest: WindowedModel,
 }
 
 /// Expected periodograms of all groups, for unit variance under the narrowest window.
-pub(super) struct Spectra(Vec<Vec<f64>>);
+pub(super) struct Spectra(pub(super) Vec<Vec<f64>>);
 
 impl Likelihood {
     /// Highest frequency that is used, in units of 1/W: there the window leaves 4/π² of the power.
@@ -151,18 +169,19 @@ impl Likelihood {
     pub(super) fn of(
         channels: &[WindowedRecords<'_>],
         owners: &[usize],
-        ends: RecordEnds,
+        (ends, band): (RecordEnds, RecordBand),
         model: &WindowedModel,
     ) -> Option<Self> {
         let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
         if !narrowest_m.is_finite() {
             return None;
         }
-        let highest = |channel: &WindowedRecords<'_>| f64::min(Self::BAND / channel.window_m, 0.5 / channel.step_m);
+        let highest = |channel: &WindowedRecords<'_>| band.to_per_m(Self::BAND / channel.window_m).min(0.5 / channel.step_m);
+        let lowest = band.from_per_m() * (1.0 - 1e-9);
         let mut groups: Vec<Group> = Vec::new();
         for channel in channels {
             let window = model.under(channel.window_m);
-            let stride = channel.stride(ends);
+            let stride = if band.highest_per_m.is_some() { 1 } else { channel.stride(ends) };
             let step_m = channel.step_m * stride as f64;
             // The common mean: that of every record alone would take power out of its lowest wavenumbers.
             let mean = Moments::of_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
@@ -174,7 +193,7 @@ impl Likelihood {
                 let step_per_m = 1.0 / (n as f64 * step_m);
                 let last = (highest(channel) / step_per_m).floor() as usize;
                 let last = last.min(n.saturating_sub(1) / 2);
-                if n < SHORTEST || last == 0 {
+                if n < SHORTEST || last == 0 || last as f64 * step_per_m < lowest {
                     continue;
                 }
                 let (values, weights) = tapered(&record, &taper(n, ends, Self::TAPER), mean);
@@ -187,8 +206,14 @@ impl Likelihood {
                     } else {
                         lag_sums(&weights, 0.0, n).0.into_iter().map(|sum| sum / squares).collect()
                     };
+                    let used = |k: &usize| *k as f64 * step_per_m >= lowest;
+                    let passed = |k: usize| if used(&k) { band.passed(k as f64 * step_per_m) } else { 1.0 };
+                    let fourth: f64 = weights.iter().map(|w| w.powi(4)).sum();
                     let share = |k: usize| {
                         let frequency = k as f64 * step_per_m;
+                        if !used(&k) {
+                            return 0.0;
+                        }
                         let seen = channels.iter().filter(|other| frequency <= highest(other) * (1.0 + 1e-9)).count();
                         1.0 / seen.max(1) as f64
                     };
@@ -200,6 +225,8 @@ impl Likelihood {
                         plan: RealFft2::new(n, 1),
                         lag_weights,
                         shares: (1..=last).map(share).collect(),
+                        passed: (1..=last).map(passed).collect(),
+                        spread: n as f64 * fourth / (squares * squares),
                         powers: Vec::new(),
                     });
                     groups.len() - 1
@@ -280,36 +307,85 @@ impl Likelihood {
         parts
     }
 
-    /// Scores ∂ ln L/∂ ln ℓ of every owner's part, free of the variance, and their expected information.
-    pub(super) fn scores(&self, length_m: f64, owners: usize) -> (Vec<f64>, f64) {
-        let step: f64 = 1e-3;
-        let (below, at, above) =
-            (self.spectra(length_m * (-step).exp()), self.spectra(length_m), self.spectra(length_m * step.exp()));
-        let variance = self.variance(&at);
-        let slopes: Vec<Vec<f64>> = below
-            .0
-            .iter()
-            .zip(&above.0)
-            .map(|(low, high)| low.iter().zip(high).map(|(l, h)| (h / l).ln() / (2.0 * step)).collect())
-            .collect();
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (group, slopes) in self.groups.iter().zip(&slopes) {
-            let records = group.powers.len() as f64;
-            sum += records * slopes.iter().zip(&group.shares).map(|(g, share)| share * g).sum::<f64>();
-            count += records * group.shares.iter().sum::<f64>();
-        }
-        let mean = sum / count;
-        let (mut scores, mut information) = (vec![0.0; owners], 0.0);
-        for ((group, slopes), expected) in self.groups.iter().zip(&slopes).zip(&at.0) {
-            for (owner, power) in &group.powers {
-                for (((i, e), g), share) in power.iter().zip(expected).zip(slopes).zip(&group.shares) {
-                    scores[*owner] += share * (i / (variance * e) - 1.0) * (g - mean);
-                    information += share * (g - mean) * (g - mean);
-                }
+    /// The spectra with a share of white noise in the variance of the values.
+    pub(super) fn with_noise(&self, spectra: &Spectra, noise: f64) -> Spectra {
+        let mixed = |(group, expected): (&Group, &Vec<f64>)| {
+            let floor = noise * group.step_m;
+            expected.iter().zip(&group.passed).map(|(e, passed)| (1.0 - noise) * e + floor * passed).collect()
+        };
+        Spectra(self.groups.iter().zip(&spectra.0).map(mixed).collect())
+    }
+
+    /// The share of noise that is most likely at a length, and −ln L there.
+    pub(super) fn best_noise(&self, spectra: &Spectra) -> (f64, f64) {
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let at = |logit: f64| {
+            let value = self.negative_log(&self.with_noise(spectra, 1.0 / (1.0 + (-logit).exp())));
+            if value.is_nan() { f64::INFINITY } else { value }
+        };
+        let logit = |share: f64| (share / (1.0 - share)).ln();
+        let (low, high, parts) = (logit(NOISE.0), logit(NOISE.1), 9_i32);
+        let place = |i: i32| low + (high - low) * f64::from(i) / f64::from(parts);
+        let scanned: Vec<f64> = (0..=parts).map(|i| at(place(i))).collect();
+        let best = scanned.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index) as i32;
+        let (mut a, mut b) = (place((best - 1).max(0)), place((best + 1).min(parts)));
+        let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+        let (mut at_c, mut at_d) = (at(c), at(d));
+        while b - a > 1e-2 {
+            if at_c < at_d {
+                (b, d, at_d) = (d, c, at_c);
+                c = b - GOLDEN * (b - a);
+                at_c = at(c);
+            } else {
+                (a, c, at_c) = (c, d, at_d);
+                d = a + GOLDEN * (b - a);
+                at_d = at(d);
             }
         }
-        (scores, information)
+        let found = if at_c < at_d { (c, at_c) } else { (d, at_d) };
+        let none = self.negative_log(spectra);
+        if none <= found.1 + 1e-6 { (0.0, none) } else { (1.0 / (1.0 + (-found.0).exp()), found.1) }
     }
+
+    /// The share of noise, 0 where none is looked for, and −ln L at a length; rounding may leave nothing of an expectation, which
+    /// makes it infinite.
+    pub(super) fn profile(&self, length_m: f64, noise: bool) -> (f64, f64) {
+        let spectra = self.spectra(length_m);
+        let (share, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
+        (share, if value.is_nan() { f64::INFINITY } else { value })
+    }
+
+    /// The model at a length and a share of noise, with the directions in which its parameters move it.
+    pub(super) fn tangent(&self, length_m: f64, noise: f64) -> Tangent<'_> {
+        let step: f64 = 1e-3;
+        let at = |length_m: f64| self.with_noise(&self.spectra(length_m), noise);
+        let (plain, mut directions) = (self.spectra(length_m), Vec::new());
+        let expected = self.with_noise(&plain, noise);
+        if length_m > 0.0 {
+            let (below, above) = (at(length_m * (-step).exp()), at(length_m * step.exp()));
+            let slope = |(low, high): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                low.iter().zip(high).map(|(l, h)| (h / l).ln() / (2.0 * step)).collect()
+            };
+            directions.push(below.0.iter().zip(&above.0).map(slope).collect());
+        }
+        if noise > 0.0 {
+            let all_noise = self.with_noise(&plain, 1.0);
+            let slope = |((white, own), e): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| -> Vec<f64> {
+                white.iter().zip(own).zip(e).map(|((w, o), e)| (w - o) / e).collect()
+            };
+            directions.push(all_noise.0.iter().zip(&plain.0).zip(&expected.0).map(slope).collect());
+        }
+        let variance = self.variance(&expected);
+        Tangent { likelihood: self, expected, variance, directions }
+    }
+
+    /// Variance of an ordinate's mean over that of independent ones.
+    pub(super) fn spread(&self) -> f64 {
+        let weight = |group: &Group| group.powers.len() as f64 * group.shares.iter().sum::<f64>();
+        let all: f64 = self.groups.iter().map(weight).sum();
+        self.groups.iter().map(|group| weight(group) * group.spread).sum::<f64>() / all
+    }
+
 }
 
 #[cfg(test)]
@@ -339,8 +415,8 @@ mod tests {
         holed[17] = f64::NAN;
         for (record, ends) in [(&values, RecordEnds::Free), (&values, RecordEnds::Periodic), (&holed, RecordEnds::Free)]
         {
-            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, records: vec![record] };
-            let likelihood = Likelihood::of(&[channel], &[0], ends, &model).unwrap();
+            let channel = WindowedRecords { window_m: 3.0, step_m: 0.5, cell_m: 0.0, lanes: 1, records: vec![record] };
+            let likelihood = Likelihood::of(&[channel], &[0], (ends, RecordBand::default()), &model).unwrap();
             for length in [0.0, 0.2, 4.0] {
                 let found = likelihood.spectra(length);
                 let window = model.under(3.0);

@@ -92,10 +92,17 @@ impl RecordModel {
 /// > [2 max(0, a − t) ∫₀^∞ρ_0 du + T(t + a) + T(|t − a|) − 2 T(t)]/a²,
 ///
 /// in closed form for all models but the Matérn ones of ν other than 1/2, 3/2 and 5/2, whose T is tabulated once.
+///
+/// A window of few cells is not the integral over W but the mean of n values a cell Δ apart
+/// ([`WindowedModel::on_cells`]), which passes sin²(πfnΔ)/(n sin(πfΔ))² of the power at the frequency f and not sinc²(fW). The
+/// covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ); for the exponential it is the same three
+/// terms with sums instead of integrals.
 #[derive(Debug, Clone)]
 pub struct WindowedModel {
     model: RecordModel,
     window_m: f64,
+    /// 0 where the window is an integral.
+    cell_m: f64,
     integral: f64,
     table: Option<TailTable>,
 }
@@ -114,7 +121,7 @@ impl WindowedModel {
             }
             _ => None,
         };
-        Self { model, window_m, integral: model.integral(), table }
+        Self { model, window_m, cell_m: 0.0, integral: model.integral(), table }
     }
 
     /// The same under another window.
@@ -125,6 +132,17 @@ impl WindowedModel {
     pub fn under(&self, window_m: f64) -> Self {
         assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
         Self { window_m, ..self.clone() }
+    }
+
+    /// The same with windows that are the mean of values `cell_m` apart; 0 makes them integrals. Lags are then rounded to whole
+    /// cells.
+    ///
+    /// # Panics
+    /// If the cell is negative or infinite.
+    #[must_use]
+    pub fn on_cells(&self, cell_m: f64) -> Self {
+        assert!(cell_m >= 0.0 && cell_m.is_finite(), "cell {cell_m} m");
+        Self { cell_m, ..self.clone() }
     }
 
     /// The model without window.
@@ -152,12 +170,34 @@ impl WindowedModel {
     /// Covariance under the window at a lag where that of the process is ρ_0, for ℓ > 0, both in metre. At lag 0 it is the
     /// share of the variance that the window leaves.
     pub fn covariance(&self, lag_m: f64, length_m: f64) -> f64 {
+        if self.cell_m > 0.0 && self.window_m > 0.0 {
+            let cells = (self.window_m / self.cell_m).round().max(1.0);
+            return self.mean_of_cells((lag_m.abs() / self.cell_m).round(), cells, self.cell_m / length_m);
+        }
         let (a, t) = (self.window_m / length_m, lag_m.abs() / length_m);
         if a < NO_WINDOW {
             return self.model.scaled(t);
         }
         let kink = 2.0 * self.integral * (a - t).max(0.0);
         (kink + self.tail(t + a) + self.tail((t - a).abs()) - 2.0 * self.tail(t)) / (a * a)
+    }
+
+    /// Covariance of the means of n values a step of δ lengths apart, t steps from each other.
+    fn mean_of_cells(&self, t: f64, n: f64, step: f64) -> f64 {
+        let exponential =
+            matches!(self.model, RecordModel::Exponential) || self.model == RecordModel::Matern { nu: 0.5 };
+        if exponential && n * step >= NO_WINDOW {
+            // Σ_{u > x} (u − x) φ^u = φ^{x+1}/(1 − φ)², and Σ φ^|u| over all u = (1 + φ)/(1 − φ).
+            let (phi, rest) = ((-step).exp(), -(-step).exp_m1());
+            let tail = |x: f64| (-x * step).exp();
+            let kink = (n - t).max(0.0) * (1.0 + phi) / rest;
+            return (kink + phi / (rest * rest) * (tail(t + n) + tail((t - n).abs()) - 2.0 * tail(t))) / (n * n);
+        }
+        let term = |k: i64| {
+            let both = self.model.scaled((t + k as f64).abs() * step) + self.model.scaled((t - k as f64).abs() * step);
+            (n - k as f64) * both
+        };
+        (n * self.model.scaled(t * step) + (1..n as i64).map(term).sum::<f64>()) / (n * n)
     }
 
     /// T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
@@ -246,6 +286,53 @@ mod tests {
                     assert!(error < 2e-8, "{model:?} W {window} ℓ {length} lag {lag}: {error:e}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn windows_of_cells_are_their_double_sums_and_pass_what_the_discrete_transform_passes() {
+        for model in MODELS {
+            for (cells, cell, length) in [(1_i32, 10.0, 250.0), (4, 10.0, 250.0), (4, 10.0, 3.0), (16, 5.0, 1000.0)] {
+                let windowed = WindowedModel::new(model, f64::from(cells) * cell).on_cells(cell);
+                for lag in [0, 1, 3, 4, 5, 40] {
+                    let mut sum = 0.0;
+                    for i in 0..cells {
+                        for j in 0..cells {
+                            sum += model.correlation(f64::from((lag + i - j).abs()) * cell, length);
+                        }
+                    }
+                    let wanted = sum / f64::from(cells * cells);
+                    let found = windowed.covariance(f64::from(lag) * cell, length);
+                    assert!((found - wanted).abs() < 1e-11, "{model:?} {cells} ℓ {length} lag {lag}: {found} {wanted}");
+                }
+                assert_eq!(windowed.correlation(cell, 0.0), 1.0 - 1.0 / f64::from(cells));
+            }
+        }
+        // Power at a frequency of the exponential on cells, (1 − φ²)/(1 − 2φ cos + φ²), times sin²(πfn)/(n sin(πf))².
+        let (cells, length) = (4.0_f64, 25.0_f64);
+        let windowed = WindowedModel::new(RecordModel::Exponential, cells).on_cells(1.0);
+        let phi = (-1.0 / length).exp();
+        for frequency in [0.003, 0.05, 0.125, 0.21] {
+            let phase = 2.0 * PI * frequency;
+            let lags = (1..2000_i32)
+                .map(|lag| 2.0 * windowed.covariance(f64::from(lag), length) * (f64::from(lag) * phase).cos());
+            let found = windowed.covariance(0.0, length) + lags.sum::<f64>();
+            let passes = ((0.5 * cells * phase).sin() / (cells * (0.5 * phase).sin())).powi(2);
+            let wanted = passes * (1.0 - phi * phi) / (1.0 - 2.0 * phi * phase.cos() + phi * phi);
+            assert!((found / wanted - 1.0).abs() < 1e-9, "{frequency}: {found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn windows_of_many_cells_are_integrals() {
+        // The trapezoid rule misses Δ²/12 of the correlation: its second order is seen.
+        for model in [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }] {
+            let error = |cells: f64| {
+                let windowed = WindowedModel::new(model, 600.0);
+                (windowed.on_cells(600.0 / cells).covariance(0.0, 250.0) - windowed.covariance(0.0, 250.0)).abs()
+            };
+            let (coarse, fine) = (error(16.0), error(64.0));
+            assert!(fine < 1e-3 && (coarse / fine / 16.0 - 1.0).abs() < 0.05, "{model:?}: {coarse:e} {fine:e}");
         }
     }
 

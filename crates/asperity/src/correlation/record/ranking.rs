@@ -1,7 +1,7 @@
 //! Which correlation model suits records best.
 
 use super::RecordModel;
-use super::length::{LengthFit, LengthSettings, Pieces, fit_length};
+use super::length::{LengthFit, LengthSettings, Pieces, fit_length, narrowest};
 use super::likelihood::WindowedRecords;
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
@@ -15,7 +15,8 @@ const LEVEL: f64 = 0.95;
 pub struct RankedLength {
     /// The fit.
     pub fit: LengthFit,
-    /// Akaike's criterion −2 ln L + 2k less that of the best model; k counts length, variance and a fitted ν.
+    /// Akaike's criterion −2 ln L + 2k less that of the best model; k counts length, variance and a fitted ν, and ln L is that
+    /// of as many independent lanes as those of a strip are worth.
     pub aic_difference: f64,
     /// Whether the best model is better beyond chance; false of the best itself.
     pub worse: bool,
@@ -24,7 +25,7 @@ pub struct RankedLength {
 /// Fits models as [`fit_length`] does and ranks them by Akaike's criterion, the best first.
 ///
 /// ln L is a sum over the wavenumbers of all records, of which every one holds two independent values, so correlated lags
-/// are not counted as if they were independent. A model is worse than the best if the difference of ln L of pieces of the
+/// are not counted as if they were independent; that over lanes of a strip is divided by [`LengthFit::lanes_alike`]. A model is worse than the best if the difference of ln L of pieces of the
 /// records is positive by a one-sided Student test at 5 % (Vuong, *Econometrica* **57** (1989) 307,
 /// <https://doi.org/10.2307/1912557>); otherwise the records do not tell the two apart.
 ///
@@ -37,24 +38,37 @@ pub fn rank_lengths(
 ) -> Result<Vec<RankedLength>, EstimateError> {
     let fits: Result<Vec<LengthFit>, EstimateError> =
         models.iter().map(|model| fit_length(channels, *model, settings)).collect();
-    let mut fits = fits?;
-    fits.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
-    let Some(best) = fits.first().copied() else { return Err(EstimateError::Nothing) };
+    if models.is_empty() {
+        return Err(EstimateError::Nothing);
+    }
+    Ok(ranked(channels, fits?.into_iter().map(|fit| (fit, 0.0)).collect(), settings))
+}
+
+/// Fits of the same wavenumbers with the cost of their further parameters, by −2 ln L + cost.
+pub(super) fn ranked(
+    channels: &[WindowedRecords<'_>],
+    mut fits: Vec<(LengthFit, f64)>,
+    settings: LengthSettings,
+) -> Vec<RankedLength> {
+    let criterion = |(fit, cost): &(LengthFit, f64)| cost - 2.0 * fit.log_likelihood / fit.lanes_alike;
+    fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+    let Some(best) = fits.first().copied() else { return Vec::new() };
+    let reach_m = best.0.length_m + best.0.window_m;
     let parts = |fit: &LengthFit| {
-        let shape = WindowedModel::new(fit.model, 0.0);
-        Pieces::of_narrowest(channels, best.length_m, settings.ends, &shape)
-            .map(|pieces| pieces.negative_logs(fit.length_m))
+        let shape = WindowedModel::new(fit.model, 0.0).on_cells(fit.cell_m);
+        let seen = WindowedRecords { window_m: fit.window_m, cell_m: fit.cell_m, ..narrowest(channels).clone() };
+        Pieces::of(&seen, reach_m, settings, &shape).map(|pieces| pieces.negative_logs(fit.length_m, fit.noise_share))
     };
-    let of_best = parts(&best);
-    let rank = |fit: &LengthFit| RankedLength {
-        fit: *fit,
-        aic_difference: 2.0 * (best.log_likelihood - fit.log_likelihood),
-        worse: match (&of_best, parts(fit)) {
-            (Some(reference), Some(other)) if fit.model != best.model => beyond_chance(reference, &other),
+    let of_best = parts(&best.0);
+    let rank = |own: &(LengthFit, f64)| RankedLength {
+        fit: own.0,
+        aic_difference: own.1 - best.1 + 2.0 * (best.0.log_likelihood - own.0.log_likelihood) / best.0.lanes_alike,
+        worse: match (&of_best, parts(&own.0)) {
+            (Some(reference), Some(other)) if own.0.model != best.0.model => beyond_chance(reference, &other),
             _ => false,
         },
     };
-    Ok(fits.iter().map(rank).collect())
+    fits.iter().map(rank).collect()
 }
 
 /// Whether −ln L of the other model is greater piece by piece, beyond chance.
@@ -109,7 +123,7 @@ mod tests {
     }
 
     fn ranked(record: &[f64]) -> Vec<RankedLength> {
-        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, records: vec![record] };
+        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![record] };
         rank_lengths(&[channel], &RecordModel::USUAL, LengthSettings::default()).unwrap()
     }
 
@@ -129,7 +143,7 @@ mod tests {
     #[test]
     fn the_smoothness_of_a_filtered_record_is_found() {
         let record = filtered(1.0 / 10.0, false, 3000, 3);
-        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, records: vec![&record] };
+        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![&record] };
         let found = fit_matern(&[channel], LengthSettings::default()).unwrap();
         // ν = 1/2; ordinates well above the corner, some thousand, know the exponent −(2ν + 1) to some hundredths.
         assert!(matches!(found.model, RecordModel::Matern { nu } if (nu - 0.5).abs() < 0.1), "{found:?}");

@@ -6,7 +6,7 @@ use super::likelihood::{Likelihood, RecordEnds, taper, tapered};
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
 use crate::correlation::spectrum::{bin_of, edges};
-use crate::fourier::RealFft2;
+use crate::fourier::{Complex64, RealFft2};
 use crate::law::chi_square_quantile;
 use crate::stats::Moments;
 
@@ -17,7 +17,8 @@ const REACH: usize = 8;
 /// sixth of an octave or of one ordinate where that is wider, with 95 % bands.
 ///
 /// A bin's density is the mean of m periodogram ordinates, of density χ²₂/2 each, pooled over records, and the band is
-/// [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m less what the taper's correlation of neighbours costs. It holds the mean of
+/// [νŜ/χ²(ν; 97.5 %), νŜ/χ²(ν; 2.5 %)] with ν = 2m less what the taper's correlation of neighbours costs, and over what the
+/// lanes of a strip share, Σ|S_ab|²/ΣS_aa² of their cross-spectra S_ab in the bin. It holds the mean of
 /// the density over the bin where records are Gaussian and long against the correlation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordSpectrum {
@@ -37,12 +38,17 @@ pub struct RecordSpectrum {
     pub width_per_m: Vec<f64>,
 }
 
-/// The spectrum of records with equal steps, pooled. Free records are tapered by a cosine over a tenth at either end and
+/// The spectrum of records with equal steps, so many lanes to a strip, pooled. Free records are tapered by a cosine over a tenth at either end and
 /// counted from their common mean. Missing values (NaN) are zeros after that, and scatter power into all frequencies.
 ///
 /// # Errors
 /// A step that is not positive, no record of eight values, or values that do not vary.
-pub fn record_spectrum(records: &[&[f64]], step_m: f64, ends: RecordEnds) -> Result<RecordSpectrum, EstimateError> {
+pub fn record_spectrum(
+    records: &[&[f64]],
+    lanes: usize,
+    step_m: f64,
+    ends: RecordEnds,
+) -> Result<RecordSpectrum, EstimateError> {
     if !(step_m > 0.0 && step_m.is_finite()) {
         return Err(EstimateError::BadStep { step_m });
     }
@@ -57,7 +63,9 @@ pub fn record_spectrum(records: &[&[f64]], step_m: f64, ends: RecordEnds) -> Res
     let edges = edges(longest / 2);
     let unit_per_m = 1.0 / (longest as f64 * step_m);
     let mut bins = vec![Bin::default(); edges.len() - 1];
-    for record in records.iter().filter(|record| record.len() >= 8) {
+    let mut shared = vec![CrossSums::of(lanes); bins.len()];
+    for (place, record) in records.iter().enumerate().filter(|(_, record)| record.len() >= 8) {
+        let lane = place % lanes;
         let n = record.len();
         let weights = taper(n, ends, Likelihood::TAPER);
         let (values, weights) = tapered(record, &weights, moments.mean);
@@ -79,6 +87,7 @@ pub fn record_spectrum(records: &[&[f64]], step_m: f64, ends: RecordEnds) -> Res
                 bins[bin].count += share;
                 bins[bin].power += share * 2.0 * value.norm_sqr() / squares / n as f64;
                 in_bin[bin] += share;
+                shared[bin].add(lane, k, *value, step_m / squares);
             }
         }
         let kappa = neighbours(&weights, squares);
@@ -88,6 +97,7 @@ pub fn record_spectrum(records: &[&[f64]], step_m: f64, ends: RecordEnds) -> Res
         bins[0].records += 1.0;
     }
     let records = bins[0].records;
+    bins.iter_mut().zip(&shared).for_each(|(bin, shared)| bin.spread *= shared.alike());
     let used: Vec<Bin> = bins.into_iter().filter(|bin| bin.count > 0.0).collect();
     let degrees: Vec<f64> = used.iter().map(|bin| 2.0 * bin.count * bin.count / bin.spread).collect();
     let density: Vec<f64> = used.iter().map(|bin| bin.sum / bin.count).collect();
@@ -116,6 +126,50 @@ struct Bin {
     /// Σ over pairs of ordinates of their correlation.
     spread: f64,
     records: f64,
+}
+
+/// Cross-spectra of the lanes of strips in one bin.
+#[derive(Debug, Clone)]
+struct CrossSums {
+    lanes: usize,
+    /// Ordinates of the lanes seen so far of the strip at hand, by wavenumber.
+    strip: Vec<(usize, Vec<Complex64>)>,
+    /// Σ X_a X_b* over ordinates and strips.
+    sums: Vec<Complex64>,
+}
+
+impl CrossSums {
+    fn of(lanes: usize) -> Self {
+        Self { lanes, strip: Vec::new(), sums: vec![Complex64::new(0.0, 0.0); lanes * lanes] }
+    }
+
+    /// Takes an ordinate of a lane; its power is scaled by `weight`.
+    fn add(&mut self, lane: usize, k: usize, value: Complex64, weight: f64) {
+        if self.lanes == 1 {
+            return;
+        }
+        let value = value * weight.sqrt();
+        let place = self.strip.iter().position(|(other, _)| *other == k).unwrap_or_else(|| {
+            self.strip.push((k, vec![Complex64::new(0.0, 0.0); self.lanes]));
+            self.strip.len() - 1
+        });
+        self.strip[place].1[lane] = value;
+        if lane + 1 == self.lanes {
+            let (_, values) = self.strip.swap_remove(place);
+            for (a, x) in values.iter().enumerate() {
+                for (b, y) in values.iter().enumerate() {
+                    self.sums[a * self.lanes + b] += x * y.conj();
+                }
+            }
+        }
+    }
+
+    /// How many lanes say the same: 1 where they are independent.
+    fn alike(&self) -> f64 {
+        let all: f64 = self.sums.iter().map(Complex64::norm_sqr).sum();
+        let own: f64 = self.sums.iter().step_by(self.lanes + 1).map(Complex64::norm_sqr).sum();
+        if own > 0.0 { all / own } else { 1.0 }
+    }
 }
 
 /// Correlation |Σ w² e^{−2πidj/n}/Σ w²|² of ordinates at the distances d = 1, 2, ….
@@ -175,7 +229,7 @@ mod tests {
     fn densities_times_widths_are_the_variance_of_periodic_records() {
         for n in [100, 101] {
             let record = autoregressive(0.8, n, 0);
-            let found = record_spectrum(&[&record], 0.5, RecordEnds::Periodic).unwrap();
+            let found = record_spectrum(&[&record], 1, 0.5, RecordEnds::Periodic).unwrap();
             let sum: f64 = found.density.iter().zip(&found.width_per_m).map(|(s, width)| s * width).sum();
             let moments = Moments::of(&record);
             assert!((sum / (moments.std * moments.std) - 1.0).abs() < 1e-12, "{n}");
@@ -193,7 +247,7 @@ mod tests {
         for seed in 0..20 {
             let strips: Vec<Vec<f64>> = (0..20).map(|strip| autoregressive(phi, 512, 1 + 20 * seed + strip)).collect();
             let views: Vec<&[f64]> = strips.iter().map(Vec::as_slice).collect();
-            let found = record_spectrum(&views, step, RecordEnds::Free).unwrap();
+            let found = record_spectrum(&views, 1, step, RecordEnds::Free).unwrap();
             let model = found.of_model(&WindowedModel::new(RecordModel::Exponential, 0.0), length, 1.0);
             for (bin, s) in model.iter().enumerate() {
                 // Sum of the geometric series.

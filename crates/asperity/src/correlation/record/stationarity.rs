@@ -64,11 +64,12 @@ pub struct Stationarity {
 }
 
 impl Stationarity {
-    /// Tests records of equal step; values beyond the shortest record are left out, NaN is a missing value.
+    /// Tests records of equal step, so many lanes to a strip, whose blocks side by side count as one; values beyond the shortest
+    /// record are left out, NaN is a missing value.
     ///
     /// # Errors
     /// A step that is not positive, values that do not vary, or fewer than ten records shorter than twenty correlation times.
-    pub fn of(records: &[&[f64]], step_m: f64) -> Result<Self, EstimateError> {
+    pub fn of(records: &[&[f64]], lanes: usize, step_m: f64) -> Result<Self, EstimateError> {
         if !(step_m > 0.0 && step_m.is_finite()) {
             return Err(EstimateError::BadStep { step_m });
         }
@@ -90,17 +91,18 @@ impl Stationarity {
         // Three degrees of freedom that were taken out of every record take about 3τ/n of the correlation time with them.
         let time = found / (1.0 - 3.0 * found / n as f64).max(0.1);
         let within = blocks_within(n, time);
-        let many = records.len() >= MANY;
-        let wander = within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, blocks, |value| value)));
+        let many = records.len().div_ceil(lanes) >= MANY;
+        let wander =
+            within.filter(|_| !many).and_then(|blocks| Wander::of(&means(&records, lanes, blocks, |value| value)));
         let blocks = match within {
             _ if many => 4 * (n / 8).clamp(1, 4),
             Some(blocks) => blocks,
             None => return Err(EstimateError::TooFew { present: n, wanted: (4.0 * SHORTEST_BLOCK * time) as usize }),
         };
-        let values = means(&records, blocks, |value| value);
+        let values = means(&records, lanes, blocks, |value| value);
         let variance = moments.std * moments.std;
         // Mean squares of blocks lean to the right; their logarithms hardly do.
-        let mut squares = means(&records, blocks, |value| (value - moments.mean).powi(2) / variance);
+        let mut squares = means(&records, lanes, blocks, |value| (value - moments.mean).powi(2) / variance);
         squares.iter_mut().flatten().for_each(|square| *square = square.max(f64::MIN_POSITIVE).ln());
         let middle = 0.5 * (blocks as f64 - 1.0);
         let block_m = n as f64 * step_m / blocks as f64;
@@ -148,15 +150,22 @@ fn blocks_within(n: usize, time: f64) -> Option<usize> {
     (blocks >= 4).then_some(blocks.min(MOST_BLOCKS))
 }
 
-/// Means of a function of the values over equal blocks of every record; the mean of the record where a block is empty.
-fn means(records: &[&[f64]], blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+/// Means of a function of the values over equal blocks of every strip; the mean of the record where a block is empty.
+fn means(records: &[&[f64]], lanes: usize, blocks: usize, of: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
     let mean = |values: &[f64]| Moments::of_values(values.iter().map(|value| of(*value))).mean;
-    records
+    let of_records: Vec<Vec<f64>> = records
         .iter()
         .map(|record| {
             let all = mean(record);
             let block = |b: usize| mean(&record[b * record.len() / blocks..(b + 1) * record.len() / blocks]);
             (0..blocks).map(block).map(|value| if value.is_nan() { all } else { value }).collect()
+        })
+        .collect();
+    of_records
+        .chunks(lanes)
+        .map(|strip| {
+            let block = |b: usize| strip.iter().map(|means| means[b]).sum::<f64>() / strip.len() as f64;
+            (0..blocks).map(block).collect()
         })
         .filter(|means: &Vec<f64>| means.iter().all(|value| value.is_finite()))
         .collect()
@@ -252,7 +261,7 @@ mod tests {
             let drawn: Vec<Vec<f64>> =
                 (0..records as u64).map(|r| record(0.9, n, run * records as u64 + r, drift)).collect();
             let views: Vec<&[f64]> = drawn.iter().map(Vec::as_slice).collect();
-            let found = Stationarity::of(&views, 1.0).unwrap();
+            let found = Stationarity::of(&views, 1, 1.0).unwrap();
             let wander = found.wander.is_some_and(|wander| wander.significant());
             let flags = [
                 found.trend.significant(),
@@ -291,7 +300,7 @@ mod tests {
     fn too_short_a_record_is_told() {
         // Four blocks of five correlation times, each at least one step long, make twenty values.
         let short = record(0.9, 16, 1, |_| (0.0, 1.0));
-        assert!(matches!(Stationarity::of(&[&short], 1.0), Err(EstimateError::TooFew { present: 16, .. })));
-        assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1.0), Err(EstimateError::Constant { .. })));
+        assert!(matches!(Stationarity::of(&[&short], 1, 1.0), Err(EstimateError::TooFew { present: 16, .. })));
+        assert!(matches!(Stationarity::of(&[&[1.0; 20]], 1, 1.0), Err(EstimateError::Constant { .. })));
     }
 }

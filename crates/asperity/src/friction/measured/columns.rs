@@ -212,9 +212,11 @@ impl Layout {
                 values && 2 * numbers > alike().count()
             })
             .collect();
+        // Numbers in most columns, or in some and gaps in the others.
         let is_row = |fields: &[&str]| {
-            let numbers = numeric.iter().filter(|column| number(fields[**column]).is_some_and(|value| !value.is_nan()));
-            2 * numbers.count() > numeric.len()
+            let cells = || numeric.iter().map(|column| number(fields[*column]));
+            let numbers = cells().filter(|cell| cell.is_some_and(|value| !value.is_nan())).count();
+            2 * numbers > numeric.len() || numbers > 0 && cells().all(|cell| cell.is_some())
         };
         let first = alike().find(|(_, fields)| is_row(fields)).map(|(index, _)| *index)?;
         let open = alike().all(|(_, fields)| fields.last().is_some_and(|field| field.is_empty()));

@@ -5,33 +5,36 @@ use std::str::FromStr;
 
 use super::{MeasuredError, Prepared};
 use crate::correlation::{
-    LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation, RecordModel, WindowedRecords,
-    rank_lengths,
+    LagNormalisation, LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory,
+    WindowedModel,
 };
 use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 use crate::law::Marginal;
-use crate::law::fit::{End, Family, Fit, FitGoodness, Ranking, rank_by_aic};
+use crate::law::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
-use crate::stats::{Estimate, Histogram, ProcessMoments, StatsError, quantile_sorted, sorted_present};
+use crate::stats::{
+    Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present,
+};
 
 /// Least number of independent values that a record must be worth.
 const LEAST_INDEPENDENT: f64 = 5.0;
 /// Simulated records behind a p-value, and their seed.
 const DRAWS: usize = 499;
 const SEED: u64 = 0;
-/// Models of the correlation. A triangle is what a window makes of noise; of a record without a known window it runs off.
-const MODELS: [RecordModel; 3] =
-    [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
 /// Share of a step that stands for a length below it.
 const LEAST_LENGTH: f64 = 0.05;
+/// Mean friction coefficient above which a unit is likely to be wrong.
+const LARGEST_FRICTION: f64 = 2.0;
+/// Lengths below which moments have the intervals of the correlation's model where those are wider.
+const SHORT: f64 = 100.0;
 /// Values that an empirical law keeps.
 const EMPIRICAL_VALUES: usize = 1001;
 
 /// Which law is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LawChoice {
-    /// The first by Akaike's criterion whose ends the record sees.
+    /// The first by Akaike's criterion whose ends the record sees, its own quantiles among the laws.
     #[default]
     Auto,
     /// One family.
@@ -95,6 +98,12 @@ pub struct FittedRecord {
     pub correlation: RecordCorrelation,
     /// Its models, the most likely first.
     pub models: Vec<RankedLength>,
+    /// The one of the process, with the noise that was found beside it.
+    pub length: LengthFit,
+    /// How the values come from the process.
+    pub observation: Observation,
+    /// Standard deviation of the values, noise and averaging included; that of the process is without.
+    pub std_measured: f64,
     /// What to be wary of, in words.
     pub warnings: Vec<String>,
 }
@@ -103,7 +112,7 @@ pub struct FittedRecord {
 fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
     let families = match choice {
         LawChoice::One(family) => vec![family],
-        LawChoice::Auto | LawChoice::Empirical => Family::ANYWHERE.to_vec(),
+        LawChoice::Auto | LawChoice::Empirical => [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat(),
     };
     let ranking = rank_by_aic(&families, values, Some(effective_size));
     let law = if choice == LawChoice::Empirical {
@@ -112,10 +121,7 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
         let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
         Marginal::empirical(quantiles.collect())?
     } else {
-        // A fitted end far outside the record makes a law of four parameters that is hardly different from a simpler one.
-        let seen = |fit: &&Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
-        let chosen = ranking.fits.iter().find(seen).or(ranking.fits.first());
-        match (chosen, ranking.failed.first()) {
+        match (ranking.chosen(), ranking.failed.first()) {
             (Some(fit), _) => fit.law.clone(),
             (None, Some((_, error))) => return Err(error.clone().into()),
             (None, None) => return Err(MeasuredError::TooFew { present: 0, what: "are there", wanted: 10 }),
@@ -124,12 +130,40 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
     Ok((ranking, law))
 }
 
-/// Correlation up to half the record, and its models, the most likely first.
-fn correlate(values: &[f64], step_m: f64) -> Result<(RecordCorrelation, Vec<RankedLength>), MeasuredError> {
-    let found = RecordCorrelation::estimate(&[values], step_m, values.len() / 2, LagNormalisation::PairNormalised)?;
-    let channel = WindowedRecords { window_m: 0.0, step_m, records: vec![values] };
-    let models = rank_lengths(&[channel], &MODELS, LengthSettings::default())?;
-    Ok((found, models))
+/// Correlation up to half the record, and its models.
+fn correlate(
+    pieces: &[&[f64]],
+    step_m: f64,
+    history: RecordHistory,
+) -> Result<(RecordCorrelation, ObservedLengths), MeasuredError> {
+    let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
+    let found = RecordCorrelation::estimate(pieces, step_m, longest / 2, LagNormalisation::PairNormalised)?;
+    Ok((found, ObservedLengths::of(pieces, step_m, history)?))
+}
+
+/// Standard deviation of the process over that of the values: less noise, and what averaging took.
+fn std_ratio(fit: &LengthFit) -> f64 {
+    let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
+    let left = if fit.length_m > 0.0 { window.covariance(0.0, fit.length_m) } else { 1.0 };
+    ((1.0 - fit.noise_share) / left).sqrt()
+}
+
+/// Moments whose intervals know the fitted correlation where the record is short.
+fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthFit) -> ProcessMoments {
+    let moments = ProcessMoments::of(pieces, false);
+    let lengths = moments.moments.n as f64 * step_m / fit.length_m;
+    // A filter that takes slow waves out makes another correlation than the model's.
+    if moments.mean.is_some() && lengths > SHORT || history.band.high_pass_m.is_some() || fit.length_m == 0.0 {
+        return moments;
+    }
+    let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
+    let share = 1.0 - fit.noise_share;
+    let rho = |lag: usize| match lag {
+        0 => 1.0,
+        _ => share * window.correlation(lag as f64 * step_m, fit.length_m),
+    };
+    let error = (fit.interval.high / fit.interval.low).ln() / (2.0 * NORMAL_95);
+    moments.with_correlation(pieces, false, &rho, if error.is_finite() { error } else { 1.0 })
 }
 
 impl FittedRecord {
@@ -141,40 +175,35 @@ impl FittedRecord {
     pub fn of(prepared: &Prepared, choice: LawChoice, description: &str) -> Result<Self, MeasuredError> {
         let record = &prepared.record;
         let values = &record.friction[..];
-        let present = record.present();
+        let (present, pieces) = (record.present(), record.pieces());
         if present < 10 {
             return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
         }
-        let moments = ProcessMoments::of(&[values], false);
-        let effective_size = moments.effective_size;
-        if moments.moments.std == 0.0 {
+        if Moments::of(values).std == 0.0 {
             return Err(StatsError::Constant { statistic: "the law of friction", n: present }.into());
         }
-        if effective_size < LEAST_INDEPENDENT {
-            let wanted = LEAST_INDEPENDENT;
-            return Err(MeasuredError::TooShort { present, effective: effective_size, wanted });
-        }
-        let (mut laws, marginal) = law(choice, values, effective_size)?;
-        if let Ok(null) = ProcessNull::of(&[values], DRAWS, SEED) {
-            let known: Option<Vec<FitGoodness>> = laws.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
-            laws.goodness = known.unwrap_or(laws.goodness);
-        }
-        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).map(|place| laws.goodness[place]);
-        let (correlation, models) = correlate(values, record.step_m)?;
-        let Some(best) = chosen(&models) else {
-            return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
-        };
+        let (correlation, ObservedLengths { models, chosen: best, observation, narrowed_to_per_m }) =
+            correlate(&pieces, record.step_m, prepared.history)?;
         // A slow wave looks like many values; it is few lengths all the same.
-        let independent = 0.5 * present as f64 * record.step_m / best.length_m;
-        if independent < LEAST_INDEPENDENT {
-            return Err(MeasuredError::TooShort { present, effective: independent, wanted: LEAST_INDEPENDENT });
+        let effective = 0.5 * present as f64 * record.step_m / best.length_m;
+        if effective < LEAST_INDEPENDENT {
+            return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
+        let moments = moments(&pieces, record.step_m, prepared.history, &best);
+        let effective_size = moments.effective_size.max(LEAST_INDEPENDENT);
+        let (mut laws, marginal) = law(choice, values, effective_size)?;
+        if let Ok(null) = ProcessNull::of(&pieces, false, DRAWS, SEED) {
+            laws.assess(&null, values);
+        }
+        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
+        // What a narrowed band calls noise is not that of the values.
+        let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
         let (shape, length_m) = CorrelationShape::of(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
         let process = FittedProcess {
             mean: moments.moments.mean,
-            mean_interval: moments.mean.map(pair),
-            std: moments.moments.std,
-            std_interval: moments.std.map(pair),
+            mean_interval: moments.mean.filter(|_| prepared.history.band.high_pass_m.is_none()).map(pair),
+            std: ratio * moments.moments.std,
+            std_interval: moments.std.map(pair).map(|ends| ends.map(|end| ratio * end)),
             marginal: Some(marginal),
             correlation: Some(FittedCorrelation {
                 shape,
@@ -191,12 +220,21 @@ impl FittedRecord {
         };
         process.check()?;
         let mut warnings = Vec::new();
-        if moments.mean.is_none() || moments.std.is_none() {
+        let filtered = prepared.history.band.high_pass_m.is_some();
+        if (moments.mean.is_none() && !filtered) || moments.std.is_none() {
             warnings.push(
                 "the record holds too few correlation lengths for intervals: measure longer, or take a trend out"
                     .into(),
             );
         }
+        if filtered {
+            warnings.push(
+                "the slow waves that were taken out would tell how the mean scatters from record to record: it has no \
+                 interval"
+                    .into(),
+            );
+        }
+        warnings.extend(said_of(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
         if best.length_m < 2.0 * record.step_m {
             warnings.push(format!(
                 "the correlation length of {:.3e} m is hardly longer than the step of {:.3e} m: sampled more finely, it may be \
@@ -211,6 +249,16 @@ impl FittedRecord {
                 fit.kolmogorov_smirnov.statistic, fit.kolmogorov_smirnov.p_value
             ));
         }
+        if process.mean > LARGEST_FRICTION {
+            warnings.push(format!(
+                "a mean friction coefficient of {:.3} is hardly one: are the units of friction and normal force right?",
+                process.mean
+            ));
+        }
+        let negative = values.iter().filter(|mu| **mu < 0.0).count();
+        if negative > 0 {
+            warnings.push(format!("{negative} of {present} values are below zero, which friction is not: is there an offset?"));
+        }
         if let Some(large) = prepared.removed.iter().find(|removal| removal.variance_share > 0.5) {
             warnings.push(format!(
                 "{:.0} % of the variance went with the {}: what is left is the smaller part of the record",
@@ -218,7 +266,18 @@ impl FittedRecord {
                 large.step.replace('_', "-")
             ));
         }
-        Ok(Self { process, moments, laws, goodness, correlation, models, warnings })
+        Ok(Self {
+            process,
+            std_measured: moments.moments.std,
+            moments,
+            laws,
+            goodness,
+            correlation,
+            models,
+            length: best,
+            observation,
+            warnings,
+        })
     }
 
     /// What the figures show: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`, `friction_acf`.
@@ -247,8 +306,9 @@ impl FittedRecord {
                 .filter(|law| !matches!(law, Marginal::Empirical { .. }))
                 .map(|law| ("fitted_density".into(), density(law))),
         );
-        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen);
-        columns.extend(others.map(|fit| (format!("{}_density", fit.family.name()), density(&fit.law))));
+        let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
+        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen).filter(smooth);
+        columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
         Some(columns)
     }
 
@@ -271,10 +331,58 @@ impl FittedRecord {
     }
 }
 
-/// The exponential, which every generator can draw, unless another model is better beyond chance; else the most likely.
-fn chosen(models: &[RankedLength]) -> Option<LengthFit> {
-    let simple = |ranked: &&RankedLength| ranked.fit.model == RecordModel::Exponential && !ranked.worse;
-    models.iter().find(simple).or(models.first()).map(|ranked| ranked.fit)
+/// What the fit of the correlation found beside the length, in words.
+fn said_of(
+    fit: &LengthFit,
+    observation: Observation,
+    narrowed_to_per_m: Option<f64>,
+    std: f64,
+    ratio: f64,
+) -> Vec<String> {
+    let mut said = Vec::new();
+    let whole = narrowed_to_per_m.is_none();
+    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_share > 0.0) {
+        said.push(format!(
+            "white noise makes {:.2} % ({:.2} to {:.2} %) of the variance: the correlation length is without it",
+            100.0 * fit.noise_share,
+            100.0 * interval.low,
+            100.0 * interval.high
+        ));
+    }
+    match observation {
+        Observation::Points => {}
+        Observation::Means => said.push(
+            "the spectrum is that of means over the step, not of values at points: the correlation length is without that \
+             averaging"
+                .into(),
+        ),
+        Observation::MovingAverage { values } => said.push(format!(
+            "the spectrum is that of a moving average of {values} values, as of a sensor's filter: the correlation length is \
+             without it"
+        )),
+    }
+    if (ratio - 1.0).abs() > 0.005 {
+        said.push(format!(
+            "the standard deviation of the values is {std:.4e}; without noise and averaging, that of the process is {:.4e}",
+            ratio * std
+        ));
+    }
+    if let Some(highest_per_m) = narrowed_to_per_m {
+        said.push(format!(
+            "no correlation model fits the fast waves, as behind a filter of the instrument: only waves longer than {:.3e} m \
+             were used for the correlation length, and the standard deviation is that of the values as they are",
+            highest_per_m.recip()
+        ));
+    }
+    if let Some(test) = fit.lack_of_fit.filter(|test| test.significant()) {
+        said.push(format!(
+            "no correlation model fits the record (its spectrum departs as chance would do with probability {:.1e}): the \
+             correlation length and its interval hold for the shape {} alone; look at friction_acf",
+            test.p_value,
+            fit.model.name()
+        ));
+    }
+    said
 }
 
 fn pair(estimate: Estimate) -> [f64; 2] {

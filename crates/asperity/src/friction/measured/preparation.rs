@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use super::smoothing::{gaussian, polynomial};
 use super::{MeasuredError, MeasuredRecord};
+use crate::correlation::{RecordBand, RecordHistory};
 use crate::quantity::Length;
 use crate::stats::Moments;
 
@@ -110,6 +111,8 @@ pub struct Prepared {
     pub trend: Vec<f64>,
     /// What was taken out, step by step.
     pub removed: Vec<Removal>,
+    /// What that leaves of the correlation to be seen.
+    pub history: RecordHistory,
 }
 
 impl Preparation {
@@ -167,7 +170,16 @@ impl Preparation {
             taken("low_pass", &record.friction, &kept);
             record.friction = kept;
         }
-        let mut prepared = Prepared { record, measured, trend, removed: Vec::new() };
+        let degree = if let Detrend::Polynomial(degree) = self.detrend { degree } else { 0 };
+        let band = RecordBand {
+            // A polynomial takes half a wave along the record for every degree.
+            lowest_per_m: if degree > 0 { (0.5 * degree as f64 + 1.0) / length_m } else { 0.0 },
+            high_pass_m: if let Detrend::HighPass { cutoff_m } = self.detrend { Some(cutoff_m) } else { None },
+            low_pass_m: self.low_pass_m,
+            highest_per_m: None,
+        };
+        let history = RecordHistory { decimation: self.decimation.max(1), band };
+        let mut prepared = Prepared { record, measured, trend, removed: Vec::new(), history };
         if self.decimation > 1 {
             let before = prepared.record.friction.clone();
             prepared.decimate(self.decimation)?;
@@ -232,7 +244,7 @@ mod tests {
     use super::*;
 
     fn record(friction: Vec<f64>) -> MeasuredRecord {
-        MeasuredRecord { start_m: 0.01, step_m: 1e-4, friction, velocity_m_per_s: Some(0.1), warnings: vec![] }
+        MeasuredRecord { start_m: 0.01, step_m: 1e-4, friction, velocity_m_per_s: Some(0.1), strokes_m: vec![], warnings: vec![] }
     }
 
     fn waves(n: usize) -> Vec<f64> {

@@ -2,6 +2,7 @@
 
 use super::columns::{Chosen, ColumnTable};
 use super::sampling::{Grid, even};
+use super::strokes::{Signs, Strokes, signs};
 use super::{MeasuredError, sampling};
 use crate::quantity::{Force, Length, Time};
 
@@ -74,6 +75,8 @@ pub struct MeasuredRecord {
     pub friction: Vec<f64>,
     /// Sliding velocity in m/s, where it is known.
     pub velocity_m_per_s: Option<f64>,
+    /// Distances in metre at which strokes of a reciprocating machine begin, the first left out.
+    pub strokes_m: Vec<f64>,
     /// What was done to the record, in words; each is worth a look.
     pub warnings: Vec<String>,
 }
@@ -118,12 +121,12 @@ impl MeasuredRecord {
     ///
     /// A force F is divided by the normal force N row by row; rows with N ≤ 0 are gaps. Times are distances at the sliding
     /// velocity. Rows that are missing from an even sampling are gaps. Steps that differ by less than 1 % are resampled,
-    /// with a warning; steps that differ by more are refused. A record whose mean is negative, from sliding the other way,
-    /// is reversed, with a warning.
+    /// with a warning; steps that differ by more are refused. A record that is negative, from sliding the other way,
+    /// is reversed, with a warning. Strokes of alternating sign become |μ| stroke by stroke, their reversals gaps, with a warning.
     ///
     /// # Errors
     /// Columns that are not there or hold words, units that are absent or of another kind, a time without velocity, a
-    /// force without normal force, uneven sampling, fewer than 2 rows.
+    /// force without normal force, uneven sampling, fewer than 2 rows, values on both sides of zero that are no strokes.
     pub fn new(table: &ColumnTable, columns: &RecordColumns) -> Result<Self, MeasuredError> {
         if table.rows() < 2 {
             return Err(MeasuredError::TooFew { present: table.rows(), what: "are in the file", wanted: 2 });
@@ -158,20 +161,61 @@ impl MeasuredRecord {
             Abscissa::Time { .. } | Abscissa::SamplingRate { .. } => velocity.ok_or(MeasuredError::NoVelocity)?,
         };
         let mut friction = values;
-        let (sum, present) = sampling::sum(&friction);
-        if sum < 0.0 {
-            friction.iter_mut().for_each(|mu| *mu = -*mu);
-            warnings.push("friction is negative on average: its sign was reversed".into());
-        }
+        let present = sampling::sum(&friction).1;
         if present == 0 {
             return Err(MeasuredError::TooFew { present, what: "are present in the column", wanted: 2 });
+        }
+        let mut starts = Vec::new();
+        match signs(&friction) {
+            Signs::One { reversed: false } => {}
+            Signs::One { reversed: true } => {
+                friction.iter_mut().for_each(|mu| *mu = -*mu);
+                warnings.push("friction is negative on average: its sign was reversed".into());
+            }
+            Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_share }) => {
+                warnings.push(format!(
+                    "friction alternates its sign: {} strokes to and fro count as pieces of one process, by their |μ| without \
+                     the reversals, {:.1} % of the values; strokes over one track repeat each other, which the intervals do not \
+                     know",
+                    found.len() + 1,
+                    100.0 * reversal_share
+                ));
+                (friction, starts) = (sizes, found);
+            }
+            Signs::None { ratio } => return Err(MeasuredError::NoDirection { ratio }),
         }
         let gaps = friction.len() - present;
         if gaps > 0 {
             let share = 100.0 * gaps as f64 / friction.len() as f64;
             warnings.push(format!("{gaps} of {} values are missing ({share:.2} %) and stay gaps", friction.len()));
         }
-        Ok(Self { start_m: start * per_axis, step_m: step * per_axis, friction, velocity_m_per_s: velocity, warnings })
+        let (start_m, step_m) = (start * per_axis, step * per_axis);
+        Ok(Self {
+            start_m,
+            step_m,
+            friction,
+            velocity_m_per_s: velocity,
+            strokes_m: starts.iter().map(|index| start_m + step_m * *index as f64).collect(),
+            warnings,
+        })
+    }
+
+    /// The record, or its strokes one by one, without missing values at their ends.
+    pub fn pieces(&self) -> Vec<&[f64]> {
+        let index = |position_m: &f64| ((position_m - self.start_m) / self.step_m).ceil().max(0.0) as usize;
+        let n = self.friction.len();
+        let mut ends: Vec<usize> = self.strokes_m.iter().map(index).map(|end| end.min(n)).collect();
+        ends.push(n);
+        let mut start = 0;
+        let mut pieces = Vec::new();
+        for end in ends {
+            let piece = &self.friction[start.min(end)..end];
+            let first = piece.iter().position(|mu| !mu.is_nan());
+            let last = piece.iter().rposition(|mu| !mu.is_nan());
+            pieces.extend(first.zip(last).map(|(first, last)| &piece[first..=last]));
+            start = end;
+        }
+        pieces
     }
 
     /// Values that are present.

@@ -50,7 +50,8 @@ pub struct FittedCorrelation {
     /// Window over which μ was averaged and which the length therefore contains, in metre; `None` where no window is known.
     /// With [`CorrelationShape::WindowedExponential`] it is the window of the shape, and the length is free of it.
     pub window_m: Option<f64>,
-    /// What is left of the length without that window, in metre, where it is known.
+    /// What is left of the length without that window, in metre, where it is known: ℓ of an exponential of the same integral
+    /// scale.
     pub length_without_window_m: Option<f64>,
 }
 

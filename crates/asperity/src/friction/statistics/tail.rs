@@ -31,9 +31,10 @@ pub struct Tail {
     pub threshold: f64,
     /// Share of the windows above it.
     pub share: f64,
-    /// Clusters of windows above it: runs that are at least a correlation time apart.
+    /// Clusters of windows above it: runs that are at least a correlation time apart, and as many as those of the lanes of a
+    /// strip are worth.
     pub clusters: usize,
-    /// Clusters per metre of sliding.
+    /// Clusters per metre of sliding, of one lane.
     pub clusters_per_m: f64,
     /// Shape ξ of the generalised Pareto law of the highest excess of each cluster.
     pub shape: f64,
@@ -71,8 +72,10 @@ pub struct LawTail {
 }
 
 impl Tail {
-    /// The tail of records with steps of `step_m`, and of laws fitted to them; `None` with fewer than 20 clusters.
-    pub(super) fn of(records: &[&[f64]], step_m: f64, fits: &[Fit]) -> Option<Self> {
+    /// The tail of records with steps of `step_m`, so many lanes to a strip, and of laws fitted to them; `None` with fewer than
+    /// 20 clusters. Lanes that are above the threshold together
+    /// count as far as they differ.
+    pub(super) fn of(records: &[&[f64]], lanes: usize, step_m: f64, fits: &[Fit]) -> Option<Self> {
         let sorted = sorted_present(records.iter().flat_map(|record| record.iter().copied()));
         let largest = *sorted.last()?;
         if sorted[0] == largest {
@@ -83,17 +86,19 @@ impl Tail {
         let apart = (apart[0] / apart[1]).ceil() as usize;
         let found = SHARES.map(|share| {
             let threshold = quantile_sorted(&sorted, 1.0 - share);
-            (threshold, peaks(records, threshold, apart))
+            let (peaks, alike) = (peaks(records, threshold, apart), alike(records, lanes, threshold));
+            let separate = (peaks.len() as f64 / alike).round() as usize;
+            (threshold, peaks, alike, separate)
         });
-        let enough = found.iter().find(|(_, peaks)| peaks.len() >= WANTED_CLUSTERS);
-        let (threshold, peaks) = enough.or(found.iter().max_by_key(|(_, peaks)| peaks.len()))?;
-        if peaks.len() < LEAST_CLUSTERS {
+        let enough = found.iter().find(|(.., separate)| *separate >= WANTED_CLUSTERS);
+        let (threshold, peaks, alike, separate) = enough.or(found.iter().max_by_key(|(.., separate)| *separate))?;
+        if *separate < LEAST_CLUSTERS {
             return None;
         }
         let distance_m = sorted.len() as f64 * step_m;
         let share = sorted.iter().filter(|mu| **mu > *threshold).count() as f64 / sorted.len() as f64;
         let clusters_per_m = peaks.len() as f64 / distance_m;
-        let excesses = Excesses::of(peaks, *threshold);
+        let excesses = Excesses::of(peaks, *threshold, *alike);
         let (shape, height) = excesses.best_shape(|shape| excesses.profile(shape));
         let shape_interval = excesses.shape_interval(shape, height);
         let scale = excesses.best_scale(shape);
@@ -112,7 +117,7 @@ impl Tail {
             let clusters = |x: f64| clusters_per_m * fit.law.survival(x) / share;
             LawTail {
                 family: fit.family,
-                larger: -(-clusters(largest) * distance_m).exp_m1(),
+                larger: -(-clusters(largest) * distance_m / alike).exp_m1(),
                 return_levels: distances()
                     .map(|distance_m| fit.law.quantile(1.0 - share / (clusters_per_m * distance_m)))
                     .collect(),
@@ -122,7 +127,7 @@ impl Tail {
             largest,
             threshold: *threshold,
             share,
-            clusters: peaks.len(),
+            clusters: *separate,
             clusters_per_m,
             shape,
             shape_interval,
@@ -154,6 +159,25 @@ fn peaks(records: &[&[f64]], threshold: f64, apart: usize) -> Vec<f64> {
     peaks
 }
 
+/// How many lanes of a strip are above a threshold together: variance of the number above over that of independent ones.
+fn alike(records: &[&[f64]], lanes: usize, threshold: f64) -> f64 {
+    if lanes == 1 {
+        return 1.0;
+    }
+    let above = |mu: &f64| f64::from(u8::from(*mu > threshold));
+    let values = records.iter().map(|record| record.len()).sum::<usize>() as f64;
+    let share = records.iter().flat_map(|record| record.iter()).map(above).sum::<f64>() / values;
+    let (mut together, mut alone) = (0.0, 0.0);
+    for strip in records.chunks(lanes) {
+        for place in 0..strip[0].len() {
+            let differences = || strip.iter().map(|lane| above(&lane[place]) - share);
+            together += differences().sum::<f64>().powi(2);
+            alone += differences().map(|difference| difference * difference).sum::<f64>();
+        }
+    }
+    (together / alone).clamp(1.0, lanes as f64)
+}
+
 /// ((clusters)^ξ − 1)/ξ: the excess, in scales, that one in so many clusters exceeds.
 fn growth(shape: f64, clusters: f64) -> f64 {
     let log = clusters.ln();
@@ -164,13 +188,16 @@ fn growth(shape: f64, clusters: f64) -> f64 {
 struct Excesses {
     values: Vec<f64>,
     mean: f64,
+    /// Drop of the logarithm of the likelihood at the ends of an interval.
+    drop: f64,
 }
 
 impl Excesses {
-    fn of(peaks: &[f64], threshold: f64) -> Self {
+    /// Each of the independent peaks is there so many times.
+    fn of(peaks: &[f64], threshold: f64, times: f64) -> Self {
         let values: Vec<f64> = peaks.iter().map(|peak| peak - threshold).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
-        Self { values, mean }
+        Self { values, mean, drop: times * DROP }
     }
 
     /// Logarithm of the likelihood.
@@ -211,12 +238,12 @@ impl Excesses {
     }
 
     fn shape_interval(&self, shape: f64, height: f64) -> Interval {
-        let inside = |candidate: f64| self.profile(candidate) > height - DROP;
+        let inside = |candidate: f64| self.profile(candidate) > height - self.drop;
         let end = |limit: f64| edge(inside, shape, limit).unwrap_or(limit);
         Interval { low: end(SHAPES[0]), high: end(SHAPES[1]) }
     }
 
-    /// Ends of the excess that one in `clusters` exceeds, within which the likelihood falls by less than [`DROP`].
+    /// Ends of the excess that one in `clusters` exceeds, within which the likelihood falls by less than `drop`.
     fn return_interval(&self, clusters: f64, best: [f64; 2], height: f64) -> (Option<f64>, Option<f64>) {
         let centre = best[1] * growth(best[0], clusters);
         let inside = |excess: f64| {
@@ -226,7 +253,7 @@ impl Excesses {
             };
             // The profile has one maximum but may be −∞ at first.
             let near = maximum(at, SHAPES);
-            at(near) > height - DROP
+            at(near) > height - self.drop
         };
         if centre.is_nan() || centre <= 0.0 {
             return (None, None);
@@ -294,7 +321,7 @@ mod tests {
             for run in 0..runs {
                 let values = pareto(shape, 1000, run);
                 let records: Vec<&[f64]> = values.chunks(250).collect();
-                let tail = Tail::of(&records, 1e-3, &[]).unwrap();
+                let tail = Tail::of(&records, 1, 1e-3, &[]).unwrap();
                 // Independent values: every one above the threshold is a cluster, but for neighbours.
                 assert!(tail.clusters >= 40 && tail.clusters <= 50 && tail.share == 0.05, "{tail:?}");
                 held += usize::from(tail.shape_interval.contains(shape));
@@ -326,7 +353,7 @@ mod tests {
         // mean and standard deviation lies where the largest is.
         let true_law = Marginal::empirical(pareto(0.3, 200_000, 2)).unwrap();
         let (mean, std) = (true_law.mean(), true_law.std());
-        let tail = Tail::of(&records, 1e-3, &[fit(true_law), fit(Marginal::normal(mean, std).unwrap())]).unwrap();
+        let tail = Tail::of(&records, 1, 1e-3, &[fit(true_law), fit(Marginal::normal(mean, std).unwrap())]).unwrap();
         assert!(tail.laws[0].larger > 0.02 && tail.laws[0].larger < 0.98, "{:?}", tail.laws);
         assert!(tail.laws[1].larger < 1e-3, "{:?}", tail.laws);
         assert!(tail.laws[1].return_levels[1] < tail.return_levels[1].mu);
@@ -335,7 +362,7 @@ mod tests {
     #[test]
     fn few_peaks_have_no_tail() {
         let values: Vec<f64> = (0..2000).map(|i| (f64::from(i) / 100.0).sin()).collect();
-        assert_eq!(Tail::of(&[&values], 1e-3, &[]), None);
-        assert_eq!(Tail::of(&[&[0.2; 50]], 1e-3, &[]), None);
+        assert_eq!(Tail::of(&[&values], 1, 1e-3, &[]), None);
+        assert_eq!(Tail::of(&[&[0.2; 50]], 1, 1e-3, &[]), None);
     }
 }

@@ -1,8 +1,8 @@
 //! Families compared on one sample.
 
-use super::{Family, Fit, fit};
+use super::{End, Family, Fit, fit};
 use crate::law::LawError;
-use crate::law::goodness::{Goodness, anderson_darling, kolmogorov_smirnov};
+use crate::law::goodness::{Goodness, ProcessNull, anderson_darling, kolmogorov_smirnov};
 
 /// Fits of several families, best first, and the families that could not be fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,8 @@ pub struct FitGoodness {
     pub anderson_darling: Option<Goodness>,
 }
 
-/// Fits the families and orders them by [`Fit::aic_correlated`]; `effective_size` of `None` takes the values as independent.
+/// Fits the families and orders them by [`Fit::aic_correlated`]; `effective_size` of `None` takes the values as independent. Of
+/// empirical laws the best is kept.
 ///
 /// # Correlated values
 /// Heights of a map and windows of a record are correlated. Taken as independent they make every difference between two
@@ -50,8 +51,41 @@ pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f
     let present = values.iter().filter(|x| !x.is_nan()).count() as f64;
     let effective_size = effective_size.unwrap_or(present);
     fits.sort_by(|a, b| a.aic_correlated(effective_size).total_cmp(&b.aic_correlated(effective_size)));
+    let mut empirical = 0;
+    fits.retain(|fit: &Fit| {
+        empirical += usize::from(matches!(fit.family, Family::Empirical { .. }));
+        empirical < 2 || !matches!(fit.family, Family::Empirical { .. })
+    });
     let goodness = fits.iter().filter_map(|fit| FitGoodness::of(fit, values, effective_size)).collect();
     Ranking { fits, goodness, effective_size, failed }
+}
+
+impl Ranking {
+    /// Place of the law to go on with: the first whose ends the sample sees. A fitted end far outside the sample makes a law of
+    /// four parameters that is hardly different from a simpler one.
+    pub fn place(&self) -> Option<usize> {
+        let seen = |fit: &Fit| fit.low_end != End::OutOfSight && fit.high_end != End::OutOfSight;
+        self.fits.iter().position(seen).or(if self.fits.is_empty() { None } else { Some(0) })
+    }
+
+    /// The law to go on with.
+    pub fn chosen(&self) -> Option<&Fit> {
+        self.fits.get(self.place()?)
+    }
+
+    /// Distance of a fit; none for the sample's own law, which is fitted to all of it.
+    pub fn distance(&self, place: usize) -> Option<FitGoodness> {
+        let fit = self.fits.get(place)?;
+        if matches!(fit.family, Family::Empirical { .. }) { None } else { self.goodness.get(place).copied() }
+    }
+
+    /// Puts the p-values of a null in, if it has all of them.
+    pub fn assess(&mut self, null: &ProcessNull, values: &[f64]) {
+        let known: Option<Vec<FitGoodness>> = self.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
+        if let Some(known) = known {
+            self.goodness = known;
+        }
+    }
 }
 
 impl FitGoodness {

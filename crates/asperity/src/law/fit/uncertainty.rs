@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{End, Family, Fit, fit};
 use crate::law::Marginal;
-use crate::stats::{Estimate, Moments, RecordSum};
+use crate::stats::{Estimate, Layout, Moments, RecordSum};
 
 /// Step of a difference quotient, in units of a positive parameter or of the law's standard deviation.
 const STEP: f64 = 1e-4;
@@ -105,9 +105,9 @@ impl Fit {
         (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
-    /// The fitted parameters of a law that was fitted to these records (with equal steps, independent of each other, of one
-    /// process; NaN is a missing value; a periodic record goes on with its first value after its last), with 95 % intervals
-    /// that know the correlation.
+    /// The fitted parameters of a law that was fitted to these records (with equal steps, of one process; NaN is a missing
+    /// value; `true` and `false` stand for periodic and free strips of one lane), with 95 % intervals that know the correlation
+    /// along and across strips.
     ///
     /// The covariance of the parameters is H⁻¹JH⁻¹: H the second derivatives of the mean logarithm of the density, J the
     /// long-run variance of the scores, so that the law need not be the true one. Positive parameters have intervals on the
@@ -120,13 +120,14 @@ impl Fit {
     /// # References
     /// White, *Econometrica* **50** (1982) 1, <https://doi.org/10.2307/1912526>; Varin, Reid & Firth, *Stat. Sinica* **21**
     /// (2011) 5, for the likelihood of values taken as independent.
-    pub fn estimates(&self, records: &[&[f64]], periodic: bool) -> Vec<ParameterEstimate> {
+    pub fn estimates(&self, records: &[&[f64]], layout: impl Into<Layout>) -> Vec<ParameterEstimate> {
+        let layout = layout.into();
         let regular = self.regular_parameters();
         let influences = self.influences(records, &regular);
         let records: Vec<&[f64]> = records.iter().copied().filter(|record| !record.is_empty()).collect();
         let mean = Moments::of_values(records.iter().flat_map(|record| record.iter().copied())).mean;
-        let bias = self.bias(&records.concat());
-        let sum = influences.is_some().then(|| RecordSum::new(&records, mean, periodic));
+        let bias = self.bias(&side_by_side(&records, layout));
+        let sum = influences.is_some().then(|| RecordSum::new(&records, mean, layout));
         let estimate = |parameter: &Parameter| -> Option<Estimate> {
             let place = regular.iter().position(|other| other.place == parameter.place)?;
             let spread = sum.as_ref()?.spread(&influences.as_ref()?[place], regular.len() as f64)?;
@@ -208,6 +209,14 @@ impl Fit {
         };
         Some(inverse.iter().map(combined).collect())
     }
+}
+
+/// All values strip by strip, the lanes of a strip position by position, so that neighbours of a block are neighbours in space.
+fn side_by_side(records: &[&[f64]], layout: Layout) -> Vec<f64> {
+    let strip = |lanes: &[&[f64]]| -> Vec<f64> {
+        (0..lanes[0].len()).flat_map(|place| lanes.iter().map(move |lane| lane[place])).collect()
+    };
+    layout.by_strip(records).flat_map(strip).collect()
 }
 
 /// The inverse of a small symmetric matrix by Gauss and Jordan's elimination; `None` unless all pivots are positive.

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::{Goodness, anderson_darling, kolmogorov_smirnov};
+use crate::fourier::RealFft2;
 use crate::law::fit::{Fit, FitGoodness, inverse};
 use crate::law::{LawError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use crate::random;
-use crate::stats::sorted_present;
+use crate::stats::{Layout, sorted_present};
 
 /// The normal score g = Φ⁻¹(F(x)) is counted in cells of this width within ±[`REACH`].
 const CELL: f64 = 0.02;
@@ -23,8 +24,10 @@ const LONGEST_SHARE: usize = 8;
 /// that would be *fitted to it*, to first order in the errors of the parameters: F_n − F − ∂F/∂θ I⁻¹ s̄ with the scores s and
 /// Fisher's information I. Scores and distances depend on g alone, so that one set of draws serves every law.
 ///
-/// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again. Strips are
-/// drawn free, also where the sample's are periodic.
+/// An end of the support that is no smooth parameter of the likelihood ([`Fit::estimates`]) is not fitted again. Periodic strips
+/// are drawn periodic, with the covariance of the autoregression, fitted along them, summed over all turns; below some six
+/// correlation lengths that goes round twice. Lanes of a strip are drawn with the
+/// correlation that those of the sample have at the same position, by their distance round the strip.
 ///
 /// # References
 /// Stute, González Manteiga & Presedo Quindimil, *Metrika* **40** (1993) 243, <https://doi.org/10.1007/BF02613687> (parametric
@@ -39,12 +42,17 @@ pub struct ProcessNull {
 }
 
 impl ProcessNull {
-    /// Draws `draws` samples like `records`: with equal steps, independent of each other, of one process; NaN is a missing
-    /// value. Draw i uses the stream (seed, "goodness", i).
+    /// Draws `draws` samples like `records`: with equal steps, of one process, strips independent of each other; NaN is a missing
+    /// value, and `true` and `false` stand for periodic and free strips of one lane. Draw i uses the stream (seed, "goodness",
+    /// i).
     ///
     /// # Errors
     /// Fewer than 10 values, or all equal.
-    pub fn of(records: &[&[f64]], draws: usize, seed: u64) -> Result<Self, LawError> {
+    ///
+    /// # Panics
+    /// If the lanes of a strip differ in number or length.
+    pub fn of(records: &[&[f64]], layout: impl Into<Layout>, draws: usize, seed: u64) -> Result<Self, LawError> {
+        let layout = layout.into();
         let sorted = sorted_present(records.iter().flat_map(|record| record.iter().copied()));
         let error = |reason| LawError::Sample { law: "goodness of fit", n: sorted.len(), reason };
         match (sorted.first(), sorted.last()) {
@@ -68,11 +76,24 @@ impl ProcessNull {
         let scores: Vec<Vec<f64>> = records.iter().map(|record| record.iter().map(score).collect()).collect();
         let longest = scores.iter().map(Vec::len).max().unwrap_or(0);
         let process = Autoregression::fit(&scores, MOST_ORDER.min(longest / LONGEST_SHARE));
+        let mixture = lane_mixture(&scores, layout);
+        let mut circles: Vec<Circle> = Vec::new();
+        for n in scores.iter().map(Vec::len).filter(|n| layout.periodic && *n > 0) {
+            if !circles.iter().any(|circle| circle.fft.nx() == n) {
+                circles.push(Circle::of(&process, n));
+            }
+        }
         let draw = |index: usize| {
             let mut stream = random::stream(seed, "goodness", index as u64);
             let mut counts = vec![0.0; CELLS];
-            for record in &scores {
-                let path = process.path(random::standard_normal(&mut stream, record.len()));
+            let germs: Vec<Vec<f64>> =
+                scores.iter().map(|record| random::standard_normal(&mut stream, record.len())).collect();
+            let germs = layout.by_strip(&germs).flat_map(|lanes| mixed(lanes, &mixture));
+            for (record, germ) in scores.iter().zip(germs) {
+                let path = match circles.iter().find(|circle| circle.fft.nx() == record.len()) {
+                    Some(circle) => circle.path(germ),
+                    None => process.path(germ),
+                };
                 for (g, _) in path.iter().zip(record).filter(|(_, score)| !score.is_nan()) {
                     counts[cell(*g)] += 1.0 / n;
                 }
@@ -249,6 +270,91 @@ impl Autoregression {
     }
 }
 
+/// What of the germ of a lane goes into that of another, by their distance round the strip: the root of the circulant matrix
+/// of the correlations at the same position, negative eigenvalues left out.
+fn lane_mixture(scores: &[Vec<f64>], layout: Layout) -> Vec<f64> {
+    let lanes = layout.lanes;
+    if lanes == 1 {
+        return vec![1.0];
+    }
+    let mut correlation = vec![0.0; lanes];
+    for (distance, correlation) in correlation.iter_mut().enumerate() {
+        let (mut product, mut power) = (0.0, 0.0);
+        for strip in layout.by_strip(scores) {
+            for lane in 0..lanes {
+                for (a, b) in strip[lane].iter().zip(&strip[(lane + distance) % lanes]) {
+                    if !(a.is_nan() || b.is_nan()) {
+                        product += a * b;
+                        power += 0.5 * (a * a + b * b);
+                    }
+                }
+            }
+        }
+        *correlation = if power > 0.0 { product / power } else { 0.0 };
+    }
+    let fft = RealFft2::new(lanes, 1);
+    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
+    fft.forward(&correlation, &mut spectrum, &mut work);
+    spectrum.iter_mut().for_each(|value| *value = value.re.max(0.0).sqrt().into());
+    let mut mixture = vec![0.0; lanes];
+    fft.inverse(&mut spectrum, &mut mixture, &mut work);
+    let norm = mixture.iter().map(|share| share * share).sum::<f64>().sqrt();
+    mixture.iter_mut().for_each(|share| *share /= norm);
+    mixture
+}
+
+/// Germs of the lanes of a strip, mixed.
+fn mixed(germs: &[Vec<f64>], mixture: &[f64]) -> Vec<Vec<f64>> {
+    if let [germ] = germs {
+        return vec![germ.clone()];
+    }
+    let lanes = germs.len();
+    let of = |lane: usize, place: usize| -> f64 {
+        germs.iter().enumerate().map(|(other, germ)| mixture[(other + lanes - lane) % lanes] * germ[place]).sum()
+    };
+    (0..lanes).map(|lane| (0..germs[lane].len()).map(|place| of(lane, place)).collect()).collect()
+}
+
+/// A stationary normal process round a strip.
+struct Circle {
+    fft: RealFft2,
+    /// By wavenumber.
+    amplitudes: Vec<f64>,
+}
+
+impl Circle {
+    /// The autoregression on a strip of `n` values, its covariance summed over all turns and scaled to unit variance: its
+    /// density 1/|1 − Σ c_k e^{−iωk}|² at the wavenumbers of the strip.
+    fn of(process: &Autoregression, n: usize) -> Self {
+        let fft = RealFft2::new(n, 1);
+        let coefficients = &process.orders[process.order()].0;
+        let amplitude = |wavenumber: usize| {
+            let phase = std::f64::consts::TAU * wavenumber as f64 / n as f64;
+            let (mut re, mut im) = (1.0, 0.0);
+            for (k, c) in coefficients.iter().enumerate() {
+                let angle = phase * (k + 1) as f64;
+                (re, im) = (re - c * angle.cos(), im + c * angle.sin());
+            }
+            1.0 / (re * re + im * im).sqrt()
+        };
+        let mut amplitudes: Vec<f64> = (0..fft.spectrum().len()).map(amplitude).collect();
+        // All wavenumbers but 0 and n/2 stand for two.
+        let twice = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
+        let power: f64 = amplitudes.iter().enumerate().map(|(k, a)| twice(k) * a * a).sum();
+        amplitudes.iter_mut().for_each(|a| *a /= (power / n as f64).sqrt());
+        Self { fft, amplitudes }
+    }
+
+    /// The path that a standard normal germ makes.
+    fn path(&self, mut germ: Vec<f64>) -> Vec<f64> {
+        let (mut spectrum, mut work) = (self.fft.spectrum(), self.fft.workspace());
+        self.fft.forward(&germ, &mut spectrum, &mut work);
+        spectrum.iter_mut().zip(&self.amplitudes).for_each(|(value, amplitude)| *value *= *amplitude);
+        self.fft.inverse(&mut spectrum, &mut germ, &mut work);
+        germ
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,6 +383,49 @@ mod tests {
         // 80,000 values know a coefficient to √(1 − .25)/√80,000 = .003.
         assert!((coefficients[0] - 1.2).abs() < 0.012 && (coefficients[1] + 0.5).abs() < 0.012, "{coefficients:?}");
         assert!((std - truth.orders[2].1).abs() < 0.01 && found.order() < 6);
+    }
+
+    #[test]
+    fn round_a_strip_the_covariance_is_that_of_all_turns() {
+        let truth = autoregression();
+        // ρ_l = 1.2 ρ_{l−1} − .5 ρ_{l−2}.
+        let mut rho = vec![1.0, 0.8];
+        (2..400).for_each(|l| rho.push(1.2 * rho[l - 1] - 0.5 * rho[l - 2]));
+        for n in [7_usize, 12, 40] {
+            let circle = Circle::of(&truth, n);
+            // After nine turns of seven .5^{31} is left.
+            let turns = |lag: usize| {
+                (-9..=9_i64).map(|m| rho[(lag as i64 + m * n as i64).unsigned_abs() as usize]).sum::<f64>()
+            };
+            // What an impulse becomes, correlated with itself.
+            let mut impulse = vec![0.0; n];
+            impulse[0] = 1.0;
+            let response = circle.path(impulse);
+            for lag in 0..n {
+                let found: f64 = (0..n).map(|i| response[i] * response[(i + lag) % n]).sum();
+                assert!((found - turns(lag) / turns(0)).abs() < 1e-8, "{n} {lag}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_are_drawn_as_they_correlate() {
+        let of = |i: u64| random::standard_normal(&mut random::stream(7, "lanes", i), 4000);
+        let layout = Layout { periodic: true, lanes: 4 };
+        let copies = lane_mixture(&vec![of(0); 4], layout);
+        assert!(copies.iter().all(|share| (share - 0.5).abs() < 1e-12), "{copies:?}");
+        // Each lane shares half of its variance with either neighbour round the strip: Z_l + Z_{l+1}.
+        let germs: Vec<Vec<f64>> = (0..4).map(of).collect();
+        let lanes: Vec<Vec<f64>> =
+            (0..4).map(|l| germs[l].iter().zip(&germs[(l + 1) % 4]).map(|(a, b)| a + b).collect()).collect();
+        let mixture = lane_mixture(&lanes, layout);
+        let drawn = mixed(&germs, &mixture);
+        let product = |a: usize, b: usize| drawn[a].iter().zip(&drawn[b]).map(|(x, y)| x * y).sum::<f64>() / 4000.0;
+        // 4,000 products know a correlation to 1/√4,000 = .016, here twice.
+        for (a, b, wanted) in [(0, 0, 1.0), (0, 1, 0.5), (1, 2, 0.5), (0, 2, 0.0), (0, 3, 0.5)] {
+            assert!((product(a, b) - wanted).abs() < 4.0 * 0.023, "{a} {b}: {}", product(a, b));
+        }
+        assert_eq!(lane_mixture(&[of(0)], false.into()), [1.0]);
     }
 
     #[test]
@@ -323,7 +472,7 @@ mod tests {
             }
             let values: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
             let records: Vec<&[f64]> = values.chunks(250).collect();
-            let null = ProcessNull::of(&records, 99, run).unwrap();
+            let null = ProcessNull::of(&records, false, 99, run).unwrap();
             let p = |family| null.goodness(&fit(family, &values).unwrap(), &values).unwrap();
             let (right, wrong) = (p(Family::Beta { low: 0.0, high: 1.0 }), p(Family::Normal));
             refused[0] += usize::from(right.kolmogorov_smirnov.p_value <= 0.1);
@@ -341,13 +490,16 @@ mod tests {
         let values = autoregression().path(random::standard_normal(&mut random::stream(5, "null", 0), 500));
         let small: Vec<f64> = values.iter().map(|x| 1e-9 * x).collect();
         let p = |values: &[f64]| {
-            let null = ProcessNull::of(&[values], 99, 3).unwrap();
+            let null = ProcessNull::of(&[values], false, 99, 3).unwrap();
             null.goodness(&fit(Family::Normal, values).unwrap(), values).unwrap().kolmogorov_smirnov.p_value
         };
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         let three = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         assert_eq!(one.install(|| p(&values)), three.install(|| p(&values)));
         assert!((p(&values) - p(&small)).abs() < 0.021, "one draw more or less");
-        assert!(ProcessNull::of(&[&[1.0; 20]], 9, 0).is_err() && ProcessNull::of(&[&values[..5]], 9, 0).is_err());
+        assert!(
+            ProcessNull::of(&[&[1.0; 20]], false, 9, 0).is_err()
+                && ProcessNull::of(&[&values[..5]], false, 9, 0).is_err()
+        );
     }
 }

@@ -6,11 +6,12 @@ use crate::correlation::Stationarity;
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window_study::WindowStudy;
+use crate::law::fit::{Fit, Ranking};
 use crate::stats::Estimate;
 use crate::study::friction_stage::SolvedLevel;
 use crate::study::result::{
     AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, Pair,
-    ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite, pair,
+    RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite, pair,
 };
 use crate::study::surface_stage::law_result;
 
@@ -38,9 +39,12 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         excess_kurtosis: finite(statistics.moments.excess_kurtosis),
         excess_kurtosis_interval: interval(statistics.estimates.excess_kurtosis),
         correlation_length_m: correlation.map(|c| c.exponential.length_m),
-        correlation_length_interval: correlation.and_then(|c| c.length_interval).map(pair),
+        correlation_length_m_interval: correlation.and_then(|c| c.length_interval).map(pair),
         correlation_length_without_window_m: study.map(|s| s.length_m),
-        correlation_length_without_window_interval: study.map(|s| pair(s.interval)),
+        correlation_length_without_window_m_interval: study.map(|s| pair(s.interval)),
+        correlation_without_window_model: study.map(|s| s.model.name()),
+        correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
+        correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
         window_only: study.map(WindowStudy::window_only),
         marginal: statistics.marginal().map(|fit| law_result(&fit.law)),
         marginal_parameter_intervals: parameter_intervals(statistics),
@@ -53,17 +57,19 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
         at_mean_load: AtMeanLoad {
             mean: solved.mean,
+            mean_interval: interval(process.estimates.mean),
             std: process.moments.std,
             std_interval: interval(process.estimates.std),
             skewness: finite(process.moments.skewness),
             excess_kurtosis: finite(process.moments.excess_kurtosis),
             correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
-            correlation_length_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
+            correlation_length_m_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
             correlation_curves: correlation_curves(process),
             correlation_models: correlation_models(&solved.analysis),
             marginal: process.marginal().map(|fit| law_result(&fit.law)),
             marginal_parameter_intervals: parameter_intervals(process),
             gof: goodness(process),
+            laws: laws(&process.marginals),
             effective_windows: process.effective_windows,
         },
         stationarity: solved.analysis.stationarity.as_ref().ok().map(stationarity),
@@ -88,18 +94,34 @@ fn interval(estimate: Option<Estimate>) -> Option<Pair> {
 
 /// Of the parameters of the marginal law; `null` where there is none.
 fn parameter_intervals(statistics: &FrictionStatistics) -> BTreeMap<String, Option<Pair>> {
-    let parameters = statistics.marginal_place().map_or(&[][..], |place| &statistics.parameters[place]);
+    let parameters = statistics.marginals.place().map_or(&[][..], |place| &statistics.parameters[place]);
     parameters.iter().map(|p| (p.name.to_owned(), interval(p.estimate))).collect()
 }
 
 fn goodness(statistics: &FrictionStatistics) -> Option<GoodnessResult> {
-    let found = statistics.marginals.goodness.get(statistics.marginal_place()?)?;
+    distance(&statistics.marginals, statistics.marginals.place()?)
+}
+
+fn distance(ranking: &Ranking, place: usize) -> Option<GoodnessResult> {
+    let found = ranking.distance(place)?;
     Some(GoodnessResult {
         kolmogorov_smirnov: found.kolmogorov_smirnov.statistic,
         kolmogorov_smirnov_p: found.kolmogorov_smirnov.p_value,
         anderson_darling: found.anderson_darling.map(|distance| distance.statistic),
         anderson_darling_p: found.anderson_darling.map(|distance| distance.p_value),
     })
+}
+
+/// All laws that were fitted, the first by Akaike's criterion first.
+fn laws(ranking: &Ranking) -> Vec<RankedLawResult> {
+    let criterion = |fit: &Fit| fit.aic_correlated(ranking.effective_size);
+    let least = ranking.fits.first().map_or(f64::NAN, criterion);
+    let of = |(place, fit): (usize, &Fit)| RankedLawResult {
+        name: fit.family.key(),
+        aic_difference: criterion(fit) - least,
+        gof: distance(ranking, place),
+    };
+    ranking.fits.iter().enumerate().map(of).collect()
 }
 
 fn tail(tail: &Tail) -> TailResult {

@@ -6,7 +6,7 @@ use crate::friction::load_curve::LoadPoint;
 use crate::friction::window::Window;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::law::Marginal;
-use crate::law::fit::Family;
+use crate::law::fit::{Family, Fit};
 use crate::stats::{Estimate, Histogram, sorted_present};
 use crate::study::Table;
 use crate::study::friction_stage::SolvedLevel;
@@ -60,6 +60,8 @@ fn levels_table(levels: &[SolvedLevel]) -> Table {
         ("skewness_high", column(&|l| high(l.statistics.estimates.skewness))),
         ("excess_kurtosis", column(&|l| l.statistics.moments.excess_kurtosis)),
         ("at_mean_load", column(&|l| l.mean)),
+        ("at_mean_load_low", column(&|l| low(l.process.estimates.mean))),
+        ("at_mean_load_high", column(&|l| high(l.process.estimates.mean))),
         ("std_at_mean_load", column(&|l| l.process.moments.std)),
         ("std_at_mean_load_low", column(&|l| low(l.process.estimates.std))),
         ("std_at_mean_load_high", column(&|l| high(l.process.estimates.std))),
@@ -105,17 +107,13 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
     let density = |law: &Marginal| -> Vec<f64> { centres.iter().map(|mu| law.pdf(*mu)).collect() };
     let chosen = process.marginal();
     let mut columns = vec![("density".to_owned(), histogram.density())];
-    columns.extend(chosen.map(|fit| ("fitted_density".to_owned(), density(&fit.law))));
+    // The windows' own law has no density beside their histogram.
+    let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
+    columns.extend(chosen.filter(smooth).map(|fit| ("fitted_density".to_owned(), density(&fit.law))));
     columns.extend(process.beta.iter().map(|fit| ("beta_density".to_owned(), density(&fit.law))));
     let others =
         process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
-    let name = |family: Family| match family {
-        Family::ShiftedLognormal | Family::ShiftedWeibull | Family::ShiftedGamma => {
-            format!("shifted_{}_density", family.name())
-        }
-        _ => format!("{}_density", family.name()),
-    };
-    columns.extend(others.map(|fit| (name(fit.family), density(&fit.law))));
+    columns.extend(others.filter(smooth).map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
     columns.push(("mu".to_owned(), centres));
     let mut tables = vec![("friction_histogram", Table::new(columns).led_by("mu"))];
     if let Some(fit) = chosen {
@@ -145,7 +143,8 @@ fn correlation_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         let window_m = window.length_m();
         columns.push(("window_only".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, 0.0))));
         columns.extend(lead.window_study.as_ref().map(|study| {
-            ("windowed_fit".to_owned(), over_lags(&|lag| windowed_exponential(lag, window_m, study.length_m)))
+            let model = WindowedModel::new(study.model, window_m).on_cells(window.cell_m());
+            ("windowed_fit".to_owned(), over_lags(&|lag| model.correlation(lag, study.length_m)))
         }));
     }
     let others = correlation.models.iter().filter(|fit| fit.model != exponential.model);
@@ -168,7 +167,7 @@ fn spectrum_table(lead: &SolvedLevel, window: &Window) -> Option<Table> {
         ("density_m_high".to_owned(), spectrum.high.clone()),
     ];
     if let (Some(study), true) = (&lead.window_study, window.is_rectangle()) {
-        let model = WindowedModel::new(study.model, window.length_m());
+        let model = WindowedModel::new(study.model, window.length_m()).on_cells(window.cell_m());
         columns.push(("window_only_m".to_owned(), spectrum.of_model(&model, 0.0, variance)));
         columns.push(("windowed_fit_m".to_owned(), spectrum.of_model(&model, study.length_m, variance)));
     }

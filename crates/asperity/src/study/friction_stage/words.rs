@@ -30,11 +30,12 @@ pub(super) fn sentences(
         None => format!("At {name} friction does not vary, so it has no correlation."),
         Some(study) => format!(
             "A moving window correlates neighbouring values by itself, so a correlation length is only stated with its \
-             window. Windows of {} together leave a length of {} (95 %: {} to {}) at {name}{}.",
+             window. Windows of {} together leave a length of {} (95 %: {} to {}; {} model) at {name}{}.",
             study.windows.iter().map(|seen| sentence::si(seen.window_m, "m")).collect::<Vec<_>>().join(", "),
             sentence::si(study.length_m, "m"),
             sentence::si(study.interval.low, "m"),
             sentence::si(study.interval.high, "m"),
+            study.model.name().replace('_', " "),
             if study.window_only() { ": the correlation is the window's alone" } else { " beside the window's" }
         ),
     };
@@ -94,6 +95,27 @@ pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
     if !solved.level.failures.is_empty() {
         let strips = sentence::count(solved.level.failures.len(), "strip", "strips");
         warnings.push(format!("at {name}, {strips} did not converge and were left out"));
+    }
+    warnings
+}
+
+/// Warnings where one length of a model is not all that correlates friction.
+pub(super) fn correlation(lead: &SolvedLevel) -> Vec<String> {
+    let Some(study) = lead.window_study.as_ref().filter(|study| !study.window_only()) else { return Vec::new() };
+    let (name, model) = (lead.control.name(), study.model.name().replace('_', " "));
+    let mut warnings = Vec::new();
+    if let Some(p) = study.one_length_p.filter(|p| *p < UNLIKELY) {
+        warnings.push(format!(
+            "at {name}, the length beside the window differs from window to window (p = {p:.1e}, {model} model): one length does \
+             not describe the correlation, and the scatter over the nominal area depends on the window"
+        ));
+    }
+    if let Some(test) = study.lack_of_fit.filter(|test| test.p_value < UNLIKELY) {
+        warnings.push(format!(
+            "at {name}, no correlation model fits the spectrum of friction (p = {:.1e}): the length beside the window and its \
+             interval hold for the {model} model alone",
+            test.p_value
+        ));
     }
     warnings
 }

@@ -1,0 +1,169 @@
+//! The correlation of a record of which nobody says how its values came from the process.
+
+use super::band::RecordBand;
+use super::length::{LengthFit, LengthSettings, fit_length, least};
+use super::likelihood::WindowedRecords;
+use super::model::RecordModel;
+use super::ranking::{RankedLength, ranked};
+use crate::correlation::estimate::EstimateError;
+
+/// Models of the process.
+const MODELS: [RecordModel; 3] =
+    [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
+/// Values in a moving average that are tried.
+const AVERAGES: [usize; 12] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20];
+/// What 2 ln L must gain before noise is believed, and before a moving average is, which has twelve chances.
+const NOISE_COST: f64 = 4.0;
+const AVERAGE_COST: f64 = 9.0;
+/// A band that is narrowed keeps so many wavenumbers, and waves down to so many lengths.
+const LEAST_WAVENUMBERS: f64 = 40.0;
+const LEAST_WAVE: f64 = 1.0;
+
+/// How the values of a record come from the process.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Observation {
+    /// Each is the process at a point.
+    Points,
+    /// Each is the mean over the step that it stands for, as of an integrating converter.
+    Means,
+    /// Each is the mean of so many values at points, as of a smoothing filter.
+    MovingAverage {
+        /// Number of values.
+        values: usize,
+    },
+}
+
+impl Observation {
+    /// Name as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Points => "points",
+            Self::Means => "means_over_step",
+            Self::MovingAverage { .. } => "moving_average",
+        }
+    }
+}
+
+/// What is known of the making of a record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordHistory {
+    /// Values of the instrument whose mean each value is; 1 for none.
+    pub decimation: usize,
+    /// What trends and filters took out.
+    pub band: RecordBand,
+}
+
+impl Default for RecordHistory {
+    /// Values as they came.
+    fn default() -> Self {
+        Self { decimation: 1, band: RecordBand::default() }
+    }
+}
+
+/// The correlation of a record, found together with how its values came from the process.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObservedLengths {
+    /// Every model under the observation that suits it best, the most likely first.
+    pub models: Vec<RankedLength>,
+    /// The fit to go on with: of the exponential, unless another is better beyond chance or simpler.
+    pub chosen: LengthFit,
+    /// How its values come from the process.
+    pub observation: Observation,
+    /// Highest frequency in 1/metre that was used, where no model fits all.
+    pub narrowed_to_per_m: Option<f64>,
+}
+
+impl ObservedLengths {
+    /// Fits the usual models to records of one process with equal steps, NaN being a missing value: of values at points, of means over the step,
+    /// and of moving averages of up to twenty values, each without and with white noise of its own.
+    ///
+    /// All candidates are compared on the same wavenumbers. Where the best of them does not fit (see [`super::LackOfFit`]), as behind a filter
+    /// of another kind, the upper half of the frequencies is left out, again and again, as long as waves of one ℓ remain. Where that does
+    /// not help either, the fit to all frequencies stands, with its test.
+    ///
+    /// # Errors
+    /// As [`fit_length`].
+    pub fn of(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
+        let nyquist_per_m = 0.5 / step_m;
+        let values: usize = records.iter().map(|record| record.len()).sum();
+        let whole = Self::within(records, step_m, history, nyquist_per_m)?;
+        let refused = |found: &Self| found.chosen.lack_of_fit.is_some_and(|test| test.significant());
+        let mut highest_per_m = nyquist_per_m.min(history.band.low_pass_m.map_or(f64::INFINITY, f64::recip));
+        let mut found = whole.clone();
+        while refused(&found) {
+            highest_per_m *= 0.5;
+            let least_per_m =
+                (LEAST_WAVE / found.chosen.length_m).max(LEAST_WAVENUMBERS / (step_m * values as f64));
+            if highest_per_m < least_per_m {
+                return Ok(whole);
+            }
+            found = match Self::within(records, step_m, history, highest_per_m) {
+                Ok(found) => Self { narrowed_to_per_m: Some(highest_per_m), ..found },
+                Err(_) => return Ok(whole),
+            };
+        }
+        Ok(found)
+    }
+
+    fn within(
+        records: &[&[f64]],
+        step_m: f64,
+        history: RecordHistory,
+        highest_per_m: f64,
+    ) -> Result<Self, EstimateError> {
+        let band = RecordBand { highest_per_m: Some(highest_per_m), ..history.band };
+        let settings = |noise: bool| LengthSettings { noise, band, ..LengthSettings::default() };
+        let channel = |observation: Observation| {
+            let cell_m = step_m / history.decimation as f64;
+            let (window_m, cell_m) = match observation {
+                Observation::Points if history.decimation == 1 => (0.0, 0.0),
+                Observation::Points => (step_m, cell_m),
+                Observation::Means => (step_m, 0.0),
+                Observation::MovingAverage { values } => (values as f64 * step_m, step_m),
+            };
+            WindowedRecords { window_m, step_m, cell_m, lanes: 1, records: records.to_vec() }
+        };
+        let averages: &[usize] =
+            if history.decimation == 1 && highest_per_m > 0.499 / step_m { &AVERAGES } else { &[] };
+        let (mut fits, mut observations) = (Vec::new(), Vec::new());
+        for model in MODELS {
+            let value = |observation, noise| least(&channel(observation), model, settings(noise));
+            let average = averages
+                .iter()
+                .map(|values| Observation::MovingAverage { values: *values })
+                .map(|observation| (observation, value(observation, false)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(observation, _)| observation);
+            let candidates = [Observation::Points, Observation::Means].into_iter().chain(average);
+            let best = candidates
+                .flat_map(|observation| [(observation, false), (observation, true)])
+                .map(|(observation, noise)| (observation, noise, cost(observation, noise) + 2.0 * value(observation, noise)))
+                .min_by(|a, b| a.2.total_cmp(&b.2));
+            if let Some((observation, noise, _)) = best {
+                let fit = fit_length(&[channel(observation)], model, settings(noise))?;
+                fits.push((fit, cost(observation, noise)));
+                observations.push((model, observation, cost(observation, noise)));
+            }
+        }
+        let models = ranked(&[channel(Observation::Points)], fits, settings(false));
+        let of = |model: RecordModel| observations.iter().find(|(own, _, _)| *own == model);
+        let best = models.first().ok_or(EstimateError::Nothing)?;
+        let cost_of = |ranked: &RankedLength| of(ranked.fit.model).map_or(f64::INFINITY, |(_, _, cost)| *cost);
+        let fits = |ranked: &RankedLength| !ranked.fit.lack_of_fit.is_some_and(|test| test.significant());
+        let simple = models.iter().find(|ranked| {
+            ranked.fit.model == RecordModel::Exponential
+                && !ranked.worse
+                && cost_of(ranked) <= cost_of(best)
+                && (fits(ranked) || !fits(best))
+        });
+        let chosen = simple.unwrap_or(best).fit;
+        let observation = of(chosen.model).map_or(Observation::Points, |(_, observation, _)| *observation);
+        Ok(Self { chosen, observation, models, narrowed_to_per_m: None })
+    }
+}
+
+/// What an observation has to gain in 2 ln L.
+fn cost(observation: Observation, noise: bool) -> f64 {
+    let average = matches!(observation, Observation::MovingAverage { .. });
+    f64::from(u8::from(noise)) * NOISE_COST + f64::from(u8::from(average)) * AVERAGE_COST
+}

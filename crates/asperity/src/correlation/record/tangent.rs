@@ -1,0 +1,132 @@
+//! A fitted model of records and what moves it: scores, information, and whether it fits.
+
+use super::likelihood::{Likelihood, Spectra};
+use crate::correlation::least_squares::solve;
+
+/// Fewest ordinates in a band of the test of fit, and most bands of equal number.
+const LEAST_IN_BAND: f64 = 12.0;
+const MOST_BANDS: f64 = 16.0;
+
+/// A fitted model, and ∂ ln E/∂θ for its parameters ln ℓ (if ℓ > 0) and noise (if there is any), beside that of the variance,
+/// which is 1.
+pub(super) struct Tangent<'a> {
+    pub(super) likelihood: &'a Likelihood,
+    pub(super) expected: Spectra,
+    pub(super) variance: f64,
+    pub(super) directions: Vec<Vec<Vec<f64>>>,
+}
+
+impl Tangent<'_> {
+    /// Variance of the values without filters, noise included.
+    pub(super) fn variance(&self) -> f64 {
+        self.variance
+    }
+
+    /// The row (1, ∂ ln E/∂θ_1, …) of an ordinate.
+    fn row(&self, group: usize, place: usize) -> Vec<f64> {
+        std::iter::once(1.0).chain(self.directions.iter().map(|direction| direction[group][place])).collect()
+    }
+
+    /// Σ of the products of rows over all ordinates: the information of variance, length and noise.
+    fn information(&self) -> Vec<Vec<f64>> {
+        let size = 1 + self.directions.len();
+        let mut sums = vec![vec![0.0; size]; size];
+        for (index, group) in self.likelihood.groups.iter().enumerate() {
+            let records = group.powers.len() as f64;
+            for (place, share) in group.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+                let row = self.row(index, place);
+                for (sums, a) in sums.iter_mut().zip(&row) {
+                    sums.iter_mut().zip(&row).for_each(|(sum, b)| *sum += records * share * a * b);
+                }
+            }
+        }
+        sums
+    }
+
+    /// Scores ∂ ln L/∂ ln ℓ of every owner's part, free of variance and noise, and their expected information.
+    pub(super) fn scores(&self, owners: usize) -> (Vec<f64>, f64) {
+        let all = self.information();
+        // The direction of ln ℓ less what the others can do.
+        let others: Vec<usize> = (0..all.len()).filter(|index| *index != 1).collect();
+        let matrix = others.iter().map(|i| others.iter().map(|j| all[*i][*j]).collect()).collect();
+        let shares = solve(matrix, others.iter().map(|i| all[*i][1]).collect());
+        let (mut scores, mut information) = (vec![0.0; owners], 0.0);
+        for (index, group) in self.likelihood.groups.iter().enumerate() {
+            for (place, share) in group.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+                let row = self.row(index, place);
+                let rest = row[1] - others.iter().zip(&shares).map(|(i, share)| share * row[*i]).sum::<f64>();
+                information += group.powers.len() as f64 * share * rest * rest;
+                let e = self.variance * self.expected.0[index][place];
+                for (owner, power) in &group.powers {
+                    scores[*owner] += share * (power[place] / e - 1.0) * rest;
+                }
+            }
+        }
+        (scores, information)
+    }
+
+    /// Variance of the share of noise where records are Gaussian and ordinates independent; none without noise.
+    pub(super) fn noise_variance(&self, noise: f64) -> Option<f64> {
+        let all = self.information();
+        let last = all.len() - 1;
+        let unit = (0..all.len()).map(|index| f64::from(u8::from(index == last))).collect();
+        (noise > 0.0).then(|| solve(all, unit)[last]).filter(|variance| *variance > 0.0)
+    }
+
+    /// How far periodogram over model departs from 1 in bands: a sum of squares, and its degrees of freedom.
+    ///
+    /// Bands are half an octave wide, or a sixteenth of the ordinates where that is less, but never narrower than twelve of them. Under the model the sums of
+    /// (I/E − 1) scatter as sums of independent values of variance `dispersion`, less what the fitted parameters take: their covariance
+    /// is c (N − A M⁻¹ Aᵀ) with the information M and its parts A in the bands, so the statistic is χ² with one band less.
+    pub(super) fn lack_of_fit(&self, dispersion: f64) -> Option<(f64, f64)> {
+        let groups = &self.likelihood.groups;
+        let mut order: Vec<(f64, usize, usize)> = groups
+            .iter()
+            .enumerate()
+            .flat_map(|(index, group)| (0..group.shares.len()).map(move |place| (group.frequency_per_m(place), index, place)))
+            .filter(|(_, index, place)| groups[*index].shares[*place] > 0.0)
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let count = |(_, index, place): &(f64, usize, usize)| groups[*index].shares[*place] * groups[*index].powers.len() as f64;
+        let all: f64 = order.iter().map(count).sum();
+        let size = 1 + self.directions.len();
+        // Sum, number, and part of the information of every band.
+        let mut bands: Vec<(f64, f64, Vec<f64>)> = Vec::new();
+        let mut start = 0.0;
+        for ordinate in &order {
+            let (frequency, index, place) = *ordinate;
+            let full = bands.last().is_none_or(|(_, number, _)| {
+                *number >= LEAST_IN_BAND && (frequency > start * 2.0_f64.sqrt() || *number >= all / MOST_BANDS)
+            });
+            if full {
+                bands.push((0.0, 0.0, vec![0.0; size]));
+                start = frequency;
+            }
+            let share = groups[index].shares[place];
+            let e = self.variance * self.expected.0[index][place];
+            let powers = groups[index].powers.iter().map(|(_, power)| power[place] / e - 1.0).sum::<f64>();
+            if let Some((sum, number, part)) = bands.last_mut() {
+                *sum += share * powers;
+                *number += count(ordinate);
+                part.iter_mut().zip(self.row(index, place)).for_each(|(part, d)| *part += count(ordinate) * d);
+            }
+        }
+        if bands.last().is_some_and(|(_, number, _)| *number < LEAST_IN_BAND) && bands.len() > 1 {
+            let (sum, number, part) = bands.pop()?;
+            let last = bands.last_mut()?;
+            (last.0, last.1) = (last.0 + sum, last.1 + number);
+            last.2.iter_mut().zip(part).for_each(|(a, b)| *a += b);
+        }
+        let free = bands.len().checked_sub(1).filter(|free| *free > size)?;
+        let information = self.information();
+        let solved: Vec<Vec<f64>> = bands.iter().map(|(_, _, part)| solve(information.clone(), part.clone())).collect();
+        let covariance = |i: usize, j: usize| {
+            let taken: f64 = bands[i].2.iter().zip(&solved[j]).map(|(a, b)| a * b).sum();
+            dispersion * (if i == j { bands[i].1 } else { 0.0 } - taken)
+        };
+        let matrix = (0..free).map(|i| (0..free).map(|j| covariance(i, j)).collect()).collect();
+        let sums: Vec<f64> = bands[..free].iter().map(|(sum, _, _)| *sum).collect();
+        let statistic = sums.iter().zip(solve(matrix, sums.clone())).map(|(a, b)| a * b).sum::<f64>();
+        statistic.is_finite().then_some((statistic, free as f64))
+    }
+}
