@@ -101,7 +101,8 @@ class SciPy:
 class Diffrax:
     def __init__(self):
         # One thread.
-        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+        if hasattr(os, "sched_setaffinity"):
+            os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
         import jax
 
         jax.config.update("jax_enable_x64", True)

@@ -33,6 +33,12 @@ impl Answer {
         text.and_then(|text| serde_json::from_str(&text)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))
     }
 
+    /// Adds the results of another answer.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.0.extend(other.0);
+        self
+    }
+
     /// The answer without one of its results.
     pub(crate) fn without(mut self, key: &str) -> Self {
         self.0.retain(|(own, _)| own != key);

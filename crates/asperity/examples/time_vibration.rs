@@ -28,7 +28,7 @@ use std::hint::black_box;
 use std::str::FromStr;
 use std::time::Instant;
 
-use asperity::friction::process::{Fluctuation, FrictionProcess, ProcessModel, Steady};
+use asperity::friction::process::{FrictionProcess, ProcessModel, Steady};
 use asperity::monitor::Silent;
 use asperity::vibration::{
     Drive, Ensemble, EnsembleSettings, Event, EventKind, Method, Oscillator, Trajectory, TrajectorySettings,
@@ -181,7 +181,7 @@ impl Job {
         for index in 0..self.paths {
             let mut path = self.process.path(self.seed, index as u64);
             for _ in 0..count {
-                bytes.extend(path.next_knot().ok_or("the process ends")?.to_le_bytes());
+                bytes.extend(path.next_knot().to_le_bytes());
             }
         }
         Ok(std::fs::write(&self.knots, bytes)?)
@@ -219,7 +219,8 @@ fn main() -> Result<()> {
     let case = words.next().ok_or("name a case")?;
     let mut words = Words::parse(words)?;
     let damping = words.or("damping", 0.17)?;
-    let (friction, decay, velocity) = (words.or("friction", 0.1)?, words.or("decay", 4.2)?, words.or("velocity", 0.003)?);
+    let (friction, decay, velocity) =
+        (words.or("friction", 0.1)?, words.or("decay", 4.2)?, words.or("velocity", 0.003)?);
     let model = ProcessModel::new("beta:2.1,5".parse()?, words.or("std", 0.001)?, words.or("length", 0.01)?);
     let job = Job {
         damping,

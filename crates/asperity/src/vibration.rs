@@ -49,9 +49,9 @@ mod weakening;
 
 use thiserror::Error;
 
+pub use batch::deterministic_slips;
 pub use critical::{CriticalDamping, critical_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
-pub use batch::deterministic_slips;
 pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use law::FrictionLaw;

@@ -7,9 +7,7 @@ use asperity::friction::measured::{
     Abscissa, ColumnTable, Detrend, FittedRecord, LawChoice, MeasuredError, MeasuredRecord, NormalForce, Preparation,
     Prepared, RecordColumns,
 };
-use asperity::friction::process::{
-    Correlation, CorrelationShape, FittedProcess, FrictionProcess, ProcessModel,
-};
+use asperity::friction::process::{Correlation, CorrelationShape, FittedProcess, FrictionProcess, ProcessModel};
 use asperity::law::Marginal;
 use asperity::stats::NORMAL_95;
 
@@ -237,8 +235,14 @@ fn forces_are_divided_row_by_row_and_the_other_direction_is_reversed() {
 #[test]
 fn records_that_are_too_short_or_constant_say_so() {
     let record = |friction: Vec<f64>| {
-        let record =
-            MeasuredRecord { start_m: 0.0, step_m: STEP_M, friction, velocity_m_per_s: None, strokes_m: vec![], warnings: vec![] };
+        let record = MeasuredRecord {
+            start_m: 0.0,
+            step_m: STEP_M,
+            friction,
+            velocity_m_per_s: None,
+            strokes_m: vec![],
+            warnings: vec![],
+        };
         let prepared = Preparation::default().apply(&record).unwrap();
         FittedRecord::of(&prepared, LawChoice::Auto, "rig").err().unwrap()
     };

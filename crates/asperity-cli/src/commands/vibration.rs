@@ -1,11 +1,18 @@
 //! A mass on a moving belt, in dimensionless form: X = x·c/N, τ = ω₀t.
 
+mod bifurcation;
+mod critical_curve;
 mod critical_damping;
 mod cycle;
 mod ensemble;
+mod map;
+mod random;
+mod sound;
 mod trajectory;
 
-use asperity::vibration::{Forcing, FrictionLaw, Oscillator, Parameters, VibrationError};
+use std::path::{Path, PathBuf};
+
+use asperity::vibration::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
 use clap::{Args, Subcommand};
 
 use crate::args;
@@ -19,6 +26,10 @@ pub(crate) enum Vibration {
     CriticalDamping(critical_damping::CriticalDamping),
     Trajectory(trajectory::Trajectory),
     Ensemble(ensemble::Ensemble),
+    Sound(sound::Sound),
+    Map(Box<map::Map>),
+    CriticalCurve(critical_curve::CriticalCurve),
+    Bifurcation(bifurcation::Bifurcation),
 }
 
 impl Vibration {
@@ -28,6 +39,10 @@ impl Vibration {
             Self::CriticalDamping(critical) => critical.run(monitor),
             Self::Trajectory(trajectory) => trajectory.run(monitor),
             Self::Ensemble(ensemble) => ensemble.run(monitor),
+            Self::Sound(sound) => sound.run(monitor),
+            Self::Map(map) => map.run(monitor),
+            Self::CriticalCurve(curve) => curve.run(monitor),
+            Self::Bifurcation(diagram) => diagram.run(monitor),
         }
     }
 }
@@ -41,9 +56,12 @@ struct Machine {
     /// Kinetic friction coefficient at vanishing velocity; the static one when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     kinetic_friction: Option<f64>,
-    /// Weakening a of the kinetic law μ_k/(1 + a|v|), per unit of dimensionless velocity.
-    #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
-    stribeck: f64,
+    #[command(flatten)]
+    law: Law,
+    /// Friction coefficient at high velocity, of the exponential law.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
+          requires = "stribeck_velocity")]
+    high_speed_friction: Option<f64>,
     /// Dimensionless belt velocity V = v_b·mω₀/N.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     belt_velocity: f64,
@@ -56,23 +74,80 @@ struct Machine {
     forcing_frequency: Option<f64>,
 }
 
+/// How friction falls with the velocity: one of these.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+struct Law {
+    /// Weakening a of the kinetic law μ_k/(1 + a|v|), per unit of dimensionless velocity; 0 is Coulomb's law.
+    #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
+    stribeck: Option<f64>,
+    /// Slope b of the linear law μ_k − b|v|.
+    #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
+    linear_weakening: Option<f64>,
+    /// Velocity v₀ of the exponential law μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}, with `--high-speed-friction` μ_∞.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
+          requires = "high_speed_friction")]
+    stribeck_velocity: Option<f64>,
+    /// A table of two columns, velocity from 0 on and coefficient, joined by monotone cubics.
+    #[arg(long, value_name = "FILE", conflicts_with = "kinetic_friction")]
+    friction_table: Option<PathBuf>,
+}
+
 impl Machine {
     fn oscillator(&self, damping_ratio: f64) -> Result<Oscillator, Failure> {
-        Oscillator::new(Parameters {
+        let parameters = Parameters {
             static_friction: self.static_friction,
-            law: FrictionLaw::Stribeck {
-                kinetic: self.kinetic_friction.unwrap_or(self.static_friction),
-                decay: self.stribeck,
-            },
+            law: self.friction_law()?,
             damping_ratio,
             belt_velocity: self.belt_velocity,
             forcing: self
                 .forcing
                 .zip(self.forcing_frequency)
                 .map(|(amplitude, frequency)| Forcing { amplitude, frequency }),
-        })
-        .map_err(Failure::usage)
+        };
+        Oscillator::new(parameters).map_err(Failure::usage)
     }
+
+    fn friction_law(&self) -> Result<FrictionLaw, Failure> {
+        let kinetic = self.kinetic_friction.unwrap_or(self.static_friction);
+        let Law { stribeck, linear_weakening, stribeck_velocity, friction_table } = &self.law;
+        if let Some(path) = friction_table {
+            let points = table(path)?;
+            let table = FrictionTable::new(&points).map_err(|e| Failure::data(path.display(), &e))?;
+            return Ok(FrictionLaw::Tabulated(table));
+        }
+        if let Some(slope) = *linear_weakening {
+            return Ok(FrictionLaw::Linear { kinetic, slope });
+        }
+        if let Some((stribeck_velocity, high_speed)) = stribeck_velocity.zip(self.high_speed_friction) {
+            return Ok(FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity });
+        }
+        Ok(FrictionLaw::Stribeck { kinetic, decay: stribeck.unwrap_or(0.0) })
+    }
+}
+
+/// The points of a friction law: two numbers a line, a heading allowed.
+fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
+    let mut points = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let cells: Vec<&str> = line.split([',', ';', '\t', ' ']).filter(|cell| !cell.trim().is_empty()).collect();
+        let values: Vec<f64> = cells.iter().filter_map(|cell| cell.trim().parse().ok()).collect();
+        match (cells.len(), values[..].first_chunk::<2>()) {
+            (0, _) => {}
+            (2, Some(point)) => points.push(*point),
+            _ if points.is_empty() && values.is_empty() => {}
+            _ => {
+                let message = format!(
+                    "{}, line {}: found `{line}`, wanted a velocity and a friction coefficient",
+                    path.display(),
+                    number + 1
+                );
+                return Err(Failure::new(Kind::Data, message));
+            }
+        }
+    }
+    Ok(points)
 }
 
 /// The damper.

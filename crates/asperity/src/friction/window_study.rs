@@ -6,8 +6,8 @@
 use rayon::prelude::*;
 
 use crate::correlation::{
-    EstimateError, LackOfFit, LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation, RecordModel,
-    WindowedModel, WindowedRecords, fit_length, fit_record, rank_lengths,
+    EstimateError, LackOfFit, LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation,
+    RecordModel, WindowedModel, WindowedRecords, fit_length, fit_record, rank_lengths,
 };
 use crate::friction::strip::Record;
 use crate::friction::window::Window;
@@ -103,8 +103,7 @@ impl WindowStudy {
             .collect();
         let seen = seen?;
         let resolution_m = channels.iter().map(|channel| channel.step_m).fold(f64::INFINITY, f64::min);
-        let own: Vec<f64> =
-            seen.iter().filter_map(|(seen, _)| seen.own).map(|own| own.length_m).collect();
+        let own: Vec<f64> = seen.iter().filter_map(|(seen, _)| seen.own).map(|own| own.length_m).collect();
         let scatter = Scatter::of(&channels, model, settings, resolution_m);
         let mean_square = seen.iter().map(|(_, misfit)| misfit * misfit).sum::<f64>() / seen.len() as f64;
         Ok(Self {

@@ -658,8 +658,52 @@ pub struct EnsembleResult {
     pub friction_std: f64,
     /// One entry per damping ratio.
     pub damping: Vec<DampingResult>,
+    /// Where the mean number of cycles falls through shares of its value at the least damping ratio.
+    pub crossings: Vec<CrossingResult>,
     /// The law of the re-attachment points at the study's damping ratio.
-    pub reattachment: ReattachmentResult,
+    pub reattachment: PointsResult,
+    /// The law of the points at which the mass leaves the belt there.
+    pub release: PointsResult,
+    /// The cycle there; absent where friction is constant.
+    pub motion: Option<MotionResult>,
+}
+
+/// Where the mean number of cycles falls through a share.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CrossingResult {
+    /// Share of the number at the least damping ratio of the sweep.
+    pub share: f64,
+    /// The damping ratio, interpolated.
+    pub damping_ratio: f64,
+    /// Its interval.
+    pub damping_ratio_interval: Pair,
+}
+
+/// The cycle in time: how regular it is, and how surely it goes on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionResult {
+    /// Mean time τ from one cycle to the next, as long as the cycle is not lost.
+    pub period_mean: Option<f64>,
+    /// Its standard deviation.
+    pub period_std: Option<f64>,
+    /// Share of the time in stick.
+    pub stick_share: f64,
+    /// Its standard error over trajectories.
+    pub stick_share_se: f64,
+    /// Share of the time in the cycle.
+    pub share_in_cycle: f64,
+    /// Losses of the cycle per τ in it.
+    pub exit_rate: Option<f64>,
+    /// Its interval.
+    pub exit_rate_interval: Option<Pair>,
+    /// Returns to the cycle per τ out of it.
+    pub entry_rate: Option<f64>,
+    /// Its interval.
+    pub entry_rate_interval: Option<Pair>,
+    /// Share of the trajectories that lose the cycle at all.
+    pub left_share: f64,
+    /// Its interval.
+    pub left_share_interval: Pair,
 }
 
 /// Cycle counts at one damping ratio.
@@ -677,13 +721,19 @@ pub struct DampingResult {
     pub difference_mean: f64,
     /// Its interval.
     pub difference_interval: Pair,
+    /// Share of the time in the cycle.
+    pub share_in_cycle: f64,
+    /// Share of the trajectories that sustain the cycle: they are in it for half of the second half of their time at least.
+    pub sustained_share: f64,
+    /// Its interval.
+    pub sustained_share_interval: Pair,
     /// Trajectories that failed.
     pub failed_samples: usize,
 }
 
-/// The law of the re-attachment points.
+/// The law of points met along the trajectories.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct ReattachmentResult {
+pub struct PointsResult {
     /// Number of points.
     pub count: u64,
     /// Mean displacement.

@@ -3,22 +3,26 @@
 use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, Steady};
 use crate::law::Marginal;
 use crate::monitor::Monitor;
-use crate::stats::{Histogram, NORMAL_95};
+use crate::stats::Histogram;
 use crate::study::config::{Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
-use crate::study::result::{CycleResult, DampingResult, EnsembleResult, ReattachmentResult, VibrationResult, finite};
+use crate::study::result::{
+    CrossingResult, CycleResult, DampingResult, EnsembleResult, MotionResult, PointsResult, VibrationResult, finite,
+};
 use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    Drive, Ensemble, EnsembleSettings, Method, Oscillator, PhasePoint, Scales, Trajectory, TrajectorySettings,
-    VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    Crossing, DampingSweep, Drive, Ensemble, EnsembleSettings, Method, Oscillator, PhasePoint, SampleLaw, Scales,
+    Trajectory, TrajectorySettings, VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
 const CYCLE_POINTS: usize = 600;
 const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
+/// Shares of the number of cycles whose damping ratios are told.
+const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
 /// Slip speeds to be prepared for, over the expected ones.
 const SPEEDS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Scatter of μ below which friction counts as constant.
@@ -177,15 +181,17 @@ impl Ensembles<'_> {
         let Some(process) = self.process(scatter, speeds)? else {
             return Ok((self.without_scatter(scatter.std, ratios)?, None));
         };
-        let mut damping = Vec::with_capacity(count);
+        let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut clamped = 0;
         let task = format!("vibration ({name})");
         for (done, damping_ratio) in ratios.enumerate() {
             monitor.progress(&task, done, count + 1);
             let oscillator = self.oscillator.with_damping(damping_ratio)?;
-            let ensemble = Ensemble::simulate(&oscillator, &process, &self.settings(), &Quiet(monitor))?;
+            let settings = EnsembleSettings { sample_capacity: 0, ..self.settings() };
+            let ensemble = Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?;
             clamped += ensemble.clamped_knots;
-            damping.push(damping_result(damping_ratio, &ensemble));
+            damping_ratios.push(damping_ratio);
+            ensembles.push(ensemble);
         }
         monitor.progress(&task, count, count + 1);
         let lead = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
@@ -198,16 +204,16 @@ impl Ensembles<'_> {
                 sentence::digits(-self.least(speeds))
             ));
         }
-        let points = &lead.reattachments;
-        let reattachment = ReattachmentResult {
-            count: points.count,
-            mean: finite(points.mean),
-            std: finite(points.std),
-            skewness: finite(points.skewness),
-            excess_kurtosis: finite(points.excess_kurtosis),
-            normality_p: points.normality_p,
+        let sweep = DampingSweep { damping_ratios, ensembles };
+        let result = EnsembleResult {
+            friction_std: scatter.std,
+            damping: sweep.damping_ratios.iter().zip(&sweep.ensembles).map(|(d, e)| damping_result(*d, e)).collect(),
+            crossings: SHARES.iter().filter_map(|share| sweep.falls_through(*share)).map(crossing_result).collect(),
+            reattachment: points_result(&lead.reattachments),
+            release: points_result(&lead.releases),
+            motion: Some(motion_result(&lead)),
         };
-        Ok((EnsembleResult { friction_std: scatter.std, damping, reattachment }, Some(lead)))
+        Ok((result, Some(lead)))
     }
 
     /// The same of constant friction: every trajectory is the deterministic one.
@@ -217,6 +223,7 @@ impl Ensembles<'_> {
             let oscillator = self.oscillator.with_damping(damping_ratio)?;
             let settings = self.followed();
             let cycles = Trajectory::simulate(&oscillator, Steady, &settings)?.slips.cycles;
+            let cycling = limit_cycle(&oscillator)?.cycle().is_some_and(|cycle| cycle.slips > 0);
             damping.push(DampingResult {
                 damping_ratio,
                 cycles_deterministic: cycles,
@@ -224,10 +231,14 @@ impl Ensembles<'_> {
                 cycles_se: 0.0,
                 difference_mean: 0.0,
                 difference_interval: [0.0, 0.0],
+                share_in_cycle: if cycling { 1.0 } else { 0.0 },
+                sustained_share: if cycling { 1.0 } else { 0.0 },
+                sustained_share_interval: if cycling { [1.0, 1.0] } else { [0.0, 0.0] },
                 failed_samples: 0,
             });
         }
-        Ok(EnsembleResult { friction_std: std, damping, reattachment: ReattachmentResult::default() })
+        let (reattachment, release) = (PointsResult::default(), PointsResult::default());
+        Ok(EnsembleResult { friction_std: std, damping, crossings: Vec::new(), reattachment, release, motion: None })
     }
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
@@ -329,15 +340,50 @@ fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {
 }
 
 fn damping_result(damping_ratio: f64, ensemble: &Ensemble) -> DampingResult {
-    let half_width = NORMAL_95 * ensemble.cycles.se;
     DampingResult {
         damping_ratio,
         cycles_deterministic: ensemble.cycles_deterministic,
         cycles_mean: ensemble.cycles.mean,
         cycles_se: ensemble.cycles.se,
         difference_mean: ensemble.difference_mean,
-        difference_interval: [ensemble.difference_mean - half_width, ensemble.difference_mean + half_width],
+        difference_interval: ensemble.difference_interval,
+        share_in_cycle: ensemble.passages.share_in_cycle,
+        sustained_share: ensemble.passages.sustained.value,
+        sustained_share_interval: ensemble.passages.sustained.interval,
         failed_samples: ensemble.failures.len(),
+    }
+}
+
+fn crossing_result(crossing: Crossing) -> CrossingResult {
+    let Crossing { share, damping_ratio, interval } = crossing;
+    CrossingResult { share, damping_ratio, damping_ratio_interval: interval }
+}
+
+fn points_result(points: &SampleLaw) -> PointsResult {
+    PointsResult {
+        count: points.count,
+        mean: finite(points.mean),
+        std: finite(points.std),
+        skewness: finite(points.skewness),
+        excess_kurtosis: finite(points.excess_kurtosis),
+        normality_p: points.normality_p,
+    }
+}
+
+fn motion_result(ensemble: &Ensemble) -> MotionResult {
+    let passages = &ensemble.passages;
+    MotionResult {
+        period_mean: finite(ensemble.periods.mean),
+        period_std: finite(ensemble.periods.std),
+        stick_share: ensemble.stick_share.mean,
+        stick_share_se: ensemble.stick_share.se,
+        share_in_cycle: passages.share_in_cycle,
+        exit_rate: passages.exit_rate.map(|rate| rate.value),
+        exit_rate_interval: passages.exit_rate.map(|rate| rate.interval),
+        entry_rate: passages.entry_rate.map(|rate| rate.value),
+        entry_rate_interval: passages.entry_rate.map(|rate| rate.interval),
+        left_share: passages.left.value,
+        left_share_interval: passages.left.interval,
     }
 }
 
@@ -354,6 +400,9 @@ fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
         columns.push((format!("{name}_difference_mean"), column(result, &|d| d.difference_mean)));
         columns.push((format!("{name}_difference_low"), column(result, &|d| d.difference_interval[0])));
         columns.push((format!("{name}_difference_high"), column(result, &|d| d.difference_interval[1])));
+        columns.push((format!("{name}_sustained_share"), column(result, &|d| d.sustained_share)));
+        columns.push((format!("{name}_sustained_share_low"), column(result, &|d| d.sustained_share_interval[0])));
+        columns.push((format!("{name}_sustained_share_high"), column(result, &|d| d.sustained_share_interval[1])));
     }
     Table::new(columns)
 }

@@ -10,7 +10,7 @@
 //!
 //! Only a minimum inside such an interval is left to the bounds of [`polynomial::first_zero`].
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use super::polynomial;
 use super::series::{Loading, Series};

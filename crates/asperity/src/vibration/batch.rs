@@ -41,11 +41,12 @@ pub fn deterministic_slips(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vibration::{Drive, Method, Forcing, Trajectory};
+    use crate::vibration::{Drive, Forcing, Method, Trajectory};
 
     #[test]
     fn machines_in_lockstep_slip_as_they_do_alone() {
-        let settings = TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let settings =
+            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let machines: Vec<Oscillator> = (0..70)
             .map(|i| {
                 let free = Oscillator::stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();

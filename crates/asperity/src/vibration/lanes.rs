@@ -20,7 +20,7 @@ use crate::wide::{Kernel, wide};
 const NOISY: usize = 12;
 const NOISY_TOLERANCE: f64 = 1e-13;
 const STEADY: usize = 24;
-const STEADY_TOLERANCE: f64 = 1e-13;
+const STEADY_TOLERANCE: f64 = 2e-14;
 
 /// One trajectory to follow.
 pub(super) struct Task<F, W> {
@@ -57,7 +57,10 @@ pub(super) fn follow_many<F: Fluctuation, W: Witness>(
         Ok(Followed { slips, fluctuation, witness })
     };
     let mut waiting = indices;
-    if settings.drive == Drive::Time || settings.method != Method::Taylor || !(settings.duration.is_finite() && settings.duration > 0.0) {
+    if settings.drive == Drive::Time
+        || settings.method != Method::Taylor
+        || !(settings.duration.is_finite() && settings.duration > 0.0)
+    {
         waiting.for_each(|index| done(index, alone(index)));
         return;
     }
@@ -149,7 +152,11 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
 
     /// m at the scaled distance `passed` since the beginning of the cell.
     fn fluctuation_at(&self, passed: f64) -> f64 {
-        if self.cell.length.is_finite() { self.cell.left + self.cell.slope() * (passed * self.velocity) } else { self.cell.left }
+        if self.cell.length.is_finite() {
+            self.cell.left + self.cell.slope() * (passed * self.velocity)
+        } else {
+            self.cell.left
+        }
     }
 
     fn show(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64, slipped: Slipped) {
@@ -430,7 +437,8 @@ mod tests {
     fn lanes_and_the_single_mass_meet_the_same_events() {
         for (oscillator, std) in machines() {
             let process = process(std);
-            let settings = TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            let settings =
+                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Method::Taylor };
             for (index, ended) in followed(&oscillator, &process, 25.0, 0..40).into_iter().enumerate() {
                 let (slips, All(events)) = ended.unwrap();
                 let alone = Trajectory::simulate(&oscillator, process.path(3, index as u64), &settings).unwrap();
@@ -465,7 +473,8 @@ mod tests {
     #[test]
     fn a_record_that_ends_and_friction_without_sign_end_as_they_do_alone() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let settings =
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {
             let record = RecordedProcess::new(0.005, values).unwrap();
             let alone = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap_err();
@@ -480,7 +489,8 @@ mod tests {
 
     #[test]
     fn without_noise_every_lane_is_the_cycle() {
-        let settings = TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let settings =
+            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let of = |index: usize| Oscillator::stribeck(0.1, 4.2, 0.1 + 0.005 * index as f64, 0.003).unwrap();
         follow_many(
             &settings,

@@ -42,7 +42,7 @@ pub struct Sound {
     /// Level of the velocity relative to the limit cycle, 20 lg(rms/rms of the cycle), in dB.
     pub level_db: Option<f64>,
     /// 95 % interval of the level.
-    pub level_interval_db: Option<[f64; 2]>,
+    pub level_db_interval: Option<[f64; 2]>,
     /// Frequencies in natural frequencies ω/ω₀, of bins a sixth of an octave wide, or as wide as the records resolve.
     pub frequency: Vec<f64>,
     /// One-sided power spectral density of X′ over ω/ω₀; its integral is the variance.
@@ -77,8 +77,7 @@ impl Sound {
             return refused("from", settings.from, "earlier than 64 values before the end");
         }
         let points = points as usize + 1;
-        let followed =
-            TrajectorySettings { duration: settings.from + step * (points - 1) as f64, ..settings.followed };
+        let followed = TrajectorySettings { duration: settings.from + step * (points - 1) as f64, ..settings.followed };
         let records: Vec<Vec<f64>> = (0..settings.trajectories)
             .into_par_iter()
             .map(|index| {
@@ -98,9 +97,10 @@ impl Sound {
         let velocity_rms_interval = [root(moments.mean - half_width), root(moments.mean + half_width)];
         let cycle_velocity_rms = cycle_rms(oscillator)?;
         let level = |rms: f64| cycle_velocity_rms.map(|cycle| 20.0 * (rms / cycle).log10());
-        let level_interval_db = level(velocity_rms_interval[0]).zip(level(velocity_rms_interval[1])).map(<[f64; 2]>::from);
+        let level_db_interval =
+            level(velocity_rms_interval[0]).zip(level(velocity_rms_interval[1])).map(<[f64; 2]>::from);
         let slices: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-        let spectrum = record_spectrum(&slices, step, RecordEnds::Free)
+        let spectrum = record_spectrum(&slices, 1, step, RecordEnds::Free)
             .map_err(|_| VibrationError::NotFound { what: "spectrum", reason: "the records are too short" })?;
         let per_frequency = |density: &[f64]| density.iter().map(|d| d / TAU).collect();
         Ok(Self {
@@ -108,7 +108,7 @@ impl Sound {
             velocity_rms_interval,
             cycle_velocity_rms,
             level_db: level(velocity_rms),
-            level_interval_db,
+            level_db_interval,
             frequency: spectrum.frequency_per_m.iter().map(|f| TAU * f).collect(),
             density: per_frequency(&spectrum.density),
             density_low: per_frequency(&spectrum.low),

@@ -1,10 +1,10 @@
 //! Many paths over a random friction fluctuation.
 
-use asperity::friction::process::{FrictionProcess, ProcessModel};
-use asperity::law::Marginal;
 use asperity::vibration::{self, EnsembleSettings};
 use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
 
+use super::random::Fluctuation;
 use super::{Damping, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
@@ -21,15 +21,8 @@ pub(crate) struct Ensemble {
     /// Standard deviation of the friction coefficient.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     friction_std: f64,
-    /// Its correlation length in sliding distance, λ = ℓ_μ·c/N.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    correlation_length: f64,
-    /// Shape of its law: normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE or beta:A,B.
-    #[arg(long, value_name = "LAW")]
-    marginal: Marginal,
-    /// Knots of the fluctuation per correlation length.
-    #[arg(long, value_name = "N", default_value = "20", value_parser = args::count, allow_hyphen_values = true)]
-    steps_per_length: usize,
+    #[command(flatten)]
+    fluctuation: Fluctuation,
     /// What the fluctuation is a function of.
     #[arg(long, value_enum, default_value = "distance")]
     drive: Drive,
@@ -58,11 +51,7 @@ enum Drive {
 impl Ensemble {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let process = FrictionProcess::new(ProcessModel {
-            steps_per_length: self.steps_per_length,
-            ..ProcessModel::new(self.marginal.clone(), self.friction_std, self.correlation_length)
-        })
-        .map_err(Failure::usage)?;
+        let process = self.fluctuation.process(self.friction_std, 1.0)?;
         let settings = EnsembleSettings {
             drive: match self.drive {
                 Drive::Distance => vibration::Drive::Distance,
@@ -81,12 +70,37 @@ impl Ensemble {
 }
 
 fn answer(ensemble: Option<&vibration::Ensemble>) -> Answer {
+    let rate = |of: fn(&vibration::Passages) -> Option<vibration::Rate>| ensemble.and_then(|e| of(&e.passages));
+    let share = |of: fn(&vibration::Passages) -> vibration::Share| ensemble.map(|e| of(&e.passages));
+    let (exit, entry) = (rate(|p| p.exit_rate), rate(|p| p.entry_rate));
+    let (left, sustained) = (share(|p| p.left), share(|p| p.sustained));
+    let pair = |interval: Option<[f64; 2]>| interval.map_or(Value::Null, |[low, high]| json!([low, high]));
     Answer::default()
         .with("cycles_mean", ensemble.map(|e| e.cycles.mean))
         .with("cycles_se", ensemble.map(|e| e.cycles.se))
         .with("cycles_deterministic", ensemble.map(|e| e.cycles_deterministic))
         .with("difference_mean", ensemble.map(|e| e.difference_mean))
+        .with("difference_mean_interval", pair(ensemble.map(|e| e.difference_interval)))
+        .with("micro_slips_mean", ensemble.map(|e| e.micro_slips.mean))
         .with("reattachment_mean", ensemble.map(|e| e.reattachments.mean))
         .with("reattachment_std", ensemble.map(|e| e.reattachments.std))
         .with("reattachment_skewness", ensemble.map(|e| e.reattachments.skewness))
+        .with("reattachment_normality_p", ensemble.and_then(|e| e.reattachments.normality_p))
+        .with("release_mean", ensemble.map(|e| e.releases.mean))
+        .with("release_std", ensemble.map(|e| e.releases.std))
+        .with("release_skewness", ensemble.map(|e| e.releases.skewness))
+        .with("release_normality_p", ensemble.and_then(|e| e.releases.normality_p))
+        .with("period_mean", ensemble.map(|e| e.periods.mean))
+        .with("period_std", ensemble.map(|e| e.periods.std))
+        .with("stick_share_mean", ensemble.map(|e| e.stick_share.mean))
+        .with("stick_share_se", ensemble.map(|e| e.stick_share.se))
+        .with("share_in_cycle", ensemble.map(|e| e.passages.share_in_cycle))
+        .with("exit_rate", exit.map(|r| r.value))
+        .with("exit_rate_interval", pair(exit.map(|r| r.interval)))
+        .with("entry_rate", entry.map(|r| r.value))
+        .with("entry_rate_interval", pair(entry.map(|r| r.interval)))
+        .with("left_share", left.map(|s| s.value))
+        .with("left_share_interval", pair(left.map(|s| s.interval)))
+        .with("sustained_share", sustained.map(|s| s.value))
+        .with("sustained_share_interval", pair(sustained.map(|s| s.interval)))
 }

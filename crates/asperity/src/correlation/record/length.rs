@@ -132,10 +132,11 @@ pub fn fit_length(
     };
     let tangent = likelihood.tangent(length_m, noise_share);
     // Skewed records scatter more than theory, as their scores do.
-    let lack_of_fit = tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
-        let law = ChiSquared::new(degrees_of_freedom).ok()?;
-        Some(LackOfFit { statistic, degrees_of_freedom, p_value: law.sf(statistic.max(0.0)) })
-    });
+    let lack_of_fit =
+        tangent.lack_of_fit(dispersion.max(theory * lanes_alike)).and_then(|(statistic, degrees_of_freedom)| {
+            let law = ChiSquared::new(degrees_of_freedom).ok()?;
+            Some(LackOfFit { statistic, degrees_of_freedom, p_value: law.sf(statistic.max(0.0)) })
+        });
     let noise_interval = settings.noise.then(|| {
         let reach = tangent.noise_variance(noise_share).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
         Interval { low: (noise_share - reach).max(0.0), high: (noise_share + reach).min(1.0) }

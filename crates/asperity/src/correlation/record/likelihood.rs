@@ -130,7 +130,11 @@ impl Group {
         }
         let (mut spectrum, mut work) = (self.plan.spectrum(), self.plan.workspace());
         self.plan.forward(&folded, &mut spectrum, &mut work);
-        spectrum[1..=self.shares.len()].iter().zip(&self.passed).map(|(v, passed)| self.step_m * v.re * passed).collect()
+        spectrum[1..=self.shares.len()]
+            .iter()
+            .zip(&self.passed)
+            .map(|(v, passed)| self.step_m * v.re * passed)
+            .collect()
     }
 
     pub(super) fn frequency_per_m(&self, place: usize) -> f64 {
@@ -176,7 +180,8 @@ impl Likelihood {
         if !narrowest_m.is_finite() {
             return None;
         }
-        let highest = |channel: &WindowedRecords<'_>| band.to_per_m(Self::BAND / channel.window_m).min(0.5 / channel.step_m);
+        let highest =
+            |channel: &WindowedRecords<'_>| band.to_per_m(Self::BAND / channel.window_m).min(0.5 / channel.step_m);
         let lowest = band.from_per_m() * (1.0 - 1e-9);
         let mut groups: Vec<Group> = Vec::new();
         for channel in channels {
@@ -385,7 +390,6 @@ impl Likelihood {
         let all: f64 = self.groups.iter().map(weight).sum();
         self.groups.iter().map(|group| weight(group) * group.spread).sum::<f64>() / all
     }
-
 }
 
 #[cfg(test)]

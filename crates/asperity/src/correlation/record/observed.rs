@@ -92,8 +92,7 @@ impl ObservedLengths {
         let mut found = whole.clone();
         while refused(&found) {
             highest_per_m *= 0.5;
-            let least_per_m =
-                (LEAST_WAVE / found.chosen.length_m).max(LEAST_WAVENUMBERS / (step_m * values as f64));
+            let least_per_m = (LEAST_WAVE / found.chosen.length_m).max(LEAST_WAVENUMBERS / (step_m * values as f64));
             if highest_per_m < least_per_m {
                 return Ok(whole);
             }
@@ -137,7 +136,9 @@ impl ObservedLengths {
             let candidates = [Observation::Points, Observation::Means].into_iter().chain(average);
             let best = candidates
                 .flat_map(|observation| [(observation, false), (observation, true)])
-                .map(|(observation, noise)| (observation, noise, cost(observation, noise) + 2.0 * value(observation, noise)))
+                .map(|(observation, noise)| {
+                    (observation, noise, cost(observation, noise) + 2.0 * value(observation, noise))
+                })
                 .min_by(|a, b| a.2.total_cmp(&b.2));
             if let Some((observation, noise, _)) = best {
                 let fit = fit_length(&[channel(observation)], model, settings(noise))?;

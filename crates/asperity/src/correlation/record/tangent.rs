@@ -83,11 +83,15 @@ impl Tangent<'_> {
         let mut order: Vec<(f64, usize, usize)> = groups
             .iter()
             .enumerate()
-            .flat_map(|(index, group)| (0..group.shares.len()).map(move |place| (group.frequency_per_m(place), index, place)))
+            .flat_map(|(index, group)| {
+                (0..group.shares.len()).map(move |place| (group.frequency_per_m(place), index, place))
+            })
             .filter(|(_, index, place)| groups[*index].shares[*place] > 0.0)
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let count = |(_, index, place): &(f64, usize, usize)| groups[*index].shares[*place] * groups[*index].powers.len() as f64;
+        let count = |(_, index, place): &(f64, usize, usize)| {
+            groups[*index].shares[*place] * groups[*index].powers.len() as f64
+        };
         let all: f64 = order.iter().map(count).sum();
         let size = 1 + self.directions.len();
         // Sum, number, and part of the information of every band.

@@ -257,7 +257,9 @@ impl FittedRecord {
         }
         let negative = values.iter().filter(|mu| **mu < 0.0).count();
         if negative > 0 {
-            warnings.push(format!("{negative} of {present} values are below zero, which friction is not: is there an offset?"));
+            warnings.push(format!(
+                "{negative} of {present} values are below zero, which friction is not: is there an offset?"
+            ));
         }
         if let Some(large) = prepared.removed.iter().find(|removal| removal.variance_share > 0.5) {
             warnings.push(format!(

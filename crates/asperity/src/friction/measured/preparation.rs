@@ -244,7 +244,14 @@ mod tests {
     use super::*;
 
     fn record(friction: Vec<f64>) -> MeasuredRecord {
-        MeasuredRecord { start_m: 0.01, step_m: 1e-4, friction, velocity_m_per_s: Some(0.1), strokes_m: vec![], warnings: vec![] }
+        MeasuredRecord {
+            start_m: 0.01,
+            step_m: 1e-4,
+            friction,
+            velocity_m_per_s: Some(0.1),
+            strokes_m: vec![],
+            warnings: vec![],
+        }
     }
 
     fn waves(n: usize) -> Vec<f64> {

@@ -66,7 +66,9 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
     let positive = sliding.iter().filter(|mu| **mu > 0.0).count() as f64 / n;
     let mean = sliding.iter().map(|mu| mu.abs()).sum::<f64>() / n;
     let scatter = (sliding.iter().map(|mu| (mu.abs() - mean).powi(2)).sum::<f64>() / n).sqrt() / mean;
-    if positive.min(1.0 - positive) < LEAST_OF_A_SIGN || n < (1.0 - MOST_REVERSING) * present || scatter > LARGEST_SCATTER
+    if positive.min(1.0 - positive) < LEAST_OF_A_SIGN
+        || n < (1.0 - MOST_REVERSING) * present
+        || scatter > LARGEST_SCATTER
     {
         return None;
     }

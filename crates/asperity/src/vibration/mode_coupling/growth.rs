@@ -171,7 +171,8 @@ impl Linear {
 
     fn cell(&self, fluctuation: &mut impl Fluctuation, tau: f64) -> Result<Cell, VibrationError> {
         let sliding_distance = self.velocity * tau;
-        let cell = fluctuation.next_cell().ok_or(VibrationError::ProcessTooShort { tau, coordinate: sliding_distance })?;
+        let cell =
+            fluctuation.next_cell().ok_or(VibrationError::ProcessTooShort { tau, coordinate: sliding_distance })?;
         let coefficient = self.friction + cell.left.min(cell.right);
         if coefficient > 0.0 {
             Ok(cell)
@@ -330,6 +331,9 @@ mod tests {
         assert_eq!(one, two);
         assert!(one.se < 0.002 && (one.mean - one.deterministic).abs() < 0.02, "{one:?}");
         assert!(one.quantiles[0] < one.mean && one.mean < one.quantiles[2]);
-        assert!(growth_rates(&model, 0.8, &process, &GrowthSettings { trajectories: 1, ..settings.clone() }, &Silent).is_err());
+        assert!(
+            growth_rates(&model, 0.8, &process, &GrowthSettings { trajectories: 1, ..settings.clone() }, &Silent)
+                .is_err()
+        );
     }
 }

@@ -182,7 +182,8 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         };
         let cell = Cell { end: 0.0, length: f64::INFINITY, left: 0.0, right: 0.0 };
         let passed = (Contact::Slip, 0.0);
-        let mut motion = Self { model, fluctuation, cell, began: 0.0, now, passed, series: Series::ZERO, idle_steps: 0 };
+        let mut motion =
+            Self { model, fluctuation, cell, began: 0.0, now, passed, series: Series::ZERO, idle_steps: 0 };
         motion.next_cell()?;
         if motion.now.normal(model) < 0.0 {
             motion.now.contact = Contact::Flight;

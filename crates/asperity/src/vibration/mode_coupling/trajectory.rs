@@ -228,7 +228,9 @@ mod tests {
             (FrictionLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
             (FrictionLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
         ] {
-            let model = Model::new(Parameters { damping, law: law.clone(), static_friction: 0.9, ..Parameters::default() }).unwrap();
+            let model =
+                Model::new(Parameters { damping, law: law.clone(), static_friction: 0.9, ..Parameters::default() })
+                    .unwrap();
             let friction = model.sliding_friction();
             let [k11, k12, _] = model.stiffness();
             let (c11, c12) = (model.effective_damping(friction), model.damping()[1]);
@@ -352,7 +354,8 @@ mod tests {
         .unwrap();
         let process = FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, 0.01)).unwrap();
         let drive = vibration::Drive::Distance;
-        let settings = vibration::TrajectorySettings { duration: 60.0, start: None, drive, method: vibration::Method::Taylor };
+        let settings =
+            vibration::TrajectorySettings { duration: 60.0, start: None, drive, method: vibration::Method::Taylor };
         let wanted = vibration::Trajectory::simulate(&oscillator, process.path(1, 0), &settings).unwrap().events;
         let start = state(oscillator.default_start(), 0.003, 0.0, 0.0);
         let settings = TrajectorySettings { duration: 60.0, start: Some(start) };

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::super::locked::grazing_lock;
-use super::super::weakening::Weakening;
 use super::super::sway::Sway;
+use super::super::weakening::Weakening;
 use super::super::{Oscillator, VibrationError, critical_damping};
 use super::boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, Scale};
 use super::grazing::graze;

@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 use super::super::cycle::Turn;
 use super::super::motion::{Motion, SlipState};
-use super::super::weakening::Weakening;
 use super::super::sway::Sway;
+use super::super::weakening::Weakening;
 use super::super::{EventKind, Oscillator, Phase, VibrationError};
 use super::tangent::{Linear, Tangent};
 use crate::friction::process::Steady;

@@ -1,0 +1,123 @@
+//! The probability of a sustained cycle over two parameters.
+
+use asperity::vibration::{EnsembleSettings, MapAxis, MapSettings, Parameter, VibrationError, stability_map};
+use clap::Args;
+
+use super::random::Fluctuation;
+use super::{Damping, Machine, refused};
+use crate::args;
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::{Answer, columns, print};
+
+/// Maps how surely the cycle sustains itself: over damping and belt velocity, damping and scatter of friction, or belt
+/// velocity and load.
+#[derive(Debug, Args)]
+pub(crate) struct Map {
+    #[command(flatten)]
+    machine: Machine,
+    #[command(flatten)]
+    damping: Damping,
+    /// Standard deviation of the friction coefficient.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    friction_std: f64,
+    #[command(flatten)]
+    fluctuation: Fluctuation,
+    /// Damping ratios, the first axis: least, largest, cells of the first grid.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, required_unless_present = "loads")]
+    damping_ratios: Option<MapAxis>,
+    /// Belt velocities: the second axis, or the first over loads.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, conflicts_with = "friction_stds")]
+    belt_velocities: Option<MapAxis>,
+    /// Standard deviations of friction, the second axis.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, conflicts_with = "loads")]
+    friction_stds: Option<MapAxis>,
+    /// Loads over the stated machine's, the second axis: lengths and velocities are in units of the load.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, requires = "belt_velocities",
+          conflicts_with = "damping_ratios")]
+    loads: Option<MapAxis>,
+    /// How often cells at the front are halved.
+    #[arg(long, value_name = "N", default_value = "3", value_parser = depth)]
+    depth: u32,
+    /// Number of paths at a point.
+    #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
+    trajectories: usize,
+    /// Time τ of each.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    duration: f64,
+    /// Seed of every random draw.
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    seed: u64,
+    /// Print one JSON object instead of the contours.
+    #[arg(long)]
+    json: bool,
+}
+
+fn axis(text: &str) -> Result<MapAxis, String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let wanted = || format!("found `{text}`, wanted the least and the largest value and a number of cells: FROM,TO,N");
+    let [from, to, cells] = parts[..] else { return Err(wanted()) };
+    match (from.parse(), to.parse(), cells.parse()) {
+        (Ok(from), Ok(to), Ok(cells)) => Ok(MapAxis { from, to, cells }),
+        _ => Err(wanted()),
+    }
+}
+
+fn depth(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(depth @ 0..=8) => Ok(depth),
+        _ => Err(format!("found `{text}`, wanted a number from 0 to 8")),
+    }
+}
+
+impl Map {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let stated = self.machine.oscillator(self.damping.damping_ratio)?;
+        let (names, x, y) = match (self.damping_ratios, self.belt_velocities, self.friction_stds, self.loads) {
+            (Some(x), Some(y), None, None) => (["damping_ratio", "belt_velocity"], x, y),
+            (Some(x), None, Some(y), None) => (["damping_ratio", "friction_std"], x, y),
+            (None, Some(x), None, Some(y)) => (["belt_velocity", "load_ratio"], x, y),
+            _ => {
+                let wanted = "wanted two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
+                              --belt-velocities with --loads";
+                return Err(Failure::usage(wanted));
+            }
+        };
+        if self.loads.is_some() && Parameter::Weakening.of(&stated).is_none() {
+            return Err(Failure::usage("--loads needs a law with a weakening rate: --stribeck or --linear-weakening"));
+        }
+        // The process is checked once, so that a wrong law is a word about the flag and not about a point.
+        self.fluctuation.process(self.friction_std, 1.0)?;
+        let machine = |x: f64, y: f64| {
+            let (damping, velocity, std, load) = match names {
+                ["damping_ratio", "belt_velocity"] => (x, y, self.friction_std, 1.0),
+                ["damping_ratio", _] => (x, stated.belt_velocity(), y, 1.0),
+                _ => (stated.damping_ratio(), x / y, self.friction_std, y),
+            };
+            let mut oscillator = Parameter::BeltVelocity.set(&stated.with_damping(damping)?, velocity)?;
+            if let Some(rate) = Parameter::Weakening.of(&oscillator).filter(|_| load != 1.0) {
+                // The law holds in metres per second, whose unit falls with the load.
+                oscillator = Parameter::Weakening.set(&oscillator, rate * load)?;
+            }
+            if std == 0.0 {
+                return Ok((oscillator, None));
+            }
+            let process = self.fluctuation.made(std, load).map_err(VibrationError::from)?;
+            Ok((oscillator, Some(process)))
+        };
+        let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
+        let settings = MapSettings { x, y, depth: self.depth, ensemble };
+        let map = stability_map(&machine, &settings, monitor).map_err(|e| refused(&e))?;
+        if self.json {
+            return Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::of(&map)?).print(true);
+        }
+        let mut rows = vec![["level", names[0], names[1]].map(str::to_owned)];
+        let contours = map.contours.iter().map(|c| (format!("{} %", 100.0 * c.level), &c.lines));
+        for (level, lines) in contours.chain([("without fluctuation".to_owned(), &map.limit)]) {
+            for [x, y] in lines.iter().flatten() {
+                rows.push([level.clone(), format!("{x:.6}"), format!("{y:.6}")]);
+            }
+        }
+        print(&columns(&rows))
+    }
+}

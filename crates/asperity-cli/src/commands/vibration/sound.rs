@@ -1,0 +1,72 @@
+//! How loud the mass vibrates, and at which frequencies.
+
+use asperity::vibration::{self, Drive, Method, SoundSettings, TrajectorySettings};
+use clap::Args;
+
+use super::random::Fluctuation;
+use super::{Damping, Machine, refused};
+use crate::args;
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::{Answer, columns, print};
+
+/// Records the velocity of several paths: its level over the limit cycle's and its power spectrum.
+#[derive(Debug, Args)]
+pub(crate) struct Sound {
+    #[command(flatten)]
+    machine: Machine,
+    #[command(flatten)]
+    damping: Damping,
+    /// Standard deviation of the friction coefficient.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    friction_std: f64,
+    #[command(flatten)]
+    fluctuation: Fluctuation,
+    /// Number of paths.
+    #[arg(long, value_name = "N", default_value = "32", value_parser = args::count, allow_hyphen_values = true)]
+    trajectories: usize,
+    /// Time τ of each.
+    #[arg(long, value_name = "X", default_value = "640", value_parser = args::positive, allow_hyphen_values = true)]
+    duration: f64,
+    /// Time τ before the record begins.
+    #[arg(long, value_name = "X", default_value = "60", value_parser = args::non_negative, allow_hyphen_values = true)]
+    from: f64,
+    /// Seed of every random draw.
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    seed: u64,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Sound {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let process = self.fluctuation.process(self.friction_std, 1.0)?;
+        let settings = SoundSettings {
+            trajectories: self.trajectories,
+            points_per_period: 64,
+            from: self.from,
+            seed: self.seed,
+            followed: TrajectorySettings {
+                duration: self.duration,
+                start: None,
+                drive: Drive::Distance,
+                method: Method::Taylor,
+            },
+        };
+        let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
+        let answer = Answer::of(&sound)?;
+        if self.json {
+            return answer.print(true);
+        }
+        let spectrum = ["frequency", "density", "density_low", "density_high"];
+        spectrum.iter().fold(answer, |answer, key| answer.without(key)).print(false)?;
+        let mut rows = vec![["frequency/natural", "density", "95 % low", "95 % high"].map(str::to_owned)];
+        for k in 0..sound.frequency.len() {
+            let row = [sound.frequency[k], sound.density[k], sound.density_low[k], sound.density_high[k]];
+            rows.push(row.map(|value| format!("{value:.4e}")));
+        }
+        print(&format!("\n{}", columns(&rows)))
+    }
+}

@@ -1,0 +1,54 @@
+//! Figure 5 of the paper: cycles against damping under stochastic friction.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use asperity::monitor::Silent;
+use asperity::study::Study;
+
+/// ζ, mean number of cycles of 4,000 paths and its standard error by two independent codes, and the number without noise.
+const KNOWN: [(f64, f64, f64, u64); 3] = [(0.17, 68.99, 0.10, 99), (0.22, 34.31, 0.11, 0), (0.25, 17.18, 0.08, 0)];
+
+#[test]
+fn noise_costs_cycles_below_the_end_of_the_cycle_and_makes_some_beyond_it() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig5.toml");
+    let mut study = Study::parse(&fs::read_to_string(&path).unwrap(), "paper_fig5.toml").unwrap();
+    study.vibration.as_mut().unwrap().trajectories = 400;
+    let outcome = study.run(path.parent().unwrap(), None, &Silent).unwrap();
+    let vibration = outcome.results.vibration.unwrap();
+    assert!((vibration.correlation_length - 0.01).abs() < 2e-6);
+    let critical = vibration.critical_damping_ratio.unwrap();
+    assert!((critical - 0.204_830_150_584_523).abs() < 1e-10);
+    let damping = &vibration.paper.damping;
+    assert_eq!(damping.len(), 12);
+    for (ratio, mean, se, deterministic) in KNOWN {
+        let found = damping.iter().find(|d| (d.damping_ratio - ratio).abs() < 1e-9).unwrap();
+        assert_eq!(found.cycles_deterministic, deterministic);
+        assert!((found.cycles_mean - mean).abs() < 3.0 * found.cycles_se.hypot(se), "{found:?} instead of {mean}");
+    }
+    // The fall of the cycle rate, smeared by noise about the sharp end.
+    let crossings = &vibration.paper.crossings;
+    assert_eq!(crossings.iter().map(|c| c.share).collect::<Vec<_>>(), [0.95, 0.5]);
+    assert!(
+        crossings[0].damping_ratio < critical - 0.03 && crossings[1].damping_ratio < critical + 0.01,
+        "{crossings:?}"
+    );
+    for crossing in crossings {
+        let [low, high] = crossing.damping_ratio_interval;
+        assert!(low <= crossing.damping_ratio && crossing.damping_ratio <= high && high - low < 0.01);
+    }
+    for pair in damping.windows(2) {
+        assert!(pair[1].cycles_mean < pair[0].cycles_mean && pair[1].sustained_share <= pair[0].sustained_share);
+    }
+    // Spread over the nominal area the same friction leaves the cycle as it is, but next to its end.
+    let area = &vibration.area;
+    assert!(area.friction_std < 0.02 * vibration.paper.friction_std);
+    for found in area.damping.iter().filter(|d| d.damping_ratio < critical - 0.01) {
+        assert!(found.difference_mean.abs() < 0.5, "{found:?}");
+    }
+    let motion = vibration.paper.motion.unwrap();
+    assert!(motion.exit_rate_interval.unwrap()[0] > 0.0 && motion.entry_rate.unwrap() > motion.exit_rate.unwrap());
+    assert!(motion.stick_share > 0.05 && motion.stick_share < 0.2);
+}
