@@ -264,3 +264,63 @@ fn an_interrupted_ensemble_prints_no_numbers() {
     ended.refuses(130, &["cancelled"]);
     assert!(took < Duration::from_secs(5), "{took:?}");
 }
+
+#[test]
+fn every_friction_law_has_its_flags() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("law.csv"), "velocity,friction\n0,0.4\n0.5,0.25\n1,0.1\n").unwrap();
+    fs::write(folder.path().join("wrong.csv"), "velocity,friction\n0,0.4\n0.5,x\n").unwrap();
+    let run = |line: &str| asperity_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    let base = "vibration cycle --static-friction 0.4 --damping-ratio 0.1 --belt-velocity 0.1 --json";
+    // Linear weakening, closed form, by its own law and by a table of a straight line.
+    for law in ["--linear-weakening 0.3", "--friction-table law.csv"] {
+        let json = run(&format!("{base} {law}")).json(0);
+        close(number(&json, "period"), 6.439_474_890_105_244, 1e-11);
+        close(number(&json, "reattachment_displacement"), 0.288_933_000_910_998, 1e-11);
+    }
+    // An exponential law without a fall is Coulomb's: T = 2π − 2 atan(Δ/V) + 2Δ/V.
+    let coulomb = "vibration cycle --static-friction 0.4 --kinetic-friction 0.3 --damping-ratio 0 --belt-velocity 0.05 --json \
+                   --stribeck-velocity 0.1 --high-speed-friction 0.3";
+    close(number(&asperity(coulomb).json(0), "period"), 8.068_887_871_591_405, 1e-12);
+    run(&format!("{base} --friction-table wrong.csv")).refuses(3, &["wrong.csv, line 3"]);
+    run(&format!("{base} --stribeck 1 --linear-weakening 1")).refuses(2, &["cannot be used with"]);
+}
+
+#[test]
+fn the_curve_of_critical_damping_passes_through_published_points_and_the_diagram_jumps_there() {
+    let curve = asperity(&format!("vibration critical-curve {PAPER} --over belt-velocity --from 0.003 --to 0.1 --json")).json(0);
+    let points = curve["points"].as_array().unwrap();
+    for (end, wanted) in [(&points[0], 0.204_830_150_584_523_2), (&points[points.len() - 1], 0.111_508_270_209_214_1)] {
+        close(number(end, "critical_damping_ratio"), wanted, 1e-10);
+    }
+    let line = format!(
+        "vibration bifurcation {PAPER} --damping-ratio 0.1 --over damping-ratio --from 0.2 --to 0.21 --points 3 --json"
+    );
+    let diagram = asperity(&line).json(0);
+    let upward = diagram["upward"].as_array().unwrap();
+    let slowest = |point: &Value| point["velocity"][0].as_f64().unwrap();
+    assert!(slowest(&upward[0]) < -0.003 && slowest(&upward[2]).abs() < 1e-12);
+}
+
+#[test]
+fn the_map_turns_from_surely_to_never_and_the_sound_of_little_noise_is_that_of_the_cycle() {
+    let noise = "--correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
+    let line = format!(
+        "vibration map {PAPER} --damping-ratio 0.1 --friction-std 0.001 {noise} --damping-ratios 0.1,0.3,2 \
+         --friction-stds 0.0002,0.001,1 --depth 1 --trajectories 20 --duration 150 --json"
+    );
+    let map = asperity(&line).json(0);
+    assert_eq!((map["x"].as_str(), map["y"].as_str()), (Some("damping_ratio"), Some("friction_std")));
+    let share = |x: f64| {
+        let points = map["points"].as_array().unwrap();
+        let at = points.iter().filter(|p| (p["x"].as_f64().unwrap() - x).abs() < 1e-9);
+        at.map(|p| p["sustained"]["value"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    assert!(share(0.1).iter().all(|p| *p == 1.0) && share(0.3).iter().all(|p| *p == 0.0));
+    assert_eq!(map["contours"].as_array().unwrap().len(), 3);
+    asperity(&line.replace("--friction-stds 0.0002,0.001,1", "")).refuses(2, &["two axes"]);
+    let sound = format!(
+        "vibration sound {PAPER} --damping-ratio 0.15 --friction-std 1e-6 {noise} --trajectories 2 --duration 300 --json"
+    );
+    assert!(number(&asperity(&sound).json(0), "level_db").abs() < 0.1);
+}
