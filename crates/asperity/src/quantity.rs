@@ -245,8 +245,10 @@ fn show(value: f64, dimension: &Dimension) -> String {
         .filter(|(number, unit)| {
             parse(&format!("{number} {unit}"), dimension).is_ok_and(|back| back.to_bits() == value.to_bits())
         })
-        .min_by_key(|(number, _)| {
-            (number.contains('e'), number.trim_start_matches('-').starts_with("0."), number.len())
+        .min_by_key(|(number, unit)| {
+            let small = number.trim_start_matches('-').starts_with("0.");
+            // Nobody states a hardness in bar.
+            (number.contains('e'), small, matches!(*unit, "bar" | "hPa"), number.len())
         })
         .map_or_else(|| format!("{value:?} {}", dimension.si), |(number, unit)| format!("{number} {unit}"))
 }

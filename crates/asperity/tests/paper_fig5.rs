@@ -1,7 +1,5 @@
 //! Figure 5 of the paper: cycles against damping under stochastic friction.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
-
 use std::fs;
 use std::path::PathBuf;
 

@@ -302,7 +302,9 @@ fn every_friction_law_has_its_flags() {
 
 #[test]
 fn the_curve_of_critical_damping_passes_through_published_points_and_the_diagram_jumps_there() {
-    let curve = asperity(&format!("vibration critical-curve {PAPER} --over belt-velocity --from 0.003 --to 0.1 --json")).json(0);
+    let curve =
+        asperity(&format!("vibration critical-curve {PAPER} --over belt-velocity --from 0.003 --to 0.1 --json"))
+            .json(0);
     let points = curve["points"].as_array().unwrap();
     for (end, wanted) in [(&points[0], 0.204_830_150_584_523_2), (&points[points.len() - 1], 0.111_508_270_209_214_1)] {
         close(number(end, "critical_damping_ratio"), wanted, 1e-10);

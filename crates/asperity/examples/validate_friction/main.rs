@@ -8,6 +8,7 @@ mod correlation;
 mod field;
 mod marginal;
 mod moments;
+mod observed;
 mod planted;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -30,6 +31,10 @@ fn main() -> Result<()> {
     }
     if wanted("correlation") {
         println!("\n{}", correlation::section(runs)?);
+    }
+    if wanted("observed") {
+        // A run fits some forty models.
+        println!("\n{}", observed::section((runs / 10).max(10))?);
     }
     Ok(())
 }

@@ -24,6 +24,8 @@ pub struct PlaneAtLoad {
     pub mean_pressure_pa: f64,
     /// Passes over all strips.
     pub passes: usize,
+    /// Whether that pressure is the wanted one, to ten times the tolerance of the solver.
+    pub converged: bool,
 }
 
 /// All strips under one control.
@@ -37,7 +39,7 @@ struct Pass {
 
 impl Strips<'_> {
     /// The one plane, the same for all strips, under which their mean pressure is `mean_pressure_pa`: the inverse of the load
-    /// curve by solving, to ten times the tolerance of the solver.
+    /// curve by solving, to ten times the tolerance of the solver; [`PlaneAtLoad::converged`] says whether that was reached.
     ///
     /// Each strip pressed to that pressure alone rests at a plane of its own. At the lowest of these every strip carries at
     /// least that much, at the highest at most, so the plane lies between; the search is by false position in ln p̄ with the
@@ -53,6 +55,7 @@ impl Strips<'_> {
         let mut pressures: Vec<Option<Array2<f64>>> = vec![None; self.realisations];
         let alone = self.pass(Control::MeanPressure { pascal: mean_pressure_pa }, keep, &mut pressures, monitor)?;
         let mut passes = 1;
+        let near = |error: f64| error.abs() <= (10.0 * self.solver.tolerance).max(1e-9);
         let mut at = |height_m: f64| -> Result<(f64, PlaneAtLoad), FrictionError> {
             let pass = self.pass(Control::Plane { height_m }, keep, &mut pressures, monitor)?;
             passes += 1;
@@ -61,10 +64,10 @@ impl Strips<'_> {
                 penetration_m: pass.penetration_m,
                 mean_pressure_pa: pass.mean_pressure_pa,
                 passes,
+                converged: near((pass.mean_pressure_pa / mean_pressure_pa).ln()),
             };
             Ok(((pass.mean_pressure_pa / mean_pressure_pa).ln(), found))
         };
-        let near = |error: f64| error.abs() <= (10.0 * self.solver.tolerance).max(1e-9);
         let (middle, mut best) = at(alone.mean_plane_m)?;
         if near(middle) {
             return Ok(best);

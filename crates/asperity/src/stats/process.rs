@@ -277,6 +277,38 @@ mod tests {
     }
 
     #[test]
+    fn a_record_without_slow_waves_has_the_size_of_its_standard_deviation() {
+        // Differences of a record have no long-run variance, so the mean has no interval; the standard deviation has one.
+        let record: Vec<f64> = records(0.0, 1, 2000, 5)[0].windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let found = ProcessMoments::of(&[&record], false);
+        assert!(found.std.is_some());
+        // Nearly white: worth its number over Σρ², 1.2.
+        assert!(found.effective_size > 800.0, "{}", found.effective_size);
+    }
+
+    #[test]
+    fn a_known_correlation_makes_wider_intervals_of_short_records() {
+        // Twenty ℓ, where the mean of an exponential is worth ten values.
+        let phi = (-0.2_f64).exp();
+        let mut held = [0; 2];
+        let runs = 200;
+        for run in 0..runs {
+            let record = &records(0.0, 1, 100, 1000 + run)[0];
+            let found = ProcessMoments::of(&[record], false).with_correlation(
+                &[record],
+                false,
+                &|lag| phi.powi(lag as i32),
+                0.3,
+            );
+            let holds = |estimate: Option<Estimate>, truth| estimate.is_some_and(|e| e.interval.contains(truth));
+            held[0] += usize::from(holds(found.mean, 3.0));
+            held[1] += usize::from(holds(found.std, 1.0));
+        }
+        // 95 % are 190 ± 3.1; ℓ is known here, so more may hold.
+        assert!(held.iter().all(|held| *held >= 178), "{held:?} of {runs}");
+    }
+
+    #[test]
     fn what_does_not_vary_or_is_too_short_has_no_interval() {
         let constant = ProcessMoments::of(&[&[0.2; 50]], false);
         assert!(constant.mean.is_none() && constant.moments.mean == 0.2 && constant.effective_size == 1.0);

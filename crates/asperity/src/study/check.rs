@@ -374,7 +374,7 @@ impl Study {
         if f.levels() == 0 {
             return Err(problem(SECTION, "percentiles", "found none, wanted at least one level"));
         }
-        for percentile in &f.percentiles {
+        for percentile in f.percentiles() {
             within(SECTION, "percentiles", *percentile, |x| x > 0.0 && x < 100.0, PERCENT)?;
         }
         let hardness = self.material.as_ref().and_then(|m| m.hardness);
@@ -388,7 +388,7 @@ impl Study {
         for penetration in &f.penetrations {
             within(SECTION, "penetrations", penetration.0, positive, POSITIVE)?;
         }
-        once(SECTION, "percentiles", &f.percentiles)?;
+        once(SECTION, "percentiles", f.percentiles())?;
         once(SECTION, "mean_pressures", &f.mean_pressures)?;
         once(SECTION, "penetrations", &f.penetrations)
     }
@@ -424,7 +424,7 @@ impl Study {
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
         if let Some(level) = v.level
-            && !self.friction.as_ref().is_some_and(|f| f.percentiles.contains(&level))
+            && !self.friction.as_ref().is_some_and(|f| f.percentiles().contains(&level))
         {
             return Err(problem(SECTION, "level", format!("found {level}, wanted one of [friction] percentiles")));
         }

@@ -414,9 +414,10 @@ pub struct FrictionSection {
     /// Mean compliance of a periodic strip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_compliance: Option<Compliance>,
-    /// Levels: percentages of the heights (of the ensemble) above the plane, which is one plane in space for all strips.
-    #[serde(default = "percentiles")]
-    pub percentiles: Vec<f64>,
+    /// Levels: percentages of the heights (of the ensemble) above the plane, which is one plane in space for all strips. When left
+    /// out, five of them, unless other levels are stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub percentiles: Option<Vec<f64>>,
     /// Further levels: mean pressures on every strip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mean_pressures: Vec<Pressure>,
@@ -479,9 +480,18 @@ impl FrictionSection {
         self.window_width.unwrap_or(self.strip[1])
     }
 
-    /// Number of levels that it states.
+    /// Percentages of the heights above the plane: those stated or, where no level is stated, the usual ones.
+    pub fn percentiles(&self) -> &[f64] {
+        match &self.percentiles {
+            Some(stated) => stated,
+            None if self.mean_pressures.is_empty() && self.penetrations.is_empty() => &PERCENTILES,
+            None => &[],
+        }
+    }
+
+    /// Number of its levels.
     pub fn levels(&self) -> usize {
-        self.percentiles.len() + self.mean_pressures.len() + self.penetrations.len()
+        self.percentiles().len() + self.mean_pressures.len() + self.penetrations.len()
     }
 }
 
@@ -498,7 +508,7 @@ impl Default for FrictionSection {
             coefficient: None,
             boundary: periodic(),
             mean_compliance: None,
-            percentiles: percentiles(),
+            percentiles: None,
             mean_pressures: Vec::new(),
             penetrations: Vec::new(),
             nominal_area: None,
@@ -633,9 +643,8 @@ fn strip_points() -> [usize; 2] {
 fn window() -> Length {
     Length(600e-6)
 }
-fn percentiles() -> Vec<f64> {
-    vec![5.0, 10.0, 25.0, 50.0, 75.0]
-}
+/// Levels of a friction stage that states none.
+const PERCENTILES: [f64; 5] = [5.0, 10.0, 25.0, 50.0, 75.0];
 fn realisations() -> usize {
     20
 }

@@ -1,7 +1,7 @@
 //! What a study will cost, roughly, before it is run.
 
 use crate::contact::memory_bytes;
-use crate::study::config::BoundaryChoice;
+use crate::study::config::{BoundaryChoice, FrictionSection};
 use crate::study::{Stage, Study};
 
 /// Iterations of an ordinary contact solution at the tolerance of a study.
@@ -76,6 +76,7 @@ impl Study {
             // The generator, and on every thread a germ, a map and its transform.
             let cells = f.points[0] as f64 * f.points[1] as f64;
             stage.memory_bytes += cells * (GENERATOR_BYTES + threads as f64 * 4.0 * DOUBLE_BYTES);
+            stage.memory_bytes += (f.levels() + usize::from(nominal)) as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
         if let Some(v) = &self.vibration {
@@ -92,6 +93,21 @@ impl Study {
         }
         stages
     }
+}
+
+/// Records of one strip at one level: six numbers at every position of the window and of those of a half, a quarter and an eighth
+/// of it, and again at the mean load.
+fn record_bytes(section: &FrictionSection) -> f64 {
+    let [nx, _] = section.points;
+    let cells = (section.window.0 / section.strip[0].0 * nx as f64).max(1.0);
+    let positions: f64 = [1.0, 2.0, 4.0, 8.0]
+        .iter()
+        .map(|part| cells / part)
+        .filter(|cells| *cells >= 4.0 || section.window.0 >= section.strip[0].0)
+        .map(|cells| nx as f64 / (cells / 16.0).floor().max(1.0))
+        .sum();
+    let lanes = (section.strip[1].0 / section.window_width().0).floor().max(1.0);
+    lanes * positions * 12.0 * DOUBLE_BYTES
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ pub(super) enum Lead {
 impl LevelControl {
     /// The levels that a section states, and the one at the nominal pressure where it leads.
     pub(super) fn of(section: &FrictionSection, lead: Lead) -> Vec<Self> {
-        let percentiles = section.percentiles.iter().map(|percent| Self::Percentile(*percent));
+        let percentiles = section.percentiles().iter().map(|percent| Self::Percentile(*percent));
         let pressures = section.mean_pressures.iter().map(|pressure| Self::MeanPressure(pressure.0));
         let penetrations = section.penetrations.iter().map(|depth| Self::Penetration(depth.0));
         let nominal = match lead {

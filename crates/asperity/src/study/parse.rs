@@ -24,8 +24,12 @@ impl Study {
     /// # Errors
     /// The first thing that is wrong with it, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        let study: Self = StudyFileError::read(text, file)?;
+        let mut study: Self = StudyFileError::read(text, file)?;
         study.validated(text, file)?;
+        // What is resolved is written out.
+        if let Some(friction) = study.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
+            friction.percentiles = Some(friction.percentiles().to_vec());
+        }
         Ok(study)
     }
 

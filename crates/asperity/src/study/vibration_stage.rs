@@ -198,9 +198,9 @@ impl Ensembles<'_> {
         monitor.progress(&task, count + 1, count + 1);
         if clamped > 0 {
             warnings.push(format!(
-                "with the {name} upscaling {} of the friction process, over the damping sweep, raised to {} below the mean, \
-                 so that friction stays positive: the least values of its law are cut off",
-                sentence::count(clamped as usize, "value was", "values were"),
+                "with the {name} upscaling, {} of the friction process over the damping sweep lay lower than {} below the mean and \
+                 were raised to there, so that friction stays positive: the least values of its law are cut off",
+                sentence::count(clamped as usize, "value", "values"),
                 sentence::digits(-self.least(speeds))
             ));
         }

@@ -12,6 +12,10 @@ use crate::page::conditions;
 use crate::palette::{BLUE, GREY, ORANGE, VERMILION};
 use crate::{ReportError, Run, Table};
 
+const CUT_OFF: &str = " Bands that are far wider than the curves are cut off.";
+/// A band this much wider than the curves is cut off.
+const WIDE: f64 = 4.0;
+
 /// Values at every level from the shallowest, with their intervals where they have some.
 struct Course {
     y: Vec<f64>,
@@ -29,6 +33,14 @@ impl Course {
     fn values(&self) -> impl Iterator<Item = &f64> {
         let limits = self.limits.iter().flat_map(|(low, high)| low.iter().chain(high));
         self.y.iter().chain(limits)
+    }
+
+    /// Limits cut off at the ends of an axis.
+    fn within(mut self, (bottom, top): (f64, f64)) -> Self {
+        if let Some((low, high)) = &mut self.limits {
+            low.iter_mut().chain(high).for_each(|end| *end = end.clamp(bottom, top));
+        }
+        self
     }
 
     fn draw(self, chart: &mut Chart, x: &[f64], (name, band): (&'static str, &'static str), pen: Pen) {
@@ -70,10 +82,14 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
         if uncertain.is_some() {
             said += " Orange: where the moments lie for 95 % of the uncertain parameters of the surface, by their own, fewer strips.";
         }
-        drawn.push(("friction_levels", "friction_levels", title, said, moments(table, uncertain, mean)));
+        let (charts, clipped) = moments(table, uncertain, mean);
+        said += if clipped { CUT_OFF } else { "" };
+        drawn.push(("friction_levels", "friction_levels", title, said, charts));
         let title = "Relative scatter and skewness of the friction coefficient against penetration";
         let what = "Coefficient of variation, std over mean, and skewness of μ over the windows at each penetration";
-        drawn.push(("friction_shape", "friction_levels", title, caption(what), moments(table, uncertain, shape)));
+        let (charts, clipped) = moments(table, uncertain, shape);
+        let said = caption(what) + if clipped { CUT_OFF } else { "" };
+        drawn.push(("friction_shape", "friction_levels", title, said, charts));
     }
     if let Some(table) = run.tables.get("friction_load_curve") {
         let caption = "Mean pressure over the nominal area, and contact area over nominal area, against the mean depth of the plane \
@@ -104,12 +120,12 @@ fn moments(
     table: &Table,
     uncertain: Option<&Table>,
     panels: [(&'static str, &'static str, &'static str); 2],
-) -> Vec<(f64, Chart)> {
-    let Some([penetration]) = columns(table, ["penetration_m"]) else { return Vec::new() };
+) -> (Vec<(f64, Chart)>, bool) {
+    let Some([penetration]) = columns(table, ["penetration_m"]) else { return (Vec::new(), false) };
     let order = by_depth(penetration);
     let x = ordered(penetration, &order);
-    let Some(x_range) = range(&x) else { return Vec::new() };
-    let mut charts = Vec::new();
+    let Some(x_range) = range(&x) else { return (Vec::new(), false) };
+    let (mut charts, mut clipped) = (Vec::new(), false);
     for (label, column, other) in panels {
         let Some(quotient) = Course::of(table, column, &order) else { continue };
         let Some((low, high)) = range(quotient.values()) else { continue };
@@ -125,7 +141,16 @@ fn moments(
         let over = uncertain.and_then(|table| parameter_band(table, column));
         let limits = over.iter().flat_map(|(_, low, high)| low.iter().chain(high));
         let values = quotient.values().chain(other.iter().flat_map(Course::values)).chain(limits);
-        let Some((low, high)) = range(values) else { continue };
+        let Some(all) = range(values) else { continue };
+        let curves = quotient.y.iter().chain(other.iter().flat_map(|other| &other.y));
+        let (low, high) = range(curves).map_or(all, |curves| near(curves, all));
+        clipped |= (low, high) != all;
+        let [quotient, other] = [Some(quotient), other].map(|course| course.map(|course| course.within((low, high))));
+        let Some(quotient) = quotient else { continue };
+        let over = over.map(|(x, bottom, top)| {
+            let cut = |ends: Vec<f64>| ends.into_iter().map(|end| end.clamp(low, high)).collect::<Vec<f64>>();
+            (x, cut(bottom), cut(top))
+        });
         // The names of the levels need room above the first curve.
         let room = if charts.is_empty() { 0.25 * (high - low) } else { 0.0 };
         let y_axis = Axis::padded(label, Unit::none(), (low, high + room), 0.08);
@@ -145,7 +170,14 @@ fn moments(
         }
         charts.push(chart);
     }
-    stacked(charts, 190.0)
+    (stacked(charts, 190.0), clipped)
+}
+
+/// The range of an axis whose bands may be far wider than its curves: then it reaches as far beyond the curves as they span, or as
+/// a quarter of their size.
+fn near((low, high): (f64, f64), all: (f64, f64)) -> (f64, f64) {
+    let span = (high - low).max(0.25 * low.abs().max(high.abs()));
+    if all.1 - all.0 > WIDE * span { (all.0.max(low - span), all.1.min(high + span)) } else { all }
 }
 
 /// Scatter at the mean load over the mean there; its interval is that of the std, beside which the mean is known.
@@ -193,6 +225,13 @@ fn load_curve(table: &Table) -> Vec<(f64, Chart)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_axis_follows_its_curves_where_bands_are_far_wider() {
+        assert_eq!(near((1.0, 2.0), (0.0, 3.0)), (0.0, 3.0));
+        assert_eq!(near((1.0, 2.0), (-50.0, 60.0)), (0.0, 3.0));
+        assert_eq!(near((1.0, 2.0), (0.9, 60.0)), (0.9, 3.0));
+    }
 
     #[test]
     fn levels_out_of_order_are_sorted_by_penetration() {

@@ -15,6 +15,8 @@ use crate::palette::{BLACK, BLUE, GREEN, VERMILION};
 const TRIANGLE_LENGTH: f64 = 0.614_290_278;
 /// Lengths below this share of the narrowest window are drawn at the end of the axis.
 const SHORTEST: f64 = 0.02;
+/// Ratio of the ends of a logarithmic axis that has two ticks with numbers.
+const TWO_TICKS: f64 = 4.0;
 
 pub(super) const CAPTION: &str = "Every point is a window of length W over the same strips, at the mean load. Top: the ℓ of e^(−s/ℓ) fitted to the \
      correlation under the window, which contains the window, with the line 0.614 W that the same fit finds for a window that slides \
@@ -42,8 +44,13 @@ fn lengths(table: &Table, window: &[f64], x_axis: Axis, lead: &Value) -> Option<
     let drawn = [fitted, own].into_iter().chain(band.into_iter().flatten().map(Some)).flatten();
     let (low, high) = range(drawn.flatten().chain([&joint]).filter(|length| length.is_finite()))?;
     let ends = (low.max(lowest) / 1.3, high.max(lowest) * 1.3);
+    // Two ticks at least.
+    let widen = (TWO_TICKS / (ends.1 / ends.0)).max(1.0).sqrt();
+    let ends = (ends.0 / widen, ends.1 * widen);
     let mut chart = Chart::new(x_axis, Axis::logarithmic("ℓ", Dimension::Length.unit(high), ends));
     let shown = |values: &[f64]| values.iter().map(|length| length.max(ends.0)).collect::<Vec<f64>>();
+    // No length has no place on a logarithmic axis; its interval tells.
+    let points = |values: &[f64]| values.iter().map(|l| if *l >= ends.0 { *l } else { f64::NAN }).collect::<Vec<f64>>();
     let x = window.to_vec();
     if let Some([low, high]) = band {
         chart.add(None, Mark::Band { x: x.clone(), low: shown(low), high: shown(high), colour: GREEN });
@@ -51,15 +58,18 @@ fn lengths(table: &Table, window: &[f64], x_axis: Axis, lead: &Value) -> Option<
     let triangle = vec![TRIANGLE_LENGTH * first, TRIANGLE_LENGTH * last];
     let pen = Pen::new(BLACK, 1.3, Dash::Dotted);
     if let Some(y) = fitted {
-        let points = Pen::new(VERMILION, 1.8, Dash::Dashed);
-        chart.add("ℓ with the window", Mark::Points { x: x.clone(), y: y.to_vec(), pen: points });
+        let dashed = Pen::new(VERMILION, 1.8, Dash::Dashed);
+        chart.add("ℓ with the window", Mark::Points { x: x.clone(), y: y.to_vec(), pen: dashed });
         chart.add("window alone: 0.614 W", Mark::Line { x: vec![first, last], y: triangle, pen });
     }
     if let Some(y) = own {
-        let points = Pen::new(GREEN, 1.8, Dash::Solid);
-        chart.add("ℓ without it, 95 %", Mark::Points { x, y: shown(y), pen: points });
+        let pen = Pen::new(GREEN, 1.8, Dash::Solid);
+        chart.add("ℓ without it, 95 %", Mark::Points { x, y: points(y), pen });
     }
-    if joint.is_finite() {
+    if joint < ends.0 {
+        let text = "ℓ of all windows together is below this axis".to_owned();
+        chart.add(None, Mark::Note { x: (first * last).sqrt(), y: ends.0 * 1.1, text });
+    } else if joint.is_finite() {
         let pen = Pen::new(BLUE, 1.3, Dash::Long);
         chart.add("ℓ of all windows together", Mark::Horizontal { y: joint.max(ends.0), pen });
     }

@@ -17,12 +17,12 @@ pub struct RecordBand {
 
 impl RecordBand {
     /// Lowest frequency with filters.
-    pub(super) fn from_per_m(&self) -> f64 {
+    pub(super) fn low_per_m(&self) -> f64 {
         self.lowest_per_m.max(self.high_pass_m.map_or(0.0, f64::recip))
     }
 
     /// Highest frequency with filters, `open_per_m` where none is stated.
-    pub(super) fn to_per_m(&self, open_per_m: f64) -> f64 {
+    pub(super) fn high_per_m(&self, open_per_m: f64) -> f64 {
         self.highest_per_m.unwrap_or(open_per_m).min(self.low_pass_m.map_or(f64::INFINITY, f64::recip))
     }
 

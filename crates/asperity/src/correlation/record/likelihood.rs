@@ -181,8 +181,8 @@ impl Likelihood {
             return None;
         }
         let highest =
-            |channel: &WindowedRecords<'_>| band.to_per_m(Self::BAND / channel.window_m).min(0.5 / channel.step_m);
-        let lowest = band.from_per_m() * (1.0 - 1e-9);
+            |channel: &WindowedRecords<'_>| band.high_per_m(Self::BAND / channel.window_m).min(0.5 / channel.step_m);
+        let lowest = band.low_per_m() * (1.0 - 1e-9);
         let mut groups: Vec<Group> = Vec::new();
         for channel in channels {
             let window = model.under(channel.window_m);

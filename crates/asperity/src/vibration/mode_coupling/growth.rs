@@ -331,9 +331,6 @@ mod tests {
         assert_eq!(one, two);
         assert!(one.se < 0.002 && (one.mean - one.deterministic).abs() < 0.02, "{one:?}");
         assert!(one.quantiles[0] < one.mean && one.mean < one.quantiles[2]);
-        assert!(
-            growth_rates(&model, 0.8, &process, &GrowthSettings { trajectories: 1, ..settings }, &Silent)
-                .is_err()
-        );
+        assert!(growth_rates(&model, 0.8, &process, &GrowthSettings { trajectories: 1, ..settings }, &Silent).is_err());
     }
 }

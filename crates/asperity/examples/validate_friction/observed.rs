@@ -1,0 +1,207 @@
+//! Records of instruments: means, filters, noise, decimation, and short records.
+
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+use asperity::correlation::{
+    Observation, ObservedLengths, RecordBand, RecordHistory, RecordModel, WindowedRecords, fit_length,
+};
+use asperity::friction::measured::{FittedRecord, LawChoice, MeasuredRecord, Preparation};
+use asperity::random;
+use asperity::stats::wilson_interval;
+use rayon::prelude::*;
+
+use super::Result;
+
+/// Length in steps, and values of a record.
+const LENGTH: f64 = 20.0;
+const VALUES: usize = 4000;
+/// Parts of a step that an integrating converter takes the mean of.
+const PARTS: usize = 16;
+
+/// The part on records of instruments, as Markdown.
+pub(crate) fn section(runs: usize) -> Result<String> {
+    let mut text = format!("## Records of instruments\n\n{runs} runs each.\n");
+    text += &lengths(runs)?;
+    text += &short(2 * runs)?;
+    Ok(text)
+}
+
+/// A stationary record of the correlation e^{−lag/ℓ}.
+fn exponential(length: f64, values: usize, name: &str, run: usize) -> Vec<f64> {
+    let phi = (-1.0 / length).exp();
+    let mut record = random::standard_normal(&mut random::stream(79, name, run as u64), values);
+    for t in 1..values {
+        record[t] = phi * record[t - 1] + (1.0 - phi * phi).sqrt() * record[t];
+    }
+    record
+}
+
+fn means(values: &[f64], count: usize) -> Vec<f64> {
+    values.chunks_exact(count).map(|part| part.iter().sum::<f64>() / count as f64).collect()
+}
+
+/// The Gaussian mean line of ISO 16610-21.
+fn mean_line(values: &[f64], cutoff: f64) -> Vec<f64> {
+    let reach = (1.5 * cutoff) as usize;
+    let alpha = (2.0_f64.ln() / PI).sqrt();
+    let weight = |distance: usize| (-PI * (distance as f64 / (alpha * cutoff)).powi(2)).exp();
+    let weights: Vec<f64> = (0..=reach).map(weight).collect();
+    (0..values.len())
+        .map(|i| {
+            let near = i.saturating_sub(reach)..(i + reach + 1).min(values.len());
+            let sums = near.fold((0.0, 0.0), |(sum, all), j| {
+                (sum + weights[i.abs_diff(j)] * values[j], all + weights[i.abs_diff(j)])
+            });
+            sums.0 / sums.1
+        })
+        .collect()
+}
+
+type Case = (&'static str, RecordHistory, Box<dyn Fn(usize) -> Vec<f64> + Sync>);
+
+fn cases() -> Vec<Case> {
+    let plain = |run| exponential(LENGTH, VALUES, "plain", run);
+    let decimated = |count: usize| RecordHistory { decimation: count, ..RecordHistory::default() };
+    let noisy = move |share: f64| {
+        move |run: usize| {
+            let noise = random::standard_normal(&mut random::stream(79, "noise", run as u64), VALUES);
+            plain(run).iter().zip(noise).map(|(value, noise)| value + share * noise).collect()
+        }
+    };
+    let chi_square = |run| {
+        // The square of a normal value with e^{−s/2ℓ} has e^{−s/ℓ}.
+        let parts: Vec<Vec<f64>> =
+            ["a", "b", "c"].iter().map(|name| exponential(2.0 * LENGTH, VALUES, name, run)).collect();
+        (0..VALUES).map(|t| parts.iter().map(|part| part[t] * part[t]).sum()).collect()
+    };
+    let low = RecordBand { low_pass_m: Some(10.0), ..RecordBand::default() };
+    let high = RecordBand { high_pass_m: Some(400.0), ..RecordBand::default() };
+    let filtered = |band| RecordHistory { band, ..RecordHistory::default() };
+    let mut cases: Vec<Case> = vec![
+        ("points", RecordHistory::default(), Box::new(plain)),
+        ("points, χ² of 3 (skewness 1.63)", RecordHistory::default(), Box::new(chi_square)),
+        ("white noise of 10 % of the sd", RecordHistory::default(), Box::new(noisy(0.1))),
+        ("white noise of 30 % of the sd", RecordHistory::default(), Box::new(noisy(0.3))),
+        (
+            "means over the step",
+            RecordHistory::default(),
+            Box::new(|run| means(&exponential(LENGTH * PARTS as f64, VALUES * PARTS, "fine", run), PARTS)),
+        ),
+        (
+            "moving average of 5",
+            RecordHistory::default(),
+            Box::new(|run| {
+                let record = exponential(LENGTH, VALUES + 4, "plain", run);
+                record.windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect()
+            }),
+        ),
+    ];
+    for (name, count) in [("`--decimate 2`", 2), ("`--decimate 5`", 5), ("`--decimate 10`", 10)] {
+        cases.push((name, decimated(count), Box::new(move |run| means(&plain(run), count))));
+    }
+    cases.push(("`--low-pass` ℓ/2", filtered(low), Box::new(move |run| mean_line(&plain(run), 10.0))));
+    cases.push((
+        "`--detrend high_pass:20ℓ`",
+        filtered(high),
+        Box::new(move |run| {
+            let record = plain(run);
+            record.iter().zip(mean_line(&record, 400.0)).map(|(value, line)| value - line).collect()
+        }),
+    ));
+    cases
+}
+
+fn lengths(runs: usize) -> Result<String> {
+    let mut text = String::from(
+        "\n### Length of a record of 4,000 values and 200 ℓ, exponential, whose making is found beside it\n\n“Points taken for granted” is the bias \
+         of the fit that takes the values for those at points. Noise and averages are those found; “narrowed”: no model fits \
+         all wavenumbers, and the upper ones were left out; “refused”: none fits even then.\n\n\
+         | record | coverage % (95 %) | bias % | sd % | points taken for granted, bias % | noise found % of runs | \
+         its mean share of variance % | means or moving average % of runs | narrowed % | refused % |\n\
+         |---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n",
+    );
+    for (name, history, record) in cases() {
+        let step_m = history.decimation as f64;
+        let found = all(runs, |run| {
+            let values = record(run);
+            let channel =
+                WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, lanes: 1, records: vec![values.as_slice()] };
+            let naive = fit_length(&[channel], RecordModel::Exponential, Default::default())?;
+            Ok((ObservedLengths::of(&[&values], step_m, history)?, naive.length_m))
+        })?;
+        let mean = |value: &dyn Fn(&ObservedLengths) -> f64| {
+            found.iter().map(|(found, _)| value(found)).sum::<f64>() / runs as f64
+        };
+        let percent = |is: &dyn Fn(&ObservedLengths) -> bool| 100.0 * mean(&|found| f64::from(u8::from(is(found))));
+        let length = mean(&|found| found.chosen.length_m);
+        let sd = mean(&|found| (found.chosen.length_m - length).powi(2)).sqrt();
+        let naive = found.iter().map(|(_, naive)| naive).sum::<f64>() / runs as f64;
+        let hits = found.iter().filter(|(found, _)| found.chosen.interval.contains(LENGTH)).count();
+        writeln!(
+            text,
+            "| {name} | {} | {:.1} | {:.1} | {:.0} | {:.0} | {:.2} | {:.0} | {:.0} | {:.0} |",
+            share(hits, runs),
+            100.0 * (length / LENGTH - 1.0),
+            100.0 * sd / LENGTH,
+            100.0 * (naive / LENGTH - 1.0),
+            percent(&|found| found.chosen.noise_share > 0.0),
+            100.0 * mean(&|found| found.chosen.noise_share),
+            percent(&|found| found.observation != Observation::Points),
+            percent(&|found| found.narrowed_to_per_m.is_some()),
+            percent(&|found| found.chosen.lack_of_fit.is_some_and(|test| test.significant())),
+        )?;
+    }
+    Ok(text)
+}
+
+/// Intervals of records from ten lengths on.
+fn short(runs: usize) -> Result<String> {
+    let mut text = String::from(
+        "\n### Short records\n\nCoverage in per cent of the intervals of one measured record, normal, ℓ = 20 values.\n\n\
+         | record | accepted % | mean | std | ℓ |\n|---|---:|---|---|---|\n",
+    );
+    for lengths in [15_usize, 20, 40, 90, 200] {
+        let found = all(runs, |run| {
+            let friction =
+                exponential(LENGTH, lengths * LENGTH as usize, "short", run).iter().map(|g| 0.5 + 0.05 * g).collect();
+            let record = MeasuredRecord {
+                start_m: 0.0,
+                step_m: 1.0,
+                friction,
+                velocity_m_per_s: None,
+                strokes_m: Vec::new(),
+                warnings: Vec::new(),
+            };
+            let prepared = Preparation::default().apply(&record)?;
+            Ok(FittedRecord::of(&prepared, LawChoice::One(asperity::law::fit::Family::Normal), "planted").ok())
+        })?;
+        let accepted: Vec<&FittedRecord> = found.iter().flatten().collect();
+        let covered = |of: &dyn Fn(&FittedRecord) -> Option<[f64; 2]>, truth: f64| {
+            let stated: Vec<[f64; 2]> = accepted.iter().filter_map(|found| of(found)).collect();
+            share(stated.iter().filter(|ends| ends[0] <= truth && truth <= ends[1]).count(), stated.len())
+        };
+        writeln!(
+            text,
+            "| {lengths} ℓ | {:.0} | {} | {} | {} |",
+            100.0 * accepted.len() as f64 / runs as f64,
+            covered(&|found| found.process.mean_interval, 0.5),
+            covered(&|found| found.process.std_interval, 0.05),
+            covered(&|found| found.process.correlation.and_then(|c| c.length_interval_m), LENGTH),
+        )?;
+    }
+    Ok(text)
+}
+
+/// Every run's answer, in order.
+fn all<T: Send>(runs: usize, run: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
+    let found: std::result::Result<Vec<T>, String> =
+        (0..runs).into_par_iter().map(|index| run(index).map_err(|error| error.to_string())).collect();
+    Ok(found?)
+}
+
+/// Share with its Wilson interval, in per cent.
+fn share(hits: usize, runs: usize) -> String {
+    let interval = wilson_interval(hits, runs);
+    format!("{:.1} ({:.1}–{:.1})", 100.0 * hits as f64 / runs as f64, 100.0 * interval.low, 100.0 * interval.high)
+}
