@@ -13,7 +13,7 @@ use super::{VibrationError, positive};
 /// the last two coefficients are equal. As text it is a list of pairs, `points = [[0.0, 0.3], [0.1, 0.25]]`.
 ///
 /// # References
-/// Fritsch & Carlson, *SIAM J. Numer. Anal.* **17** (1980) 238, <https://doi.org/10.1137/0717021>, with the slopes of
+/// Fritsch & Carlson, *SIAM Journal on Numerical Analysis* **17** (1980) 238, <https://doi.org/10.1137/0717021>, with the slopes of
 /// Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300, <https://doi.org/10.1137/0905021>.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Points", into = "Points")]
