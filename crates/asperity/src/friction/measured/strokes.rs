@@ -89,6 +89,12 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
         let ramp = (after - before).div_ceil(2);
         sizes[before.saturating_sub(ramp) + 1..(after + ramp).min(friction.len())].fill(f64::NAN);
     }
+    // A record may begin and end within a reversal.
+    if let (Some(first), Some((end, _))) = (friction.iter().position(|mu| high(&mu)), last) {
+        let behind = friction.len() - 1 - end;
+        sizes[..(2 * first).min(friction.len())].fill(f64::NAN);
+        sizes[friction.len().saturating_sub(2 * behind)..].fill(f64::NAN);
+    }
     let left = sampling::sum(&sizes).1 as f64;
     Some(Strokes {
         friction: sizes,
