@@ -102,9 +102,10 @@ pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
 }
 
-/// Probability of at least |t| under Student's law, of both signs; NaN unless the degrees of freedom are positive.
+/// Probability of at least |t| under Student's law, of both signs; NaN if t is, and unless the degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
+    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    law.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
 }
 
 /// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.

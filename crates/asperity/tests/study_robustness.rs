@@ -176,6 +176,12 @@ const USUAL: &[&str] = &[
     "/hurst_range_low_m",
     "/hurst_range_high_m",
     "/normality_p",
+    // Fewer than five strips; and a cycle that is never lost, or never there.
+    "/correlation_without_window_agreement_p",
+    "/exit_rate",
+    "/exit_rate_interval",
+    "/entry_rate",
+    "/entry_rate_interval",
 ];
 
 #[test]
@@ -453,6 +459,9 @@ fn constant_friction_is_an_answer_at_every_link() {
                 "/normality_p",
                 "reattachment/mean",
                 "reattachment/std",
+                "release/mean",
+                "release/std",
+                "/motion",
                 "/correlation_length_without_window_m",
                 "/correlation_length_without_window_m_interval",
                 "/window_only",

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::smoothing::polynomial;
 use super::{MeasuredError, Prepared};
 use crate::correlation::{
     LagNormalisation, LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory,
@@ -19,6 +20,9 @@ use crate::stats::{
 
 /// Least number of independent values that a record must be worth.
 const LEAST_INDEPENDENT: f64 = 5.0;
+/// A polynomial of this degree that leaves less than this share of the variance says that the record is a slow curve.
+const SLOW_DEGREE: usize = 3;
+const SLOW_REST: f64 = 0.1;
 /// Simulated records behind a p-value, and their seed.
 const DRAWS: usize = 499;
 const SEED: u64 = 0;
@@ -181,6 +185,12 @@ impl FittedRecord {
         }
         if Moments::of(values).std == 0.0 {
             return Err(StatsError::Constant { statistic: "the law of friction", n: present }.into());
+        }
+        // A slow curve has the correlation of nothing.
+        let rest: Vec<f64> = values.iter().zip(polynomial(values, SLOW_DEGREE)).map(|(mu, curve)| mu - curve).collect();
+        if Moments::of(&rest).std.powi(2) < SLOW_REST * Moments::of(values).std.powi(2) {
+            let effective = SLOW_DEGREE as f64 + 1.0;
+            return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
         let (correlation, ObservedLengths { models, chosen: best, observation, narrowed_to_per_m }) =
             correlate(&pieces, record.step_m, prepared.history)?;
