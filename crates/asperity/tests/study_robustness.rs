@@ -463,6 +463,8 @@ fn constant_friction_is_an_answer_at_every_link() {
                 "release/std",
                 "/motion",
                 "/correlation_length_without_window_m",
+                "/correlation_without_window_fit_p",
+                "/correlation_without_window_model",
                 "/correlation_length_without_window_m_interval",
                 "/window_only",
                 "/level_mean_pressure_pa",
