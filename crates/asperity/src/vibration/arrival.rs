@@ -18,8 +18,8 @@ use super::weakening::Weakening;
 
 /// Share of a turn that is used, for rounding.
 const MARGIN: f64 = 1.0 - 1e-9;
-/// Newton's correction, relative to W′, after which two more are below rounding, as W″ is of the order 1.
-const SMALL: f64 = 1e-6;
+/// Halley's correction, relative to the time in which W′ changes, whose cube is below rounding.
+const SMALL: f64 = 3e-6;
 
 /// What is known about arrivals in an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +36,37 @@ pub(super) struct Turning {
     quarter: f64,
     kappa: f64,
     base: f64,
+}
+
+/// Where a step of slip ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reached {
+    pub(super) t: f64,
+    pub(super) arrived: bool,
+    /// W and e there, if they are known.
+    pub(super) state: Option<(f64, f64)>,
+}
+
+/// A state inside a step.
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    t: f64,
+    w: f64,
+    /// W′.
+    a: f64,
+    e: f64,
+}
+
+impl Passed {
+    /// Time at which W = 0 on a cubic t(W) through both states with their slopes.
+    fn inverse_cubic(&self, to: &Self) -> f64 {
+        let (height, span) = (to.w - self.w, to.t - self.t);
+        let share = -self.w / height;
+        // Deviations of the slopes from the chord's.
+        let (first, last) = (height / self.a - span, height / to.a - span);
+        let rest = 1.0 - share;
+        self.t + share * span + share * rest * (rest * first - share * last)
+    }
 }
 
 impl Turning {
@@ -92,25 +123,35 @@ impl Series {
         turning.arrivals(h, (w0, a0), (w, a)) == Arrivals::None
     }
 
-    /// First time in (0, h] at which W, positive just after 0, is zero.
+    /// Where a slip of the length h at most ends: at its first arrival, if it has one.
     #[inline]
-    pub(super) fn first_arrival(&self, weakening: &Weakening, turning: &Turning, h: f64) -> Option<f64> {
+    pub(super) fn first_arrival(&self, weakening: &Weakening, turning: &Turning, h: f64) -> Reached {
+        if turning.quarter == 0.0 {
+            return self.bounded(h);
+        }
         let [w0, a0] = self.start();
-        let (mut t, mut state) = (0.0, (w0, a0));
-        while t < h && turning.quarter > 0.0 {
-            let next = h.min(t + turning.safe(state.0, state.1).max(turning.quarter));
-            if next <= t + turning.safe(state.0, state.1) && next == h {
-                return None;
+        let mut from = Passed { t: 0.0, w: w0, a: a0, e: self.e_at_start() };
+        loop {
+            let safe = from.t + turning.safe(from.w, from.a);
+            if safe >= h {
+                return Reached { t: h, arrived: false, state: None };
             }
-            let (w, e) = self.state(next);
-            let end = (w, weakening.acceleration(w, e));
-            match turning.arrivals(next - t, state, end) {
-                Arrivals::None => (t, state) = (next, end),
-                Arrivals::One => return Some(self.arrival_between(weakening, t, next, end)),
-                Arrivals::Unknown => return self.first_zero(h),
+            let t = h.min(safe.max(from.t + turning.quarter));
+            let (w, e) = self.state(t);
+            let to = Passed { t, w, a: weakening.acceleration(w, e), e };
+            match turning.arrivals(to.t - from.t, (from.w, from.a), (to.w, to.a)) {
+                Arrivals::None if to.t == h => return Reached { t: h, arrived: false, state: Some((w, e)) },
+                Arrivals::None => from = to,
+                Arrivals::One => return self.arrival_between(weakening, turning, from, to),
+                Arrivals::Unknown => return self.bounded(h),
             }
         }
-        if turning.quarter > 0.0 { None } else { self.first_zero(h) }
+    }
+
+    /// The same by bounds of the coefficients.
+    fn bounded(&self, h: f64) -> Reached {
+        let found = self.first_zero(h);
+        Reached { t: found.unwrap_or(h), arrived: found.is_some(), state: None }
     }
 
     /// The first zero of W in (0, h] by bounds of its coefficients.
@@ -138,29 +179,37 @@ impl Series {
         down.map(|t| (t, from)).or(up.map(|t| (t, to)))
     }
 
-    /// The only zero of W in (low, high], where W falls through it and is W, W′ = `end` at `high`.
-    fn arrival_between(&self, weakening: &Weakening, mut low: f64, mut high: f64, end: (f64, f64)) -> f64 {
-        let (mut t, (mut w, mut a)) = (high, end);
+    /// The only arrival between two states, W falling from the first to the second.
+    ///
+    /// The inverse of W, as a cubic through both ends, is the first guess, and Halley's method goes on from there.
+    fn arrival_between(&self, weakening: &Weakening, turning: &Turning, from: Passed, to: Passed) -> Reached {
+        let (mut low, mut high) = (from.t, to.t);
+        let mut next = from.inverse_cubic(&to);
+        let mut last = to;
         for _ in 0..100 {
-            let newton = if a < 0.0 { t - w / a } else { f64::NAN };
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            let correction = (next - t).abs();
-            t = next;
-            let (value, e) = self.state(t);
-            (w, a) = (value, weakening.acceleration(value, e));
+            let inside = next > low && next < high;
+            let t = if inside { next } else { 0.5 * (low + high) };
+            let (w, e) = self.state(t);
+            last = Passed { t, w, a: weakening.acceleration(w, e), e };
             if w > 0.0 {
                 low = t
             } else {
                 high = t
             }
-            if correction <= SMALL * -a {
-                return (t - w / a).clamp(low, high);
+            // W″ and e′, e″ at t.
+            let (e_rate, gain) = (turning.base - turning.kappa * w, weakening.slope(w));
+            let bend = gain * last.a + e_rate;
+            let step = -w / (last.a - 0.5 * bend * w / last.a);
+            if step.abs() * (bend.abs() + (1.0 + gain.abs()) * last.a.abs()) <= SMALL * last.a.abs() {
+                let e = e + step * (e_rate - 0.5 * step * turning.kappa * last.a);
+                return Reached { t: (t + step).clamp(low, high), arrived: true, state: Some((0.0, e)) };
             }
             if high - low <= f64::EPSILON * high {
-                return high;
+                break;
             }
+            next = t + step;
         }
-        high
+        Reached { t: high, arrived: true, state: Some((0.0, last.e)) }
     }
 }
 
@@ -186,7 +235,12 @@ mod tests {
             series.expand(&weakening, &loading, w, e, f64::INFINITY);
             let h = series.reach(f64::INFINITY);
             let turning = Turning::new(&weakening, &loading);
-            let (found, wanted) = (series.first_arrival(&weakening, &turning, h), series.first_zero(h));
+            let reached = series.first_arrival(&weakening, &turning, h);
+            if let Some((w, e)) = reached.state {
+                let (there, excess) = series.state(reached.t);
+                assert!((w - there).abs() < 1e-13 * (1.0 + e.abs()) && (e - excess).abs() < 1e-13 * (1.0 + e.abs()));
+            }
+            let (found, wanted) = (reached.arrived.then_some(reached.t), series.first_zero(h));
             match (found, wanted) {
                 (Some(a), Some(b)) => {
                     // A zero moves by (rounding of W)/W′.

@@ -20,7 +20,7 @@ use crate::wide::{Kernel, wide};
 const NOISY: usize = 12;
 const NOISY_TOLERANCE: f64 = 1e-13;
 const STEADY: usize = 24;
-const STEADY_TOLERANCE: f64 = 2e-14;
+const STEADY_TOLERANCE: f64 = 1e-13;
 
 /// One trajectory to follow.
 pub(super) struct Task<F, W> {
@@ -272,7 +272,13 @@ impl<const N: usize, F: Fluctuation, W: Witness> Lanes<N, F, W> {
     /// What a step means for a lane.
     #[inline(always)]
     fn attend(&mut self, lane: usize) -> Fate {
-        if self.cuts.plain[lane] > 0.5 { self.cross(lane) } else { self.judge(lane) }
+        if self.cuts.plain[lane] > 0.5 {
+            self.cross(lane)
+        } else if self.cuts.quiet[lane] > 0.5 {
+            Fate::Rides
+        } else {
+            self.judge(lane)
+        }
     }
 
     /// Moves into the next cell of the friction process.

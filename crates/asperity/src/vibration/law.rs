@@ -88,6 +88,14 @@ impl FrictionLaw {
         }
     }
 
+    /// Whether the coefficient is positive at every speed.
+    pub(super) fn is_positive(&self) -> bool {
+        match self {
+            Self::Linear { slope, .. } => *slope <= 0.0,
+            Self::Coulomb { .. } | Self::Stribeck { .. } | Self::Exponential { .. } | Self::Tabulated(_) => true,
+        }
+    }
+
     /// A bound of |dμ/d|v||.
     pub(super) fn steepest(&self) -> f64 {
         match self {

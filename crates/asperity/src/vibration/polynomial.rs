@@ -29,17 +29,20 @@ pub(super) fn split_value(c: &[f64], t: f64) -> f64 {
     (sums[0] + t * sums[1]) + square * (sums[2] + t * sums[3])
 }
 
-/// Σ a_k b_{n−k} over 0 < k < n. The terms of high and low order, which a recurrence knows last, are added last.
+/// Σ a_k b_{n−k} over 0 < k < n, in two chains. The terms of high and low order, which a recurrence knows last, are added
+/// last, and that of b_{n−1} at the very end.
 #[inline(always)]
 pub(super) fn cross<const N: usize>(a: &[f64; N], b: &[f64; N], n: usize) -> f64 {
     let half = n / 2;
-    let mut sum = if n == 2 * half && n > 0 { a[half] * b[half] } else { 0.0 };
+    let mut sums = [0.0, if n == 2 * half && n > 0 { a[half] * b[half] } else { 0.0 }];
     let mut k = n.div_ceil(2);
-    while k > 1 {
+    while k > 2 {
         k -= 1;
-        sum += a[k] * b[n - k] + a[n - k] * b[k];
+        sums[0] += a[n - k] * b[k];
+        sums[1] += a[k] * b[n - k];
     }
-    sum
+    let sum = sums[0] + sums[1];
+    if n > 2 { (sum + a[n - 1] * b[1]) + a[1] * b[n - 1] } else { sum }
 }
 
 /// p(t) and p′(t).
@@ -74,9 +77,18 @@ pub(super) fn lower_bound(c: &[f64], h: f64) -> f64 {
     c[0] + h * (even + h * odd)
 }
 
-/// A number above p on [0, h], from the signs of the coefficients.
+/// A number above p on [0, h], from the signs of the coefficients, as [`lower_bound`].
 pub(super) fn upper_bound(c: &[f64], h: f64) -> f64 {
-    c[0] + h * c[1..].iter().rev().fold(0.0, |sum, &coefficient| sum * h + coefficient.max(0.0))
+    let square = h * h;
+    let mut sums = [0.0; 2];
+    for pair in c[1..].rchunks(2) {
+        if let [low, high] = pair {
+            sums = [sums[0] * square + low.max(0.0), sums[1] * square + high.max(0.0)];
+        } else {
+            return c[0] + h * ((sums[0] + h * sums[1]) * h + pair[0].max(0.0));
+        }
+    }
+    c[0] + h * (sums[0] + h * sums[1])
 }
 
 /// A number above p′ on [0, h], from the signs of the coefficients.

@@ -10,6 +10,7 @@
 use super::polynomial::{self, CAPACITY};
 use super::runge_kutta::hermite;
 use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
+use crate::wide::{Kernel, wide};
 
 /// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
 const TOLERANCE: f64 = 1e-13;
@@ -91,6 +92,28 @@ impl Loading {
     }
 }
 
+/// [`Series::expand`]: instructions of newer processors need no copies of registers that they overwrite.
+struct Expansion;
+
+impl Kernel<(&mut Series, &Weakening, &Loading, [f64; 3])> for Expansion {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((series, weakening, loading, [w, e, horizon]): (&mut Series, &Weakening, &Loading, [f64; 3])) {
+        // Terms fall like (√κ h)ⁿ/n!.
+        let scaled = horizon * loading.kappa.max(1.0).sqrt();
+        if scaled < 0.05 {
+            series.expand_to::<8>(weakening, loading, w, e);
+        } else if scaled < 0.25 {
+            series.expand_to::<12>(weakening, loading, w, e);
+        } else if scaled < 0.55 {
+            series.expand_to::<16>(weakening, loading, w, e);
+        } else {
+            series.expand_to::<24>(weakening, loading, w, e);
+        }
+    }
+}
+
 /// Taylor coefficients of W and e about the start of a step.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
@@ -129,6 +152,12 @@ impl Series {
     #[inline(always)]
     pub(super) fn start(&self) -> [f64; 2] {
         [self.w[0], self.w[1]]
+    }
+
+    /// e at the start.
+    #[inline(always)]
+    pub(super) fn e_at_start(&self) -> f64 {
+        self.e[0]
     }
 
     /// Time in [0, h] at which S = `distance` by Newton's method from a close guess; none if that fails.
@@ -171,17 +200,7 @@ impl Series {
     /// Expands about (w, e) with as many coefficients as a step of the length `horizon` needs.
     #[inline]
     pub(super) fn expand(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64, horizon: f64) {
-        // Terms fall like (√κ h)ⁿ/n!.
-        let scaled = horizon * loading.kappa.max(1.0).sqrt();
-        if scaled < 0.05 {
-            self.expand_to::<8>(weakening, loading, w, e);
-        } else if scaled < 0.25 {
-            self.expand_to::<12>(weakening, loading, w, e);
-        } else if scaled < 0.55 {
-            self.expand_to::<16>(weakening, loading, w, e);
-        } else {
-            self.expand_to::<24>(weakening, loading, w, e);
-        }
+        wide::<Expansion, _>((self, weakening, loading, [w, e, horizon]));
     }
 
     #[inline(always)]
@@ -195,6 +214,7 @@ impl Series {
     }
 
     /// The recurrence, with N coefficients.
+    #[inline(always)]
     fn expand_with<const N: usize>(
         &mut self,
         mut terms: impl Recurrence<N>,
@@ -212,17 +232,24 @@ impl Series {
                 (s, c) = (c * loading.frequency * RECIPROCAL[n + 1], -s * loading.frequency * RECIPROCAL[n + 1]);
             }
         }
-        let (mut w, mut e, mut s) = ([0.0; N], [0.0; N], [0.0; N]);
-        (w[0], e[0], s[0]) = (w0, e0, w0);
-        w[1] = weakening.acceleration(w0, e0);
-        e[1] = loading.base + external[0] - loading.kappa * w0;
-        s[1] = 0.5 * w[1];
+        let mut w = [0.0; N];
+        (w[0], w[1]) = (w0, weakening.acceleration(w0, e0));
         let slope = weakening.linear + terms.slope();
         for_orders!(n < N - 1, {
-            w[n + 1] = (slope * w[n] + (e[n] + terms.rest(&w, n))) * RECIPROCAL[n + 1];
-            e[n + 1] = (external[n] - loading.kappa * w[n]) * RECIPROCAL[n + 1];
-            s[n + 1] = w[n + 1] * RECIPROCAL[n + 2];
+            let e = (external[n - 1] - loading.kappa * w[n - 1]) * RECIPROCAL[n];
+            let e = if n == 1 { e + loading.base } else { e };
+            // Products that are known early leave a short chain from order to order.
+            w[n + 1] = (slope * RECIPROCAL[n + 1]) * w[n] + (e + terms.rest(&w, n)) * RECIPROCAL[n + 1];
         });
+        let (mut e, mut s) = ([0.0; N], [0.0; N]);
+        for n in 0..N {
+            s[n] = w[n] * RECIPROCAL[n + 1];
+        }
+        for n in 1..N {
+            e[n] = (external[n - 1] - loading.kappa * w[n - 1]) * RECIPROCAL[n];
+        }
+        e[0] = e0;
+        e[1] += loading.base;
         self.w[..N].copy_from_slice(&w);
         self.e[..N].copy_from_slice(&e);
         self.s[..N].copy_from_slice(&s);

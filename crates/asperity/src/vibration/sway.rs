@@ -46,19 +46,17 @@ impl Sway {
     /// Each step goes to the zero of the parabola that bounds the excess from above (its second derivative is at most
     /// qη²/V), so no release is jumped over; near a release this is Newton's method.
     pub(super) fn release(&self, direction: f64, rate: f64, excess: f64, tau: f64, limit: f64) -> Option<f64> {
+        if self.amplitude == 0.0 {
+            let t = (-excess / rate).max(0.0);
+            return (rate > 0.0 && t <= limit).then_some(t);
+        }
         let curvature = self.amplitude * self.frequency * self.frequency;
         let mut t = 0.0;
         for _ in 0..MAX_MARCH {
             let y = (excess + self.growth(direction, rate, tau, t)).min(0.0);
             let slope = rate + direction * self.rate(tau + t);
             let root = (slope * slope - 2.0 * curvature * y).sqrt();
-            let advance = if slope > 0.0 {
-                -2.0 * y / (slope + root)
-            } else if curvature > 0.0 {
-                (root - slope) / curvature
-            } else {
-                return None;
-            };
+            let advance = if slope > 0.0 { -2.0 * y / (slope + root) } else { (root - slope) / curvature };
             if t + advance > limit {
                 return None;
             }

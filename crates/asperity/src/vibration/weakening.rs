@@ -1,7 +1,7 @@
 //! The friction law in the slip equation W′ = e + jump + linear·W + r(W), and the Taylor coefficients of r(W).
 
 use super::polynomial::cross;
-use super::series::Loading;
+use super::series::{Loading, RECIPROCAL};
 use super::{FrictionLaw, FrictionTable, Oscillator};
 
 /// The constants of W′; r(0) = 0.
@@ -139,6 +139,21 @@ impl Weakening {
         e + self.jump + self.linear * w + r
     }
 
+    /// dW′/dW at fixed e.
+    #[inline]
+    pub(super) fn slope(&self, w: f64) -> f64 {
+        let slope = match &self.curve {
+            Curve::Straight => 0.0,
+            Curve::Quotient(q) => {
+                let inverse = 1.0 / (1.0 + q.curvature * w);
+                q.gain * inverse * inverse
+            }
+            Curve::Exponential(x) => x.gain * (-x.curvature * w).exp(),
+            Curve::Cubic(c) => c.derivatives(w)[1],
+        };
+        self.linear + slope
+    }
+
     /// Largest |dW′/dW| at W ≥ 0; none if not known.
     #[inline(always)]
     pub(super) fn steepest(&self) -> Option<f64> {
@@ -199,13 +214,20 @@ pub(super) struct QuotientTerms<const N: usize> {
     slope: f64,
     curvature: f64,
     r: [f64; N],
+    /// −c′·w_k.
+    damped: [f64; N],
 }
 
 impl<const N: usize> QuotientTerms<N> {
     #[inline(always)]
     pub(super) fn new(quotient: &Quotient, w0: f64) -> Self {
         let inverse = 1.0 / (1.0 + quotient.curvature * w0);
-        Self { slope: quotient.gain * inverse * inverse, curvature: quotient.curvature * inverse, r: [0.0; N] }
+        Self {
+            slope: quotient.gain * inverse * inverse,
+            curvature: quotient.curvature * inverse,
+            r: [0.0; N],
+            damped: [0.0; N],
+        }
     }
 }
 
@@ -217,8 +239,9 @@ impl<const N: usize> Recurrence<N> for QuotientTerms<N> {
 
     #[inline(always)]
     fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
-        let rest = -self.curvature * cross(w, &self.r, n);
+        let rest = cross(&self.damped, &self.r, n);
         self.r[n] = self.slope * w[n] + rest;
+        self.damped[n] = -self.curvature * w[n];
         rest
     }
 }
@@ -228,7 +251,7 @@ pub(super) struct ExponentialTerms<const N: usize> {
     slope: f64,
     curvature: f64,
     r: [f64; N],
-    /// k·w_k.
+    /// −c·k·w_k.
     rates: [f64; N],
 }
 
@@ -248,8 +271,8 @@ impl<const N: usize> Recurrence<N> for ExponentialTerms<N> {
 
     #[inline(always)]
     fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
-        let rest = -self.curvature / n as f64 * cross(&self.rates, &self.r, n);
-        self.rates[n] = n as f64 * w[n];
+        let rest = cross(&self.rates, &self.r, n) * RECIPROCAL[n];
+        self.rates[n] = -self.curvature * (n as f64 * w[n]);
         self.r[n] = self.slope * w[n] + rest;
         rest
     }

@@ -18,6 +18,9 @@ pub(super) type Flags = Lane;
 
 /// Share of the least distance between two extrema of W that a step may take.
 const EXTREMA: f64 = 0.9;
+/// Length of a step over the time in which W would fall to zero at its slope. From a minimum of W a step of twice as much
+/// passes it, so steps do not shrink towards one.
+const FALLS: f64 = 4.0;
 /// A coarse root is good to 0.4 %; a step is shorter by more than that.
 const REACH: f64 = 0.98;
 
@@ -72,6 +75,8 @@ pub(super) struct Cuts {
     pub(super) weak: Flags,
     /// A knot was crossed and there is nothing else to see.
     pub(super) plain: Flags,
+    /// There is nothing to see at all.
+    pub(super) quiet: Flags,
     /// Length of the step before it was cut.
     pub(super) trial: Lane,
     /// τ and S since the last knot at the beginning of the step.
@@ -117,6 +122,7 @@ impl Cuts {
         turned: [0.0; LANES],
         weak: [0.0; LANES],
         plain: [0.0; LANES],
+        quiet: [0.0; LANES],
         trial: [0.0; LANES],
         tau: [0.0; LANES],
         passed: [0.0; LANES],
@@ -154,11 +160,12 @@ impl States {
     };
 }
 
-/// N Taylor coefficients of W and S/t, each in all lanes, and the last two of e.
+/// N Taylor coefficients, N even, of W, S/t and the weakening of friction, each in all lanes, and the last two of e.
 #[derive(Debug, Clone)]
 pub(super) struct Expansion<const N: usize> {
     w: [Lane; N],
     s: [Lane; N],
+    r: [Lane; N],
     e: [Lane; 2],
 }
 
@@ -245,42 +252,50 @@ fn coarse_root(x: f64, reciprocal: f64) -> f64 {
 }
 
 impl<const N: usize> Expansion<N> {
-    pub(super) const NONE: Self = Self { w: [[0.0; LANES]; N], s: [[0.0; LANES]; N], e: [[0.0; LANES]; 2] };
+    pub(super) const NONE: Self =
+        Self { w: [[0.0; LANES]; N], s: [[0.0; LANES]; N], r: [[0.0; LANES]; N], e: [[0.0; LANES]; 2] };
 
     /// The recurrence of [`super::super::series::Series`] without forcing.
     #[inline(always)]
     fn expand(&mut self, plants: &Plants, states: &States) {
-        let mut r = [[0.0; LANES]; N];
         let quotient = each(|l| 1.0 / (1.0 + plants.curvature[l] * states.w[l]));
         let curvature = each(|l| plants.curvature[l] * quotient[l]);
         (self.w[0], self.s[0]) = (states.w, states.w);
-        let (mut e, mut before) = (states.e, states.e);
-        r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
-        let gain = each(|l| plants.gain[l] * quotient[l] - curvature[l] * r[0][l]);
-        let mut base = states.direction;
-        let mut jump = plants.jump;
-        for n in 0..N - 1 {
-            // Two sums, so that additions need not wait for each other.
-            let (mut inner, mut other) = ([0.0; LANES], [0.0; LANES]);
-            let mut k = 1;
-            while k < n {
-                inner = each(|l| inner[l] + self.w[k][l] * r[n + 1 - k][l]);
-                other = each(|l| other[l] + self.w[k + 1][l] * r[n - k][l]);
-                k += 2;
+        self.r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
+        let gain = each(|l| plants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]);
+        self.w[1] = each(|l| states.e[l] + plants.linear[l] * states.w[l] + plants.jump[l] + self.r[0][l]);
+        self.s[1] = each(|l| self.w[1][l] * 0.5);
+        self.r[1] = each(|l| gain[l] * self.w[1][l]);
+        self.e = [states.e, each(|l| states.direction[l] - states.kappa[l] * states.w[l])];
+        // Two orders at a time read every coefficient once for both of their products.
+        let mut m = 2;
+        while m < N {
+            let (mut lower, mut upper) = ([0.0; LANES], [0.0; LANES]);
+            let mut above = self.r[m - 1];
+            lower = each(|l| lower[l] + self.w[1][l] * above[l]);
+            for k in 2..m {
+                let (w, r) = (self.w[k], self.r[m - k]);
+                upper = each(|l| upper[l] + w[l] * above[l]);
+                lower = each(|l| lower[l] + w[l] * r[l]);
+                above = r;
             }
-            if k == n {
-                inner = each(|l| inner[l] + self.w[n][l] * r[1][l]);
-            }
-            let (next, after) = (RECIPROCAL[n + 1], RECIPROCAL[n + 2]);
-            let w = each(|l| (e[l] + plants.linear[l] * self.w[n][l] + jump[l] + r[n][l]) * next);
-            before = e;
-            e = each(|l| (base[l] - states.kappa[l] * self.w[n][l]) * next);
-            r[n + 1] = each(|l| gain[l] * w[l] - curvature[l] * (inner[l] + other[l]));
-            self.s[n + 1] = each(|l| w[l] * after);
-            self.w[n + 1] = w;
-            (base, jump) = ([0.0; LANES], [0.0; LANES]);
+            self.advance(plants, states, (&gain, &curvature), m, &lower);
+            upper = each(|l| upper[l] + (self.w[1][l] * self.r[m][l] + self.w[m][l] * self.r[1][l]));
+            self.advance(plants, states, (&gain, &curvature), m + 1, &upper);
+            m += 2;
         }
-        self.e = [before, e];
+    }
+
+    /// Coefficients of the order m from those before and Σ w_k r_{m−k}.
+    #[inline(always)]
+    fn advance(&mut self, plants: &Plants, states: &States, (gain, curvature): (&Lane, &Lane), m: usize, sum: &Lane) {
+        let (next, after) = (RECIPROCAL[m], RECIPROCAL[m + 1]);
+        let (before, e) = (self.w[m - 1], self.e[1]);
+        let w = each(|l| (e[l] + plants.linear[l] * before[l] + self.r[m - 1][l]) * next);
+        self.e = [e, each(|l| -states.kappa[l] * before[l] * next)];
+        self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * sum[l]);
+        self.s[m] = each(|l| w[l] * after);
+        self.w[m] = w;
     }
 
     /// The longest step on which the dropped terms stay below `tolerance` times the state, coarsely.
@@ -381,7 +396,9 @@ impl<const N: usize> Expansion<N> {
         let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
         let cap = each(|l| {
             let stiffness = larger(states.kappa[l] + plants.softening[l] * quickest[l], 0.1);
-            smaller(smaller(reach[l], EXTREMA * PI / stiffness.sqrt()), remaining[l])
+            // A falling W arrives soon, if it does, and must not return before the end of the step.
+            let fall = if slope0[l] < 0.0 { FALLS * w0[l] / -slope0[l] } else { f64::INFINITY };
+            smaller(smaller(reach[l], fall), smaller(EXTREMA * PI / stiffness.sqrt(), remaining[l]))
         });
         (cuts.trial, cuts.tau, cuts.passed) = (cap, states.tau, states.passed);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
@@ -428,9 +445,12 @@ impl<const N: usize> Expansion<N> {
         });
         states.tau = each(|l| choose(flag(h[l] == remaining[l]), until, states.tau[l] + h[l]));
         states.passed = each(|l| choose(crossed[l], 0.0, states.passed[l] + distance[l]));
-        cuts.plain = each(|l| {
-            crossed[l] * (1.0 - larger(larger(unsure[l], cuts.turned[l]), cuts.weak[l])) * flag(states.tau[l] < until)
+        let calm = each(|l| {
+            let seen = larger(larger(unsure[l], arrived[l]), larger(cuts.turned[l], cuts.weak[l]));
+            (1.0 - seen) * flag(states.tau[l] < until)
         });
+        cuts.plain = each(|l| crossed[l] * calm[l]);
+        cuts.quiet = each(|l| (1.0 - crossed[l]) * calm[l] * flag(h[l] > 0.0));
         (cuts.h, cuts.crossed, cuts.arrived, cuts.unsure) = (h, crossed, arrived, unsure);
     }
 

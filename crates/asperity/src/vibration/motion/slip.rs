@@ -63,10 +63,8 @@ impl<F: Fluctuation> Motion<F> {
             }
         }
         // First the arrival, then the knot: past an arrival the distance would run backwards.
-        let (mut h, mut cut) = match self.series.first_arrival(&self.weakening, &turning, h) {
-            Some(t) => (t, Cut::Arrival),
-            None => (h, Cut::None),
-        };
+        let reached = self.series.first_arrival(&self.weakening, &turning, h);
+        let (mut h, mut cut) = (reached.t, if reached.arrived { Cut::Arrival } else { Cut::None });
         if let Some(bounds) = self.weakening.bounds()
             && let Some((t, level)) = self.series.first_exit(bounds, h)
         {
@@ -79,7 +77,7 @@ impl<F: Fluctuation> Motion<F> {
         } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
             (h, cut) = (self.series.time_of_distance(to_knot, h), Cut::Knot);
         }
-        let (w, e) = self.series.state(h);
+        let (w, e) = reached.state.filter(|_| h == reached.t).unwrap_or_else(|| self.series.state(h));
         let w = match cut {
             Cut::Arrival => 0.0,
             Cut::Point(level) => level,
@@ -149,6 +147,10 @@ impl<F: Fluctuation> Motion<F> {
     /// Refuses a friction coefficient that is not positive somewhere in the last step.
     #[inline]
     fn check_friction(&self, w_before: f64, m_before: f64, h: f64, turns: bool) -> Result<(), VibrationError> {
+        // Most laws are positive at any speed, and then friction that does not fall below them is.
+        if self.law.is_positive() && m_before >= 0.0 && self.m >= 0.0 {
+            return Ok(());
+        }
         let fastest = if turns { self.series.ceiling(h) } else { w_before.max(self.w) };
         if self.law.least_coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
             return Ok(());
