@@ -32,6 +32,8 @@ mod oracle;
 mod oscillator;
 mod polynomial;
 mod portrait;
+#[cfg(test)]
+mod robustness;
 mod root;
 mod runge_kutta;
 mod sample_law;

@@ -15,6 +15,9 @@ use crate::wide::{Kernel, wide};
 /// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
 const TOLERANCE: f64 = 1e-13;
 
+/// Exponent cW at which e^{−cW} is no part of the force, also of one a million times the scale.
+const NO_WALL: f64 = 50.0;
+
 /// 1/n.
 pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
     let mut r = [0.0; CAPACITY + 1];
@@ -123,11 +126,13 @@ pub(super) struct Series {
     /// Coefficients of S(t)/t.
     s: [f64; CAPACITY],
     scale: f64,
+    /// Rate c of a law with e^{−cW}; 0 of others.
+    decay: f64,
 }
 
 impl Series {
     pub(super) fn new() -> Self {
-        Self { len: 1, w: [0.0; CAPACITY], e: [0.0; CAPACITY], s: [0.0; CAPACITY], scale: 1.0 }
+        Self { len: 1, w: [0.0; CAPACITY], e: [0.0; CAPACITY], s: [0.0; CAPACITY], scale: 1.0, decay: 0.0 }
     }
 
     /// Coefficients of W.
@@ -255,6 +260,7 @@ impl Series {
         self.s[..N].copy_from_slice(&s);
         self.len = N;
         self.scale = w0.abs().max(e0.abs()).max(1.0);
+        self.decay = weakening.decay();
     }
 
     /// Polynomials through `count` Taylor coefficients of W, e and S at the start and, after h, at `end`.
@@ -293,11 +299,30 @@ impl Series {
         if wanted < 1.0 {
             let power = power(wanted, n);
             if last * power <= allowed && before * power * wanted <= allowed {
-                return wanted;
+                return self.before_the_wall(wanted);
             }
         }
         let h = wanted.min(root(allowed / last, n));
-        if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) }
+        self.before_the_wall(if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) })
+    }
+
+    /// A step ≤ h on which a law with e^{−cW} rises no steeper than its series can follow.
+    ///
+    /// The terms of e^x grow up to the order x, so the last kept one bounds the dropped ones only if x is a third of it. Where
+    /// e^{−cW} stays below rounding the law is a constant.
+    #[inline]
+    fn before_the_wall(&self, mut h: f64) -> f64 {
+        if self.decay > 0.0 {
+            let steepest = self.len as f64 / 3.0;
+            loop {
+                let lowest = self.decay * polynomial::lower_bound(self.w(), h);
+                if lowest > NO_WALL || self.decay * self.w[0] - lowest <= steepest {
+                    break;
+                }
+                h *= 0.5;
+            }
+        }
+        h
     }
 
     /// First extremum of W in (0, h]: a maximum if W rises at 0, else a minimum.

@@ -43,16 +43,25 @@ impl Sway {
 
     /// First time in [0, limit] at which the excess in one direction reaches zero from below.
     ///
-    /// Each step goes to the zero of the parabola that bounds the excess from above (its second derivative is at most
-    /// qη²/V), so no release is jumped over; near a release this is Newton's method.
+    /// The excess with the force at its best bounds it from above: the search begins where that bound rises to zero, from where
+    /// on a release is less than a period away, and ends where the bound falls below. Each step goes to the zero of the
+    /// parabola that bounds the excess from above (its second derivative is at most qη²/V), so no release is jumped over; near a
+    /// release this is Newton's method.
     pub(super) fn release(&self, direction: f64, rate: f64, excess: f64, tau: f64, limit: f64) -> Option<f64> {
         if self.amplitude == 0.0 {
             let t = (-excess / rate).max(0.0);
             return (rate > 0.0 && t <= limit).then_some(t);
         }
         let curvature = self.amplitude * self.frequency * self.frequency;
-        let mut t = 0.0;
+        let best = excess + self.amplitude + direction * self.force(tau);
+        let mut t = if rate > 0.0 { (-best / rate).max(0.0) } else { 0.0 };
+        if t > limit {
+            return None;
+        }
         for _ in 0..MAX_MARCH {
+            if rate <= 0.0 && best + rate * t < 0.0 {
+                return None;
+            }
             let y = (excess + self.growth(direction, rate, tau, t)).min(0.0);
             let slope = rate + direction * self.rate(tau + t);
             let root = (slope * slope - 2.0 * curvature * y).sqrt();
@@ -84,6 +93,24 @@ mod tests {
                 let fine = (0..200_000).map(|i| f64::from(i) / 200_000.0 * found * (1.0 - 1e-6));
                 assert!(fine.map(|t| excess + sway.growth(1.0, 1.0, tau, t)).all(|e| e < 0.0));
             }
+        }
+    }
+
+    #[test]
+    fn a_stick_of_thousands_of_forcing_periods_ends_with_its_force() {
+        // A slow belt under a fast force.
+        let (sway, excess) = (Sway { amplitude: 632.0, frequency: 5.75 }, -23_000.0);
+        let found = sway.release(1.0, 1.0, excess, 0.3, f64::INFINITY).unwrap();
+        assert!((excess + sway.growth(1.0, 1.0, 0.3, found)).abs() < 1e-9);
+        // Not before the force at its best suffices, and within a period from there.
+        let best = -(excess + 632.0 * (1.0 + (5.75_f64 * 0.3).cos()));
+        assert!(found >= best && found < best + std::f64::consts::TAU / 5.75, "{found} after {best}");
+        assert_eq!(sway.release(1.0, 1.0, excess, 0.3, found - 1e-6), None);
+        // The belt carries the mass away from the other limit, which the force hardly misses at once and never meets later.
+        let sway = Sway { amplitude: 198.0, frequency: 8.68 };
+        for missing in [1e-9, 1e-3, 0.1] {
+            let excess = -2.0 * 198.0 - missing;
+            assert_eq!(sway.release(-1.0, -1.0, excess, 0.0, 1e6), None);
         }
     }
 

@@ -127,6 +127,12 @@ impl Weakening {
         }
     }
 
+    /// Rate c of a law with e^{−cW}; 0 of others.
+    #[inline(always)]
+    pub(super) fn decay(&self) -> f64 {
+        if let Curve::Exponential(x) = &self.curve { x.curvature } else { 0.0 }
+    }
+
     /// W′.
     #[inline(always)]
     pub(super) fn acceleration(&self, w: f64, e: f64) -> f64 {

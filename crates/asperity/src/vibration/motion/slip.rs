@@ -155,11 +155,13 @@ impl<F: Fluctuation> Motion<F> {
         if self.law.least_coefficient(self.velocity * fastest) + m_before.min(self.m) > 0.0 {
             return Ok(());
         }
+        let whole = self.series.distance(h).0;
         for i in 0..=POSITIVITY_POINTS {
             let share = i as f64 / POSITIVITY_POINTS as f64;
             let w = self.series.state(share * h).0;
+            let distance = self.series.distance(share * h).0;
             let moved = match self.drive {
-                Drive::Distance => self.series.distance(share * h).0 / self.series.distance(h).0.max(f64::MIN_POSITIVE),
+                Drive::Distance => distance / whole.max(f64::MIN_POSITIVE),
                 Drive::Time => share,
             };
             let coefficient = self.law.coefficient(self.velocity * w.max(0.0)) + m_before + moved * (self.m - m_before);
@@ -167,7 +169,7 @@ impl<F: Fluctuation> Motion<F> {
                 return Err(VibrationError::FrictionNotPositive {
                     coefficient,
                     tau: self.segment.tau + share * h,
-                    sliding_distance: self.sliding_distance,
+                    sliding_distance: self.sliding_distance - self.velocity * (whole - distance),
                 });
             }
         }
