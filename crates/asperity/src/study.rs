@@ -30,6 +30,7 @@ mod surface_model;
 mod surface_stage;
 mod twin;
 mod uncertain_surface;
+mod vibration_section;
 mod vibration_stage;
 mod window_friction;
 

@@ -9,8 +9,11 @@ use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use serde::de::{self, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::quantity::{AngularFrequency, Area, Compliance, Force, Length, Mass, Pressure, Velocity};
+use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
+pub use crate::study::vibration_section::{
+    DriveChoice, FluctuationChoice, IntegratorChoice, Upscaling, VelocityLaw, VibrationSection,
+};
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;
 
@@ -519,81 +522,6 @@ impl Default for FrictionSection {
     }
 }
 
-/// How the scatter of one window becomes that of the nominal area.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Upscaling {
-    /// Windows average over the nominal area.
-    #[default]
-    Area,
-    /// One window carries the whole normal force (the paper's reading).
-    Paper,
-}
-
-/// `[vibration]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VibrationSection {
-    /// Mass m.
-    pub mass: Mass,
-    /// Natural angular frequency ω₀ = √(c/m).
-    pub natural_frequency: AngularFrequency,
-    /// Damping ratio ζ = d/(2mω₀).
-    pub damping_ratio: f64,
-    /// Normal force N.
-    pub normal_force: Force,
-    /// Area that carries the normal force.
-    pub nominal_area: Area,
-    /// Velocity of the belt.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub belt_velocity: Option<Velocity>,
-    /// The same as V = v_b m ω₀/N.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub dimensionless_belt_velocity: Option<f64>,
-    /// Stribeck coefficient a of μ = μ_st/(1 + a|v|), per unit of dimensionless velocity.
-    #[serde(default = "stribeck")]
-    pub stribeck: f64,
-    /// Which upscaling the report leads with; both are computed.
-    #[serde(default)]
-    pub upscaling: Upscaling,
-    /// Friction level, as a percentile of `[friction]`; without it, the one solved at N/nominal_area.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub level: Option<f64>,
-    /// Damping ratios: from, to, count.
-    #[serde(default = "damping_sweep")]
-    pub damping_sweep: (f64, f64, usize),
-    /// Trajectories per damping ratio.
-    #[serde(default = "trajectories")]
-    pub trajectories: usize,
-    /// Dimensionless duration ω₀t of a trajectory.
-    #[serde(default = "duration")]
-    pub duration: f64,
-    /// A fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, when there is no friction
-    /// stage: the `friction_process.json` of another study, or of a measured record. Its Stribeck coefficient, if it has one,
-    /// takes the place of `stribeck`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction_process: Option<PathBuf>,
-    /// Mean (static) friction coefficient, when there is no friction stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub static_friction: Option<f64>,
-    /// Standard deviation of the friction of one window, when there is no friction stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction_std: Option<f64>,
-    /// Correlation length of the friction of one window, when there is no friction stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction_correlation_length: Option<Length>,
-    /// Marginal law of the friction coefficient, when there is no friction stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction_marginal: Option<String>,
-}
-
-impl VibrationSection {
-    /// Whether the friction process is stated, rather than computed or read.
-    pub fn states_friction(&self) -> bool {
-        self.static_friction.is_some()
-    }
-}
-
 fn measured() -> String {
     "measured".into()
 }
@@ -650,16 +578,4 @@ fn realisations() -> usize {
 }
 fn uncertainty_points() -> usize {
     32
-}
-fn stribeck() -> f64 {
-    4.2
-}
-fn damping_sweep() -> (f64, f64, usize) {
-    (0.05, 0.30, 11)
-}
-fn trajectories() -> usize {
-    200
-}
-fn duration() -> f64 {
-    640.0
 }

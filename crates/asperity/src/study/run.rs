@@ -7,7 +7,7 @@ use crate::friction::process::FittedProcess;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
-use crate::study::config::{BoundaryChoice, SurfaceSection};
+use crate::study::config::{BoundaryChoice, SurfaceSection, VelocityLaw};
 use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
@@ -148,6 +148,7 @@ impl Study {
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = match &self.vibration {
+                Some(section) if section.velocity_law != VelocityLaw::Stribeck => None,
                 Some(section) => Some(section.stribeck / vibration_stage::scales(section)?.velocity_m_per_s()),
                 None => None,
             };

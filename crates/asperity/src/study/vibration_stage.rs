@@ -1,26 +1,34 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
+mod entries;
+mod tables;
+
+use std::f64::consts::TAU;
+
+use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
+use self::tables::{damping_table, portrait_table, reattachment_table};
+
 use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, Steady};
 use crate::law::Marginal;
 use crate::monitor::Monitor;
-use crate::stats::Histogram;
-use crate::study::config::{Upscaling, VibrationSection};
+use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
-use crate::study::result::{
-    CrossingResult, CycleResult, DampingResult, EnsembleResult, MotionResult, PointsResult, VibrationResult, finite,
-};
+use crate::study::result::{DampingResult, EnsembleResult, PointsResult, VibrationResult};
 use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    Crossing, DampingSweep, Drive, Ensemble, EnsembleSettings, Method, Oscillator, PhasePoint, SampleLaw, Scales,
-    Trajectory, TrajectorySettings, VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    DampingSweep, Ensemble, EnsembleSettings, Oscillator, Parameters, PhasePoint, Scales, Trajectory,
+    TrajectorySettings, VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
 const CYCLE_POINTS: usize = 600;
 const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
+/// Trajectories of a cloud, and points of each.
+const CLOUD_TRAJECTORIES: usize = 60;
+const CLOUD_POINTS: usize = 100;
 /// Shares of the number of cycles whose damping ratios are told.
 const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
 /// Slip speeds to be prepared for, over the expected ones.
@@ -58,7 +66,13 @@ pub(super) fn run(
         (None, Some(value)) => value,
         (None, None) => return Err(StudyError::NoStage("vibration")),
     };
-    let oscillator = Oscillator::stribeck(window.mean, window.stribeck, section.damping_ratio, belt_velocity)?;
+    let oscillator = Oscillator::new(Parameters {
+        static_friction: window.mean,
+        law: section.law(window.mean, window.stribeck, &scales),
+        damping_ratio: section.damping_ratio,
+        belt_velocity,
+        forcing: section.harmonic(),
+    })?;
     let correlation_length = window.length_m / scales.length_m();
     let shape = window.shape.in_unit(scales.length_m());
     let ensembles = Ensembles { section, oscillator: oscillator.clone(), window, shape, correlation_length, seed };
@@ -123,7 +137,7 @@ impl Ensembles<'_> {
         }
         let model = ProcessModel {
             shape: self.shape,
-            generator: Generator::of(self.shape),
+            generator: self.generator(),
             correlation: self.window.correlation,
             least: Some(self.least(speeds)),
             ..ProcessModel::new(scatter.marginal.clone(), scatter.std, self.correlation_length)
@@ -131,23 +145,35 @@ impl Ensembles<'_> {
         Ok(Some(FrictionProcess::new(model)?))
     }
 
+    /// The study's, else the fitted process's, else that which suits the correlation.
+    fn generator(&self) -> Generator {
+        let stated = self.section.generator.map(Generator::from);
+        stated.or(self.window.generator).unwrap_or_else(|| Generator::of(self.shape))
+    }
+
     /// Least fluctuation that leaves the kinetic coefficient positive at the fastest slip to be expected: displacements
     /// scale with μ_st, so |v_rel| hardly exceeds V + μ_st, or `speeds` times that under violent friction.
     fn least(&self, speeds: f64) -> f64 {
         let fastest = speeds * (self.oscillator.belt_velocity() + self.window.mean);
-        -0.9 * self.window.mean / (1.0 + self.window.stribeck * fastest)
+        let coefficient = self.oscillator.law().coefficient(fastest);
+        // A linear law may end there; then the run tells that friction does not stay positive.
+        -0.9 * coefficient.max(0.01 * self.window.mean)
     }
 
     fn settings(&self) -> EnsembleSettings {
-        EnsembleSettings::new(self.section.trajectories, self.section.duration, self.seed)
+        EnsembleSettings {
+            drive: self.section.drive.into(),
+            method: self.section.integrator.into(),
+            ..EnsembleSettings::new(self.section.trajectories, self.section.duration, self.seed)
+        }
     }
 
     fn followed(&self) -> TrajectorySettings {
         TrajectorySettings {
             duration: self.section.duration,
             start: None,
-            drive: Drive::default(),
-            method: Method::Taylor,
+            drive: self.section.drive.into(),
+            method: self.section.integrator.into(),
         }
     }
 
@@ -243,25 +269,21 @@ impl Ensembles<'_> {
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
     fn portraits(&self, scatter: &Scatter) -> Result<Vec<(&'static str, Table)>, StudyError> {
-        let table = |points: Vec<PhasePoint>| {
-            Table::new([
-                ("tau", points.iter().map(|p| p.tau).collect()),
-                ("displacement", points.iter().map(|p| p.displacement).collect()),
-                ("velocity", points.iter().map(|p| p.velocity).collect::<Vec<f64>>()),
-            ])
-        };
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
-            tables.push(("limit_cycle", table(points)));
+            tables.push(("limit_cycle", portrait_table(&points)));
         }
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for speeds in SPEEDS {
             let Some(process) = self.process(scatter, speeds)? else { break };
-            let path = process.path(self.seed, 0);
-            match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
+            let portrait = |index: u64, from: f64, points: usize| {
+                trajectory_portrait(&self.oscillator, process.path(self.seed, index), &settings, from, points)
+            };
+            match portrait(0, from, TRAJECTORY_POINTS) {
                 Ok(points) => {
-                    tables.push(("trajectory", table(points)));
+                    tables.push(("trajectory", portrait_table(&points)));
+                    tables.extend(self.cloud(portrait)?.map(|cloud| ("phase_cloud", cloud)));
                     break;
                 }
                 Err(VibrationError::FrictionNotPositive { .. }) => {}
@@ -271,13 +293,41 @@ impl Ensembles<'_> {
         Ok(tables)
     }
 
+    /// The ends of several trajectories, a natural period of each; those whose friction does not stay positive are left out.
+    fn cloud(
+        &self,
+        portrait: impl Fn(u64, f64, usize) -> Result<Vec<PhasePoint>, VibrationError>,
+    ) -> Result<Option<Table>, StudyError> {
+        let from = (self.section.duration - TAU).max(0.0);
+        let mut columns = [const { Vec::new() }; 4];
+        for index in 0..CLOUD_TRAJECTORIES.min(self.section.trajectories) {
+            let points = match portrait(index as u64, from, CLOUD_POINTS) {
+                Ok(points) => points,
+                Err(VibrationError::FrictionNotPositive { .. }) => continue,
+                Err(error) => return Err(error.into()),
+            };
+            for point in points {
+                let row = [index as f64, point.tau, point.displacement, point.velocity];
+                columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+            }
+        }
+        let [trajectory, tau, displacement, velocity] = columns;
+        let named = [("trajectory", trajectory), ("tau", tau), ("displacement", displacement), ("velocity", velocity)];
+        Ok((!named[0].1.is_empty()).then(|| Table::new(named).led_by("trajectory")))
+    }
+
     fn sentences(&self, area_std: f64) -> Vec<String> {
         let (section, window) = (self.section, self.window);
         let mut sentences = vec![format!(
-            "The oscillator slides with μ_st/(1 + a|v|) + μ_s, a = {} per unit of dimensionless velocity, at V = {}. Cycles are \
-             slips that reach a negative velocity within τ = {}, starting in stick.",
-            sentence::digits(window.stribeck),
+            "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
+             starting in stick.",
+            law_in_words(self.oscillator.law()),
             sentence::digits(self.oscillator.belt_velocity()),
+            self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
+                ", under the force {} cos {}τ in units of N",
+                sentence::digits(forcing.amplitude),
+                sentence::digits(forcing.frequency)
+            )),
             section.duration
         )];
         if window.std < NO_SCATTER {
@@ -297,6 +347,12 @@ impl Ensembles<'_> {
             sentence::si(window.length_m, "m"),
             sentence::digits(self.correlation_length)
         ));
+        if let Some(generator) = section.generator.map(Generator::from) {
+            sentences.push(format!("The fluctuation is made by the {} generator.", generator.name()));
+        }
+        if section.drive == DriveChoice::Time {
+            sentences.push("The fluctuation goes on with the travel of the belt, also in stick.".into());
+        }
         sentences.extend(window.area_m2.map(|area_m2| {
             format!(
                 "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the \
@@ -322,103 +378,4 @@ impl Monitor for Quiet<'_> {
     fn cancelled(&self) -> bool {
         self.0.cancelled()
     }
-}
-
-fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {
-    let regime = limit_cycle(oscillator)?;
-    let cycle = regime.cycle();
-    Ok(CycleResult {
-        damping_ratio: oscillator.damping_ratio(),
-        limit_cycle: cycle.is_some(),
-        period: cycle.map(|c| c.period),
-        slip_duration: cycle.map(|c| c.slip_duration),
-        reattachment_displacement: cycle.and_then(|c| c.reattachment_displacement),
-        displacement_min: cycle.map(|c| c.displacement_min),
-        displacement_max: cycle.map(|c| c.displacement_max),
-        velocity_min: cycle.map(|c| c.velocity_min),
-    })
-}
-
-fn damping_result(damping_ratio: f64, ensemble: &Ensemble) -> DampingResult {
-    DampingResult {
-        damping_ratio,
-        cycles_deterministic: ensemble.cycles_deterministic,
-        cycles_mean: ensemble.cycles.mean,
-        cycles_se: ensemble.cycles.se,
-        difference_mean: ensemble.difference_mean,
-        difference_interval: ensemble.difference_interval,
-        share_in_cycle: ensemble.passages.share_in_cycle,
-        sustained_share: ensemble.passages.sustained.value,
-        sustained_share_interval: ensemble.passages.sustained.interval,
-        failed_samples: ensemble.failures.len(),
-    }
-}
-
-fn crossing_result(crossing: Crossing) -> CrossingResult {
-    let Crossing { share, damping_ratio, interval } = crossing;
-    CrossingResult { share, damping_ratio, damping_ratio_interval: interval }
-}
-
-fn points_result(points: &SampleLaw) -> PointsResult {
-    PointsResult {
-        count: points.count,
-        mean: finite(points.mean),
-        std: finite(points.std),
-        skewness: finite(points.skewness),
-        excess_kurtosis: finite(points.excess_kurtosis),
-        normality_p: points.normality_p,
-    }
-}
-
-fn motion_result(ensemble: &Ensemble) -> MotionResult {
-    let passages = &ensemble.passages;
-    MotionResult {
-        period_mean: finite(ensemble.periods.mean),
-        period_std: finite(ensemble.periods.std),
-        stick_share: ensemble.stick_share.mean,
-        stick_share_se: ensemble.stick_share.se,
-        share_in_cycle: passages.share_in_cycle,
-        exit_rate: passages.exit_rate.map(|rate| rate.value),
-        exit_rate_interval: passages.exit_rate.map(|rate| rate.interval),
-        entry_rate: passages.entry_rate.map(|rate| rate.value),
-        entry_rate_interval: passages.entry_rate.map(|rate| rate.interval),
-        left_share: passages.left.value,
-        left_share_interval: passages.left.interval,
-    }
-}
-
-fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
-    let column = |result: &EnsembleResult, value: &dyn Fn(&DampingResult) -> f64| -> Vec<f64> {
-        result.damping.iter().map(value).collect()
-    };
-    let mut columns = vec![
-        ("damping_ratio".to_owned(), column(paper, &|d| d.damping_ratio)),
-        ("cycles_deterministic".into(), column(paper, &|d| d.cycles_deterministic as f64)),
-    ];
-    for (name, result) in [("paper", paper), ("area", area)] {
-        columns.push((format!("{name}_cycles_mean"), column(result, &|d| d.cycles_mean)));
-        columns.push((format!("{name}_difference_mean"), column(result, &|d| d.difference_mean)));
-        columns.push((format!("{name}_difference_low"), column(result, &|d| d.difference_interval[0])));
-        columns.push((format!("{name}_difference_high"), column(result, &|d| d.difference_interval[1])));
-        columns.push((format!("{name}_sustained_share"), column(result, &|d| d.sustained_share)));
-        columns.push((format!("{name}_sustained_share_low"), column(result, &|d| d.sustained_share_interval[0])));
-        columns.push((format!("{name}_sustained_share_high"), column(result, &|d| d.sustained_share_interval[1])));
-    }
-    Table::new(columns)
-}
-
-/// Histogram of the re-attachment points beside the normal density of equal mean and standard deviation.
-fn reattachment_table(ensemble: &Ensemble) -> Option<Table> {
-    let points = &ensemble.reattachments;
-    let histogram = Histogram::of(&points.sample).ok()?;
-    let normal = Marginal::normal(points.mean, points.std).ok()?;
-    let centres = histogram.centres();
-    Some(
-        Table::new([
-            ("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()),
-            ("density", histogram.density()),
-            ("displacement", centres),
-        ])
-        .led_by("displacement"),
-    )
 }

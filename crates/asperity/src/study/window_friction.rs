@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::friction::process::{Correlation, CorrelationShape, FittedProcess};
+use crate::friction::process::{Correlation, CorrelationShape, FittedProcess, Generator};
 use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::law::Marginal;
 use crate::study::StudyError;
-use crate::study::config::{FrictionSection, VibrationSection};
+use crate::study::config::{FrictionSection, VelocityLaw, VibrationSection};
 use crate::study::friction_stage::SolvedStrips;
 use crate::study::sentence;
 
@@ -24,6 +24,8 @@ pub(super) struct WindowFriction {
     /// Whose correlation it is.
     pub(super) correlation: Correlation,
     pub(super) marginal: Marginal,
+    /// How a fitted process is made, where it says so.
+    pub(super) generator: Option<Generator>,
     /// Area over which this friction is averaged, where it is known.
     pub(super) area_m2: Option<f64>,
     /// Stribeck coefficient per unit of dimensionless velocity.
@@ -78,6 +80,7 @@ impl WindowFriction {
             length_m,
             correlation: Correlation::Corrected,
             marginal,
+            generator: None,
             area_m2: Some(strips.window.area_m2()),
             stribeck: section.stribeck,
             level_percentile: level.control.percentile(),
@@ -102,6 +105,7 @@ impl WindowFriction {
             length_m,
             correlation: Correlation::Plain,
             marginal: section.friction_marginal.as_deref().ok_or_else(absent)?.parse()?,
+            generator: None,
             area_m2: Some(window_m * width_m),
             stribeck: section.stribeck,
             level_percentile: None,
@@ -138,7 +142,8 @@ impl WindowFriction {
             ));
         }
         // The same but for the rounding of units is the same.
-        let own = |a: &f64| (a - section.stribeck).abs() > 1e-9 * section.stribeck;
+        let takes = section.velocity_law == VelocityLaw::Stribeck;
+        let own = |a: &f64| takes && (a - section.stribeck).abs() > 1e-9 * section.stribeck;
         let stribeck = process.stribeck(velocity_m_per_s).filter(own).unwrap_or(section.stribeck);
         if stribeck != section.stribeck {
             warnings.push(format!(
@@ -161,6 +166,7 @@ impl WindowFriction {
             length_m,
             correlation: Correlation::Corrected,
             marginal: process.marginal.clone().unwrap_or(Marginal::STANDARD_NORMAL),
+            generator: process.generator,
             area_m2,
             stribeck,
             level_percentile: None,

@@ -37,6 +37,9 @@ pub struct EnsembleSettings {
     pub start: Option<f64>,
     /// What the friction process is a function of.
     pub drive: Drive,
+    /// How slip is integrated. Taylor series follow many trajectories at once; the others are for comparison.
+    #[serde(default)]
+    pub method: Method,
     /// Values of each law that are kept for histograms and tests; 8 bytes each at the end, 24 on the way.
     pub sample_capacity: usize,
     /// Least share of valid trajectories.
@@ -52,6 +55,7 @@ impl EnsembleSettings {
             seed,
             start: None,
             drive: Drive::default(),
+            method: Method::default(),
             sample_capacity: 65_536,
             least_valid_share: 0.95,
         }
@@ -146,8 +150,8 @@ impl Ensemble {
             let value = settings.least_valid_share;
             return Err(VibrationError::Parameter { parameter: "least_valid_share", value, wanted: "in 0 … 1" });
         }
-        let EnsembleSettings { duration, start, drive, .. } = *settings;
-        let followed = TrajectorySettings { duration, start, drive, method: Method::Taylor };
+        let EnsembleSettings { duration, start, drive, method, .. } = *settings;
+        let followed = TrajectorySettings { duration, start, drive, method };
         let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;

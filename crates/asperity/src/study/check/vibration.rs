@@ -1,0 +1,151 @@
+//! Whether the values of `[vibration]` can be right.
+
+use std::str::FromStr;
+
+use super::{POSITIVE, Problem, at_least, positive, problem, within};
+use crate::law::Marginal;
+use crate::study::config::{FluctuationChoice, Study, VelocityLaw, VibrationSection};
+
+const SECTION: &str = "vibration";
+const SHARE: &str = "a share above 0, at most 1";
+
+fn share(value: f64) -> bool {
+    value > 0.0 && value <= 1.0
+}
+
+impl Study {
+    pub(super) fn check_vibration(&self) -> Result<(), Problem> {
+        let Some(v) = &self.vibration else { return Ok(()) };
+        within(SECTION, "mass", v.mass.0, positive, POSITIVE)?;
+        within(SECTION, "natural_frequency", v.natural_frequency.0, positive, POSITIVE)?;
+        within(
+            SECTION,
+            "damping_ratio",
+            v.damping_ratio,
+            |z| (0.0..1.0).contains(&z),
+            "a ratio of at least 0, below 1",
+        )?;
+        within(SECTION, "normal_force", v.normal_force.0, positive, POSITIVE)?;
+        within(SECTION, "nominal_area", v.nominal_area.0, positive, POSITIVE)?;
+        match (v.belt_velocity, v.dimensionless_belt_velocity) {
+            (Some(velocity), None) => within(SECTION, "belt_velocity", velocity.0, positive, POSITIVE)?,
+            (None, Some(value)) => within(SECTION, "dimensionless_belt_velocity", value, positive, POSITIVE)?,
+            _ => {
+                let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
+                return Err(problem(SECTION, "belt_velocity", message));
+            }
+        }
+        check_machine(v)?;
+        let (from, to, count) = v.damping_sweep;
+        let fits = |z: f64| (0.0..1.0).contains(&z);
+        within(SECTION, "damping_sweep", from, fits, "damping ratios of at least 0, below 1")?;
+        within(SECTION, "damping_sweep", to, |z| fits(z) && z > from, "an end above the start, below 1")?;
+        at_least(SECTION, "damping_sweep", count, 2)?;
+        at_least(SECTION, "trajectories", v.trajectories, 2)?;
+        within(SECTION, "duration", v.duration, positive, POSITIVE)?;
+        if let Some(level) = v.level
+            && !self.friction.as_ref().is_some_and(|f| f.percentiles().contains(&level))
+        {
+            return Err(problem(SECTION, "level", format!("found {level}, wanted one of [friction] percentiles")));
+        }
+        if let (None, Some(_), Some(hardness)) =
+            (v.level, &self.friction, self.material.as_ref().and_then(|material| material.hardness))
+            && v.normal_force.0 >= hardness.0 * v.nominal_area.0
+        {
+            let message = format!(
+                "{} on {} is not below the hardness {hardness}, so no level can be solved at it; enlarge the area, or \
+                 name a `level`",
+                v.normal_force, v.nominal_area
+            );
+            return Err(problem(SECTION, "nominal_area", message));
+        }
+        self.check_stated_friction()
+    }
+
+    fn check_stated_friction(&self) -> Result<(), Problem> {
+        let Some(v) = &self.vibration else { return Ok(()) };
+        let stated = [
+            ("static_friction", v.static_friction.is_some()),
+            ("friction_std", v.friction_std.is_some()),
+            ("friction_correlation_length", v.friction_correlation_length.is_some()),
+            ("friction_marginal", v.friction_marginal.is_some()),
+        ];
+        if let Some((first, _)) = stated.iter().find(|(_, present)| *present)
+            && let Some((absent, _)) = stated.iter().find(|(_, present)| !present)
+        {
+            return Err(problem(SECTION, absent, format!("`{first}` is stated, so this must be too")));
+        }
+        let (states, computes, reads) = (v.states_friction(), self.friction.is_some(), v.friction_process.is_some());
+        if !(states || computes || reads) {
+            let message =
+                "without a [friction] section the friction process must be stated here, or read by `friction_process`";
+            return Err(problem(SECTION, "static_friction", message));
+        }
+        if states && computes {
+            let message = "the friction process is stated here and computed by [friction]; leave one out";
+            return Err(problem(SECTION, "static_friction", message));
+        }
+        if reads && (states || computes) {
+            let other = if states { "stated beside it" } else { "computed by [friction]" };
+            let message = format!("the friction process is read here and {other}; leave one out");
+            return Err(problem(SECTION, "friction_process", message));
+        }
+        if let Some(value) = v.static_friction {
+            within(SECTION, "static_friction", value, positive, POSITIVE)?;
+        }
+        if let Some(value) = v.friction_std {
+            within(SECTION, "friction_std", value, |s| s >= 0.0, "zero or a positive value")?;
+        }
+        if let Some(length) = v.friction_correlation_length {
+            within(SECTION, "friction_correlation_length", length.0, positive, POSITIVE)?;
+        }
+        if let Some(text) = &v.friction_marginal {
+            Marginal::from_str(text).map_err(|error| problem(SECTION, "friction_marginal", error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The friction law, and the force on the mass.
+fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
+    within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
+    within(SECTION, "stribeck", v.stribeck, |a| a >= 0.0, "zero or a positive value")?;
+    let needs = |key, law: &str| Err(problem(SECTION, key, format!("velocity_law = \"{law}\" needs this key")));
+    match v.velocity_law {
+        VelocityLaw::Stribeck => {}
+        VelocityLaw::Linear if v.linear_weakening.is_none() => return needs("linear_weakening", "linear"),
+        VelocityLaw::Exponential if v.stribeck_velocity.is_none() => return needs("stribeck_velocity", "exponential"),
+        VelocityLaw::Exponential if v.high_speed_share.is_none() => return needs("high_speed_share", "exponential"),
+        VelocityLaw::Linear | VelocityLaw::Exponential => {}
+    }
+    if let Some(slope) = v.linear_weakening {
+        within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
+    }
+    if let Some(velocity) = v.stribeck_velocity {
+        within(SECTION, "stribeck_velocity", velocity.0, positive, POSITIVE)?;
+    }
+    if let Some(high_speed) = v.high_speed_share {
+        within(SECTION, "high_speed_share", high_speed, share, SHARE)?;
+    }
+    match (v.forcing, v.forcing_frequency) {
+        (Some(force), Some(frequency)) => {
+            within(SECTION, "forcing", force.0, |q| q >= 0.0, "zero or a positive value")?;
+            within(SECTION, "forcing_frequency", frequency.0, positive, POSITIVE)?;
+        }
+        (Some(_), None) => {
+            return Err(problem(SECTION, "forcing_frequency", "`forcing` is stated, so this must be too"));
+        }
+        (None, Some(_)) => {
+            return Err(problem(SECTION, "forcing", "`forcing_frequency` is stated, so this must be too"));
+        }
+        (None, None) => {}
+    }
+    let stated = v.friction_marginal.as_deref().and_then(|text| text.parse().ok());
+    if let (Some(FluctuationChoice::Jacobi), Some(law)) = (v.generator, &stated)
+        && !matches!(law, Marginal::Beta { .. })
+    {
+        let message = format!("the diffusion has a Beta law, and friction_marginal is {law}");
+        return Err(problem(SECTION, "generator", message));
+    }
+    Ok(())
+}

@@ -1,0 +1,248 @@
+//! `[vibration]` of a study.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::friction::process::Generator;
+use crate::quantity::{AngularFrequency, Area, Force, Length, Mass, Velocity};
+use crate::vibration::{Drive, Forcing, FrictionLaw, Method, Scales};
+
+/// How friction falls with the sliding velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VelocityLaw {
+    /// μ_k/(1 + a|v|) with `stribeck` a, the paper's.
+    #[default]
+    Stribeck,
+    /// μ_k − b|v| with `linear_weakening` b.
+    Linear,
+    /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
+    Exponential,
+}
+
+/// How the fluctuation of friction is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FluctuationChoice {
+    /// The exact recursion of an Ornstein–Uhlenbeck process under the law.
+    Autoregressive,
+    /// A sum of 256 random harmonics under the law, after the paper.
+    Spectral,
+    /// A diffusion of Beta law.
+    Jacobi,
+    /// Fresh values over exponential lengths.
+    Renewal,
+}
+
+impl From<FluctuationChoice> for Generator {
+    fn from(choice: FluctuationChoice) -> Self {
+        match choice {
+            FluctuationChoice::Autoregressive => Self::Autoregressive,
+            FluctuationChoice::Spectral => Self::Spectral { harmonics: 256 },
+            FluctuationChoice::Jacobi => Self::Jacobi,
+            FluctuationChoice::Renewal => Self::Renewal,
+        }
+    }
+}
+
+/// What the fluctuation of friction is a function of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveChoice {
+    /// The sliding distance: friction is frozen in stick.
+    #[default]
+    Distance,
+    /// The travel of the belt.
+    Time,
+}
+
+impl From<DriveChoice> for Drive {
+    fn from(choice: DriveChoice) -> Self {
+        match choice {
+            DriveChoice::Distance => Self::Distance,
+            DriveChoice::Time => Self::Time,
+        }
+    }
+}
+
+/// How slip is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IntegratorChoice {
+    /// Taylor series: exact to rounding, and the fastest.
+    #[default]
+    Taylor,
+    /// Fehlberg's method of orders 4 and 5, the paper's, with an error of 10⁻¹⁰ a step.
+    RungeKuttaFehlberg,
+    /// Dormand and Prince's method of order 8, with an error of 10⁻¹² a step.
+    DormandPrince,
+}
+
+impl From<IntegratorChoice> for Method {
+    fn from(choice: IntegratorChoice) -> Self {
+        match choice {
+            IntegratorChoice::Taylor => Self::Taylor,
+            IntegratorChoice::RungeKuttaFehlberg => Self::RungeKuttaFehlberg { tolerance: 1e-10 },
+            IntegratorChoice::DormandPrince => Self::DormandPrince { tolerance: 1e-12 },
+        }
+    }
+}
+
+/// How the scatter of one window becomes that of the nominal area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Upscaling {
+    /// Windows average over the nominal area.
+    #[default]
+    Area,
+    /// One window carries the whole normal force (the paper's reading).
+    Paper,
+}
+
+/// `[vibration]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VibrationSection {
+    /// Mass m.
+    pub mass: Mass,
+    /// Natural angular frequency ω₀ = √(c/m).
+    pub natural_frequency: AngularFrequency,
+    /// Damping ratio ζ = d/(2mω₀).
+    pub damping_ratio: f64,
+    /// Normal force N.
+    pub normal_force: Force,
+    /// Area that carries the normal force.
+    pub nominal_area: Area,
+    /// Velocity of the belt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt_velocity: Option<Velocity>,
+    /// The same as V = v_b m ω₀/N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensionless_belt_velocity: Option<f64>,
+    /// Harmonic force on the mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forcing: Option<Force>,
+    /// Its angular frequency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forcing_frequency: Option<AngularFrequency>,
+    /// Kinetic friction coefficient at vanishing velocity over the static one.
+    #[serde(default = "one")]
+    pub kinetic_share: f64,
+    /// How friction falls with the velocity.
+    #[serde(default)]
+    pub velocity_law: VelocityLaw,
+    /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity.
+    #[serde(default = "stribeck")]
+    pub stribeck: f64,
+    /// Slope b of the linear law, per unit of dimensionless velocity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linear_weakening: Option<f64>,
+    /// Velocity v₀ of the exponential law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stribeck_velocity: Option<Velocity>,
+    /// Friction coefficient at high velocity over the kinetic one, of the exponential law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub high_speed_share: Option<f64>,
+    /// How the fluctuation is made; left out, that of a fitted process, or else the recursion where it makes the correlation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub generator: Option<FluctuationChoice>,
+    /// What the fluctuation is a function of.
+    #[serde(default)]
+    pub drive: DriveChoice,
+    /// How slip is integrated.
+    #[serde(default)]
+    pub integrator: IntegratorChoice,
+    /// Which upscaling the report leads with; both are computed.
+    #[serde(default)]
+    pub upscaling: Upscaling,
+    /// Friction level, as a percentile of `[friction]`; without it, the one solved at N/nominal_area.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
+    /// Damping ratios: from, to, count.
+    #[serde(default = "damping_sweep")]
+    pub damping_sweep: (f64, f64, usize),
+    /// Trajectories per damping ratio.
+    #[serde(default = "trajectories")]
+    pub trajectories: usize,
+    /// Dimensionless duration ω₀t of a trajectory.
+    #[serde(default = "duration")]
+    pub duration: f64,
+    /// A fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, when there is no friction
+    /// stage: the `friction_process.json` of another study, or of a measured record. Its Stribeck coefficient, if it has one,
+    /// takes the place of `stribeck`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_process: Option<PathBuf>,
+    /// Mean (static) friction coefficient, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub static_friction: Option<f64>,
+    /// Standard deviation of the friction of one window, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_std: Option<f64>,
+    /// Correlation length of the friction of one window, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_correlation_length: Option<Length>,
+    /// Marginal law of the friction coefficient, when there is no friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_marginal: Option<String>,
+}
+
+impl VibrationSection {
+    /// Whether the friction process is stated, rather than computed or read.
+    pub fn states_friction(&self) -> bool {
+        self.static_friction.is_some()
+    }
+
+    /// The friction law of a machine with these units; `stribeck` may come from a fitted process.
+    pub(super) fn law(&self, static_friction: f64, stribeck: f64, scales: &Scales) -> FrictionLaw {
+        let kinetic = self.kinetic_share * static_friction;
+        match (self.velocity_law, self.linear_weakening, self.stribeck_velocity, self.high_speed_share) {
+            (VelocityLaw::Linear, Some(slope), _, _) => FrictionLaw::Linear { kinetic, slope },
+            (VelocityLaw::Exponential, _, Some(velocity), Some(share)) => FrictionLaw::Exponential {
+                kinetic,
+                high_speed: share * kinetic,
+                stribeck_velocity: velocity.0 / scales.velocity_m_per_s(),
+            },
+            _ => FrictionLaw::Stribeck { kinetic, decay: stribeck },
+        }
+    }
+
+    /// The harmonic force in the units of the machine.
+    pub(super) fn harmonic(&self) -> Option<Forcing> {
+        self.forcing.zip(self.forcing_frequency).map(|(force, frequency)| Forcing {
+            amplitude: force.0 / self.normal_force.0,
+            frequency: frequency.0 / self.natural_frequency.0,
+        })
+    }
+
+    /// Its keys that are stated and change nothing, each in a sentence.
+    pub(super) fn idle_keys(&self) -> Vec<String> {
+        let exponential = self.velocity_law == VelocityLaw::Exponential;
+        [
+            ("linear_weakening", self.linear_weakening.is_some() && self.velocity_law != VelocityLaw::Linear, "linear"),
+            ("stribeck_velocity", self.stribeck_velocity.is_some() && !exponential, "exponential"),
+            ("high_speed_share", self.high_speed_share.is_some() && !exponential, "exponential"),
+        ]
+        .into_iter()
+        .filter(|(_, idle, _)| *idle)
+        .map(|(key, _, law)| format!("[vibration] {key} has no effect without velocity_law = \"{law}\""))
+        .collect()
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn stribeck() -> f64 {
+    4.2
+}
+fn damping_sweep() -> (f64, f64, usize) {
+    (0.05, 0.30, 11)
+}
+fn trajectories() -> usize {
+    200
+}
+fn duration() -> f64 {
+    640.0
+}

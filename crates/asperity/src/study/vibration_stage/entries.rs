@@ -1,0 +1,90 @@
+//! Results of the vibration stage as `results.json` has them.
+
+use crate::study::StudyError;
+use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
+use crate::study::sentence;
+use crate::vibration::{Crossing, Ensemble, FrictionLaw, Oscillator, SampleLaw, limit_cycle};
+
+pub(super) fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {
+    let regime = limit_cycle(oscillator)?;
+    let cycle = regime.cycle();
+    Ok(CycleResult {
+        damping_ratio: oscillator.damping_ratio(),
+        limit_cycle: cycle.is_some(),
+        period: cycle.map(|c| c.period),
+        slip_duration: cycle.map(|c| c.slip_duration),
+        reattachment_displacement: cycle.and_then(|c| c.reattachment_displacement),
+        displacement_min: cycle.map(|c| c.displacement_min),
+        displacement_max: cycle.map(|c| c.displacement_max),
+        velocity_min: cycle.map(|c| c.velocity_min),
+    })
+}
+
+pub(super) fn damping_result(damping_ratio: f64, ensemble: &Ensemble) -> DampingResult {
+    DampingResult {
+        damping_ratio,
+        cycles_deterministic: ensemble.cycles_deterministic,
+        cycles_mean: ensemble.cycles.mean,
+        cycles_se: ensemble.cycles.se,
+        difference_mean: ensemble.difference_mean,
+        difference_interval: ensemble.difference_interval,
+        share_in_cycle: ensemble.passages.share_in_cycle,
+        sustained_share: ensemble.passages.sustained.value,
+        sustained_share_interval: ensemble.passages.sustained.interval,
+        failed_samples: ensemble.failures.len(),
+    }
+}
+
+pub(super) fn crossing_result(crossing: Crossing) -> CrossingResult {
+    let Crossing { share, damping_ratio, interval } = crossing;
+    CrossingResult { share, damping_ratio, damping_ratio_interval: interval }
+}
+
+pub(super) fn points_result(points: &SampleLaw) -> PointsResult {
+    PointsResult {
+        count: points.count,
+        mean: finite(points.mean),
+        std: finite(points.std),
+        skewness: finite(points.skewness),
+        excess_kurtosis: finite(points.excess_kurtosis),
+        normality_p: points.normality_p,
+    }
+}
+
+pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
+    let passages = &ensemble.passages;
+    MotionResult {
+        period_mean: finite(ensemble.periods.mean),
+        period_std: finite(ensemble.periods.std),
+        stick_share: ensemble.stick_share.mean,
+        stick_share_se: ensemble.stick_share.se,
+        share_in_cycle: passages.share_in_cycle,
+        exit_rate: passages.exit_rate.map(|rate| rate.value),
+        exit_rate_interval: passages.exit_rate.map(|rate| rate.interval),
+        entry_rate: passages.entry_rate.map(|rate| rate.value),
+        entry_rate_interval: passages.entry_rate.map(|rate| rate.interval),
+        left_share: passages.left.value,
+        left_share_interval: passages.left.interval,
+    }
+}
+
+/// A friction law with its numbers, per unit of dimensionless velocity.
+pub(super) fn law_in_words(law: &FrictionLaw) -> String {
+    let digits = sentence::digits;
+    match law {
+        FrictionLaw::Coulomb { kinetic } => digits(*kinetic),
+        FrictionLaw::Stribeck { kinetic, decay } => {
+            format!("{}/(1 + a|v|), a = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*decay))
+        }
+        FrictionLaw::Linear { kinetic, slope } => {
+            format!("{} − b|v|, b = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*slope))
+        }
+        FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity } => format!(
+            "{} + {}·exp(−|v|/{})",
+            digits(*high_speed),
+            digits(kinetic - high_speed),
+            digits(*stribeck_velocity)
+        ),
+        FrictionLaw::Tabulated(_) => "a tabulated law".into(),
+    }
+}
