@@ -12,6 +12,7 @@ use asperity::vibration::mode_coupling::{
     Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle,
 };
 use clap::Args;
+use clap::builder::ArgPredicate;
 
 use super::folder::Folder;
 use super::random::Fluctuation;
@@ -35,6 +36,8 @@ const THRESHOLD: f64 = 0.5;
 /// Two inclined springs hold a mass, a third presses it on the belt (Hoffmann, Fischer, Allgaier & Gaul 2002). Forces are in
 /// units of the static normal force, stiffnesses in mω₀². Left out, springs make the modes meet at μ = 0.75.
 #[derive(Debug, Args)]
+#[command(mut_arg("correlation_length", |length| length.required(false).requires("friction_std")))]
+#[command(mut_arg("marginal", |law| law.required(false).requires("friction_std")))]
 pub(crate) struct ModeCoupling {
     #[command(flatten)]
     friction: Friction,
@@ -51,6 +54,8 @@ pub(crate) struct ModeCoupling {
     points: usize,
     #[command(flatten)]
     noise: Option<Noise>,
+    #[command(flatten)]
+    fluctuation: Option<Fluctuation>,
     #[command(flatten)]
     folder: Folder,
     /// Print one JSON object instead of a table.
@@ -84,27 +89,31 @@ struct Springs {
 
 /// A fluctuation of friction, and how many paths are followed under it.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Fluctuation of friction, all or none")]
+#[command(next_help_heading = "Fluctuation of friction")]
 struct Noise {
     /// Standard deviation of the friction coefficient.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, required = false,
+          requires_ifs = [(ArgPredicate::IsPresent, "correlation_length"), (ArgPredicate::IsPresent, "marginal"),
+                          (ArgPredicate::IsPresent, "trajectories"), (ArgPredicate::IsPresent, "duration"),
+                          (ArgPredicate::IsPresent, "seed")])]
     friction_std: f64,
-    #[command(flatten)]
-    fluctuation: Fluctuation,
     /// Number of paths.
-    #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true, required = false,
+          requires = "friction_std")]
     trajectories: usize,
     /// Time τ of each.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, required = false,
+          requires = "friction_std")]
     duration: f64,
     /// Time τ before growth is measured.
     #[arg(long, value_name = "X", default_value = "60", value_parser = args::non_negative, allow_hyphen_values = true)]
     settling: f64,
     /// Amplitude |x − x_s| about steady sliding that is a vibration; half the cycle's when left out.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "friction_std")]
     threshold: Option<f64>,
     /// Seed of every random draw.
-    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true, required = false,
+          requires = "friction_std")]
     seed: u64,
 }
 
@@ -159,8 +168,8 @@ impl ModeCoupling {
             monitor.note(note);
         }
         let mut found = Found { model, scan, regime, growth: None, ensemble: None };
-        if let Some(noise) = &self.noise {
-            noise.add(&mut found, monitor)?;
+        if let (Some(noise), Some(fluctuation)) = (&self.noise, &self.fluctuation) {
+            noise.add(fluctuation, &mut found, monitor)?;
         }
         let answer = told.and(answer::of_motion(&found));
         let whole = answer.clone().with("scan", answer::scan(&found.scan));
@@ -178,8 +187,8 @@ impl ModeCoupling {
 }
 
 impl Noise {
-    fn add(&self, found: &mut Found, monitor: &Terminal) -> Result<(), Failure> {
-        let process = self.fluctuation.process(self.friction_std, 1.0)?;
+    fn add(&self, fluctuation: &Fluctuation, found: &mut Found, monitor: &Terminal) -> Result<(), Failure> {
+        let process = fluctuation.process(self.friction_std, 1.0)?;
         let (trajectories, duration, seed) = (self.trajectories, self.duration, self.seed);
         let model = &found.model;
         let threshold = match (self.threshold, found.regime.cycle()) {

@@ -59,7 +59,7 @@ fn curves(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, 
                 let pen = Pen { opacity, ..Pen::new(colour, width, Dash::Solid) };
                 let legend = (!named && width < 2.0).then_some(name);
                 named |= legend.is_some();
-                chart.add(None, Mark::Dots { x: x.to_vec(), y: y.clone(), radius: 0.5 * width + 0.5, colour, opacity });
+                chart.add(None, lone(x, &y, 0.5 * width + 0.5, pen));
                 chart.add(legend, Mark::Line { x: x.to_vec(), y, pen });
             }
         }
@@ -67,12 +67,19 @@ fn curves(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, 
             chart.add(name, Mark::Patch { colour });
         }
     }
-    for (table, name, width, opacity) in WAYS.iter().filter(|way| tables.contains_key(way.0)) {
-        // Only the legend needs a line of its own.
-        let _ = table;
+    for (_, name, width, opacity) in WAYS.iter().filter(|way| tables.contains_key(way.0)) {
+        // For the legend alone: both ways have the colours of the attractors.
         let pen = Pen { opacity: opacity.max(0.5), ..Pen::new(GREY, *width, Dash::Solid) };
         chart.add(*name, Mark::Line { x: Vec::new(), y: Vec::new(), pen });
     }
+}
+
+/// Points without a neighbour, which no line shows.
+fn lone(x: &[f64], y: &[f64], radius: f64, pen: Pen) -> Mark {
+    let defined = |i: Option<usize>| i.and_then(|i| y.get(i)).is_some_and(|y| y.is_finite());
+    let alone = |i: usize| !defined(i.checked_sub(1)) && !defined(i.checked_add(1));
+    let y = (0..y.len()).map(|i| if alone(i) { y[i] } else { f64::NAN }).collect();
+    Mark::Dots { x: x.to_vec(), y, radius, colour: pen.colour, opacity: pen.opacity }
 }
 
 fn seen(tables: &BTreeMap<String, Table>, kind: f64) -> bool {

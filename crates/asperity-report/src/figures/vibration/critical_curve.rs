@@ -44,7 +44,8 @@ pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result
     let name = if locked { "ζ_c: the locked cycle ends (fold)" } else { "ζ_c: the stick-slip cycle ends" };
     chart.add(name, Mark::Line { x: x.to_vec(), y: critical.to_vec(), pen });
     let pen = Pen::new(BLUE, 2.0, Dash::Dashed);
-    chart.add("ζ_H: sliding is stable above", Mark::Line { x: x.to_vec(), y: hopf.to_vec(), pen });
+    let name = if locked { "ζ_H of the unforced machine" } else { "ζ_H: sliding is stable above" };
+    chart.add(name, Mark::Line { x: x.to_vec(), y: hopf.to_vec(), pen });
     let mut charts = vec![chart];
     if !locked {
         charts.extend(gap(axis(), x, critical, hopf));

@@ -37,13 +37,13 @@ pub(super) fn over_friction(answer: &Value, tables: &BTreeMap<String, Table>) ->
         if quantity == "growth" {
             chart.add(None, Mark::Horizontal { y: 0.0, pen: Pen::new(GREY, 1.2, Dash::Solid) });
         }
-        values(&mut chart, answer);
         let pens = [Pen::new(BLUE, 2.2, Dash::Solid), Pen::new(VERMILION, 2.2, Dash::Dashed)];
         for ((mode, pen), name) in modes.into_iter().zip(pens).zip(["first mode", "second mode"]) {
             if let Some(y) = mode {
                 chart.add(name, Mark::Line { x: friction.to_vec(), y: y.to_vec(), pen });
             }
         }
+        values(&mut chart, answer);
         if quantity == "growth"
             && let (Some(x), Some(y)) = (answer["friction"].as_f64(), answer["growth_rate_mean"].as_f64())
         {
@@ -64,9 +64,9 @@ pub(super) fn over_friction(answer: &Value, tables: &BTreeMap<String, Table>) ->
 /// Vertical lines at the friction coefficients that matter.
 fn values(chart: &mut Chart, answer: &Value) {
     let values = [
-        ("coalescence", "frequencies meet, undamped: μ", Pen::new(GREY, 1.8, Dash::Dotted)),
+        ("coalescence", "undamped modes meet, μ", Pen::new(GREY, 1.8, Dash::Dotted)),
         ("critical_friction", "critical μ", Pen::new(BLACK, 1.8, Dash::Alternating)),
-        ("friction", "stated machine: μ", Pen::new(GREEN, 1.6, Dash::Long)),
+        ("friction", "stated machine, μ", Pen::new(GREEN, 1.6, Dash::Long)),
     ];
     for (key, name, pen) in values {
         if let Some(x) = answer[key].as_f64() {
