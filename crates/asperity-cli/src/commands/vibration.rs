@@ -123,7 +123,6 @@ impl Machine {
         };
         Oscillator::new(parameters).map_err(Failure::usage)
     }
-
 }
 
 impl Friction {

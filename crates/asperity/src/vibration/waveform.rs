@@ -107,7 +107,8 @@ mod tests {
     use crate::vibration::{Drive, Forcing, Method};
 
     fn settings(natural_frequency_hz: f64, seconds: f64) -> WaveformSettings {
-        let followed = TrajectorySettings { duration: 1.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let followed =
+            TrajectorySettings { duration: 1.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         WaveformSettings { natural_frequency_hz, sampling_rate_hz: 44_100.0, seconds, from: 60.0, followed }
     }
 

@@ -84,9 +84,8 @@ impl Basin {
         let around = |low: f64, high: f64| [low - MARGIN * (high - low), high + MARGIN * (high - low)];
         let displacement = around(cycle.displacement_min, cycle.displacement_max);
         let velocity = around(cycle.velocity_min, oscillator.belt_velocity());
-        let stated = |axis: Option<MapAxis>, own: [f64; 2]| {
-            axis.map_or((own, CELLS), |axis| ([axis.from, axis.to], axis.cells))
-        };
+        let stated =
+            |axis: Option<MapAxis>, own: [f64; 2]| axis.map_or((own, CELLS), |axis| ([axis.from, axis.to], axis.cells));
         let (x, y) = (stated(self.displacements, displacement), stated(self.velocities, velocity));
         Ok(BasinBox { displacement: x.0, velocity: y.0, cells: [x.1, y.1] })
     }

@@ -167,11 +167,7 @@ fn tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
 }
 
 /// The points of numbered lines, with the level of each if lines have one.
-fn lines<'a>(
-    [x, y]: [&str; 2],
-    lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>,
-    levels: bool,
-) -> Table {
+fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
     let mut columns = [(); 4].map(|()| Vec::new());
     for (number, (level, line)) in lines.enumerate() {
         for place in line {

@@ -8,8 +8,8 @@ use asperity::friction::process::Steady;
 use asperity::study::Table;
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
-    Contact, Damping, EigenvalueScan, Ensemble, EnsembleSettings, GrowthRates, GrowthSettings, Mode, Model, Parameters, Point,
-    Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle,
+    Contact, Damping, EigenvalueScan, Ensemble, EnsembleSettings, GrowthRates, GrowthSettings, Mode, Model, Parameters,
+    Point, Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -44,8 +44,6 @@ pub(crate) struct ModeCoupling {
     /// Dimensionless belt velocity V.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     belt_velocity: f64,
-    #[command(flatten)]
-    springs: Springs,
     /// Largest friction coefficient of the eigenvalues; a quarter beyond those that matter when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     friction_to: Option<f64>,
@@ -53,14 +51,16 @@ pub(crate) struct ModeCoupling {
     #[arg(long, value_name = "N", default_value = "401", value_parser = args::count, allow_hyphen_values = true)]
     points: usize,
     #[command(flatten)]
-    noise: Option<Noise>,
-    #[command(flatten)]
-    fluctuation: Option<Fluctuation>,
-    #[command(flatten)]
     folder: Folder,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    springs: Springs,
+    #[command(flatten)]
+    noise: Option<Noise>,
+    #[command(flatten)]
+    fluctuation: Option<Fluctuation>,
 }
 
 /// Springs and dampers.
@@ -194,7 +194,9 @@ impl Noise {
         let threshold = match (self.threshold, found.regime.cycle()) {
             (Some(threshold), _) => threshold,
             (None, Some(cycle)) => 0.5 * THRESHOLD * (cycle.tangential[1] - cycle.tangential[0]),
-            (None, None) => return Err(Failure::usage("there is no cycle to take the amplitude from: state --threshold")),
+            (None, None) => {
+                return Err(Failure::usage("there is no cycle to take the amplitude from: state --threshold"));
+            }
         };
         let settling = self.settling;
         let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: LEAST_VALID };

@@ -95,7 +95,7 @@ fn turns(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, q
     };
     let name = if quantity == "velocity" { "least velocity of each turn" } else { "re-attachment of each turn" };
     let (x, y) = (x.to_vec(), y.to_vec());
-    chart.add(name, Mark::Dots { x, y, radius: 1.0, colour: BLACK, opacity: 0.45 });
+    chart.add(name, Mark::Dots { x, y, radius: 1.0, colour: BLACK, opacity: 0.3 });
 }
 
 /// Where the structure changes, with the values.

@@ -168,7 +168,8 @@ fn rate(sweep: &Sweep<'_>, duration: f64) -> Option<Chart> {
     if !(top > 0.0 && top.is_finite()) {
         return None;
     }
-    let mut chart = Chart::new(sweep.axis(), Axis::linear("Cycles per period 2π", Unit::none(), (-0.03 * top, 1.06 * top)));
+    let mut chart =
+        Chart::new(sweep.axis(), Axis::linear("Cycles per period 2π", Unit::none(), (-0.03 * top, 1.06 * top)));
     let pen = Pen::new(BLACK, 1.8, Dash::Solid);
     chart.add("deterministic", Mark::Points { x: sweep.damping.to_vec(), y: without, pen });
     for (upscaling, mean) in UPSCALINGS.into_iter().zip(means) {

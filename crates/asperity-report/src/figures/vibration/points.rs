@@ -19,7 +19,8 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let mut charts = Vec::new();
     let mut sources = Vec::new();
     for (name, heading) in panels {
-        let histogram = run.tables.get(name).and_then(|t| histogram(t, "Re-attachment displacement X", "re-attachments"));
+        let histogram =
+            run.tables.get(name).and_then(|t| histogram(t, "Re-attachment displacement X", "re-attachments"));
         if let Some(chart) = histogram {
             charts.push((HEIGHT, chart.titled(heading)));
             sources.push(csv(name));

@@ -43,7 +43,12 @@ pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result
         }
     }
     if let Some(line) = lines("map_limit", None) {
-        outlined(&mut chart, "end of the cycle without fluctuation, ζ = ζ_c", line, Pen::new(VERMILION, 2.6, Dash::Solid));
+        outlined(
+            &mut chart,
+            "end of the cycle without fluctuation, ζ = ζ_c",
+            line,
+            Pen::new(VERMILION, 2.6, Dash::Solid),
+        );
     }
     let title = "Probability of a sustained cycle";
     let description = "Colours: share of the trajectories that are in the cycle for at least half of the second half of their time. \
