@@ -11,6 +11,10 @@ use documents::{elements, resources, text};
 use serde_json::{Value, json};
 
 type Tables = BTreeMap<String, Table>;
+/// An answer with its tables.
+type Given = (Value, Tables);
+/// The name of a figure and words in it.
+type Wanted = (&'static str, Vec<&'static str>);
 
 fn table(columns: &[(&str, Vec<f64>)]) -> Table {
     Table { columns: columns.iter().map(|(name, values)| ((*name).to_owned(), values.clone())).collect() }
@@ -34,7 +38,7 @@ fn circle(radius: f64) -> Table {
 }
 
 /// A large cell with probability 1 beside four small ones.
-fn map() -> (Value, Tables) {
+fn map() -> Given {
     let cells = table(&[
         ("damping_ratio_low", vec![0.1, 0.2, 0.25, 0.2, 0.25]),
         ("damping_ratio_high", vec![0.2, 0.25, 0.3, 0.25, 0.3]),
@@ -54,7 +58,7 @@ fn map() -> (Value, Tables) {
     (answer, tables(vec![("map_cells", cells), ("map_contours", contours), ("map_limit", limit)]))
 }
 
-fn bifurcation() -> (Value, Tables) {
+fn bifurcation() -> Given {
     let way = |end: f64| {
         let cycle = move |zeta: f64| if zeta < end { 1.0 } else { 0.0 };
         table(&[
@@ -88,7 +92,7 @@ fn bifurcation() -> (Value, Tables) {
     (json!({"parameter": "damping_ratio"}), tables(all))
 }
 
-fn curve() -> (Value, Tables) {
+fn curve() -> Given {
     let curve = table(&[
         ("belt_velocity", grid(30, |t| 0.003 * 30.0_f64.powf(t))),
         ("critical_damping_ratio", grid(30, |t| 0.2 - 0.05 * t)),
@@ -98,7 +102,7 @@ fn curve() -> (Value, Tables) {
     (json!({"parameter": "belt_velocity"}), tables(vec![("critical_curve", curve)]))
 }
 
-fn sound() -> (Value, Tables) {
+fn sound() -> Given {
     let spectrum = table(&[
         ("frequency", grid(40, |t| 0.01 * 1000.0_f64.powf(t))),
         ("density", grid(40, |t| 1e-8 / (0.01 + (t - 0.66).powi(2)))),
@@ -109,7 +113,7 @@ fn sound() -> (Value, Tables) {
     (answer, tables(vec![("sound_spectrum", spectrum)]))
 }
 
-fn ensemble() -> (Value, Tables) {
+fn ensemble() -> Given {
     let cloud = table(&[
         ("trajectory", grid(120, |t| (1.99 * t).floor())),
         ("tau", grid(120, |t| TAU * t)),
@@ -126,7 +130,7 @@ fn ensemble() -> (Value, Tables) {
     (json!({}), tables(all))
 }
 
-fn basin() -> (Value, Tables) {
+fn basin() -> Given {
     let places =
         || (0..30).flat_map(|row| (0..40).map(move |column| (f64::from(column) - 20.0, f64::from(row) - 15.0)));
     let attractor = |(x, y): (f64, f64)| if x.hypot(y) < 8.0 { 0.0 } else { 2.0 };
@@ -139,7 +143,7 @@ fn basin() -> (Value, Tables) {
     (json!({"sliding_share": 0.2}), tables(all))
 }
 
-fn modes() -> (Value, Tables) {
+fn modes() -> Given {
     let scan = table(&[
         ("friction", grid(50, |t| t)),
         ("growth_1", grid(50, |t| (t - 0.75).max(0.0).sqrt())),
@@ -161,7 +165,7 @@ fn modes() -> (Value, Tables) {
 }
 
 /// Answers and tables with the figures that they make and words in each.
-fn all() -> Vec<((Value, Tables), Vec<(&'static str, Vec<&'static str>)>)> {
+fn all() -> Vec<(Given, Vec<Wanted>)> {
     vec![
         (
             map(),
@@ -204,10 +208,7 @@ fn all() -> Vec<((Value, Tables), Vec<(&'static str, Vec<&'static str>)>)> {
         ),
         (
             sound(),
-            vec![(
-                "sound_spectrum",
-                vec!["95 % band", "limit cycle, ω/ω₀ = 1", "−0.22 dB [−0.32,\u{a0}−0.13]", "ω/ω₀"],
-            )],
+            vec![("sound_spectrum", vec!["95 % band", "limit cycle, ω/ω₀ = 1", "−0.22 dB [−0.32, −0.13]", "ω/ω₀"])],
         ),
         (
             ensemble(),

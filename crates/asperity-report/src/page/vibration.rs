@@ -45,6 +45,9 @@ pub(super) fn tables(run: &Run) -> Vec<DataTable> {
     tables
 }
 
+/// What stands in the column of an upscaling.
+type Cell = Box<dyn Fn(&Value) -> String>;
+
 /// Upscalings that the results hold, with their name.
 fn upscalings(vibration: &Value) -> impl Iterator<Item = (&'static str, &Value)> {
     ["area", "paper"].into_iter().map(|name| (name, &vibration[name])).filter(|(_, part)| part.is_object())
@@ -55,7 +58,7 @@ fn by_upscaling(
     vibration: &Value,
     caption: &str,
     first: &str,
-    rows: impl Iterator<Item = (String, Box<dyn Fn(&Value) -> String>)>,
+    rows: impl Iterator<Item = (String, Cell)>,
 ) -> DataTable {
     let names: Vec<String> = upscalings(vibration).map(|(name, _)| format!("“{name}”")).collect();
     let headers: Vec<&str> = std::iter::once(first).chain(names.iter().map(String::as_str)).collect();
@@ -72,7 +75,7 @@ fn crossings(vibration: &Value) -> DataTable {
         .collect();
     shares.sort_by(|a, b| b.total_cmp(a));
     shares.dedup();
-    let rows = shares.into_iter().map(|share| -> (String, Box<dyn Fn(&Value) -> String>) {
+    let rows = shares.into_iter().map(|share| -> (String, Cell) {
         let cell = move |part: &Value| {
             let found = list(&part["crossings"]).iter().find(|crossing| crossing["share"].as_f64() == Some(share));
             match found.map(|crossing| (&crossing["damping_ratio"], interval(crossing, "damping_ratio"))) {
@@ -106,7 +109,7 @@ fn motion(vibration: &Value) -> DataTable {
             }
         }
     };
-    let rows: [(&str, Box<dyn Fn(&Value) -> String>); 7] = [
+    let rows: [(&str, Cell); 7] = [
         ("Period τ between detachments", Box::new(number("period_mean"))),
         ("Its jitter (standard deviation)", Box::new(number("period_std"))),
         ("Time in stick", Box::new(percent("stick_share"))),
