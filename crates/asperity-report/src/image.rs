@@ -58,5 +58,5 @@ pub(crate) fn colour_bar(canvas: &mut Canvas<'_>, bar: Rect, axis: &Axis) -> Res
         widest = widest.max(text_width(&tick.label, TEXT));
     }
     let middle = 0.5 * (bar.top + bar.bottom);
-    canvas.text((bar.right + 8.0 + widest + 12.0, middle), &axis.label(), LABEL, Align::Upward)
+    canvas.text((bar.right + 8.0 + widest + 14.0, middle), &axis.label(), LABEL, Align::Upward)
 }

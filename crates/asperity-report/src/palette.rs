@@ -33,9 +33,9 @@ pub(crate) fn pen(index: usize) -> Pen {
     Pen::new(colour, 1.8, dash)
 }
 
-/// A light tint of a colour, for areas under lines.
-pub(crate) fn pale(colour: RGBColor) -> RGBColor {
-    let lighter = |c: u8| (0.35 * f64::from(c) + 0.65 * 255.0).round() as u8;
+/// A tint of a colour on white, for areas under lines.
+pub(crate) fn pale(colour: RGBColor, share: f64) -> RGBColor {
+    let lighter = |c: u8| (share * f64::from(c) + (1.0 - share) * 255.0).round() as u8;
     RGBColor(lighter(colour.0), lighter(colour.1), lighter(colour.2))
 }
 

@@ -65,13 +65,14 @@ impl Sound {
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         self.wav.check(&inputs)?;
+        let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
         let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
         let period = cycle_period(&oscillator, monitor)?;
         let answer = Answer::of(&sound)?.with("cycle_period", period);
         if wanted {
             self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
         }
-        self.wav.write(&oscillator, &process, &settings, monitor)?;
+        self.wav.write(wave.as_ref(), monitor)?;
         if self.json {
             return answer.print(true);
         }

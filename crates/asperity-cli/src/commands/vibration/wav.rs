@@ -53,15 +53,15 @@ impl Wav {
         self.wav.as_ref().map_or(Ok(()), |file| check_target("--wav", file, inputs))
     }
 
-    /// Follows the first path in the time of the file and writes it, if it is wanted.
-    pub(super) fn write(
+    /// Follows the first path for the time of the file, if it is wanted.
+    pub(super) fn record(
         &self,
         oscillator: &Oscillator,
         process: &FrictionProcess,
         settings: &SoundSettings,
         monitor: &Terminal,
-    ) -> Result<(), Failure> {
-        let Some((file, natural_frequency_hz)) = self.wav.as_ref().zip(self.natural_frequency) else { return Ok(()) };
+    ) -> Result<Option<Waveform>, Failure> {
+        let Some(natural_frequency_hz) = self.natural_frequency else { return Ok(None) };
         let wanted = WaveformSettings {
             natural_frequency_hz,
             sampling_rate_hz: f64::from(SAMPLING_RATE_HZ),
@@ -71,6 +71,12 @@ impl Wav {
         };
         let path = process.path(settings.seed, 0);
         let wave = monitor.at_once(|| Waveform::record(oscillator, path, &wanted))?.map_err(|e| refused(&e))?;
+        Ok(Some(wave))
+    }
+
+    /// Writes what was recorded.
+    pub(super) fn write(&self, wave: Option<&Waveform>, monitor: &Terminal) -> Result<(), Failure> {
+        let Some((file, wave)) = self.wav.as_ref().zip(wave) else { return Ok(()) };
         let loud = wave.samples.iter().filter(|sample| sample.abs() > 1.0).count();
         if loud > 0 {
             monitor.warn(&format!("{loud} of {} samples are louder than full scale and cut off", wave.samples.len()));

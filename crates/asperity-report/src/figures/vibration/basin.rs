@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use plotters::prelude::RGBColor;
+
 use super::{ATTRACTORS, Words, columns, outlined};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
@@ -21,6 +23,11 @@ const WORDS: Words = Words {
                   between them and the stick-slip cycle.",
 };
 
+/// The colour of an area; slip cycles are darker, so that neighbours differ in lightness as well.
+fn tint(kind: f64, colour: RGBColor) -> RGBColor {
+    pale(colour, if kind == 1.0 { 0.7 } else { 0.35 })
+}
+
 pub(super) fn figure(tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
     let names = ["displacement", "velocity", "attractor"];
     let Some([x, y, attractor]) = tables.get("basin").and_then(|t| columns(t, names)) else { return Ok(None) };
@@ -30,7 +37,7 @@ pub(super) fn figure(tables: &BTreeMap<String, Table>) -> Result<Option<Figure>,
     chart.backdrop = Some(Backdrop { data_uri: grid.image(attractor)?, x: grid.x, y: grid.y });
     for (kind, name, colour) in ATTRACTORS {
         if attractor.contains(&kind) {
-            chart.add(name, Mark::Patch { colour: pale(colour) });
+            chart.add(name, Mark::Patch { colour: tint(kind, colour) });
         }
     }
     let curve = |name: &str| {
@@ -72,8 +79,8 @@ impl Grid {
 
     /// The image, from the top.
     fn image(&self, attractor: &[f64]) -> Result<String, ReportError> {
-        let palette = std::iter::once(plotters::style::RGBColor(255, 255, 255))
-            .chain(ATTRACTORS.iter().map(|(_, _, colour)| pale(*colour)))
+        let palette = std::iter::once(RGBColor(255, 255, 255))
+            .chain(ATTRACTORS.iter().map(|(kind, _, colour)| tint(*kind, *colour)))
             .collect();
         let index = |found: &f64| ATTRACTORS.iter().position(|(kind, _, _)| kind == found).map_or(0, |k| k as u8 + 1);
         let rows = (0..self.rows).rev().map(|row| &attractor[row * self.columns..(row + 1) * self.columns]);
