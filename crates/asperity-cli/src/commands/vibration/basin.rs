@@ -58,8 +58,7 @@ impl Basin {
         let found = vibration::basin(&oscillator, &area, monitor).map_err(|e| refused(&e))?;
         let border = monitor.at_once(|| separatrix(&oscillator, BORDER_POINTS))?.map_err(|e| refused(&e))?;
         let cycles = monitor.at_once(|| slip_cycles(&oscillator))?.map_err(|e| refused(&e))?;
-        let cycles = serde_json::to_value(&cycles).unwrap_or(Value::Null);
-        let answer = answer(&found, border.as_ref()).with("slip_cycles", cycles);
+        let answer = answer(&found, border.as_ref()).with("slip_cycles", json!(cycles));
         let whole = answer.clone().with("attractors", json!(found.attractors));
         if wanted {
             let mut tables = vec![("basin", table(&found))];
