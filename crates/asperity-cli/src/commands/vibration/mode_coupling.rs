@@ -106,7 +106,8 @@ struct Noise {
           requires = "friction_std")]
     duration: f64,
     /// Time τ before growth is measured.
-    #[arg(long, value_name = "X", default_value = "60", value_parser = args::non_negative, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", default_value = "60", value_parser = args::non_negative, allow_hyphen_values = true,
+          requires = "friction_std")]
     settling: f64,
     /// Amplitude |x − x_s| about steady sliding that is a vibration; half the cycle's when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "friction_std")]
