@@ -193,6 +193,18 @@ impl Canvas<'_> {
         Ok(())
     }
 
+    /// A small filled disc without a rim.
+    pub(crate) fn dot(
+        &mut self,
+        centre: (f64, f64),
+        radius: f64,
+        colour: RGBColor,
+        opacity: f64,
+    ) -> Result<(), ReportError> {
+        let radius = (radius * UNITS).round() as u32;
+        Self::check(self.backend.draw_circle(units(centre), radius, &colour.mix(opacity).filled(), true))
+    }
+
     /// A text whose vertical middle lies at the point.
     pub(crate) fn text(&mut self, at: (f64, f64), text: &str, size: f64, align: Align) -> Result<(), ReportError> {
         let mut font = (FontFamily::Name(FONT_FAMILY), size * UNITS * FONT_SCALE).into_font();

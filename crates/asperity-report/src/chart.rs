@@ -1,15 +1,18 @@
 //! Charts: series over two axes, with the legend outside the data.
 
+mod layout;
+mod legend;
+
 use plotters::prelude::RGBColor;
 
+pub(crate) use self::layout::{Layout, figure, stacked};
+use self::legend::Legend;
 use crate::ReportError;
 use crate::axis::{Axis, Tick};
-use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw, text_width};
+use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, text_width};
 use crate::polyline::{clipped, simplified};
 use crate::symbol::Shape;
 
-/// Height of one row of the legend in pixels.
-const LEGEND_ROW: f64 = 21.0;
 /// Curves are simplified by at most this distance in pixels.
 const TOLERANCE: f64 = 0.12;
 /// A curve with more corners is simplified further.
@@ -44,6 +47,19 @@ pub(crate) enum Mark {
     Horizontal { y: f64, pen: Pen },
     /// A short text above a point.
     Note { x: f64, y: f64, text: String },
+    /// Many small points.
+    Dots { x: Vec<f64>, y: Vec<f64>, radius: f64, colour: RGBColor, opacity: f64 },
+    /// What a colour of the image behind the chart means; in the legend alone.
+    Patch { colour: RGBColor },
+}
+
+/// An image behind the marks of a chart, in the place of its grid.
+#[derive(Debug, Clone)]
+pub(crate) struct Backdrop {
+    pub(crate) data_uri: String,
+    /// Ends of the image along the axes, in SI units.
+    pub(crate) x: (f64, f64),
+    pub(crate) y: (f64, f64),
 }
 
 /// A series with its name in the legend, if it has one.
@@ -62,11 +78,12 @@ pub(crate) struct Chart {
     pub(crate) series: Vec<Series>,
     /// Tick labels and the label of the x axis are drawn; stacked charts leave them to the lowest one.
     pub(crate) shows_x: bool,
+    pub(crate) backdrop: Option<Backdrop>,
 }
 
 impl Chart {
     pub(crate) fn new(x: Axis, y: Axis) -> Self {
-        Self { title: None, x, y, series: Vec::new(), shows_x: true }
+        Self { title: None, x, y, series: Vec::new(), shows_x: true, backdrop: None }
     }
 
     pub(crate) fn titled(mut self, title: &str) -> Self {
@@ -90,6 +107,7 @@ impl Chart {
             right: outer.right - 20.0,
             bottom: outer.bottom - if self.shows_x { 50.0 } else { 8.0 },
         };
+        self.behind(canvas, plot);
         self.axes(canvas, plot)?;
         for series in &self.series {
             self.mark(canvas, plot, &series.mark)?;
@@ -102,11 +120,35 @@ impl Chart {
         Ok(())
     }
 
+    /// Height of the chart's legend where it is `width` wide.
+    pub(crate) fn legend_height(&self, width: f64) -> f64 {
+        Legend::new([self], 72.0, width - 76.0).height()
+    }
+
+    /// Draws the legend of the chart into the upper part of `outer`.
+    pub(crate) fn draw_legend(&self, canvas: &mut Canvas<'_>, outer: Rect) -> Result<(), ReportError> {
+        Legend::new([self], outer.left + 72.0, outer.width() - 76.0).draw(canvas, outer.top)
+    }
+
     /// Draws the chart into `outer` with its legend above it, for charts that share a figure with a map.
     pub(crate) fn draw_with_legend(&self, canvas: &mut Canvas<'_>, outer: Rect) -> Result<(), ReportError> {
         let legend = Legend::new([self], outer.left + 72.0, outer.width() - 72.0);
         legend.draw(canvas, outer.top)?;
         self.draw(canvas, Rect { top: outer.top + legend.height(), ..outer })
+    }
+
+    /// Places the image behind the marks; it must lie within the axes.
+    fn behind(&self, canvas: &mut Canvas<'_>, plot: Rect) {
+        let Some(Backdrop { data_uri, x, y }) = &self.backdrop else { return };
+        let ends = [self.x.position(x.0), self.x.position(x.1), self.y.position(y.0), self.y.position(y.1)];
+        let [Some(left), Some(right), Some(low), Some(high)] = ends else { return };
+        let rect = Rect {
+            left: plot.left + left * plot.width(),
+            right: plot.left + right * plot.width(),
+            top: plot.bottom - high * plot.height(),
+            bottom: plot.bottom - low * plot.height(),
+        };
+        canvas.image(rect, data_uri);
     }
 
     fn axes(&self, canvas: &mut Canvas<'_>, plot: Rect) -> Result<(), ReportError> {
@@ -116,7 +158,9 @@ impl Chart {
             let x = plot.left + mark.position * plot.width();
             let length = if mark.label.is_empty() { 3.0 } else { 5.0 };
             if !mark.label.is_empty() {
-                canvas.line(&[(x, plot.top), (x, plot.bottom)], grid)?;
+                if self.backdrop.is_none() {
+                    canvas.line(&[(x, plot.top), (x, plot.bottom)], grid)?;
+                }
                 if self.shows_x {
                     canvas.text((x, plot.bottom + 15.0), &mark.label, TEXT, Align::Middle)?;
                 }
@@ -127,7 +171,9 @@ impl Chart {
             let y = plot.bottom - mark.position * plot.height();
             let length = if mark.label.is_empty() { 3.0 } else { 5.0 };
             if !mark.label.is_empty() {
-                canvas.line(&[(plot.left, y), (plot.right, y)], grid)?;
+                if self.backdrop.is_none() {
+                    canvas.line(&[(plot.left, y), (plot.right, y)], grid)?;
+                }
                 canvas.text((plot.left - 8.0, y), &mark.label, TEXT, Align::End)?;
             }
             canvas.line(&[(plot.left - length, y), (plot.left, y)], tick)?;
@@ -244,8 +290,14 @@ impl Chart {
                 }
                 None => Ok(()),
             },
+            Mark::Dots { x, y, radius, colour, opacity } => {
+                for at in self.runs(plot, x, y).into_iter().flatten().filter(|at| inside(*at, plot)) {
+                    canvas.dot(at, *radius, *colour, *opacity)?;
+                }
+                Ok(())
+            }
             // Notes know of each other and are placed together.
-            Mark::Note { .. } => Ok(()),
+            Mark::Note { .. } | Mark::Patch { .. } => Ok(()),
         }
     }
 
@@ -303,131 +355,6 @@ pub(crate) fn fitting_ticks(axis: &Axis, width: f64) -> Vec<Tick> {
 
 fn inside((x, y): (f64, f64), plot: Rect) -> bool {
     x >= plot.left - 0.5 && x <= plot.right + 0.5 && y >= plot.top - 0.5 && y <= plot.bottom + 0.5
-}
-
-/// The named series of several charts, each name once, in rows that fit `width`.
-struct Legend<'a> {
-    rows: Vec<Vec<(f64, &'a Series)>>,
-}
-
-impl<'a> Legend<'a> {
-    fn new(charts: impl IntoIterator<Item = &'a Chart>, left: f64, width: f64) -> Self {
-        let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
-        let mut seen: Vec<&str> = Vec::new();
-        let mut x = f64::INFINITY;
-        for series in charts.into_iter().flat_map(|chart| &chart.series) {
-            let Some(name) = series.name.as_deref().filter(|name| !seen.contains(name)) else { continue };
-            seen.push(name);
-            let length = 38.0 + text_width(name, TEXT) + 18.0;
-            if x + length > left + width {
-                rows.push(Vec::new());
-                x = left;
-            }
-            rows.last_mut().into_iter().for_each(|row| row.push((x, series)));
-            x += length;
-        }
-        Self { rows }
-    }
-
-    fn height(&self) -> f64 {
-        if self.rows.is_empty() { 0.0 } else { LEGEND_ROW * self.rows.len() as f64 + 6.0 }
-    }
-
-    fn draw(&self, canvas: &mut Canvas<'_>, top: f64) -> Result<(), ReportError> {
-        for (row, entries) in self.rows.iter().enumerate() {
-            let y = top + LEGEND_ROW * (row as f64 + 0.5) + 4.0;
-            for (x, series) in entries {
-                let (from, to) = ((*x, y), (*x + 32.0, y));
-                match &series.mark {
-                    Mark::Symbol { shape, colour, .. } => shape.draw(canvas, (x + 16.0, y), SYMBOL, *colour)?,
-                    Mark::Line { pen, .. }
-                    | Mark::Vertical { pen, .. }
-                    | Mark::Horizontal { pen, .. }
-                    | Mark::Span { pen, .. } => {
-                        canvas.line(&[from, to], Pen { opacity: pen.opacity.max(0.7), ..*pen })?;
-                    }
-                    Mark::Points { pen, .. } => {
-                        canvas.line(&[from, to], *pen)?;
-                        canvas.disc((*x + 16.0, y), 3.2, pen.colour)?;
-                    }
-                    Mark::Band { colour, .. } | Mark::Bars { colour, .. } | Mark::Region { colour, .. } => {
-                        let (left, right, top, bottom) = (x + 4.0, x + 28.0, y - 6.0, y + 6.0);
-                        let box_ = [(left, top), (right, top), (right, bottom), (left, bottom)];
-                        canvas.polygon(&box_, *colour, 0.30)?;
-                    }
-                    Mark::Note { .. } => {}
-                }
-                if let Some(name) = &series.name {
-                    canvas.text((*x + 38.0, y), name, TEXT, Align::Start)?;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Charts over one x axis, one above the other and equally high; the lowest has its labels.
-pub(crate) fn stacked(charts: Vec<Chart>, height: f64) -> Vec<(f64, Chart)> {
-    let last = charts.len().saturating_sub(1);
-    let place = |(index, chart)| {
-        let shows_x = index == last;
-        (if shows_x { height + 42.0 } else { height }, Chart { shows_x, ..chart })
-    };
-    charts.into_iter().enumerate().map(place).collect()
-}
-
-/// How charts share a figure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Layout {
-    /// From left to right, equally wide, this high.
-    Row(f64),
-    /// Two beside each other, row by row, each row this high.
-    Pairs(f64),
-    /// One above the other; each has its height in the list given to [`figure`].
-    Column,
-}
-
-/// A figure 640 px wide with one legend above its charts.
-///
-/// # Errors
-/// The drawing backend's.
-pub(crate) fn figure(
-    title: &str,
-    description: &str,
-    layout: Layout,
-    charts: &[(f64, Chart)],
-) -> Result<String, ReportError> {
-    const WIDTH: f64 = 640.0;
-    let legend = Legend::new(charts.iter().map(|(_, chart)| chart), 72.0, WIDTH - 72.0 - 4.0);
-    let top = legend.height();
-    let height = match layout {
-        Layout::Row(height) => top + height,
-        Layout::Pairs(height) => top + charts.len().div_ceil(2) as f64 * height,
-        Layout::Column => top + charts.iter().map(|(height, _)| height).sum::<f64>(),
-    };
-    draw((WIDTH, height), title, description, |canvas| {
-        legend.draw(canvas, 0.0)?;
-        let mut at = (0.0, top);
-        for (place, (share, chart)) in charts.iter().enumerate() {
-            match layout {
-                Layout::Row(height) => {
-                    let width = WIDTH / charts.len() as f64;
-                    chart.draw(canvas, Rect::new(at.0, at.1, width, height))?;
-                    at.0 += width;
-                }
-                Layout::Pairs(height) => {
-                    let left = if place % 2 == 0 { 0.0 } else { 0.5 * WIDTH };
-                    let top = top + (place / 2) as f64 * height;
-                    chart.draw(canvas, Rect::new(left, top, 0.5 * WIDTH, height))?;
-                }
-                Layout::Column => {
-                    chart.draw(canvas, Rect::new(at.0, at.1, WIDTH, *share))?;
-                    at.1 += share;
-                }
-            }
-        }
-        Ok(())
-    })
 }
 
 /// Edges and height of every bin, from centres: the edges lie midway.

@@ -3,7 +3,7 @@
 pub(crate) mod friction;
 mod pressure;
 mod surface;
-mod vibration;
+pub(crate) mod vibration;
 
 use crate::canvas::{Rect, draw};
 use crate::raster::{Kind, Raster};

@@ -15,6 +15,7 @@ mod chart;
 mod figures;
 mod fits;
 mod format;
+mod image;
 mod page;
 mod palette;
 mod polyline;
@@ -27,6 +28,7 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
+pub use figures::vibration::vibration_figures;
 pub use record::record_figures;
 pub use twin::{TwinRun, render_twins};
 

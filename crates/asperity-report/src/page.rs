@@ -7,6 +7,7 @@ mod parameters;
 mod random_surface;
 mod references;
 mod tables;
+mod vibration;
 
 use minijinja::{AutoEscape, Environment, Value, context};
 
@@ -146,7 +147,7 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             "Friction-induced vibration",
             "Whether the machine squeals without roughness, and what the roughness does to it. Displacement and time \
              are dimensionless: X = xc/N, τ = ω₀t.",
-            &tables::vibration(run),
+            &vibration::tables(run),
         ),
     ]
     .into_iter()

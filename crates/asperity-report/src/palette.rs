@@ -33,6 +33,12 @@ pub(crate) fn pen(index: usize) -> Pen {
     Pen::new(colour, 1.8, dash)
 }
 
+/// A tint of a colour on white, for areas under lines.
+pub(crate) fn pale(colour: RGBColor, share: f64) -> RGBColor {
+    let lighter = |c: u8| (share * f64::from(c) + (1.0 - share) * 255.0).round() as u8;
+    RGBColor(lighter(colour.0), lighter(colour.1), lighter(colour.2))
+}
+
 /// Colour of missing heights: at its lightness the scale below has the opposite hue.
 pub(crate) const MISSING: RGBColor = VERMILION;
 /// Colour of points without contact.

@@ -1,18 +1,13 @@
 //! Maps as images: fields become indexed PNGs with a colour bar.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-
 use crate::axis::Axis;
 use crate::canvas::{Align, Canvas, Dash, INK, LABEL, Pen, Rect, TEXT, text_width};
 use crate::chart::fitting_ticks;
 use crate::format::{Dimension, Unit};
-use crate::palette::{MISSING, NO_CONTACT, colour_scale};
+use crate::image;
+use crate::palette::{MISSING, NO_CONTACT};
 use crate::{Field, ReportError};
 
-/// Palette entries below the colour scale: missing points, then points at exactly zero.
-const RESERVED: u8 = 2;
-const COLOURS: usize = 254;
 /// Larger fields are averaged over blocks before they are embedded.
 const MOST_POINTS: usize = 640 * 640;
 const MOST_ALONG: usize = 2600;
@@ -132,12 +127,12 @@ impl Shown {
                 } else if kind == Kind::Pressure && v <= 0.0 {
                     1
                 } else {
-                    RESERVED + (((v - low) / span).clamp(0.0, 1.0) * (COLOURS - 1) as f64).round() as u8
+                    image::shade((v - low) / span)
                 }
             })
             .collect();
         Ok(Raster {
-            data_uri: png_data_uri(self.nx, self.ny, &indices)?,
+            data_uri: image::indexed(self.nx, self.ny, &indices, image::scale_palette())?,
             kind,
             width_m: field.nx as f64 * field.dx_m,
             height_m: field.ny as f64 * field.dy_m,
@@ -232,10 +227,6 @@ impl Raster {
 
     /// Draws the colour bar into `bar`, its ticks and label at the right.
     pub(crate) fn colour_bar(&self, canvas: &mut Canvas<'_>, bar: Rect) -> Result<(), ReportError> {
-        let scale: Vec<u8> = (0..COLOURS).rev().map(|i| RESERVED + i as u8).collect();
-        canvas.image(bar, &png_data_uri(1, COLOURS, &scale)?);
-        let pen = Pen::new(INK, 1.0, Dash::Solid);
-        canvas.frame(bar, pen)?;
         let (name, dimension) = match self.kind {
             Kind::Height => ("Height", Dimension::Length),
             Kind::Pressure => ("Pressure", Dimension::Pressure),
@@ -243,15 +234,7 @@ impl Raster {
             Kind::Error => ("Leave-one-out error / variance", Dimension::None),
         };
         let axis = Axis::linear(name, dimension.unit(self.low.abs().max(self.high.abs())), (self.low, self.high));
-        let mut widest: f64 = 0.0;
-        for tick in axis.ticks((bar.height() / 110.0).max(2.0) as usize) {
-            let at = bar.bottom - tick.position * bar.height();
-            canvas.line(&[(bar.right, at), (bar.right + 4.0, at)], pen)?;
-            canvas.text((bar.right + 8.0, at), &tick.label, TEXT, Align::Start)?;
-            widest = widest.max(text_width(&tick.label, TEXT));
-        }
-        let middle = 0.5 * (bar.top + bar.bottom);
-        canvas.text((bar.right + 8.0 + widest + 12.0, middle), &axis.label(), LABEL, Align::Upward)
+        image::colour_bar(canvas, bar, &axis)
     }
 
     /// What the reserved colours mean, from `at` to the right.
@@ -273,29 +256,11 @@ impl Raster {
     }
 }
 
-fn png_data_uri(nx: usize, ny: usize, indices: &[u8]) -> Result<String, ReportError> {
-    let mut palette = Vec::with_capacity(3 * 256);
-    for colour in [MISSING, NO_CONTACT] {
-        palette.extend([colour.0, colour.1, colour.2]);
-    }
-    for i in 0..COLOURS {
-        let colour = colour_scale(i as f64 / (COLOURS - 1) as f64);
-        palette.extend([colour.0, colour.1, colour.2]);
-    }
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, nx as u32, ny as u32);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_palette(palette);
-    encoder
-        .write_header()
-        .and_then(|mut writer| writer.write_image_data(indices))
-        .map_err(|error| ReportError::Image { message: error.to_string() })?;
-    Ok(format!("data:image/png;base64,{}", STANDARD.encode(bytes)))
-}
-
 #[cfg(test)]
 mod tests {
+    use base64::Engine as _;
+    use base64::engine::general_purpose::STANDARD;
+
     use super::*;
 
     fn decoded(raster: &Raster) -> (u32, u32, Vec<u8>) {

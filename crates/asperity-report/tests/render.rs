@@ -44,6 +44,7 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "limit_cycle",
         "reattachment",
         "cycles_over_damping",
+        "sustained_over_damping",
     ];
     assert_eq!(names, wanted);
     for id in
@@ -72,6 +73,39 @@ fn words(run: &Run, name: &str) -> Vec<String> {
     let pieces =
         svg.split('<').filter_map(|piece| piece.split_once('>')).map(|(_, text)| text.trim().replace('\u{a0}', " "));
     pieces.filter(|text| !text.is_empty()).collect()
+}
+
+#[test]
+fn the_vibration_says_where_cycles_are_lost_and_how_it_moves() {
+    let run = full_run();
+    let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in [
+        "0.15160 [0.15140, 0.15180]",
+        "Ways out of the cycle per τ in it",
+        "0.00826 [0.00787, 0.00867]",
+        "99.5 % [98.2, 99.9]",
+        "11.370 ± 0.070 %",
+        "Points of detachment by upscaling",
+        "tables/phase_cloud.csv",
+    ] {
+        assert!(html.contains(wanted), "the page says {wanted:?}");
+    }
+    let portrait = words(&run, "limit_cycle");
+    for wanted in ["many trajectories", "one stochastic trajectory", "deterministic limit cycle"] {
+        assert!(portrait.contains(&wanted.to_owned()), "{wanted} in {portrait:?}");
+    }
+    let lost = words(&run, "sustained_over_damping");
+    assert!(lost.contains(&"Sustained cycle, share".to_owned()) && lost.contains(&"Cycles per period 2π".to_owned()));
+    // Runs from before there were these keys, and without the length of the trajectories.
+    let mut run = full_run();
+    run.tables.remove("phase_cloud");
+    run.inputs.retain(|input| input.key != "duration");
+    let paper = run.results["vibration"]["paper"].as_object_mut().unwrap();
+    paper.retain(|key, _| !["crossings", "motion", "release"].contains(&key.as_str()));
+    let html = text(&render(&run).unwrap().html);
+    assert!(!html.contains("Ways out of the cycle") && !html.contains("Points of detachment"));
+    assert!(!words(&run, "limit_cycle").contains(&"many trajectories".to_owned()));
+    assert!(!words(&run, "sustained_over_damping").contains(&"Cycles per period 2π".to_owned()));
 }
 
 #[test]
@@ -218,10 +252,10 @@ fn each_table_and_field_can_be_there_alone() {
     for (name, table) in full.tables.iter().filter(|(name, _)| *name != "pressure_bands") {
         let tables = [(name.clone(), table.clone())].into();
         let report = render(&Run { tables, ..Run::default() }).unwrap();
-        // The laws of the heights are a table of the page, the levels of friction are two figures.
+        // The laws of the heights are a table of the page; the levels of friction and the damping sweep are two figures.
         let wanted = match name.as_str() {
             "height_fits" => 0,
-            "friction_levels" => 2,
+            "friction_levels" | "cycles_over_damping" => 2,
             _ => 1,
         };
         assert_eq!(report.figures.len(), wanted, "{name}");

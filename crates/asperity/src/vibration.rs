@@ -47,6 +47,7 @@ mod sweep;
 mod table;
 mod tableau;
 mod trajectory;
+mod waveform;
 mod weakening;
 
 use thiserror::Error;
@@ -73,6 +74,7 @@ pub use structure::{
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
+pub use waveform::{Waveform, WaveformSettings};
 
 use crate::friction::process::ProcessError;
 use crate::monitor::Cancelled;

@@ -1,18 +1,23 @@
 //! A mass on a moving belt, in dimensionless form: X = x·c/N, τ = ω₀t.
 
+mod basin;
 mod bifurcation;
 mod critical_curve;
 mod critical_damping;
 mod cycle;
 mod ensemble;
+mod folder;
 mod map;
+mod mode_coupling;
 mod random;
+mod series;
 mod sound;
 mod trajectory;
+mod wav;
 
 use std::path::{Path, PathBuf};
 
-use asperity::vibration::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
+use asperity::vibration::{Attractor, Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
 use clap::{Args, Subcommand};
 
 use crate::args;
@@ -30,6 +35,8 @@ pub(crate) enum Vibration {
     Map(Box<map::Map>),
     CriticalCurve(critical_curve::CriticalCurve),
     Bifurcation(bifurcation::Bifurcation),
+    Basin(basin::Basin),
+    ModeCoupling(Box<mode_coupling::ModeCoupling>),
 }
 
 impl Vibration {
@@ -43,6 +50,8 @@ impl Vibration {
             Self::Map(map) => map.run(monitor),
             Self::CriticalCurve(curve) => curve.run(monitor),
             Self::Bifurcation(diagram) => diagram.run(monitor),
+            Self::Basin(basin) => basin.run(monitor),
+            Self::ModeCoupling(coupling) => coupling.run(monitor),
         }
     }
 }
@@ -50,6 +59,23 @@ impl Vibration {
 /// Friction law, belt and forcing.
 #[derive(Debug, Args)]
 struct Machine {
+    #[command(flatten)]
+    friction: Friction,
+    /// Dimensionless belt velocity V = v_b·mω₀/N.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    belt_velocity: f64,
+    /// Amplitude q = Q/N of a harmonic force.
+    #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true,
+          requires = "forcing_frequency")]
+    forcing: Option<f64>,
+    /// Frequency η = Ω/ω₀ of the harmonic force.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "forcing")]
+    forcing_frequency: Option<f64>,
+}
+
+/// The stick limit, and friction in sliding.
+#[derive(Debug, Args)]
+struct Friction {
     /// Static friction coefficient, the stick limit.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     static_friction: f64,
@@ -62,16 +88,6 @@ struct Machine {
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
           requires = "stribeck_velocity")]
     high_speed_friction: Option<f64>,
-    /// Dimensionless belt velocity V = v_b·mω₀/N.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    belt_velocity: f64,
-    /// Amplitude q = Q/N of a harmonic force.
-    #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true,
-          requires = "forcing_frequency")]
-    forcing: Option<f64>,
-    /// Frequency η = Ω/ω₀ of the harmonic force.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "forcing")]
-    forcing_frequency: Option<f64>,
 }
 
 /// How friction falls with the velocity: one of these.
@@ -96,8 +112,8 @@ struct Law {
 impl Machine {
     fn oscillator(&self, damping_ratio: f64) -> Result<Oscillator, Failure> {
         let parameters = Parameters {
-            static_friction: self.static_friction,
-            law: self.friction_law()?,
+            static_friction: self.friction.static_friction,
+            law: self.friction.law()?,
             damping_ratio,
             belt_velocity: self.belt_velocity,
             forcing: self
@@ -107,8 +123,15 @@ impl Machine {
         };
         Oscillator::new(parameters).map_err(Failure::usage)
     }
+}
 
-    fn friction_law(&self) -> Result<FrictionLaw, Failure> {
+impl Friction {
+    /// The files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        self.law.friction_table.as_deref().into_iter().collect()
+    }
+
+    fn law(&self) -> Result<FrictionLaw, Failure> {
         let kinetic = self.kinetic_friction.unwrap_or(self.static_friction);
         let Law { stribeck, linear_weakening, stribeck_velocity, friction_table } = &self.law;
         if let Some(path) = friction_table {
@@ -156,6 +179,15 @@ struct Damping {
     /// Damping ratio ζ.
     #[arg(long, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
     damping_ratio: f64,
+}
+
+/// The number of an attractor in tables.
+fn code(attractor: Attractor) -> f64 {
+    match attractor {
+        Attractor::Sliding => 0.0,
+        Attractor::SlipCycle => 1.0,
+        Attractor::StickSlip => 2.0,
+    }
 }
 
 /// A search that failed has not converged; everything else lies in the flags.

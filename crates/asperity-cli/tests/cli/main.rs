@@ -13,3 +13,4 @@ mod surface;
 mod twin;
 mod usage;
 mod vibration;
+mod vibration_report;

@@ -5,7 +5,8 @@ use serde_json::Value;
 use super::friction::{leading_level, level_name};
 use super::json::interval;
 use super::method_name;
-use super::tables::{difference, list};
+use super::tables::list;
+use super::vibration::difference;
 use crate::Run;
 use crate::format::{show_range, significant, with_error};
 

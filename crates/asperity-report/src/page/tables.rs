@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::json::{flattened, interval, plain, shown};
+use super::json::{interval, plain, shown};
 use super::{DataTable, method_name, parameters, random_surface};
 use crate::format::{Dimension, significant, with_error};
 use crate::{Input, Run};
@@ -120,85 +120,6 @@ fn scalars(pressure: &Value) -> DataTable {
     let headers = ["Property of the contact", "Mean", "Std", "10 % quantile", "Median", "90 % quantile"];
     let caption = "Laws of what belongs to the whole contact; brackets hold 95 % intervals";
     DataTable::new(caption, &headers, rows.collect(), "tables/pressure_scalars.csv")
-}
-
-/// `vibration`: limits and cycle, cycles against damping, re-attachment law.
-pub(super) fn vibration(run: &Run) -> Vec<DataTable> {
-    let vibration = &run.results["vibration"];
-    let mut tables = Vec::new();
-    let mut scalars = vibration.clone();
-    if let Value::Object(entries) = &mut scalars {
-        entries.remove("paper");
-        entries.remove("area");
-    }
-    let rows = flattened(&scalars).into_iter().map(|(key, value)| vec![key, value]).collect();
-    tables.push(DataTable::new("Without roughness", &["Property", "Value"], rows, "results.json"));
-
-    let mut counts: Vec<Vec<String>> = Vec::new();
-    for entry in list(&vibration["area"]["damping"]).iter().chain(list(&vibration["paper"]["damping"])) {
-        let damping = entry["damping_ratio"].as_f64().map_or("–".into(), |v| significant(v, 4));
-        if counts.iter().any(|row| row[0] == damping) {
-            continue;
-        }
-        let mut row = vec![damping, shown(entry, "cycles_deterministic")];
-        for upscaling in ["area", "paper"] {
-            let found = at_damping(&vibration[upscaling], entry["damping_ratio"].as_f64());
-            row.push(found.map_or("–".into(), |entry| shown(entry, "cycles_mean")));
-            row.push(found.map_or("–".into(), |entry| difference(run, upscaling, entry).1));
-        }
-        counts.push(row);
-    }
-    let headers = ["ζ", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
-    let caption =
-        "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets hold 95 % intervals";
-    tables.push(DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns());
-
-    let rows = ["area", "paper"]
-        .iter()
-        .filter(|upscaling| vibration[**upscaling].is_object())
-        .map(|upscaling| {
-            let part = &vibration[*upscaling];
-            let law = &part["reattachment"];
-            vec![
-                format!("“{upscaling}”"),
-                shown(part, "friction_std"),
-                match (law["mean"].as_f64(), law["std"].as_f64()) {
-                    (Some(mean), Some(std)) => with_error(mean, std),
-                    _ => shown(law, "mean"),
-                },
-                shown(law, "skewness"),
-                shown(law, "excess_kurtosis"),
-                shown(law, "normality_p"),
-            ]
-        })
-        .collect();
-    let headers = ["Upscaling", "Std of μ", "X: mean ± std", "Skewness", "Excess kurtosis", "p (normality)"];
-    tables.push(
-        DataTable::new("Re-attachment points by upscaling", &headers, rows, "results.json").without_empty_columns(),
-    );
-    tables
-}
-
-/// The entry of an upscaling at a damping ratio.
-fn at_damping(upscaling: &Value, damping: Option<f64>) -> Option<&Value> {
-    let damping = damping?;
-    list(&upscaling["damping"]).iter().find(|entry| entry["damping_ratio"].as_f64() == Some(damping))
-}
-
-/// The interval of the lost cycles, from the results or from the table of the sweep, and the number as text.
-pub(super) fn difference(run: &Run, upscaling: &str, entry: &Value) -> (Option<(f64, f64)>, String) {
-    let limits = interval(entry, "difference_mean").or_else(|| interval(entry, "difference")).or_else(|| {
-        let table = run.tables.get("cycles_over_damping")?;
-        let damping = entry["damping_ratio"].as_f64()?;
-        let row = table.column("damping_ratio")?.iter().position(|v| (v - damping).abs() <= 1e-9 * damping.abs())?;
-        let end = |end: &str| table.column(&format!("{upscaling}_difference_{end}")).map(|values| values[row]);
-        Some((end("low")?, end("high")?)).filter(|(low, high)| low.is_finite() && high.is_finite())
-    });
-    let text = match entry["difference_mean"].as_f64() {
-        Some(value) => Dimension::None.show_interval(value, limits),
-        None => "–".into(),
-    };
-    (limits, text)
 }
 
 /// The inputs, one table per section in the order of appearance.

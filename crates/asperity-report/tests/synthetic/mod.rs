@@ -380,6 +380,18 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
     let drops: Vec<f64> = (0..41).map(|i| drop + 0.05 * (noise(i) + noise(i + 100) - 1.0)).collect();
     let path: Vec<_> = drops.windows(2).flat_map(|pair| cycle(pair[0], pair[1])).collect();
     tables.insert("trajectory".into(), portrait(&path));
+    // A cloud of cycles with other drops, at equal times.
+    let cloud: Vec<(f64, (f64, f64, f64))> =
+        (0..30).flat_map(|i| cycle(drops[i], drops[i + 1]).into_iter().map(move |point| (i as f64, point))).collect();
+    tables.insert(
+        "phase_cloud".into(),
+        table(&[
+            ("trajectory", cloud.iter().map(|(i, _)| *i).collect()),
+            ("tau", cloud.iter().map(|(_, p)| p.0).collect()),
+            ("displacement", cloud.iter().map(|(_, p)| p.1).collect()),
+            ("velocity", cloud.iter().map(|(_, p)| p.2).collect()),
+        ]),
+    );
     for (name, std) in [("reattachment_area", 4e-4), ("reattachment_paper", 9e-3)] {
         let x = grid(0.2 - 4.0 * std, 0.2 + 4.0 * std, 41);
         let density =
@@ -412,6 +424,9 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
             ("area_difference_mean", difference(&area, 0.0)),
             ("area_difference_low", difference(&area, -0.2)),
             ("area_difference_high", difference(&area, 0.2)),
+            ("paper_sustained_share", map(&zeta, |z| normal_cdf((0.205 - z) / 0.02))),
+            ("paper_sustained_share_low", map(&zeta, |z| normal_cdf((0.202 - z) / 0.02))),
+            ("paper_sustained_share_high", map(&zeta, |z| normal_cdf((0.208 - z) / 0.02))),
         ]),
     );
 }
@@ -491,6 +506,11 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
     };
     let reattachment =
         |std: f64| json!({"mean": 0.2, "std": std, "skewness": 0.11, "excess_kurtosis": -0.03, "normality_p": 0.41});
+    let motion = json!({"period_mean": 9.114, "period_std": 6.5, "stick_share": 0.1137, "stick_share_se": 0.0007,
+        "share_in_cycle": 0.7997, "exit_rate": 0.00826, "exit_rate_interval": [0.00787, 0.00867], "entry_rate": 0.0325,
+        "entry_rate_interval": [0.0309, 0.0341], "left_share": 0.995, "left_share_interval": [0.982, 0.999]});
+    let crossings = json!([{"share": 0.95, "damping_ratio": 0.1516, "damping_ratio_interval": [0.1514, 0.1518]},
+        {"share": 0.5, "damping_ratio": 0.2106, "damping_ratio_interval": [0.2104, 0.2108]}]);
     json!({
         "surface": {
             "nx": 256, "ny": 256, "dx_m": 7.8125e-7, "dy_m": 7.8125e-7, "missing_points": 457, "missing_fraction": 0.00697,
@@ -536,7 +556,8 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
             "critical_damping_ratio": 0.204_830_150_5, "hopf_damping_ratio": 0.204_805_7,
             "cycle": {"limit_cycle": true, "period": 8.068_887_87, "slip_duration": 4.068_887_87, "reattachment_displacement": 0.2,
                       "displacement_min": 0.188_196_6, "displacement_max": 0.411_803_4, "velocity_min": -0.111_803_4},
-            "paper": {"friction_std": 0.001, "damping": sweep("paper"), "reattachment": reattachment(9e-3)},
+            "paper": {"friction_std": 0.001, "damping": sweep("paper"), "reattachment": reattachment(9e-3),
+                      "release": reattachment(8e-3), "crossings": crossings, "motion": motion},
             "area": {"friction_std": 7.1e-6, "damping": sweep("area"), "reattachment": reattachment(4e-4)},
         },
         "warnings": ["At the level of 3 MPa the windows hold 21 contact cells on average; about 30 are needed."],
@@ -572,6 +593,7 @@ fn build() -> Run {
             input("material", "hardness", "2 GPa"),
             input("vibration", "mass", "1 kg"),
             input("vibration", "damping_ratio", "0.17"),
+            input("vibration", "duration", "637.2"),
             input("vibration", "nominal_area", "833 mm²"),
         ],
         assumptions: vec![

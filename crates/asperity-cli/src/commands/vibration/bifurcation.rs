@@ -1,10 +1,12 @@
 //! The attractors of the machine without fluctuation along a parameter.
 
-use asperity::vibration::{BifurcationSettings, bifurcation_diagram};
+use asperity::study::Table;
+use asperity::vibration::{BifurcationDiagram, BifurcationPoint, BifurcationSettings, MarkKind, bifurcation_diagram};
 use clap::Args;
 
 use super::critical_curve::Over;
-use super::{Damping, Machine, refused};
+use super::folder::Folder;
+use super::{Damping, Machine, code, refused};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -29,6 +31,8 @@ pub(crate) struct Bifurcation {
     /// Number of values.
     #[arg(long, value_name = "N", default_value = "101", value_parser = args::count, allow_hyphen_values = true)]
     points: usize,
+    #[command(flatten)]
+    folder: Folder,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -38,8 +42,13 @@ impl Bifurcation {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
+        let inputs = self.machine.friction.inputs();
+        let wanted = self.folder.wanted(&inputs)?;
         let diagram =
             bifurcation_diagram(&oscillator, self.over.parameter(), &settings, monitor).map_err(|e| refused(&e))?;
+        if wanted {
+            self.folder.write(&inputs, &Answer::of(&diagram)?, tables(&diagram, self.over.key()), monitor)?;
+        }
         if self.json {
             return Answer::of(&diagram)?.print(true);
         }
@@ -59,4 +68,57 @@ impl Bifurcation {
         }
         print(&columns(&rows))
     }
+}
+
+/// Attractors on both ways, marks, and the turns of motions that have several in a period.
+fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, Table)> {
+    let marks = |kind: MarkKind| {
+        let value = move |mark: &asperity::vibration::Mark| if mark.kind == kind { mark.parameter } else { f64::NAN };
+        diagram.marks.iter().map(value).collect::<Vec<f64>>()
+    };
+    let mut tables = vec![
+        ("bifurcation_up", attractors(&diagram.upward, parameter)),
+        ("bifurcation_down", attractors(&diagram.downward, parameter)),
+        (
+            "bifurcation_marks",
+            Table::new([
+                ("hopf", marks(MarkKind::Hopf)),
+                ("fold", marks(MarkKind::Fold)),
+                ("locked_fold", marks(MarkKind::LockedFold)),
+            ]),
+        ),
+    ];
+    let ways = [(0.0, &diagram.upward), (1.0, &diagram.downward)];
+    if ways.iter().any(|(_, points)| points.iter().any(|point| point.turnovers.len() > 1)) {
+        tables.push(("bifurcation_turnovers", turnovers(&ways, parameter)));
+    }
+    tables
+}
+
+fn attractors(points: &[BifurcationPoint], parameter: &str) -> Table {
+    let column = |of: fn(&BifurcationPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+    Table::new([
+        (parameter, column(|p| p.parameter)),
+        ("attractor", column(|p| code(p.attractor))),
+        ("multiplicity", column(|p| p.multiplicity.map_or(f64::NAN, |m| m as f64))),
+        ("velocity_min", column(|p| p.velocity[0])),
+        ("velocity_max", column(|p| p.velocity[1])),
+        ("displacement_min", column(|p| p.displacement[0])),
+        ("displacement_max", column(|p| p.displacement[1])),
+    ])
+}
+
+/// Every turn on the way up, 0, and down, 1.
+fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> Table {
+    let mut columns = [(); 5].map(|()| Vec::new());
+    for (way, points) in ways {
+        for point in *points {
+            for turn in &point.turnovers {
+                let back = turn.reattachment_displacement.unwrap_or(f64::NAN);
+                let row = [*way, point.parameter, turn.duration, back, turn.velocity_min];
+                columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+            }
+        }
+    }
+    Table::new(["way", parameter, "duration", "reattachment_displacement", "velocity_min"].into_iter().zip(columns))
 }

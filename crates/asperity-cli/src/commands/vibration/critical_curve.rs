@@ -1,8 +1,10 @@
 //! The end of stick-slip along a parameter.
 
-use asperity::vibration::{Branch, CurveSettings, Parameter, critical_curve, locked_curve};
+use asperity::study::Table;
+use asperity::vibration::{Branch, BranchPoint, CurveSettings, Parameter, critical_curve, locked_curve};
 use clap::{Args, ValueEnum};
 
+use super::folder::Folder;
 use super::{Machine, refused};
 use crate::args;
 use crate::failure::Failure;
@@ -24,6 +26,8 @@ pub(crate) struct CriticalCurve {
     /// Where it ends.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     to: f64,
+    #[command(flatten)]
+    folder: Folder,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -56,14 +60,44 @@ impl Over {
     }
 }
 
+impl Over {
+    /// Its name in JSON and tables.
+    pub(super) fn key(self) -> &'static str {
+        match self {
+            Self::DampingRatio => "damping_ratio",
+            Self::BeltVelocity => "belt_velocity",
+            Self::StaticFriction => "static_friction",
+            Self::Weakening => "weakening",
+            Self::Forcing => "forcing_amplitude",
+            Self::ForcingFrequency => "forcing_frequency",
+        }
+    }
+}
+
 impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0)?;
+        let inputs = self.machine.friction.inputs();
+        let wanted = self.folder.wanted(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);
         let curve = if oscillator.forcing().is_some() { locked_curve } else { critical_curve };
         let branch = curve(&oscillator, self.over.parameter(), &settings, monitor).map_err(|e| refused(&e))?;
+        if wanted {
+            let tables = vec![("critical_curve", columns_of(&branch, self.over.key()))];
+            self.folder.write(&inputs, &Answer::of(&branch)?, tables, monitor)?;
+        }
         if self.json { Answer::of(&branch)?.print(true) } else { table(&branch) }
     }
+}
+
+fn columns_of(branch: &Branch, parameter: &str) -> Table {
+    let column = |of: fn(&BranchPoint) -> f64| branch.points.iter().map(of).collect::<Vec<f64>>();
+    Table::new([
+        (parameter, column(|p| p.parameter)),
+        ("critical_damping_ratio", column(|p| p.critical_damping_ratio)),
+        ("hopf_damping_ratio", column(|p| p.hopf_damping_ratio)),
+        ("detachment_phase", column(|p| p.detachment_phase.unwrap_or(f64::NAN))),
+    ])
 }
 
 fn table(branch: &Branch) -> Result<(), Failure> {

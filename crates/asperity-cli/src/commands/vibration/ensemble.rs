@@ -4,8 +4,9 @@ use asperity::vibration::{self, EnsembleSettings};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
+use super::folder::Folder;
 use super::random::Fluctuation;
-use super::{Damping, Machine, refused};
+use super::{Damping, Machine, refused, series};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -35,6 +36,8 @@ pub(crate) struct Ensemble {
     /// Seed of every random draw.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
+    #[command(flatten)]
+    folder: Folder,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -59,13 +62,25 @@ impl Ensemble {
             },
             ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
         };
+        let inputs = self.machine.friction.inputs();
+        let wanted = self.folder.wanted(&inputs)?;
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
             monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
         }
-        answer(Some(&ensemble)).print(self.json)
+        let answer = answer(Some(&ensemble));
+        if wanted {
+            let cloud = series::cloud(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
+            let mut tables = vec![("phase_cloud", cloud)];
+            tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
+            for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
+                tables.extend(series::histogram(points).map(|table| (name, table)));
+            }
+            self.folder.write(&inputs, &answer, tables, monitor)?;
+        }
+        answer.print(self.json)
     }
 }
 

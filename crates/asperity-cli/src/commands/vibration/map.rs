@@ -1,8 +1,12 @@
 //! The probability of a sustained cycle over two parameters.
 
-use asperity::vibration::{EnsembleSettings, MapAxis, MapSettings, Parameter, VibrationError, stability_map};
+use asperity::study::Table;
+use asperity::vibration::{
+    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Parameter, StabilityMap, VibrationError, stability_map,
+};
 use clap::Args;
 
+use super::folder::Folder;
 use super::random::Fluctuation;
 use super::{Damping, Machine, refused};
 use crate::args;
@@ -48,12 +52,14 @@ pub(crate) struct Map {
     /// Seed of every random draw.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
+    #[command(flatten)]
+    folder: Folder,
     /// Print one JSON object instead of the contours.
     #[arg(long)]
     json: bool,
 }
 
-fn axis(text: &str) -> Result<MapAxis, String> {
+pub(super) fn axis(text: &str) -> Result<MapAxis, String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let wanted = || format!("found `{text}`, wanted the least and the largest value and a number of cells: FROM,TO,N");
     let [from, to, cells] = parts[..] else { return Err(wanted()) };
@@ -107,9 +113,17 @@ impl Map {
         };
         let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
+        let inputs = self.machine.friction.inputs();
+        let wanted = self.folder.wanted(&inputs)?;
         let map = stability_map(&machine, &settings, monitor).map_err(|e| refused(&e))?;
-        if self.json {
-            return Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::of(&map)?).print(true);
+        if wanted || self.json {
+            let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::of(&map)?);
+            if wanted {
+                self.folder.write(&inputs, &answer, tables(&map, names), monitor)?;
+            }
+            if self.json {
+                return answer.print(true);
+            }
         }
         let mut rows = vec![["level", names[0], names[1]].map(str::to_owned)];
         let contours = map.contours.iter().map(|c| (format!("{} %", 100.0 * c.level), &c.lines));
@@ -120,4 +134,47 @@ impl Map {
         }
         print(&columns(&rows))
     }
+}
+
+/// Points, cells, contours and the end of the cycle without fluctuation.
+fn tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
+    let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
+    let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
+    let points = Table::new([
+        (x, of_points(|p| p.x)),
+        (y, of_points(|p| p.y)),
+        ("sustained_share", of_points(|p| p.sustained.value)),
+        ("sustained_share_low", of_points(|p| p.sustained.interval[0])),
+        ("sustained_share_high", of_points(|p| p.sustained.interval[1])),
+        ("trajectories", of_points(|p| p.trajectories as f64)),
+        ("critical_damping_ratio", of_points(|p| p.critical_damping_ratio.unwrap_or(f64::NAN))),
+    ]);
+    let cells = Table::new([
+        (format!("{x}_low"), of_cells(|c| c.x[0])),
+        (format!("{x}_high"), of_cells(|c| c.x[1])),
+        (format!("{y}_low"), of_cells(|c| c.y[0])),
+        (format!("{y}_high"), of_cells(|c| c.y[1])),
+        ("probability".to_owned(), of_cells(|c| c.probability)),
+    ]);
+    let contours = map.contours.iter().flat_map(|contour| contour.lines.iter().map(|line| (contour.level, line)));
+    let limit = map.limit.iter().map(|line| (f64::NAN, line));
+    vec![
+        ("map_points", points),
+        ("map_cells", cells),
+        ("map_contours", lines([x, y], contours, true)),
+        ("map_limit", lines([x, y], limit, false)),
+    ]
+}
+
+/// The points of numbered lines, with the level of each if lines have one.
+fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
+    let mut columns = [(); 4].map(|()| Vec::new());
+    for (number, (level, line)) in lines.enumerate() {
+        for place in line {
+            let row = [level, number as f64, place[0], place[1]];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let names = ["level", "line", x, y];
+    Table::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
 }

@@ -1,9 +1,12 @@
 //! How loud the mass vibrates, and at which frequencies.
 
-use asperity::vibration::{self, Drive, Method, SoundSettings, TrajectorySettings};
+use asperity::study::Table;
+use asperity::vibration::{self, Drive, Method, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use clap::Args;
 
+use super::folder::Folder;
 use super::random::Fluctuation;
+use super::wav::Wav;
 use super::{Damping, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
@@ -34,6 +37,10 @@ pub(crate) struct Sound {
     /// Seed of every random draw.
     #[arg(long, value_name = "N", value_parser = args::seed, allow_hyphen_values = true)]
     seed: u64,
+    #[command(flatten)]
+    wav: Wav,
+    #[command(flatten)]
+    folder: Folder,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -55,8 +62,17 @@ impl Sound {
                 method: Method::Taylor,
             },
         };
+        let inputs = self.machine.friction.inputs();
+        let wanted = self.folder.wanted(&inputs)?;
+        self.wav.check(&inputs)?;
+        let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
         let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
-        let answer = Answer::of(&sound)?;
+        let period = cycle_period(&oscillator, monitor)?;
+        let answer = Answer::of(&sound)?.with("cycle_period", period);
+        if wanted {
+            self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
+        }
+        self.wav.write(wave.as_ref(), monitor)?;
         if self.json {
             return answer.print(true);
         }
@@ -69,4 +85,19 @@ impl Sound {
         }
         print(&format!("\n{}", columns(&rows)))
     }
+}
+
+/// The period of the limit cycle without fluctuation.
+fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f64>, Failure> {
+    let regime = monitor.at_once(|| limit_cycle(oscillator))?.map_err(|e| refused(&e))?;
+    Ok(regime.cycle().map(|cycle| cycle.period))
+}
+
+fn spectrum(sound: &vibration::Sound) -> Table {
+    Table::new([
+        ("frequency", sound.frequency.clone()),
+        ("density", sound.density.clone()),
+        ("density_low", sound.density_low.clone()),
+        ("density_high", sound.density_high.clone()),
+    ])
 }

@@ -1,0 +1,117 @@
+//! What starts end in, over the phase plane.
+
+use std::path::Path;
+
+use asperity::study::Table;
+use asperity::vibration::{
+    self, Attractor, Basin as Found, BasinBox, MapAxis, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
+    slip_cycles,
+};
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::folder::Folder;
+use super::map::axis;
+use super::{Damping, Machine, code, refused, series};
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::Answer;
+
+/// Cells along an axis of the box that is taken where none is stated.
+const CELLS: usize = 200;
+/// How far that box reaches beyond the cycle, in shares of the cycle's size.
+const MARGIN: f64 = 0.5;
+/// Points of the separatrix.
+const BORDER_POINTS: usize = 800;
+
+/// Tells which starts end in steady sliding and which in a cycle, without fluctuation: the share of each over a box of starts,
+/// and the border between them.
+#[derive(Debug, Args)]
+pub(crate) struct Basin {
+    #[command(flatten)]
+    machine: Machine,
+    #[command(flatten)]
+    damping: Damping,
+    /// Displacements X of the starts: least, largest, cells. The cycle with half its size around it when left out.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, allow_hyphen_values = true)]
+    displacements: Option<MapAxis>,
+    /// Velocities dX/dτ of the starts: least, largest, cells.
+    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, allow_hyphen_values = true)]
+    velocities: Option<MapAxis>,
+    #[command(flatten)]
+    folder: Folder,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Basin {
+    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        if self.machine.forcing.is_some() {
+            monitor.note("the forcing is left aside: starts are those of the unforced machine");
+        }
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = oscillator.with_forcing(None).map_err(Failure::usage)?;
+        let inputs: Vec<&Path> = self.machine.friction.inputs();
+        let wanted = self.folder.wanted(&inputs)?;
+        let area = self.area(&oscillator, monitor)?;
+        let found = vibration::basin(&oscillator, &area, monitor).map_err(|e| refused(&e))?;
+        let border = monitor.at_once(|| separatrix(&oscillator, BORDER_POINTS))?.map_err(|e| refused(&e))?;
+        let cycles = monitor.at_once(|| slip_cycles(&oscillator))?.map_err(|e| refused(&e))?;
+        let answer = answer(&found, border.as_ref()).with("slip_cycles", json!(cycles));
+        let whole = answer.clone().with("attractors", json!(found.attractors));
+        if wanted {
+            let mut tables = vec![("basin", table(&found))];
+            tables.extend(border.map(|border| ("separatrix", series::portrait(&border.points))));
+            tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
+            self.folder.write(&inputs, &whole, tables, monitor)?;
+        }
+        if self.json { whole.print(true) } else { answer.without("slip_cycles").print(false) }
+    }
+
+    /// The box as stated, or around the cycle.
+    fn area(&self, oscillator: &Oscillator, monitor: &Terminal) -> Result<BasinBox, Failure> {
+        if let (Some(x), Some(y)) = (self.displacements, self.velocities) {
+            let cells = [x.cells, y.cells];
+            return Ok(BasinBox { displacement: [x.from, x.to], velocity: [y.from, y.to], cells });
+        }
+        let regime = monitor.at_once(|| limit_cycle(oscillator))?.map_err(|e| refused(&e))?;
+        let Regime::Cycle(cycle) = regime else {
+            let wanted = "there is no cycle to take the box of starts from: state --displacements and --velocities";
+            return Err(Failure::usage(wanted));
+        };
+        let around = |low: f64, high: f64| [low - MARGIN * (high - low), high + MARGIN * (high - low)];
+        let displacement = around(cycle.displacement_min, cycle.displacement_max);
+        let velocity = around(cycle.velocity_min, oscillator.belt_velocity());
+        let stated =
+            |axis: Option<MapAxis>, own: [f64; 2]| axis.map_or((own, CELLS), |axis| ([axis.from, axis.to], axis.cells));
+        let (x, y) = (stated(self.displacements, displacement), stated(self.velocities, velocity));
+        Ok(BasinBox { displacement: x.0, velocity: y.0, cells: [x.1, y.1] })
+    }
+}
+
+fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
+    let share = |wanted: Attractor| {
+        let count = found.attractors.iter().filter(|attractor| **attractor == wanted).count();
+        count as f64 / found.attractors.len() as f64
+    };
+    Answer::default()
+        .with("sliding_share", found.sliding_share)
+        .with("slip_cycle_share", share(Attractor::SlipCycle))
+        .with("stick_slip_share", share(Attractor::StickSlip))
+        .with("displacements", json!(found.area.displacement))
+        .with("velocities", json!(found.area.velocity))
+        .with("cells", json!(found.area.cells))
+        .with("separatrix", border.map_or(Value::Null, |border| json!(border.kind)))
+        .with("separatrix_area", border.map(Separatrix::area))
+}
+
+fn table(found: &Found) -> Table {
+    let [columns, rows] = found.area.cells;
+    let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| found.area.centre(column, row)));
+    Table::new([
+        ("displacement", places().map(|place| place[0]).collect()),
+        ("velocity", places().map(|place| place[1]).collect()),
+        ("attractor", found.attractors.iter().map(|attractor| code(*attractor)).collect::<Vec<f64>>()),
+    ])
+}

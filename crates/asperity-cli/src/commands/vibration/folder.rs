@@ -1,0 +1,71 @@
+//! The folder of a command: its answer, tables and figures.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use asperity::study::{Staging, Table, json_bytes};
+use asperity_report::{Figure, vibration_figures};
+use clap::Args;
+
+use crate::commands::run::NewParents;
+use crate::failure::{Failure, Kind, chain};
+use crate::monitor::Terminal;
+use crate::output::Answer;
+use crate::page::store_failure;
+
+/// Where tables and figures go.
+#[derive(Debug, Args)]
+pub(super) struct Folder {
+    /// Write answer, tables and figures to this folder, which appears complete or not at all.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Replace a report folder that is not empty, unless it holds a file that is read.
+    #[arg(long, requires = "report")]
+    force: bool,
+}
+
+impl Folder {
+    /// Whether a folder is wanted, and refuses one that cannot be written before anything is computed.
+    pub(super) fn wanted(&self, inputs: &[&Path]) -> Result<bool, Failure> {
+        let Some(folder) = &self.report else { return Ok(false) };
+        let _parents = NewParents::of(folder);
+        Staging::open(folder, self.force, inputs).map_err(|e| store_failure(&e))?;
+        Ok(true)
+    }
+
+    /// Writes `answer.json`, the tables as CSV, and the figures that they make.
+    pub(super) fn write(
+        &self,
+        inputs: &[&Path],
+        answer: &Answer,
+        tables: Vec<(&str, Table)>,
+        monitor: &Terminal,
+    ) -> Result<(), Failure> {
+        let Some(folder) = &self.report else { return Ok(()) };
+        let _parents = NewParents::of(folder);
+        let staging = Staging::open(folder, self.force, inputs).map_err(|e| store_failure(&e))?;
+        let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
+        write("answer.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
+        for (name, table) in &tables {
+            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
+        }
+        for figure in figures(answer, tables)? {
+            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        }
+        monitor.check()?;
+        let written = staging.commit_unmarked().map_err(|e| store_failure(&e))?;
+        monitor.note(&format!("wrote {}", written.display()));
+        Ok(())
+    }
+}
+
+fn figures(answer: &Answer, tables: Vec<(&str, Table)>) -> Result<Vec<Figure>, Failure> {
+    let failed = |e: &dyn std::error::Error| {
+        Failure::new(Kind::Runtime, format!("the figures could not be drawn: {}", chain(e)))
+    };
+    let answer = serde_json::to_value(answer).map_err(|e| failed(&e))?;
+    let table = |table: Table| asperity_report::Table { columns: table.columns().to_vec() };
+    let tables: BTreeMap<String, asperity_report::Table> =
+        tables.into_iter().map(|(name, columns)| (name.to_owned(), table(columns))).collect();
+    vibration_figures(&answer, &tables).map_err(|e| failed(&e))
+}

@@ -1,0 +1,106 @@
+//! The velocity as a sound file.
+
+use std::f64::consts::TAU;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use asperity::friction::process::FrictionProcess;
+use asperity::quantity::{AngularFrequency, Frequency};
+use asperity::vibration::{Oscillator, SoundSettings, Waveform, WaveformSettings};
+use clap::Args;
+use hound::{SampleFormat, WavSpec, WavWriter};
+
+use super::refused;
+use crate::args;
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::{check_target, replace_file, said_of_writing};
+
+/// Samples per second.
+const SAMPLING_RATE_HZ: u32 = 44_100;
+/// Length of a file in seconds, unless told otherwise.
+const SECONDS: f64 = 5.0;
+
+/// The file to listen to.
+#[derive(Debug, Args)]
+pub(super) struct Wav {
+    /// Write the velocity of the first path to this file: mono, 16 bits, 44,100 Hz, the limit cycle's peak 6 dB below full
+    /// scale.
+    #[arg(long, value_name = "FILE.wav", requires = "natural_frequency")]
+    wav: Option<PathBuf>,
+    /// Natural frequency of the machine for that file: 80Hz, or as ω₀, 500rad/s.
+    #[arg(long, value_name = "Q", value_parser = natural_frequency_hz, allow_hyphen_values = true, requires = "wav")]
+    natural_frequency: Option<f64>,
+    /// Length of that file in seconds; 5 when left out.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "wav")]
+    seconds: Option<f64>,
+}
+
+/// f₀ in hertz, from a frequency or an angular one.
+fn natural_frequency_hz(text: &str) -> Result<f64, args::Refusal> {
+    if let Ok(angular) = text.parse::<AngularFrequency>()
+        && angular.0 > 0.0
+        && angular.0.is_finite()
+    {
+        return Ok(angular.0 / TAU);
+    }
+    args::positive_quantity::<Frequency>(text).map(|frequency| frequency.0)
+}
+
+impl Wav {
+    /// Refuses a file that cannot be written, before anything is computed.
+    pub(super) fn check(&self, inputs: &[&Path]) -> Result<(), Failure> {
+        self.wav.as_ref().map_or(Ok(()), |file| check_target("--wav", file, inputs))
+    }
+
+    /// Follows the first path for the time of the file, if it is wanted.
+    pub(super) fn record(
+        &self,
+        oscillator: &Oscillator,
+        process: &FrictionProcess,
+        settings: &SoundSettings,
+        monitor: &Terminal,
+    ) -> Result<Option<Waveform>, Failure> {
+        let Some(natural_frequency_hz) = self.natural_frequency else { return Ok(None) };
+        let wanted = WaveformSettings {
+            natural_frequency_hz,
+            sampling_rate_hz: f64::from(SAMPLING_RATE_HZ),
+            seconds: self.seconds.unwrap_or(SECONDS),
+            from: settings.from,
+            followed: settings.followed,
+        };
+        let path = process.path(settings.seed, 0);
+        let wave = monitor.at_once(|| Waveform::record(oscillator, path, &wanted))?.map_err(|e| refused(&e))?;
+        Ok(Some(wave))
+    }
+
+    /// Writes what was recorded.
+    pub(super) fn write(&self, wave: Option<&Waveform>, monitor: &Terminal) -> Result<(), Failure> {
+        let Some((file, wave)) = self.wav.as_ref().zip(wave) else { return Ok(()) };
+        let loud = wave.samples.iter().filter(|sample| sample.abs() > 1.0).count();
+        if loud > 0 {
+            monitor.warn(&format!("{loud} of {} samples are louder than full scale and cut off", wave.samples.len()));
+        }
+        let said = said_of_writing(file);
+        replace_file(file, |file| written(BufWriter::new(file), &wave.samples).map_err(io_error))?;
+        monitor.note(&format!("{said} {}", file.display()));
+        Ok(())
+    }
+}
+
+fn written(file: impl io::Write + io::Seek, samples: &[f64]) -> Result<(), hound::Error> {
+    let sample_format = SampleFormat::Int;
+    let spec = WavSpec { channels: 1, sample_rate: SAMPLING_RATE_HZ, bits_per_sample: 16, sample_format };
+    let mut writer = WavWriter::new(file, spec)?;
+    for sample in samples {
+        writer.write_sample((sample.clamp(-1.0, 1.0) * f64::from(i16::MAX)).round() as i16)?;
+    }
+    writer.finalize()
+}
+
+fn io_error(error: hound::Error) -> io::Error {
+    match error {
+        hound::Error::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
