@@ -5,6 +5,8 @@ mod simulate;
 
 use clap::Subcommand;
 
+pub(crate) use self::simulate::read_process;
+
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 

@@ -340,3 +340,76 @@ fn the_map_turns_from_surely_to_never_and_the_sound_of_little_noise_is_that_of_t
     );
     assert!(number(&asperity(&sound).json(0), "level_db").abs() < 0.1);
 }
+
+#[test]
+fn a_fitted_process_is_the_fluctuation_of_its_flags() {
+    let folder = TempDir::new().unwrap();
+    let process = r#"{"format": "asperity friction process", "version": 1, "mean": 0.1, "std": 0.001,
+        "marginal": {"beta": {"a": 2.1, "b": 5.0, "low": 0.0, "high": 1.0}},
+        "correlation": {"model": "exponential", "length_m": 0.01}}"#;
+    fs::write(folder.path().join("process.json"), process).unwrap();
+    let rest = "--damping-ratio 0.17 --trajectories 8 --duration 100 --seed 3 --json";
+    let file = format!("vibration ensemble {PAPER} {rest} --friction-process process.json");
+    let read = asperity_in(folder.path(), &format!("{file} --length-unit 1m")).json(0);
+    let flags = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --translation corrected";
+    let stated = asperity(&format!("vibration ensemble {PAPER} {rest} {flags}")).json(0);
+    assert_eq!(read, stated);
+    // Lengths need a unit, and there is one fluctuation.
+    assert!(asperity_in(folder.path(), &file).code == 2);
+    assert!(asperity_in(folder.path(), &format!("{file} --length-unit 1m {flags}")).code == 2);
+    let absent = format!("vibration ensemble {PAPER} {rest} --friction-process no.json --length-unit 1m");
+    assert!(asperity_in(folder.path(), &absent).code == 3);
+    assert!(asperity(&format!("vibration ensemble {PAPER} {rest} --friction-std 0.001")).code == 2);
+}
+
+#[test]
+fn integrators_find_the_same_events() {
+    let folder = TempDir::new().unwrap();
+    let values: Vec<f64> = (0..2000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
+    record(folder.path(), &values);
+    let events = |integrator: &str| {
+        let line = format!(
+            "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-file m.npy --friction-step 0.0005 --duration 40 \
+             --integrator {integrator} --json"
+        );
+        let json = asperity_in(folder.path(), &line).json(0);
+        json["events"].as_array().unwrap().clone()
+    };
+    let series = events("taylor");
+    assert!(series.len() > 8);
+    for (integrator, error) in [("dormand-prince", 1e-8), ("runge-kutta-fehlberg", 1e-5)] {
+        let found = events(integrator);
+        assert_eq!(found.len(), series.len());
+        for (a, b) in found.iter().zip(&series) {
+            assert_eq!(a[0], b[0]);
+            let (a, b) = (a[1].as_f64().unwrap(), b[1].as_f64().unwrap());
+            assert!((a - b).abs() < error, "{integrator}: {a} and {b}");
+        }
+    }
+}
+
+#[test]
+fn over_loads_every_law_holds_in_si() {
+    let folder = TempDir::new().unwrap();
+    let points = |factor: f64| format!("0 0.1\n{} 0.08\n{} 0.07\n", 0.1 / factor, 0.4 / factor);
+    fs::write(folder.path().join("law.txt"), points(1.0)).unwrap();
+    fs::write(folder.path().join("heavy.txt"), points(2.0)).unwrap();
+    let laws = [
+        ("--stribeck 4.2", "--stribeck 8.4"),
+        ("--linear-weakening 0.3", "--linear-weakening 0.6"),
+        ("--stribeck-velocity 0.2 --high-speed-friction 0.06", "--stribeck-velocity 0.1 --high-speed-friction 0.06"),
+        ("--friction-table law.txt", "--friction-table heavy.txt"),
+    ];
+    let noise = "--friction-std 1e-5 --correlation-length 0.01 --marginal normal";
+    for (law, heavy) in laws {
+        let map = format!(
+            "vibration map --static-friction 0.1 {law} --belt-velocity 0.01 --damping-ratio 0.1 {noise} --belt-velocities 0.01,0.02,1 \
+             --loads 1,2,1 --depth 0 --trajectories 4 --duration 20 --seed 1 --json"
+        );
+        let map = asperity_in(folder.path(), &map).json(0);
+        let corner = map["points"].as_array().unwrap().iter().find(|p| p["x"] == 0.02 && p["y"] == 2.0).unwrap();
+        let line = format!("vibration critical-damping --static-friction 0.1 {heavy} --belt-velocity 0.01 --json");
+        let wanted = asperity_in(folder.path(), &line).json(0);
+        close(number(corner, "critical_damping_ratio"), number(&wanted, "critical_damping_ratio"), 1e-12);
+    }
+}

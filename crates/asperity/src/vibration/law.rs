@@ -69,6 +69,23 @@ impl FrictionLaw {
         }
     }
 
+    /// The law μ(f|v|), f > 0: what a law that holds in metres per second becomes when the unit of velocity N/(mω₀) grows by
+    /// the factor f, as under another load.
+    #[must_use]
+    pub fn rescaled(&self, factor: f64) -> Self {
+        match self {
+            Self::Stribeck { kinetic, decay } => Self::Stribeck { kinetic: *kinetic, decay: decay * factor },
+            Self::Coulomb { kinetic } => Self::Coulomb { kinetic: *kinetic },
+            Self::Linear { kinetic, slope } => Self::Linear { kinetic: *kinetic, slope: slope * factor },
+            Self::Exponential { kinetic, high_speed, stribeck_velocity } => Self::Exponential {
+                kinetic: *kinetic,
+                high_speed: *high_speed,
+                stribeck_velocity: stribeck_velocity / factor,
+            },
+            Self::Tabulated(table) => Self::Tabulated(table.rescaled(factor)),
+        }
+    }
+
     /// Coefficient at vanishing sliding velocity, μ_k.
     pub fn kinetic(&self) -> f64 {
         match self {
@@ -152,6 +169,10 @@ mod tests {
             let (speed, h) = (0.2, 1e-5);
             let difference = (law.coefficient(speed - h) - law.coefficient(speed + h)) / (2.0 * h);
             assert!((law.weakening(speed) - difference).abs() < 1e-9);
+            let rescaled = law.rescaled(2.5);
+            for speed in [0.0, 0.01, 0.05, 0.1, 0.13, 0.3, 1.0] {
+                assert!((rescaled.coefficient(speed) - law.coefficient(2.5 * speed)).abs() < 1e-15);
+            }
             assert_eq!(law.coefficient(0.0), law.kinetic());
         }
     }

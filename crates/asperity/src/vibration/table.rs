@@ -74,6 +74,16 @@ impl FrictionTable {
         Ok(Self { pieces })
     }
 
+    /// The law μ(f|v|), f > 0: the same points at speeds over f.
+    pub(super) fn rescaled(&self, factor: f64) -> Self {
+        let pieces = self.pieces.iter().map(|piece| {
+            let [y, a, b, c] = piece.coefficients;
+            let coefficients = [y, a * factor, b * factor * factor, c * factor * factor * factor];
+            Piece { from: piece.from / factor, coefficients, least: piece.least }
+        });
+        Self { pieces: pieces.collect() }
+    }
+
     /// The points (|v|, μ) it was made of.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
         self.pieces.iter().map(|piece| [piece.from, piece.coefficients[0]])

@@ -89,7 +89,7 @@ impl Simulate {
 }
 
 /// Reads a fitted process.
-pub(super) fn read_process(path: &Path) -> Result<FittedProcess, Failure> {
+pub(crate) fn read_process(path: &Path) -> Result<FittedProcess, Failure> {
     let text = fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
     FittedProcess::from_json(&text).map_err(|e| Failure::data(path.display(), &e))
 }

@@ -5,8 +5,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
 use super::folder::Folder;
-use super::random::Fluctuation;
-use super::{Damping, Machine, refused, series};
+use super::random::Source;
+use super::{Damping, Integrator, Machine, refused, series};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -19,14 +19,14 @@ pub(crate) struct Ensemble {
     machine: Machine,
     #[command(flatten)]
     damping: Damping,
-    /// Standard deviation of the friction coefficient.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    friction_std: f64,
     #[command(flatten)]
-    fluctuation: Fluctuation,
+    source: Source,
     /// What the fluctuation is a function of.
     #[arg(long, value_enum, default_value = "distance")]
     drive: Drive,
+    /// How slip is integrated.
+    #[arg(long, value_enum, default_value = "taylor")]
+    integrator: Integrator,
     /// Number of paths.
     #[arg(long, value_name = "N", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
@@ -54,15 +54,16 @@ enum Drive {
 impl Ensemble {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let process = self.fluctuation.process(self.friction_std, 1.0)?;
+        let process = self.source.process()?;
         let settings = EnsembleSettings {
             drive: match self.drive {
                 Drive::Distance => vibration::Drive::Distance,
                 Drive::Time => vibration::Drive::Time,
             },
+            method: self.integrator.method(),
             ..EnsembleSettings::new(self.trajectories, self.duration, self.seed)
         };
-        let inputs = self.machine.friction.inputs();
+        let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let wanted = self.folder.wanted(&inputs)?;
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;

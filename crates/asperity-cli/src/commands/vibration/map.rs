@@ -2,7 +2,8 @@
 
 use asperity::study::Table;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Parameter, StabilityMap, VibrationError, stability_map,
+    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameter, Parameters, StabilityMap,
+    VibrationError, stability_map,
 };
 use clap::Args;
 
@@ -89,9 +90,6 @@ impl Map {
                 return Err(Failure::usage(wanted));
             }
         };
-        if self.loads.is_some() && Parameter::Weakening.of(&stated).is_none() {
-            return Err(Failure::usage("--loads needs a law with a weakening rate: --stribeck or --linear-weakening"));
-        }
         // The process is checked once, so that a wrong law is a word about the flag and not about a point.
         self.fluctuation.process(self.friction_std, 1.0)?;
         let machine = |x: f64, y: f64| {
@@ -101,9 +99,10 @@ impl Map {
                 _ => (stated.damping_ratio(), x / y, self.friction_std, y),
             };
             let mut oscillator = Parameter::BeltVelocity.set(&stated.with_damping(damping)?, velocity)?;
-            if let Some(rate) = Parameter::Weakening.of(&oscillator).filter(|_| load != 1.0) {
-                // The law holds in metres per second, whose unit falls with the load.
-                oscillator = Parameter::Weakening.set(&oscillator, rate * load)?;
+            if load != 1.0 {
+                // The law holds in metres per second, and the unit of velocity grows with the load.
+                let law = oscillator.law().rescaled(load);
+                oscillator = Oscillator::new(Parameters { law, ..oscillator.parameters().clone() })?;
             }
             if std == 0.0 {
                 return Ok((oscillator, None));

@@ -1,11 +1,57 @@
 //! The random friction fluctuation of a command.
 
+use std::path::{Path, PathBuf};
+
 use asperity::friction::process::{Correlation, FrictionProcess, Generator, ProcessError, ProcessModel};
 use asperity::law::Marginal;
+use asperity::quantity::Length;
+use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 
 use crate::args;
+use crate::commands::friction::read_process;
 use crate::failure::Failure;
+
+/// Where the fluctuation comes from: flags, or the file of a fitted process.
+#[derive(Debug, Args)]
+pub(super) struct Source {
+    /// Standard deviation of the friction coefficient.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
+          required_unless_present = "friction_process",
+          requires_ifs = [(ArgPredicate::IsPresent, "correlation_length"), (ArgPredicate::IsPresent, "marginal")])]
+    friction_std: Option<f64>,
+    #[command(flatten)]
+    fluctuation: Option<Fluctuation>,
+    /// Fitted process, as `asperity friction fit --out` or a study wrote it, in place of the flags of the fluctuation. Its mean
+    /// and its Stribeck coefficient are left aside.
+    #[arg(long, value_name = "PROCESS.json", requires = "length_unit",
+          conflicts_with_all = ["friction_std", "correlation_length", "marginal"])]
+    friction_process: Option<PathBuf>,
+    /// Unit N/c of dimensionless lengths, in which the lengths of the fitted process are counted.
+    #[arg(long, value_name = "Q", requires = "friction_process", value_parser = args::positive_quantity::<Length>,
+          allow_hyphen_values = true)]
+    length_unit: Option<Length>,
+}
+
+impl Source {
+    pub(super) fn process(&self) -> Result<FrictionProcess, Failure> {
+        match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
+            (Some(file), Some(unit), ..) => {
+                let model = read_process(file)?.model(unit.0);
+                model.and_then(FrictionProcess::new).map_err(|e| Failure::data(file.display(), &e))
+            }
+            (_, _, Some(std), Some(fluctuation)) => fluctuation.process(std, 1.0),
+            _ => {
+                Err(Failure::usage("state --friction-std, --correlation-length and --marginal, or --friction-process"))
+            }
+        }
+    }
+
+    /// Files that are read.
+    pub(super) fn inputs(&self) -> Option<&Path> {
+        self.friction_process.as_deref()
+    }
+}
 
 /// The fluctuation of the friction coefficient over the sliding distance.
 #[derive(Debug, Args)]

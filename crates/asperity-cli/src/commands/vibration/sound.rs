@@ -5,7 +5,7 @@ use asperity::vibration::{self, Drive, Method, Oscillator, SoundSettings, Trajec
 use clap::Args;
 
 use super::folder::Folder;
-use super::random::Fluctuation;
+use super::random::Source;
 use super::wav::Wav;
 use super::{Damping, Machine, refused};
 use crate::args;
@@ -20,11 +20,8 @@ pub(crate) struct Sound {
     machine: Machine,
     #[command(flatten)]
     damping: Damping,
-    /// Standard deviation of the friction coefficient.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    friction_std: f64,
     #[command(flatten)]
-    fluctuation: Fluctuation,
+    source: Source,
     /// Number of paths.
     #[arg(long, value_name = "N", default_value = "32", value_parser = args::count, allow_hyphen_values = true)]
     trajectories: usize,
@@ -49,7 +46,7 @@ pub(crate) struct Sound {
 impl Sound {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let process = self.fluctuation.process(self.friction_std, 1.0)?;
+        let process = self.source.process()?;
         let settings = SoundSettings {
             trajectories: self.trajectories,
             points_per_period: 64,
@@ -62,7 +59,7 @@ impl Sound {
                 method: Method::Taylor,
             },
         };
-        let inputs = self.machine.friction.inputs();
+        let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let wanted = self.folder.wanted(&inputs)?;
         self.wav.check(&inputs)?;
         let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;

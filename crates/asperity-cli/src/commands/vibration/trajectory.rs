@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use asperity::friction::process::RecordedProcess;
-use asperity::vibration::{self, Drive, Method, TrajectorySettings, VibrationError};
+use asperity::vibration::{self, Drive, TrajectorySettings, VibrationError};
 use clap::Args;
 use serde_json::json;
 
-use super::{Damping, Machine, refused};
+use super::{Damping, Integrator, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
 use crate::input::unreadable;
@@ -33,6 +33,9 @@ pub(crate) struct Trajectory {
     /// Displacement X at the start, in stick; 0.97 μ_st − 2ζV when left out.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     start: Option<f64>,
+    /// How slip is integrated.
+    #[arg(long, value_enum, default_value = "taylor")]
+    integrator: Integrator,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -45,7 +48,7 @@ impl Trajectory {
         let record = RecordedProcess::new(self.friction_step, values)
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;
         let (duration, start) = (self.duration, self.start);
-        let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: Method::Taylor };
+        let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: self.integrator.method() };
         let simulated = monitor.at_once(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
         let path = simulated.map_err(|e| match e {
             VibrationError::ProcessTooShort { .. } | VibrationError::FrictionNotPositive { .. } => {

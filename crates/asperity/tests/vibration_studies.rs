@@ -1,0 +1,163 @@
+//! The keys of `[vibration]`: laws over the velocity, force, generators, drives and integrators.
+
+use std::path::Path;
+
+use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
+use asperity::monitor::Silent;
+use asperity::study::Study;
+use asperity::study::result::VibrationResult;
+use asperity::vibration::{
+    Drive, Ensemble, EnsembleSettings, Forcing, FrictionLaw, Method, Oscillator, Parameters, limit_cycle,
+};
+
+/// The machine of the paper: N/c = .025036 m and N/(mω₀) = 7.911 m/s.
+const MACHINE: &str = r#"
+seed = 3
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+static_friction = 0.1
+friction_std = 0.001
+friction_correlation_length = "250 um"
+friction_marginal = "beta:2.1,5"
+damping_sweep = [0.16, 0.18, 2]
+trajectories = 20
+duration = 60.0
+"#;
+const VELOCITY_UNIT: f64 = 2500.0 / 316.0;
+const LENGTH_UNIT: f64 = 2500.0 / (316.0 * 316.0);
+
+fn run(keys: &str) -> VibrationResult {
+    let study = Study::parse(&format!("{MACHINE}{keys}"), "keys.toml").unwrap();
+    study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
+}
+
+fn refused(keys: &str) -> String {
+    Study::parse(&format!("{MACHINE}{keys}"), "keys.toml").unwrap_err().to_string()
+}
+
+#[test]
+fn a_linear_law_ends_at_half_its_slope() {
+    let found = run(
+        "damping_ratio = 0.1\ndimensionless_belt_velocity = 0.01\nvelocity_law = \"linear\"\nlinear_weakening = 0.3",
+    );
+    assert!((found.critical_damping_ratio.unwrap() - 0.15).abs() < 1e-12);
+    assert!((found.hopf_damping_ratio.unwrap() - 0.15).abs() < 1e-15);
+}
+
+#[test]
+fn an_exponential_law_has_its_velocity_in_si() {
+    // 2ζ_H = (μ_k − μ_∞)/v₀·e^{−V/v₀}, and the jump of the kinetic share lifts ζ_c above it.
+    let found =
+        run("damping_ratio = 0.1\nbelt_velocity = \"0.1 m/s\"\nkinetic_share = 0.9\nvelocity_law = \"exponential\"\n\
+         stribeck_velocity = \"0.4 m/s\"\nhigh_speed_share = 0.6");
+    let (velocity, scale) = (0.1 / VELOCITY_UNIT, 0.4 / VELOCITY_UNIT);
+    let wanted = 0.5 * 0.09 * 0.4 / scale * (-velocity / scale).exp();
+    assert!((found.hopf_damping_ratio.unwrap() / wanted - 1.0).abs() < 1e-12);
+    assert!(found.critical_damping_ratio.unwrap() > wanted);
+}
+
+#[test]
+fn a_jump_to_kinetic_friction_has_its_closed_form() {
+    let found = run("damping_ratio = 0.0\ndimensionless_belt_velocity = 0.01\nstribeck = 0.0\nkinetic_share = 0.8");
+    let ratio = 0.02 / 0.01_f64;
+    let wanted = std::f64::consts::TAU - 2.0 * ratio.atan() + 2.0 * ratio;
+    assert!((found.cycle.period.unwrap() / wanted - 1.0).abs() < 1e-12);
+    assert!((found.cycle.reattachment_displacement.unwrap() - 0.06).abs() < 1e-12);
+}
+
+#[test]
+fn the_force_acts_on_cycle_and_ensembles() {
+    // Locked to the force, one cycle a period.
+    let keys = "damping_ratio = 0.17\ndimensionless_belt_velocity = 0.1\nforcing = \"25 N\"\nforcing_frequency = \"300 rad/s\"";
+    let found = run(keys);
+    let period = std::f64::consts::TAU * 316.0 / 300.0;
+    let own = limit_cycle(&machine(0.17, 0.1, Some(Forcing { amplitude: 0.01, frequency: 300.0 / 316.0 }))).unwrap();
+    match own.cycle() {
+        Some(cycle) => assert!((found.cycle.period.unwrap() - cycle.period).abs() < 1e-9),
+        None => assert!(!found.cycle.limit_cycle),
+    }
+    assert!((found.cycle.period.unwrap() / period - 1.0).abs() < 1e-9);
+    let free = run("damping_ratio = 0.17\ndimensionless_belt_velocity = 0.1");
+    assert_eq!(free.critical_damping_ratio, found.critical_damping_ratio);
+    assert!(free.cycle.period != found.cycle.period);
+    assert!(free.paper.damping[0].cycles_mean != found.paper.damping[0].cycles_mean);
+}
+
+fn machine(damping_ratio: f64, belt_velocity: f64, forcing: Option<Forcing>) -> Oscillator {
+    let law = FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+    Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio, belt_velocity, forcing }).unwrap()
+}
+
+#[test]
+fn generators_drives_and_integrators_are_those_of_the_library() {
+    let oscillator = machine(0.16, 0.003, None);
+    let ensemble = |generator, drive, method| {
+        let model = ProcessModel {
+            generator,
+            least: Some(-0.9 * oscillator.law().coefficient(0.103)),
+            ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, 250e-6 / LENGTH_UNIT)
+        };
+        let process = FrictionProcess::new(model).unwrap();
+        let settings = EnsembleSettings { drive, method, sample_capacity: 0, ..EnsembleSettings::new(20, 60.0, 3) };
+        Ensemble::simulate(&oscillator, &process, &settings, &Silent).unwrap()
+    };
+    let recursion = Generator::Autoregressive;
+    let cases = [
+        ("", recursion, Drive::Distance, Method::Taylor),
+        ("generator = \"renewal\"", Generator::Renewal, Drive::Distance, Method::Taylor),
+        ("generator = \"jacobi\"", Generator::Jacobi, Drive::Distance, Method::Taylor),
+        ("generator = \"spectral\"", Generator::Spectral { harmonics: 256 }, Drive::Distance, Method::Taylor),
+        ("drive = \"time\"", recursion, Drive::Time, Method::Taylor),
+        ("integrator = \"dormand_prince\"", recursion, Drive::Distance, Method::DormandPrince { tolerance: 1e-12 }),
+    ];
+    let mut counts = Vec::new();
+    for (keys, generator, drive, method) in cases {
+        let found = run(&format!("damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\n{keys}"));
+        let wanted = ensemble(generator, drive, method);
+        let damping = &found.paper.damping[0];
+        assert_eq!((damping.cycles_mean, damping.cycles_se), (wanted.cycles.mean, wanted.cycles.se), "{keys}");
+        counts.push(found.paper.motion.unwrap().stick_share);
+    }
+    // Each changes the motion, but for the integrator, whose counts are those of the series.
+    for (i, count) in counts[..5].iter().enumerate() {
+        assert!(counts[..i].iter().all(|other| other != count), "{counts:?}");
+    }
+    assert!((counts[0] - counts[5]).abs() < 1e-6, "{counts:?}");
+}
+
+#[test]
+fn clouds_hold_the_ends_of_trajectories() {
+    let text = format!("{MACHINE}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003");
+    let outcome = Study::parse(&text, "cloud.toml").unwrap().run(Path::new(""), None, &Silent).unwrap();
+    let (_, cloud) = outcome.tables.iter().find(|(name, _)| name.as_str() == "phase_cloud").unwrap();
+    let column = |name| cloud.column(name).unwrap();
+    assert_eq!(column("trajectory").iter().filter(|index| **index == 19.0).count(), 100);
+    assert!(column("tau").iter().all(|tau| (60.0 - std::f64::consts::TAU..=60.0).contains(tau)));
+    // Nothing is faster than the belt without over-slip.
+    assert!(column("velocity").iter().all(|velocity| *velocity <= 0.003 * (1.0 + 1e-12)));
+}
+
+#[test]
+fn laws_say_which_of_their_keys_is_absent() {
+    let base = "damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\n";
+    for (keys, words) in [
+        ("velocity_law = \"linear\"", "linear_weakening"),
+        ("velocity_law = \"exponential\"\nhigh_speed_share = 0.5", "stribeck_velocity"),
+        ("velocity_law = \"exponential\"\nstribeck_velocity = \"1 m/s\"", "high_speed_share"),
+        ("kinetic_share = 1.2", "at most 1"),
+        ("forcing = \"3 N\"", "forcing_frequency"),
+        ("forcing_frequency = \"3 rad/s\"", "forcing"),
+        ("velocity_law = \"linea\"", "linear"),
+    ] {
+        let message = refused(&format!("{base}{keys}"));
+        assert!(message.contains(words), "{keys}: {message}");
+    }
+    let weibull = MACHINE.replace("beta:2.1,5", "weibull:2,1");
+    let message = Study::parse(&format!("{weibull}{base}generator = \"jacobi\""), "x.toml").unwrap_err().to_string();
+    assert!(message.contains("Beta"), "{message}");
+    let idle = Study::parse(&format!("{MACHINE}{base}high_speed_share = 0.5"), "x.toml").unwrap().idle_keys();
+    assert!(idle.iter().any(|sentence| sentence.contains("high_speed_share")), "{idle:?}");
+}
