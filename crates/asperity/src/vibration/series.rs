@@ -12,6 +12,8 @@ use super::runge_kutta::hermite;
 use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
 use crate::wide::{Kernel, wide};
 
+/// Coefficients of steps that nothing shortens.
+const LONG: usize = 24;
 /// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
 const TOLERANCE: f64 = 1e-13;
 
@@ -95,25 +97,18 @@ impl Loading {
     }
 }
 
-/// [`Series::expand`]: instructions of newer processors need no copies of registers that they overwrite.
-struct Expansion;
+/// [`Series::expand_with`]: instructions of newer processors need no copies of registers that they overwrite.
+struct Expansion<const N: usize>;
 
-impl Kernel<(&mut Series, &Weakening, &Loading, [f64; 3])> for Expansion {
+/// What an expansion is made of.
+type Parts<'a, T> = (&'a mut Series, T, &'a Weakening, &'a Loading, [f64; 2]);
+
+impl<const N: usize, T: Recurrence<N>> Kernel<Parts<'_, T>> for Expansion<N> {
     type Output = ();
 
     #[inline(always)]
-    fn run((series, weakening, loading, [w, e, horizon]): (&mut Series, &Weakening, &Loading, [f64; 3])) {
-        // Terms fall like (√κ h)ⁿ/n!.
-        let scaled = horizon * loading.kappa.max(1.0).sqrt();
-        if scaled < 0.05 {
-            series.expand_to::<8>(weakening, loading, w, e);
-        } else if scaled < 0.25 {
-            series.expand_to::<12>(weakening, loading, w, e);
-        } else if scaled < 0.55 {
-            series.expand_to::<16>(weakening, loading, w, e);
-        } else {
-            series.expand_to::<24>(weakening, loading, w, e);
-        }
+    fn run((series, terms, weakening, loading, [w, e]): Parts<'_, T>) {
+        series.recur::<N>(terms, weakening, loading, w, e);
     }
 }
 
@@ -203,9 +198,18 @@ impl Series {
     }
 
     /// Expands about (w, e) with as many coefficients as a step of the length `horizon` needs.
-    #[inline]
     pub(super) fn expand(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64, horizon: f64) {
-        wide::<Expansion, _>((self, weakening, loading, [w, e, horizon]));
+        // Terms fall like (√κ h)ⁿ/n!.
+        let scaled = horizon * loading.kappa.max(1.0).sqrt();
+        if scaled < 0.05 {
+            self.expand_to::<8>(weakening, loading, w, e);
+        } else if scaled < 0.25 {
+            self.expand_to::<12>(weakening, loading, w, e);
+        } else if scaled < 0.55 {
+            self.expand_to::<16>(weakening, loading, w, e);
+        } else {
+            self.expand_to::<LONG>(weakening, loading, w, e);
+        }
     }
 
     #[inline(always)]
@@ -218,9 +222,24 @@ impl Series {
         }
     }
 
-    /// The recurrence, with N coefficients.
-    #[inline(always)]
+    /// The recurrence, with N coefficients; dispatch pays for many only.
     fn expand_with<const N: usize>(
+        &mut self,
+        terms: impl Recurrence<N>,
+        weakening: &Weakening,
+        loading: &Loading,
+        w: f64,
+        e: f64,
+    ) {
+        if N == LONG {
+            wide::<Expansion<N>, _>((self, terms, weakening, loading, [w, e]));
+        } else {
+            self.recur::<N>(terms, weakening, loading, w, e);
+        }
+    }
+
+    #[inline(always)]
+    fn recur<const N: usize>(
         &mut self,
         mut terms: impl Recurrence<N>,
         weakening: &Weakening,
