@@ -35,7 +35,7 @@ mod tests {
         knots: u64,
         undecided: u64,
         lost: u64,
-        worst: [f64; 8],
+        worst: [f64; 10],
     }
 
     impl Tally {
@@ -132,7 +132,12 @@ mod tests {
                 Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events
             };
             let (series, stages) = (events(Method::Taylor), events(Method::DormandPrince { tolerance: 1e-12 }));
-            assert!(series.len() == stages.len() && series.len() > 8, "{belt_velocity}: {} and {}", series.len(), stages.len());
+            assert!(
+                series.len() == stages.len() && series.len() > 5,
+                "{belt_velocity}: {} and {}",
+                series.len(),
+                stages.len()
+            );
             for (a, b) in series.iter().zip(&stages) {
                 assert!(a.kind == b.kind && (a.tau - b.tau).abs() < 1e-8, "{stribeck_velocity}: {a:?} and {b:?}");
             }
