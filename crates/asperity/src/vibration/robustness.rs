@@ -34,8 +34,9 @@ mod tests {
         steps: u64,
         knots: u64,
         undecided: u64,
+        touches: u64,
         lost: u64,
-        worst: [f64; 8],
+        worst: [f64; 10],
     }
 
     impl Tally {
@@ -46,6 +47,7 @@ mod tests {
             self.steps += seen.steps;
             self.knots += seen.knots;
             self.undecided += seen.undecided;
+            self.touches += seen.touches;
             self.lost += u64::from(seen.lost);
             for (worst, seen) in self.worst.iter_mut().zip(seen.worst) {
                 *worst = worst.max(seen);
@@ -80,6 +82,8 @@ mod tests {
             machines += BLOCK;
         }
         println!("{machines} machines, {MOTIONS} motions each: {tally:?} in {:.1?}", begun.elapsed());
+        // What rounding decides is rare.
+        assert!(10_000 * (tally.undecided + tally.touches) <= tally.events);
         // Most of the motions have a friction that bears its fluctuation.
         assert!(10 * tally.lost < machines * MOTIONS);
     }
@@ -133,7 +137,7 @@ mod tests {
             };
             let (series, stages) = (events(Method::Taylor), events(Method::DormandPrince { tolerance: 1e-12 }));
             assert!(
-                series.len() == stages.len() && series.len() > 8,
+                series.len() == stages.len() && series.len() > 5,
                 "{belt_velocity}: {} and {}",
                 series.len(),
                 stages.len()

@@ -70,6 +70,23 @@ pub(super) fn root(x: f64, n: usize) -> f64 {
     f64::from_bits((exponent << 52) as u64) * (1.0 + share * (0.65 + 0.35 * share))
 }
 
+/// A step ≤ h on which a law with e^{−cW} rises no steeper than its series can follow; `decay` is c, 0 of other laws.
+///
+/// The terms of e^x grow up to the order x, so the last kept one bounds the dropped ones only if x is a third of it. Where
+/// e^{−cW} stays below rounding the law is a constant.
+#[inline]
+pub(super) fn before_the_wall(w: &[f64], decay: f64, mut h: f64) -> f64 {
+    let steepest = w.len() as f64 / 3.0;
+    let too_steep = |h: f64| {
+        let lowest = decay * polynomial::lower_bound(w, h);
+        lowest <= NO_WALL && decay * w[0] - lowest > steepest
+    };
+    while decay > 0.0 && too_steep(h) {
+        h *= 0.5;
+    }
+    h
+}
+
 /// The constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loading {
@@ -318,30 +335,12 @@ impl Series {
         if wanted < 1.0 {
             let power = power(wanted, n);
             if last * power <= allowed && before * power * wanted <= allowed {
-                return self.before_the_wall(wanted);
+                return before_the_wall(self.w(), self.decay, wanted);
             }
         }
         let h = wanted.min(root(allowed / last, n));
-        self.before_the_wall(if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) })
-    }
-
-    /// A step ≤ h on which a law with e^{−cW} rises no steeper than its series can follow.
-    ///
-    /// The terms of e^x grow up to the order x, so the last kept one bounds the dropped ones only if x is a third of it. Where
-    /// e^{−cW} stays below rounding the law is a constant.
-    #[inline]
-    fn before_the_wall(&self, mut h: f64) -> f64 {
-        if self.decay > 0.0 {
-            let steepest = self.len as f64 / 3.0;
-            loop {
-                let lowest = self.decay * polynomial::lower_bound(self.w(), h);
-                if lowest > NO_WALL || self.decay * self.w[0] - lowest <= steepest {
-                    break;
-                }
-                h *= 0.5;
-            }
-        }
-        h
+        let h = if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) };
+        before_the_wall(self.w(), self.decay, h)
     }
 
     /// First extremum of W in (0, h]: a maximum if W rises at 0, else a minimum.

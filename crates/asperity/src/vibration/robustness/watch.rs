@@ -8,10 +8,10 @@ use crate::friction::process::Path;
 
 /// Gauss's rule of eight nodes on (−1, 1): node and weight of each pair.
 const GAUSS: [[f64; 2]; 4] = [
-    [0.183_434_642_495_649_8, 0.362_683_783_378_361_98],
-    [0.525_532_409_916_328_99, 0.313_706_645_877_887_29],
-    [0.796_666_477_413_626_74, 0.222_381_034_453_374_47],
-    [0.960_289_856_497_536_23, 0.101_228_536_290_376_26],
+    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
+    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
+    [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
+    [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
 ];
 
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
@@ -25,9 +25,11 @@ pub(super) struct Seen {
     pub(super) knots: u64,
     /// Slips whose largest speed backwards is within rounding of zero.
     pub(super) undecided: u64,
+    /// Sticks of no time.
+    pub(super) touches: u64,
     /// The friction coefficient was lost, and truly so.
     pub(super) lost: bool,
-    pub(super) worst: [f64; 8],
+    pub(super) worst: [f64; 10],
 }
 
 /// A point of dense output, with the friction read there.
@@ -36,7 +38,8 @@ struct Point {
     tau: f64,
     x: f64,
     velocity: f64,
-    /// Least and largest fluctuation.
+    /// Where friction is read, and its least and largest fluctuation there.
+    coordinate: f64,
     m: (f64, f64),
 }
 
@@ -157,7 +160,7 @@ impl Watch<'_> {
         };
         let m = self.reading.range(coordinate, 1e-13 * coordinate);
         self.largest = self.largest.max(m.1);
-        Point { tau, x, velocity, m }
+        Point { tau, x, velocity, coordinate, m }
     }
 
     /// A bound of (X² + X′²)^½. With R the friction force, |R| ≤ M, the energy grows at the rate RX′ − 2ζX′² + qX′ cos ητ,
@@ -196,6 +199,8 @@ impl Watch<'_> {
         self.vanishes(0, beyond(x - before.x, haze), scale, 1e-12);
         self.vanishes(1, velocity - before.velocity, scale, 1e-7);
         let (x, velocity) = motion.sample(b);
+        let arrived = event.is_some_and(|event| event.kind != EventKind::Detach);
+        let haze = if arrived { haze + self.grazing(scale) } else { haze };
         self.vanishes(0, beyond(motion.displacement() - x, haze), scale, 1e-12);
         let end = self.point(b, x, velocity, s);
         assert!(x.hypot(velocity) <= self.energy_bound(b) * (1.0 + 1e-9), "too much energy: {:?}", self.case);
@@ -238,7 +243,7 @@ impl Watch<'_> {
             let scale = self.scale(x, velocity);
             self.vanishes(4, x - before.x - belt * (tau - before.tau), scale, 1e-12);
             let (force, _, most) = self.balance(&point);
-            assert!(force.abs() <= most + 1e-11 * scale, "stick beyond the limit: {point:?} {:?}", self.case);
+            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.haze(end.coordinate)), scale, 1e-11);
         }
     }
 
@@ -274,7 +279,10 @@ impl Watch<'_> {
                 doubt += length * weight * unsure;
             }
             let allowed = doubt + length * self.haze(s);
-            errors = [beyond(end.x - before.x - path, 0.0), beyond(end.velocity - before.velocity - impulse, allowed)];
+            errors = [
+                beyond(end.x - before.x - path, self.haze(s)),
+                beyond(end.velocity - before.velocity - impulse, allowed),
+            ];
             if errors.iter().all(|error| *error < 1e-13 * scale) {
                 break;
             }
@@ -324,38 +332,45 @@ impl Watch<'_> {
     fn event(&mut self, event: Event, point: &Point, after: Option<Phase>) {
         let scale = self.scale(point.x, point.velocity);
         let (force, least, most) = self.balance(point);
-        let rounding =
-            1e-11 * scale + self.haze(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
+        let haze = self.haze(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
         let last = self.seen.events.last().copied();
         if let Some(last) = last {
-            assert!(event.tau > last.tau, "{event:?} not after {last:?}: {:?}", self.case);
-            assert!(event.sliding_distance > last.sliding_distance || event.kind == EventKind::Detach);
+            // An arrival that only grazes, at the limit of stick within rounding, is a stick of no time.
+            let touch = event.tau == last.tau && event.kind == EventKind::Detach && last.tau > 0.0;
+            self.seen.touches += u64::from(touch);
+            assert!(event.tau > last.tau || touch, "{event:?} not after {last:?}: {:?}", self.case);
+            // The distance of a slip begins as the third power of its time: the shortest ones are below its rounding.
+            let (further, longer) = (event.sliding_distance - last.sliding_distance, event.tau - last.tau);
+            let moved = if event.kind == EventKind::Detach { further == 0.0 } else { further > 0.0 };
+            assert!(moved || longer < 1e-3, "{event:?} after {last:?}: {:?}", self.case);
         }
         let stuck =
             last.map_or(event.kind == EventKind::Detach, |last| last.kind == EventKind::Restick) || last.is_none();
         assert_eq!(stuck, event.kind == EventKind::Detach, "{event:?} after {last:?}: {:?}", self.case);
-        match (event.kind, after) {
+        let overshoot = match (event.kind, after) {
             (EventKind::Detach, Some(phase)) => {
                 let excess = phase.direction() * force;
-                let forced_off = event.tau == 0.0 || most > least + rounding;
-                assert!(
-                    excess >= least - rounding && (forced_off || excess <= most + rounding),
-                    "{event:?} at {excess} of {least} … {most}: {:?}",
-                    self.case
-                );
+                // At the start, and where friction jumps, the mass may be far beyond the limit.
+                let torn_off = event.tau == 0.0 || most > least + haze;
                 self.left = (event.tau, event.displacement.hypot(self.oscillator.belt_velocity()));
                 (self.backward, self.undecided) = (false, false);
+                if torn_off { least - excess } else { (excess - least).abs().max((excess - most).abs()) }
             }
             (EventKind::Restick, None) => {
-                assert!(force.abs() <= most + rounding, "{event:?} {force} {most}: {:?}", self.case);
                 self.count();
+                force.abs() - most - self.grazing(scale)
             }
-            (EventKind::Reverse, Some(phase)) => {
-                assert!(phase.direction() * force >= least - rounding, "{event:?} {force} {least}: {:?}", self.case);
-            }
+            (EventKind::Reverse, Some(phase)) => least - phase.direction() * force - self.grazing(scale),
             _ => panic!("{event:?} leads to {after:?}: {:?}", self.case),
-        }
+        };
+        self.vanishes(8, (overshoot - haze).max(0.0), scale, 1e-11);
         self.seen.events.push(event);
+    }
+
+    /// What rounding makes of the force at an arrival: where the relative velocity W hardly passes zero, the time of its zero
+    /// has the square root of the rounding of W, and so has e, in which the force is V times as large.
+    fn grazing(&self, scale: f64) -> f64 {
+        4.0 * (f64::EPSILON * self.oscillator.belt_velocity() * scale).sqrt()
     }
 
     fn count(&mut self) {

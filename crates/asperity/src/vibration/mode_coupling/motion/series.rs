@@ -2,6 +2,7 @@
 
 use super::super::super::FrictionLaw;
 use super::super::super::polynomial::{self, CAPACITY};
+use super::super::super::series::before_the_wall;
 use super::super::Model;
 use super::{Contact, Now};
 
@@ -20,6 +21,8 @@ type Coefficients = [f64; MOST_TERMS];
 #[derive(Debug, Clone)]
 pub(super) struct Series {
     len: usize,
+    /// 1/v₀ of an exponential law that acts; 0 of others.
+    decay: f64,
     x: Coefficients,
     u: Coefficients,
     y: Coefficients,
@@ -35,6 +38,7 @@ pub(super) struct Series {
 impl Series {
     pub(super) const ZERO: Self = Self {
         len: 0,
+        decay: 0.0,
         x: [0.0; MOST_TERMS],
         u: [0.0; MOST_TERMS],
         y: [0.0; MOST_TERMS],
@@ -65,6 +69,10 @@ impl Series {
         // In flight the contact spring is off, and the static load remains.
         let (across, mut load) = if now.contact == Contact::Flight { (k22 - contact, 1.0) } else { (k22, 0.0) };
         let direction = now.contact.direction();
+        self.decay = match parameters.law {
+            FrictionLaw::Exponential { stribeck_velocity, .. } if direction != 0.0 => stribeck_velocity.recip(),
+            _ => 0.0,
+        };
         (self.x[0], self.u[0], self.y[0], self.v[0]) = (now.x, now.u, now.y, now.v);
         (self.w[0], self.s[0], self.normal[0]) = (now.speed(model), 0.0, now.normal(model));
         for k in 0..self.len {
@@ -107,7 +115,7 @@ impl Series {
                 h = h.min((allowed / size(k)).powf(1.0 / k as f64));
             }
         }
-        h
+        before_the_wall(&self.w[..self.len], self.decay, h)
     }
 
     /// x, x′, y, y′ after the time t.
