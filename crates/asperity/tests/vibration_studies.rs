@@ -161,3 +161,33 @@ fn laws_say_which_of_their_keys_is_absent() {
     let idle = Study::parse(&format!("{MACHINE}{base}high_speed_share = 0.5"), "x.toml").unwrap().idle_keys();
     assert!(idle.iter().any(|sentence| sentence.contains("high_speed_share")), "{idle:?}");
 }
+
+#[test]
+fn a_map_without_scatter_ends_where_the_cycle_does() {
+    let base = "damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\nupscaling = \"paper\"\n";
+    let map = "[vibration.map]\nover = \"damping_scatter\"\nx = [0.14, 0.28, 2]\ny = [0.0, 0.001, 1]\ndepth = 0\ntrajectories = 20";
+    let text = format!("{}{base}{map}", MACHINE.replace("duration = 60.0", "duration = 600.0"));
+    let study = Study::parse(&text, "map.toml").unwrap();
+    let outcome = study.run(Path::new(""), None, &Silent).unwrap();
+    let names = outcome.results.vibration.unwrap().map.unwrap();
+    assert_eq!((names.x.as_str(), names.y.as_str()), ("damping_ratio", "friction_std"));
+    let (_, points) = outcome.tables.iter().find(|(name, _)| name.as_str() == "map_points").unwrap();
+    let column = |name| points.column(name).unwrap();
+    let at = |damping: f64, std: f64| {
+        let of = |i: &usize| (column("damping_ratio")[*i] - damping).abs() < 1e-9 && column("friction_std")[*i] == std;
+        column("sustained_share")[(0..column("damping_ratio").len()).find(of).unwrap()]
+    };
+    // ζ_c = .2048.
+    assert_eq!([at(0.14, 0.0), at(0.21, 0.0), at(0.28, 0.0)], [1.0, 0.0, 0.0]);
+    assert!(at(0.14, 0.001) > 0.9 && at(0.28, 0.001) < 0.1);
+    // The study estimates its trajectories: sweeps of both upscalings, and the points of the map.
+    assert_eq!(study.estimate(1)[0].trajectories, 2 * 2 * 20 + 6 * 20);
+    for (wrong, word) in
+        [("x = [0.3, 0.2, 2]", "rising"), ("x = [0.1, 0.2, 0]", "at least 1"), ("depth = 9", "at most 8")]
+    {
+        let key = wrong.split(' ').next().unwrap();
+        let old = map.lines().find(|line| line.starts_with(key)).unwrap();
+        let message = refused(&format!("{base}{}", map.replace(old, wrong)));
+        assert!(message.contains(word) && message.contains("vibration.map"), "{message}");
+    }
+}

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 #[cfg(target_os = "linux")]
 use crate::support::interrupted_in;
-use crate::support::{asperity, asperity_in, close, keys, number};
+use crate::support::{Ended, asperity, asperity_in, close, keys, number};
 
 /// The paper's law; periods and displacements are those of a high-precision solver.
 const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
@@ -23,6 +23,11 @@ fn record(folder: &Path, values: &[f64]) {
     bytes.extend(format!("{dictionary:<117}\n").as_bytes());
     bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
     fs::write(folder.join("m.npy"), bytes).unwrap();
+}
+
+/// The program on the words of a line, in a folder.
+fn line_in(folder: &Path, line: &str) -> Ended {
+    asperity_in(folder, &line.split_whitespace().collect::<Vec<_>>())
 }
 
 #[test]
@@ -350,15 +355,15 @@ fn a_fitted_process_is_the_fluctuation_of_its_flags() {
     fs::write(folder.path().join("process.json"), process).unwrap();
     let rest = "--damping-ratio 0.17 --trajectories 8 --duration 100 --seed 3 --json";
     let file = format!("vibration ensemble {PAPER} {rest} --friction-process process.json");
-    let read = asperity_in(folder.path(), &format!("{file} --length-unit 1m")).json(0);
+    let read = line_in(folder.path(), &format!("{file} --length-unit 1m")).json(0);
     let flags = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --translation corrected";
     let stated = asperity(&format!("vibration ensemble {PAPER} {rest} {flags}")).json(0);
     assert_eq!(read, stated);
     // Lengths need a unit, and there is one fluctuation.
-    assert!(asperity_in(folder.path(), &file).code == 2);
-    assert!(asperity_in(folder.path(), &format!("{file} --length-unit 1m {flags}")).code == 2);
+    assert!(line_in(folder.path(), &file).code == 2);
+    assert!(line_in(folder.path(), &format!("{file} --length-unit 1m {flags}")).code == 2);
     let absent = format!("vibration ensemble {PAPER} {rest} --friction-process no.json --length-unit 1m");
-    assert!(asperity_in(folder.path(), &absent).code == 3);
+    assert!(line_in(folder.path(), &absent).code == 3);
     assert!(asperity(&format!("vibration ensemble {PAPER} {rest} --friction-std 0.001")).code == 2);
 }
 
@@ -372,7 +377,7 @@ fn integrators_find_the_same_events() {
             "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-file m.npy --friction-step 0.0005 --duration 40 \
              --integrator {integrator} --json"
         );
-        let json = asperity_in(folder.path(), &line).json(0);
+        let json = line_in(folder.path(), &line).json(0);
         json["events"].as_array().unwrap().clone()
     };
     let series = events("taylor");
@@ -406,10 +411,10 @@ fn over_loads_every_law_holds_in_si() {
             "vibration map --static-friction 0.1 {law} --belt-velocity 0.01 --damping-ratio 0.1 {noise} --belt-velocities 0.01,0.02,1 \
              --loads 1,2,1 --depth 0 --trajectories 4 --duration 20 --seed 1 --json"
         );
-        let map = asperity_in(folder.path(), &map).json(0);
+        let map = line_in(folder.path(), &map).json(0);
         let corner = map["points"].as_array().unwrap().iter().find(|p| p["x"] == 0.02 && p["y"] == 2.0).unwrap();
         let line = format!("vibration critical-damping --static-friction 0.1 {heavy} --belt-velocity 0.01 --json");
-        let wanted = asperity_in(folder.path(), &line).json(0);
+        let wanted = line_in(folder.path(), &line).json(0);
         close(number(corner, "critical_damping_ratio"), number(&wanted, "critical_damping_ratio"), 1e-12);
     }
 }

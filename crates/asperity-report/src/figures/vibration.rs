@@ -27,7 +27,8 @@ const HALO: RGBColor = RGBColor(255, 255, 255);
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     portrait::plate(run, plates)?;
     points::plate(run, plates)?;
-    cycles::plates(run, plates)
+    cycles::plates(run, plates)?;
+    stability_map::plate(run, plates)
 }
 
 /// What a figure is called, and what it says of itself.

@@ -16,6 +16,7 @@ pub(super) fn tables(run: &Run) -> Vec<DataTable> {
     if let Value::Object(entries) = &mut scalars {
         entries.remove("paper");
         entries.remove("area");
+        entries.remove("map");
     }
     let rows = flattened(&scalars).into_iter().map(|(key, value)| vec![key, value]).collect();
     tables.push(DataTable::new("Without roughness", &["Property", "Value"], rows, "results.json"));

@@ -80,8 +80,13 @@ impl Study {
             stages.push(stage);
         }
         if let Some(v) = &self.vibration {
-            // Both upscalings.
-            let trajectories = 2 * v.damping_sweep.2 * v.trajectories;
+            // Both upscalings, and a map of which the front is refined: a line of cells at each depth.
+            let map = v.map.as_ref().map_or(0, |map| {
+                let (nx, ny) = (map.x.2, map.y.2);
+                let front = 4 * nx.max(ny) * ((1 << (map.depth + 1)) - 2);
+                ((nx + 1) * (ny + 1) + front) * map.trajectories
+            });
+            let trajectories = 2 * v.damping_sweep.2 * v.trajectories + map;
             stages.push(StageEstimate {
                 stage: Stage::Vibration,
                 contact_solutions: 0,

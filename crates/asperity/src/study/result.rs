@@ -624,10 +624,22 @@ pub struct VibrationResult {
     pub cycle: CycleResult,
     /// Which upscaling leads.
     pub upscaling: String,
+    /// The stability map, if one is asked for; its numbers are tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapResult>,
     /// One window carries the whole normal force (the paper).
     pub paper: EnsembleResult,
     /// Windows average over the nominal area.
     pub area: EnsembleResult,
+}
+
+/// What a stability map is drawn over.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct MapResult {
+    /// First parameter: `damping_ratio` or `belt_velocity`.
+    pub x: String,
+    /// Second parameter: `belt_velocity`, `friction_std` or `load_ratio`.
+    pub y: String,
 }
 
 /// A deterministic limit cycle; keys as in `asperity vibration cycle`.

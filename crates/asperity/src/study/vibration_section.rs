@@ -100,6 +100,47 @@ pub enum Upscaling {
     Paper,
 }
 
+/// What a stability map is drawn over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapOver {
+    /// Damping ratio and dimensionless belt velocity.
+    DampingVelocity,
+    /// Damping ratio and standard deviation of friction.
+    DampingScatter,
+    /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
+    VelocityLoad,
+}
+
+impl MapOver {
+    /// Names of the axes.
+    pub fn axes(self) -> [&'static str; 2] {
+        match self {
+            Self::DampingVelocity => ["damping_ratio", "belt_velocity"],
+            Self::DampingScatter => ["damping_ratio", "friction_std"],
+            Self::VelocityLoad => ["belt_velocity", "load_ratio"],
+        }
+    }
+}
+
+/// `[vibration.map]`: the probability of a sustained cycle over two parameters, under the leading upscaling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapSection {
+    /// The parameters.
+    pub over: MapOver,
+    /// First axis: from, to, cells of the first grid.
+    pub x: (f64, f64, usize),
+    /// Second axis.
+    pub y: (f64, f64, usize),
+    /// How often cells at the front are halved.
+    #[serde(default = "map_depth")]
+    pub depth: u32,
+    /// Trajectories at a point.
+    #[serde(default = "trajectories")]
+    pub trajectories: usize,
+}
+
 /// `[vibration]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -168,6 +209,9 @@ pub struct VibrationSection {
     /// Dimensionless duration ω₀t of a trajectory.
     #[serde(default = "duration")]
     pub duration: f64,
+    /// A stability map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapSection>,
     /// A fitted process ([`crate::friction::process::FittedProcess`]), relative to the study file, when there is no friction
     /// stage: the `friction_process.json` of another study, or of a measured record. Its Stribeck coefficient, if it has one,
     /// takes the place of `stribeck`.
@@ -230,6 +274,9 @@ impl VibrationSection {
     }
 }
 
+fn map_depth() -> u32 {
+    3
+}
 fn one() -> f64 {
     1.0
 }

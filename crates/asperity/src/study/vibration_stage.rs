@@ -1,19 +1,21 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
 mod entries;
+mod map;
 mod tables;
 
 use std::f64::consts::TAU;
 
 use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
+pub use self::map::stability_map_tables;
 use self::tables::{damping_table, portrait_table, reattachment_table};
 
-use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, Steady};
+use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Steady};
 use crate::law::Marginal;
 use crate::monitor::Monitor;
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
-use crate::study::result::{DampingResult, EnsembleResult, PointsResult, VibrationResult};
+use crate::study::result::{DampingResult, EnsembleResult, MapResult, PointsResult, VibrationResult};
 use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
@@ -98,6 +100,10 @@ pub(super) fn run(
             tables.push((name, table));
         }
     }
+    if let Some(section) = &section.map {
+        let found = ensembles.map(section, lead, monitor)?;
+        tables.extend(stability_map_tables(&found, section.over.axes()));
+    }
     let assumptions = ensembles.sentences(area_std);
     let result = VibrationResult {
         damping_ratio: section.damping_ratio,
@@ -113,6 +119,7 @@ pub(super) fn run(
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
         cycle: cycle_result(&oscillator)?,
         upscaling: lead.name.into(),
+        map: section.map.as_ref().map(|map| map.over.axes()).map(|[x, y]| MapResult { x: x.into(), y: y.into() }),
         paper,
         area,
     };
@@ -135,14 +142,25 @@ impl Ensembles<'_> {
         if scatter.std < NO_SCATTER {
             return Ok(None);
         }
-        let model = ProcessModel {
-            shape: self.shape,
+        Ok(Some(self.process_of(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, speeds)?))
+    }
+
+    /// The process of a machine under a multiple of the load.
+    fn process_of(
+        &self,
+        oscillator: &Oscillator,
+        marginal: Marginal,
+        std: f64,
+        load: f64,
+        speeds: f64,
+    ) -> Result<FrictionProcess, ProcessError> {
+        FrictionProcess::new(ProcessModel {
+            shape: self.shape.in_unit(load),
             generator: self.generator(),
             correlation: self.window.correlation,
-            least: Some(self.least(speeds)),
-            ..ProcessModel::new(scatter.marginal.clone(), scatter.std, self.correlation_length)
-        };
-        Ok(Some(FrictionProcess::new(model)?))
+            least: Some(self.least(oscillator, speeds)),
+            ..ProcessModel::new(marginal, std, self.correlation_length / load)
+        })
     }
 
     /// The study's, else the fitted process's, else that which suits the correlation.
@@ -153,9 +171,9 @@ impl Ensembles<'_> {
 
     /// Least fluctuation that leaves the kinetic coefficient positive at the fastest slip to be expected: displacements
     /// scale with μ_st, so |v_rel| hardly exceeds V + μ_st, or `speeds` times that under violent friction.
-    fn least(&self, speeds: f64) -> f64 {
-        let fastest = speeds * (self.oscillator.belt_velocity() + self.window.mean);
-        let coefficient = self.oscillator.law().coefficient(fastest);
+    fn least(&self, oscillator: &Oscillator, speeds: f64) -> f64 {
+        let fastest = speeds * (oscillator.belt_velocity() + self.window.mean);
+        let coefficient = oscillator.law().coefficient(fastest);
         // A linear law may end there; then the run tells that friction does not stay positive.
         -0.9 * coefficient.max(0.01 * self.window.mean)
     }
@@ -227,7 +245,7 @@ impl Ensembles<'_> {
                 "with the {name} upscaling, {} of the friction process over the damping sweep lay lower than {} below the mean and \
                  were raised to there, so that friction stays positive: the least values of its law are cut off",
                 sentence::count(clamped as usize, "value", "values"),
-                sentence::digits(-self.least(speeds))
+                sentence::digits(-self.least(&self.oscillator, speeds))
             ));
         }
         let sweep = DampingSweep { damping_ratios, ensembles };

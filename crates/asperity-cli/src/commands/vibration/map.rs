@@ -1,9 +1,8 @@
 //! The probability of a sustained cycle over two parameters.
 
-use asperity::study::Table;
+use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameter, Parameters, StabilityMap,
-    VibrationError, stability_map,
+    EnsembleSettings, MapAxis, MapSettings, Oscillator, Parameter, Parameters, VibrationError, stability_map,
 };
 use clap::Args;
 
@@ -118,7 +117,7 @@ impl Map {
         if wanted || self.json {
             let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::of(&map)?);
             if wanted {
-                self.folder.write(&inputs, &answer, tables(&map, names), monitor)?;
+                self.folder.write(&inputs, &answer, stability_map_tables(&map, names), monitor)?;
             }
             if self.json {
                 return answer.print(true);
@@ -133,47 +132,4 @@ impl Map {
         }
         print(&columns(&rows))
     }
-}
-
-/// Points, cells, contours and the end of the cycle without fluctuation.
-fn tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
-    let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
-    let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
-    let points = Table::new([
-        (x, of_points(|p| p.x)),
-        (y, of_points(|p| p.y)),
-        ("sustained_share", of_points(|p| p.sustained.value)),
-        ("sustained_share_low", of_points(|p| p.sustained.interval[0])),
-        ("sustained_share_high", of_points(|p| p.sustained.interval[1])),
-        ("trajectories", of_points(|p| p.trajectories as f64)),
-        ("critical_damping_ratio", of_points(|p| p.critical_damping_ratio.unwrap_or(f64::NAN))),
-    ]);
-    let cells = Table::new([
-        (format!("{x}_low"), of_cells(|c| c.x[0])),
-        (format!("{x}_high"), of_cells(|c| c.x[1])),
-        (format!("{y}_low"), of_cells(|c| c.y[0])),
-        (format!("{y}_high"), of_cells(|c| c.y[1])),
-        ("probability".to_owned(), of_cells(|c| c.probability)),
-    ]);
-    let contours = map.contours.iter().flat_map(|contour| contour.lines.iter().map(|line| (contour.level, line)));
-    let limit = map.limit.iter().map(|line| (f64::NAN, line));
-    vec![
-        ("map_points", points),
-        ("map_cells", cells),
-        ("map_contours", lines([x, y], contours, true)),
-        ("map_limit", lines([x, y], limit, false)),
-    ]
-}
-
-/// The points of numbered lines, with the level of each if lines have one.
-fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
-    let mut columns = [(); 4].map(|()| Vec::new());
-    for (number, (level, line)) in lines.enumerate() {
-        for place in line {
-            let row = [level, number as f64, place[0], place[1]];
-            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-        }
-    }
-    let names = ["level", "line", x, y];
-    Table::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
 }

@@ -8,10 +8,11 @@ use super::{columns, in_words, outlined, parted};
 use crate::axis::{Axis, range};
 use crate::canvas::{Canvas, Dash, Pen, Rect, draw};
 use crate::chart::{Backdrop, Chart};
+use crate::figures::{Plate, Stage, csv};
 use crate::format::Unit;
 use crate::image;
 use crate::palette::{BLACK, VERMILION};
-use crate::{Figure, ReportError, Table};
+use crate::{Figure, ReportError, Run, Table};
 
 /// Most pixels of the image along an axis.
 const MOST: f64 = 1024.0;
@@ -22,6 +23,25 @@ const BAR: f64 = 92.0;
 /// Levels with the line of each.
 const LEVELS: [(f64, &str, Dash); 3] =
     [(0.05, "5 %", Dash::Dotted), (0.5, "50 %", Dash::Solid), (0.95, "95 %", Dash::Dashed)];
+
+const TITLE: &str = "Probability of a sustained cycle";
+const DESCRIPTION: &str = "Colours: share of the trajectories that are in the cycle for at least half of the second half of their \
+                           time. Lines: where it is 5, 50 and 95 %, and where the cycle without fluctuation ends.";
+
+/// The map of a study.
+pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    let Some(Figure { svg, .. }) = figure(&run.results["vibration"]["map"], &run.tables)? else { return Ok(()) };
+    let sources = ["map_cells", "map_contours", "map_limit"].into_iter().filter(|name| run.tables.contains_key(*name));
+    plates.push(Plate {
+        name: "stability_map",
+        stage: Stage::Vibration,
+        title: TITLE.into(),
+        caption: DESCRIPTION.into(),
+        sources: sources.map(csv).collect(),
+        svg,
+    });
+    Ok(())
+}
 
 pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
     let (Some(x), Some(y)) = (answer["x"].as_str(), answer["y"].as_str()) else { return Ok(None) };
@@ -50,11 +70,8 @@ pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result
             Pen::new(VERMILION, 2.6, Dash::Solid),
         );
     }
-    let title = "Probability of a sustained cycle";
-    let description = "Colours: share of the trajectories that are in the cycle for at least half of the second half of their time. \
-                       Lines: where it is 5, 50 and 95 %, and where the cycle without fluctuation ends.";
     let bar = Axis::linear("Probability of a sustained cycle", Unit::none(), (0.0, 1.0));
-    let svg = with_bar(&chart, &bar, title, description)?;
+    let svg = with_bar(&chart, &bar, TITLE, DESCRIPTION)?;
     Ok(Some(Figure { name: "stability_map".into(), svg }))
 }
 

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use super::{POSITIVE, Problem, at_least, positive, problem, within};
 use crate::law::Marginal;
-use crate::study::config::{FluctuationChoice, Study, VelocityLaw, VibrationSection};
+use crate::study::config::{FluctuationChoice, MapSection, Study, VelocityLaw, VibrationSection};
 
 const SECTION: &str = "vibration";
 const SHARE: &str = "a share above 0, at most 1";
@@ -36,6 +36,7 @@ impl Study {
             }
         }
         check_machine(v)?;
+        v.map.as_ref().map_or(Ok(()), check_map)?;
         let (from, to, count) = v.damping_sweep;
         let fits = |z: f64| (0.0..1.0).contains(&z);
         within(SECTION, "damping_sweep", from, fits, "damping ratios of at least 0, below 1")?;
@@ -148,4 +149,25 @@ fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
         return Err(problem(SECTION, "generator", message));
     }
     Ok(())
+}
+
+fn check_map(map: &MapSection) -> Result<(), Problem> {
+    const SECTION: &str = "vibration.map";
+    for (key, name, (from, to, cells)) in [("x", map.over.axes()[0], map.x), ("y", map.over.axes()[1], map.y)] {
+        // Damping and scatter may begin with none.
+        let (least, most) = match name {
+            "damping_ratio" => (0.0, 1.0),
+            "friction_std" => (0.0, f64::INFINITY),
+            _ => (f64::MIN_POSITIVE, f64::INFINITY),
+        };
+        let wanted = format!("values of {name} from {} on, in rising order", if least > 0.0 { "above 0" } else { "0" });
+        within(SECTION, key, from, |value| value >= least && value < most, &wanted)?;
+        within(SECTION, key, to, |value| value > from && value < most, &wanted)?;
+        at_least(SECTION, key, cells, 1)?;
+        if cells > 1000 {
+            return Err(problem(SECTION, key, format!("found {cells} cells, wanted at most 1000")));
+        }
+    }
+    within(SECTION, "depth", f64::from(map.depth), |depth| depth <= 8.0, "at most 8")?;
+    at_least(SECTION, "trajectories", map.trajectories, 2)
 }

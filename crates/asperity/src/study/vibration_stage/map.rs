@@ -1,0 +1,115 @@
+//! The stability map of a study.
+
+use super::{Ensembles, NO_SCATTER, Quiet, Scatter};
+use crate::monitor::Monitor;
+use crate::study::config::{MapOver, MapSection};
+use crate::study::{StudyError, Table};
+use crate::vibration::{
+    EnsembleSettings, Machine, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap,
+    VibrationError, stability_map,
+};
+
+impl Ensembles<'_> {
+    /// The map over the parameters that the study names, under one upscaling.
+    pub(super) fn map(
+        &self,
+        section: &MapSection,
+        scatter: &Scatter,
+        monitor: &dyn Monitor,
+    ) -> Result<StabilityMap, StudyError> {
+        let axis = |(from, to, cells)| MapAxis { from, to, cells };
+        let ensemble = EnsembleSettings { trajectories: section.trajectories, sample_capacity: 0, ..self.settings() };
+        let settings = MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble };
+        let machine = |x: f64, y: f64| match section.over {
+            MapOver::DampingVelocity => self.machine([x, y], 1.0, scatter, scatter.std),
+            MapOver::DampingScatter => self.machine([x, self.oscillator.belt_velocity()], 1.0, scatter, y),
+            MapOver::VelocityLoad => self.machine([self.oscillator.damping_ratio(), x], y, scatter, scatter.std),
+        };
+        Ok(stability_map(&machine, &settings, &Points(monitor))?)
+    }
+
+    /// The machine at a damping ratio and a belt velocity, in units of the stated load, under a multiple of that load.
+    fn machine(
+        &self,
+        [damping_ratio, belt_velocity]: [f64; 2],
+        load: f64,
+        scatter: &Scatter,
+        std: f64,
+    ) -> Result<Machine, VibrationError> {
+        // What holds in SI falls with the units of length and velocity, which grow with the load.
+        let oscillator = Oscillator::new(Parameters {
+            damping_ratio,
+            belt_velocity: belt_velocity / load,
+            law: self.oscillator.law().rescaled(load),
+            forcing: self
+                .oscillator
+                .forcing()
+                .map(|forcing| crate::vibration::Forcing { amplitude: forcing.amplitude / load, ..forcing }),
+            ..self.oscillator.parameters().clone()
+        })?;
+        if std < NO_SCATTER {
+            return Ok((oscillator, None));
+        }
+        let process = self.process_of(&oscillator, scatter.marginal.clone(), std, load, 1.0)?;
+        Ok((oscillator, Some(process)))
+    }
+}
+
+/// The progress of points alone.
+struct Points<'a>(&'a dyn Monitor);
+
+impl Monitor for Points<'_> {
+    fn progress(&self, what: &str, done: usize, total: usize) {
+        if what == "points of the map" {
+            self.0.progress(what, done, total);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        Quiet(self.0).cancelled()
+    }
+}
+
+/// Tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the end of the cycle
+/// without fluctuation, `map_limit`.
+pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
+    let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
+    let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
+    let points = Table::new([
+        (x, of_points(|p| p.x)),
+        (y, of_points(|p| p.y)),
+        ("sustained_share", of_points(|p| p.sustained.value)),
+        ("sustained_share_low", of_points(|p| p.sustained.interval[0])),
+        ("sustained_share_high", of_points(|p| p.sustained.interval[1])),
+        ("trajectories", of_points(|p| p.trajectories as f64)),
+        ("critical_damping_ratio", of_points(|p| p.critical_damping_ratio.unwrap_or(f64::NAN))),
+    ]);
+    let cells = Table::new([
+        (format!("{x}_low"), of_cells(|c| c.x[0])),
+        (format!("{x}_high"), of_cells(|c| c.x[1])),
+        (format!("{y}_low"), of_cells(|c| c.y[0])),
+        (format!("{y}_high"), of_cells(|c| c.y[1])),
+        ("probability".to_owned(), of_cells(|c| c.probability)),
+    ]);
+    let contours = map.contours.iter().flat_map(|contour| contour.lines.iter().map(|line| (contour.level, line)));
+    let limit = map.limit.iter().map(|line| (f64::NAN, line));
+    vec![
+        ("map_points", points),
+        ("map_cells", cells),
+        ("map_contours", lines([x, y], contours, true)),
+        ("map_limit", lines([x, y], limit, false)),
+    ]
+}
+
+/// The points of numbered lines, with the level of each if lines have one.
+fn lines<'a>([x, y]: [&str; 2], lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>, levels: bool) -> Table {
+    let mut columns = [(); 4].map(|()| Vec::new());
+    for (number, (level, line)) in lines.enumerate() {
+        for place in line {
+            let row = [level, number as f64, place[0], place[1]];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let names = ["level", "line", x, y];
+    Table::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
+}
