@@ -13,8 +13,16 @@ const KNOWN: [(f64, f64, f64, u64); 3] = [(0.17, 68.99, 0.10, 99), (0.22, 34.31,
 fn noise_costs_cycles_below_the_end_of_the_cycle_and_makes_some_beyond_it() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig5.toml");
     let mut study = Study::parse(&fs::read_to_string(&path).unwrap(), "paper_fig5.toml").unwrap();
-    study.vibration.as_mut().unwrap().trajectories = 400;
+    let section = study.vibration.as_mut().unwrap();
+    section.trajectories = 400;
+    let map = section.map.as_mut().unwrap();
+    (map.depth, map.trajectories) = (0, 20);
     let outcome = study.run(path.parent().unwrap(), None, &Silent).unwrap();
+    let (_, points) = outcome.tables.iter().find(|(name, _)| name.as_str() == "map_points").unwrap();
+    let [damping, share] = ["damping_ratio", "sustained_share"].map(|name| points.column(name).unwrap());
+    for (damping, share) in damping.iter().zip(share) {
+        assert!(*damping > 0.1 || *share > 0.95, "{damping}: {share}");
+    }
     let vibration = outcome.results.vibration.unwrap();
     assert!((vibration.correlation_length - 0.01).abs() < 2e-6);
     let critical = vibration.critical_damping_ratio.unwrap();
