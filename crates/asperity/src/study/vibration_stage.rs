@@ -156,17 +156,21 @@ impl Ensembles<'_> {
     ) -> Result<FrictionProcess, ProcessError> {
         FrictionProcess::new(ProcessModel {
             shape: self.shape.in_unit(load),
-            generator: self.generator(),
+            generator: self.generator(&marginal),
             correlation: self.window.correlation,
             least: Some(self.least(oscillator, speeds)),
             ..ProcessModel::new(marginal, std, self.correlation_length / load)
         })
     }
 
-    /// The study's, else the fitted process's, else that which suits the correlation.
-    fn generator(&self) -> Generator {
-        let stated = self.section.generator.map(Generator::from);
-        stated.or(self.window.generator).unwrap_or_else(|| Generator::of(self.shape))
+    /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
+    /// own, and the mean over many windows is normal.
+    fn generator(&self, marginal: &Marginal) -> Generator {
+        let stated = self.section.generator.map(Generator::from).or(self.window.generator);
+        let able = stated.filter(|generator| {
+            *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.window.holds_many()
+        });
+        able.unwrap_or_else(|| Generator::of(self.shape))
     }
 
     /// Least fluctuation that leaves the kinetic coefficient positive at the fastest slip to be expected: displacements
@@ -365,8 +369,14 @@ impl Ensembles<'_> {
             sentence::si(window.length_m, "m"),
             sentence::digits(self.correlation_length)
         ));
-        if let Some(generator) = section.generator.map(Generator::from) {
-            sentences.push(format!("The fluctuation is made by the {} generator.", generator.name()));
+        if let Some(generator) = section.generator.map(Generator::from).or(window.generator) {
+            let other = self.generator(&window.area_marginal());
+            let but = if other == generator {
+                String::new()
+            } else {
+                format!(", but over the nominal area, where its law is normal, by the {} one", other.name())
+            };
+            sentences.push(format!("The fluctuation is made by the {} generator{but}.", generator.name()));
         }
         if section.drive == DriveChoice::Time {
             sentences.push("The fluctuation goes on with the travel of the belt, also in stick.".into());
