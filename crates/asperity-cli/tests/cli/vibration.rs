@@ -418,3 +418,19 @@ fn over_loads_every_law_holds_in_si() {
         close(number(corner, "critical_damping_ratio"), number(&wanted, "critical_damping_ratio"), 1e-12);
     }
 }
+
+#[test]
+fn a_motion_that_neither_sticks_nor_slides_steadily_is_told() {
+    // ζ_c lies far below ζ_H = 375: between them the mass vibrates without sticking.
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("steep.txt"), "0 0.1\n0.001 0.1\n0.0011 0.05\n1 0.04\n").unwrap();
+    let law = "--static-friction 0.1 --friction-table steep.txt --belt-velocity 0.00105";
+    let ended = line_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
+    assert_eq!(ended.json(0)["limit_cycle"], Value::Bool(false));
+    assert!(ended.stderr.contains("steady sliding is unstable"), "{}", ended.stderr);
+    let steady = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
+    assert!(!steady.stderr.contains("unstable"));
+    // Springs across the belt hold nothing along it.
+    let line = "vibration mode-coupling --static-friction 0.8 --stribeck 0 --belt-velocity 0.5 --angles 90,90 --json";
+    assert_eq!(asperity(line).code, 2);
+}

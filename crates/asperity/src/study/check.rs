@@ -11,7 +11,6 @@ use crate::law::Marginal;
 use crate::map::PITCH_RANGE_M;
 use crate::study::config::{
     BoundaryChoice, CovarianceChoice, FrictionSection, GeneratorChoice, LawChoice, Study, SurfaceSection,
-    VibrationSection,
 };
 use crate::study::scatter::{LengthScatter, NumberScatter};
 
@@ -414,7 +413,6 @@ impl Study {
             idle.push(periodic_only("friction"));
         }
         idle.extend(self.friction.iter().flat_map(FrictionSection::idle_keys));
-        idle.extend(self.vibration.iter().flat_map(VibrationSection::idle_keys));
         if self.friction.as_ref().is_some_and(|f| f.law == LawChoice::Coulomb)
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {

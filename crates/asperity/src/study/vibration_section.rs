@@ -258,20 +258,6 @@ impl VibrationSection {
             frequency: frequency.0 / self.natural_frequency.0,
         })
     }
-
-    /// Its keys that are stated and change nothing, each in a sentence.
-    pub(super) fn idle_keys(&self) -> Vec<String> {
-        let exponential = self.velocity_law == VelocityLaw::Exponential;
-        [
-            ("linear_weakening", self.linear_weakening.is_some() && self.velocity_law != VelocityLaw::Linear, "linear"),
-            ("stribeck_velocity", self.stribeck_velocity.is_some() && !exponential, "exponential"),
-            ("high_speed_share", self.high_speed_share.is_some() && !exponential, "exponential"),
-        ]
-        .into_iter()
-        .filter(|(_, idle, _)| *idle)
-        .map(|(key, _, law)| format!("[vibration] {key} has no effect without velocity_law = \"{law}\""))
-        .collect()
-    }
 }
 
 fn map_depth() -> u32 {

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Finds the damping ratio above which no limit cycle exists, and the one above which steady sliding is stable.
+/// Finds the damping ratio above which no cycle sticks, and the one above which steady sliding is stable.
 #[derive(Debug, Args)]
 pub(crate) struct CriticalDamping {
     #[command(flatten)]

@@ -1,6 +1,6 @@
 //! The stick-slip limit cycle.
 
-use asperity::vibration::{LimitCycle, Regime, limit_cycle};
+use asperity::vibration::{LimitCycle, Oscillator, Regime, limit_cycle};
 use clap::Args;
 
 use super::{Damping, Machine, refused};
@@ -28,11 +28,21 @@ impl Cycle {
             .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         match regime {
             Regime::Cycle(_) => {}
+            Regime::Sliding if slides_unsteadily(&oscillator) => monitor.warn(
+                "no limit cycle that sticks; but steady sliding is unstable at this damping ratio, so the mass vibrates without \
+                 reaching the velocity of the belt",
+            ),
             Regime::Sliding => monitor.note("no limit cycle: the mass slides for ever"),
             Regime::Irregular => monitor.note("no limit cycle: the forced motion does not repeat itself"),
         }
         answer(Some(regime.cycle().is_some()), regime.cycle()).print(self.json)
     }
+}
+
+/// Whether steady sliding is unstable, below ζ_H, although there is no cycle that sticks.
+fn slides_unsteadily(oscillator: &Oscillator) -> bool {
+    let weakening = oscillator.law().weakening(oscillator.belt_velocity());
+    oscillator.forcing().is_none() && oscillator.damping_ratio() < 0.5 * weakening
 }
 
 fn answer(found: Option<bool>, cycle: Option<&LimitCycle>) -> Answer {

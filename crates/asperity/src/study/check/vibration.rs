@@ -119,6 +119,17 @@ fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
         VelocityLaw::Exponential if v.high_speed_share.is_none() => return needs("high_speed_share", "exponential"),
         VelocityLaw::Linear | VelocityLaw::Exponential => {}
     }
+    // A key of another law would be left aside without a word.
+    let exponential = v.velocity_law == VelocityLaw::Exponential;
+    for (key, stray, law) in [
+        ("linear_weakening", v.linear_weakening.is_some() && v.velocity_law != VelocityLaw::Linear, "linear"),
+        ("stribeck_velocity", v.stribeck_velocity.is_some() && !exponential, "exponential"),
+        ("high_speed_share", v.high_speed_share.is_some() && !exponential, "exponential"),
+    ] {
+        if stray {
+            return Err(problem(SECTION, key, format!("this key belongs to velocity_law = \"{law}\"")));
+        }
+    }
     if let Some(slope) = v.linear_weakening {
         within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
     }

@@ -152,7 +152,7 @@ impl Model {
         }
         let [k11, k12, k22] = stiffness;
         let determinant = k11 * k22 - k12 * k12;
-        if determinant.is_nan() || determinant <= 1e-12 * k11 * k22 {
+        if determinant.is_nan() || determinant <= 1e-12 * k11 * k22 || k11 <= 1e-12 * k22 {
             let wanted = "positive: the springs do not hold the mass";
             return Err(VibrationError::Parameter { parameter: "k11·k22 - k12²", value: determinant, wanted });
         }
