@@ -199,7 +199,7 @@ impl Watch<'_> {
         let scale = self.scale(x, velocity);
         let haze = self.haze(end_coordinate);
         self.vanishes(0, beyond(x - before.x, haze), scale, TIGHT);
-        self.vanishes(1, velocity - before.velocity, scale, 1e-7);
+        self.vanishes(1, velocity - before.velocity, scale, TIGHT);
         let (x, velocity) = motion.sample(b);
         let arrived = event.is_some_and(|event| event.kind != EventKind::Detach);
         let haze = if arrived { haze + self.grazing(scale) } else { haze };
@@ -218,7 +218,7 @@ impl Watch<'_> {
             assert_eq!((event.tau, event.sliding_distance), (b, s));
             self.vanishes(2, beyond(event.displacement - x, haze), scale, TIGHT);
             if phase != Phase::Stick {
-                self.vanishes(3, velocity - self.oscillator.belt_velocity(), scale, 1e-7);
+                self.vanishes(3, velocity - self.oscillator.belt_velocity(), scale, TIGHT);
             }
             self.event(event, &end, motion.slip_state().map(|state| state.phase));
             return Before { phase, tau: b, x: event.displacement, velocity: self.oscillator.belt_velocity(), s };
