@@ -89,6 +89,12 @@ mod tests {
     }
 
     #[test]
+    fn a_slip_is_a_cycle_although_the_mass_turns_twice_in_a_step() {
+        // Under a fast force this mass moves backwards between a step's start and its end, slowing down at neither.
+        assert!(motions(37_455)[0].slips.cycles > 500);
+    }
+
+    #[test]
     fn lanes_and_the_single_mass_count_the_same_on_random_machines() {
         let compared: Vec<[u64; 3]> = (0..120_u64)
             .into_par_iter()

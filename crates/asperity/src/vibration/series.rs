@@ -353,6 +353,12 @@ impl Series {
         polynomial::first_zero(&slope[leading..self.len - 1], h)
     }
 
+    /// Whether W, at most `level` at 0, exceeds it in (0, h], however many extrema lie between.
+    #[inline]
+    pub(super) fn exceeds(&self, level: f64, h: f64) -> bool {
+        self.ceiling(h) > level && self.first_crossing(level, -1.0, h).is_some()
+    }
+
     /// A number above W on [0, h].
     pub(super) fn ceiling(&self, h: f64) -> f64 {
         polynomial::upper_bound(self.w(), h)

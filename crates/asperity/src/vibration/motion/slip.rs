@@ -113,7 +113,8 @@ impl<F: Fluctuation> Motion<F> {
     ) -> Result<Option<Event>, VibrationError> {
         let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
         let [before, slope] = self.series.start();
-        let turns = (slope > 0.0 || before == 0.0) && (arrived || a < 0.0);
+        // A force may turn W more than once in a step.
+        let turns = self.sway.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
         let m_before = self.m;
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
@@ -125,10 +126,7 @@ impl<F: Fluctuation> Motion<F> {
         }
         self.m = if crossed { self.cell.right } else { self.cell.at(self.coordinate()) };
         if self.phase == Phase::Slip && !self.reached_backward {
-            self.reached_backward = self.w > 1.0
-                || (turns
-                    && self.series.ceiling(h) > 1.0
-                    && self.series.first_extremum(h).is_some_and(|t| self.series.state(t).0 > 1.0));
+            self.reached_backward = self.w > 1.0 || self.series.exceeds(1.0, h);
         }
         self.check_friction(before, m_before, h, turns)?;
         if arrived {

@@ -14,6 +14,8 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
 ];
 
+/// Rounding relative to the sum of all forces, many times over.
+const TIGHT: f64 = 1e-11;
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// What was seen of one motion.
@@ -196,12 +198,12 @@ impl Watch<'_> {
         let end_coordinate = if drive == Drive::Distance { s } else { self.oscillator.belt_velocity() * b };
         let scale = self.scale(x, velocity);
         let haze = self.haze(end_coordinate);
-        self.vanishes(0, beyond(x - before.x, haze), scale, 1e-12);
-        self.vanishes(1, velocity - before.velocity, scale, 1e-7);
+        self.vanishes(0, beyond(x - before.x, haze), scale, TIGHT);
+        self.vanishes(1, velocity - before.velocity, scale, TIGHT);
         let (x, velocity) = motion.sample(b);
         let arrived = event.is_some_and(|event| event.kind != EventKind::Detach);
         let haze = if arrived { haze + self.grazing(scale) } else { haze };
-        self.vanishes(0, beyond(motion.displacement() - x, haze), scale, 1e-12);
+        self.vanishes(0, beyond(motion.displacement() - x, haze), scale, TIGHT);
         let end = self.point(b, x, velocity, s);
         assert!(x.hypot(velocity) <= self.energy_bound(b) * (1.0 + 1e-9), "too much energy: {:?}", self.case);
         assert!(x.abs() <= self.damped_bound() * (1.0 + 1e-9), "too far: {:?}", self.case);
@@ -214,9 +216,9 @@ impl Watch<'_> {
         }
         if let Some(event) = event {
             assert_eq!((event.tau, event.sliding_distance), (b, s));
-            self.vanishes(2, beyond(event.displacement - x, haze), scale, 1e-12);
+            self.vanishes(2, beyond(event.displacement - x, haze), scale, TIGHT);
             if phase != Phase::Stick {
-                self.vanishes(3, velocity - self.oscillator.belt_velocity(), scale, 1e-7);
+                self.vanishes(3, velocity - self.oscillator.belt_velocity(), scale, TIGHT);
             }
             self.event(event, &end, motion.slip_state().map(|state| state.phase));
             return Before { phase, tau: b, x: event.displacement, velocity: self.oscillator.belt_velocity(), s };
@@ -241,9 +243,9 @@ impl Watch<'_> {
             assert_eq!(velocity, belt);
             let point = self.point(tau, x, velocity, before.s);
             let scale = self.scale(x, velocity);
-            self.vanishes(4, x - before.x - belt * (tau - before.tau), scale, 1e-12);
+            self.vanishes(4, beyond(x - before.x - belt * (tau - before.tau), self.haze(end.coordinate)), scale, TIGHT);
             let (force, _, most) = self.balance(&point);
-            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.haze(end.coordinate)), scale, 1e-11);
+            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.haze(end.coordinate)), scale, TIGHT);
         }
     }
 
@@ -252,7 +254,7 @@ impl Watch<'_> {
         let length = end.tau - before.tau;
         let scale = self.scale(end.x, end.velocity);
         let moved = direction * (self.oscillator.belt_velocity() * length - (end.x - before.x));
-        self.vanishes(5, beyond(s - before.s - moved, self.haze(s)), scale + s, 1e-12);
+        self.vanishes(5, beyond(s - before.s - moved, self.haze(end.coordinate)), scale + s, TIGHT);
         if thorough {
             self.equation_of_motion(motion, before, end, s, scale);
         }
@@ -278,16 +280,16 @@ impl Watch<'_> {
                 path += length * weight * velocity;
                 doubt += length * weight * unsure;
             }
-            let allowed = doubt + length * self.haze(s);
+            let allowed = doubt + length * self.haze(end.coordinate);
             errors = [
-                beyond(end.x - before.x - path, self.haze(s)),
+                beyond(end.x - before.x - path, self.haze(end.coordinate)),
                 beyond(end.velocity - before.velocity - impulse, allowed),
             ];
             if errors.iter().all(|error| *error < 1e-13 * scale) {
                 break;
             }
         }
-        self.vanishes(6, errors[0], scale, 1e-12);
+        self.vanishes(6, errors[0], scale, TIGHT);
         // A step is judged by its last two terms, and for once in millions both are small by accident.
         self.vanishes(7, errors[1], scale * length.max(1.0), 1e-9);
     }
@@ -363,7 +365,7 @@ impl Watch<'_> {
             (EventKind::Reverse, Some(phase)) => least - phase.direction() * force - self.grazing(scale),
             _ => panic!("{event:?} leads to {after:?}: {:?}", self.case),
         };
-        self.vanishes(8, (overshoot - haze).max(0.0), scale, 1e-11);
+        self.vanishes(8, (overshoot - haze).max(0.0), scale, TIGHT);
         self.seen.events.push(event);
     }
 
