@@ -85,6 +85,12 @@ impl Turning {
     /// Of a step whose polynomials are not the solution to rounding.
     pub(super) const UNKNOWN: Self = Self { quarter: 0.0, kappa: 0.0, base: 0.0 };
 
+    /// Whether W has one extremum at most in a step of this length: two are half a turn apart.
+    #[inline]
+    pub(super) fn is_simple(&self, h: f64) -> bool {
+        h <= 2.0 * self.quarter
+    }
+
     /// Time during which a slip at (W, W′) does not arrive for certain.
     #[inline]
     pub(super) fn safe(&self, w: f64, a: f64) -> f64 {

@@ -59,7 +59,7 @@ impl<F: Fluctuation> Motion<F> {
             let (w, e) = self.series.state(t);
             let a = self.weakening.acceleration(w, e);
             if self.series.stays(&turning, t, w, a) {
-                return self.finish_slip(t, (w, e, a), Cut::Knot, until);
+                return self.finish_slip(t, (w, e, a), Cut::Knot, (until, turning.is_simple(t)));
             }
         }
         // First the arrival, then the knot: past an arrival the distance would run backwards.
@@ -83,7 +83,7 @@ impl<F: Fluctuation> Motion<F> {
             Cut::Point(level) => level,
             Cut::None | Cut::Knot => w.max(0.0),
         };
-        self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, until)
+        self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, (until, turning.is_simple(h)))
     }
 
     /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
@@ -102,14 +102,14 @@ impl<F: Fluctuation> Motion<F> {
         (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
     }
 
-    /// Moves to the end of a step of the length h, where W, e and W′ are given.
+    /// Moves to the end of a step of the length h, where W, e and W′ are given; in a simple one W has one extremum at most.
     #[inline]
     fn finish_slip(
         &mut self,
         h: f64,
         (w, e, a): (f64, f64, f64),
         cut: Cut,
-        until: f64,
+        (until, simple): (f64, bool),
     ) -> Result<Option<Event>, VibrationError> {
         let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
         let [before, slope] = self.series.start();
@@ -126,7 +126,7 @@ impl<F: Fluctuation> Motion<F> {
         }
         self.m = if crossed { self.cell.right } else { self.cell.at(self.coordinate()) };
         if self.phase == Phase::Slip && !self.reached_backward {
-            self.reached_backward = self.w > 1.0 || self.series.exceeds(1.0, h);
+            self.reached_backward = self.w > 1.0 || ((turns || !simple) && self.series.exceeds(1.0, h));
         }
         self.check_friction(before, m_before, h, turns)?;
         if arrived {
