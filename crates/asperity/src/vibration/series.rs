@@ -118,14 +118,14 @@ impl Loading {
 struct Expansion<const N: usize>;
 
 /// What an expansion is made of.
-type Parts<'a, T> = (&'a mut Series, T, &'a Weakening, &'a Loading, [f64; 2]);
+type Parts<'a, M> = (&'a mut Series, M, &'a Weakening, &'a Loading, [f64; 2]);
 
-impl<const N: usize, T: Recurrence<N>> Kernel<Parts<'_, T>> for Expansion<N> {
+impl<const N: usize, T: Recurrence<N>, M: FnOnce() -> T> Kernel<Parts<'_, M>> for Expansion<N> {
     type Output = ();
 
     #[inline(always)]
-    fn run((series, terms, weakening, loading, [w, e]): Parts<'_, T>) {
-        series.recur::<N>(terms, weakening, loading, w, e);
+    fn run((series, terms, weakening, loading, [w, e]): Parts<'_, M>) {
+        series.recur::<N>(terms(), weakening, loading, w, e);
     }
 }
 
@@ -232,17 +232,17 @@ impl Series {
     #[inline(always)]
     fn expand_to<const N: usize>(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64) {
         match &weakening.curve {
-            Curve::Straight => self.expand_with::<N>(NoTerms, weakening, loading, w, e),
-            Curve::Quotient(q) => self.expand_with::<N>(QuotientTerms::new(q, w), weakening, loading, w, e),
-            Curve::Exponential(x) => self.expand_with::<N>(ExponentialTerms::new(x, w), weakening, loading, w, e),
-            Curve::Cubic(c) => self.expand_with::<N>(CubicTerms::new(c, w), weakening, loading, w, e),
+            Curve::Straight => self.expand_with::<N, _>(|| NoTerms, weakening, loading, w, e),
+            Curve::Quotient(q) => self.expand_with::<N, _>(|| QuotientTerms::new(q, w), weakening, loading, w, e),
+            Curve::Exponential(x) => self.expand_with::<N, _>(|| ExponentialTerms::new(x, w), weakening, loading, w, e),
+            Curve::Cubic(c) => self.expand_with::<N, _>(|| CubicTerms::new(c, w), weakening, loading, w, e),
         }
     }
 
     /// The recurrence, with N coefficients; dispatch pays for many only.
-    fn expand_with<const N: usize>(
+    fn expand_with<const N: usize, T: Recurrence<N>>(
         &mut self,
-        terms: impl Recurrence<N>,
+        terms: impl FnOnce() -> T,
         weakening: &Weakening,
         loading: &Loading,
         w: f64,
@@ -251,7 +251,7 @@ impl Series {
         if N == LONG {
             wide::<Expansion<N>, _>((self, terms, weakening, loading, [w, e]));
         } else {
-            self.recur::<N>(terms, weakening, loading, w, e);
+            self.recur::<N>(terms(), weakening, loading, w, e);
         }
     }
 
