@@ -1,4 +1,6 @@
 //! Ensembles of stick-slip motions: known counts, limits of little noise and of fine steps, and equal bytes on any threads.
+//!
+//! `ASPERITY_TRAJECTORIES` sets how many trajectories a mean of cycles is taken over (some thousand otherwise).
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
 
@@ -24,6 +26,12 @@ fn model(std: f64) -> ProcessModel {
     ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)
 }
 
+/// Settings of the published ensembles, with so many trajectories unless the environment asks for others.
+fn published(trajectories: usize, seed: u64) -> EnsembleSettings {
+    let asked = std::env::var("ASPERITY_TRAJECTORIES");
+    EnsembleSettings::new(asked.map_or(trajectories, |count| count.parse().unwrap()), DURATION, seed)
+}
+
 fn simulate(oscillator: &Oscillator, model: ProcessModel, settings: &EnsembleSettings) -> Ensemble {
     Ensemble::simulate(oscillator, &FrictionProcess::new(model).unwrap(), settings, &Silent).unwrap()
 }
@@ -31,14 +39,14 @@ fn simulate(oscillator: &Oscillator, model: ProcessModel, settings: &EnsembleSet
 #[test]
 fn means_at_every_damping_are_within_three_standard_errors_of_every_published_one() {
     // ζ, cycles without noise, and means with standard errors: of 400 paths, and of 4,000 and 8,000 by two other codes.
-    let published = [
+    let known = [
         (0.17, 99, vec![(69.48, 0.30), (68.99, 0.10), (69.20, 0.07)]),
         (0.204_830_1, 101, vec![(45.59, 0.35), (45.21, 0.11)]),
         (0.22, 0, vec![(34.70, 0.34), (34.31, 0.11)]),
         (0.25, 0, vec![(17.26, 0.26), (17.18, 0.08), (17.23, 0.06)]),
     ];
-    for (damping, deterministic, means) in published {
-        let found = simulate(&paper(damping), model(0.001), &EnsembleSettings::new(2_000, DURATION, 41));
+    for (damping, deterministic, means) in known {
+        let found = simulate(&paper(damping), model(0.001), &published(1_600, 41));
         assert!(found.failures.is_empty());
         assert_eq!(found.cycles_deterministic, deterministic);
         for (mean, se) in means {
@@ -53,12 +61,12 @@ fn four_times_finer_knots_move_the_mean_count_by_less_than_two_per_cent() {
     for damping in [0.17, 0.22] {
         let [coarse, fine] = [20, 80].map(|steps_per_length| {
             let model = ProcessModel { steps_per_length, ..model(0.001) };
-            simulate(&paper(damping), model, &EnsembleSettings::new(1_600, DURATION, 7)).cycles
+            simulate(&paper(damping), model, &published(1_200, 7)).cycles
         });
         let shift = fine.mean / coarse.mean - 1.0;
         let noise = fine.se.hypot(coarse.se) / coarse.mean;
         println!("damping {damping}: shift {shift:.4} ± {noise:.4}");
-        assert!(noise < 0.008 && shift.abs() < 0.02, "damping {damping}: {shift} ± {noise}");
+        assert!(noise < 0.009 && shift.abs() < 0.02, "damping {damping}: {shift} ± {noise}");
     }
 }
 
