@@ -31,7 +31,7 @@ PYTHON = PEERS / "bin" / "python"
 CRATE = PEERS / "differential-equations"
 CRATE_VERSION = "0.6.1"
 OURS = TARGET / "release" / "examples" / "time_vibration"
-ROUNDS, PATIENCE_S = 5, 1800.0
+ROUNDS, PATIENCE_S = 3, 1800.0
 
 MACHINE = {"friction": 0.1, "decay": 4.2, "damping": 0.17, "velocity": 0.003}
 # Period of this cycle from arithmetic with 40 digits.
@@ -116,7 +116,8 @@ def process(command, said=None):
     except OSError as error:
         raise Failed(str(error)) from None
     if done.returncode:
-        raise Failed((done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1][:200])
+        lines = [line for line in done.stderr.strip().splitlines() if line and not line.startswith("note: ")]
+        raise Failed((lines or [f"exit code {done.returncode}"])[-1][:200])
     return json.loads(done.stdout.strip().splitlines()[-1])
 
 
