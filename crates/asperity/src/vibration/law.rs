@@ -71,8 +71,7 @@ impl FrictionLaw {
 
     /// The law μ(f|v|), f > 0: what a law that holds in metres per second becomes when the unit of velocity N/(mω₀) grows by
     /// the factor f, as under another load.
-    #[must_use]
-    pub fn rescaled(&self, factor: f64) -> Self {
+    pub(super) fn rescaled(&self, factor: f64) -> Self {
         match self {
             Self::Stribeck { kinetic, decay } => Self::Stribeck { kinetic: *kinetic, decay: decay * factor },
             Self::Coulomb { kinetic } => Self::Coulomb { kinetic: *kinetic },

@@ -118,6 +118,19 @@ impl Oscillator {
         Self::new(Parameters { damping_ratio, ..self.parameters.clone() })
     }
 
+    /// The same machine under `ratio` times its normal force, in the units of that force: velocities, the law over the velocity
+    /// and the harmonic force stay what they are in SI.
+    pub fn under_load(&self, ratio: f64) -> Result<Self, VibrationError> {
+        super::positive("load ratio", ratio)?;
+        let force = |forcing: Forcing| Forcing { amplitude: forcing.amplitude / ratio, ..forcing };
+        Self::new(Parameters {
+            law: self.law().rescaled(ratio),
+            belt_velocity: self.belt_velocity() / ratio,
+            forcing: self.forcing().map(force),
+            ..self.parameters.clone()
+        })
+    }
+
     /// The same oscillator with another harmonic force, or none.
     pub fn with_forcing(&self, forcing: Option<Forcing>) -> Result<Self, VibrationError> {
         Self::new(Parameters { forcing, ..self.parameters.clone() })
@@ -207,6 +220,30 @@ mod tests {
         // λ = 250 µm·c/N = 0.01 and V = 0.003 is 23.7 mm/s.
         assert!((250e-6 / scales.length_m() - 0.01).abs() < 2e-5);
         assert!((0.0237 / scales.velocity_m_per_s() - 0.003).abs() < 5e-6);
+    }
+
+    #[test]
+    fn under_another_load_a_machine_is_the_same_in_si() {
+        let (light, heavy) = (Scales::new(2.0, 300.0, 500.0).unwrap(), Scales::new(2.0, 300.0, 1500.0).unwrap());
+        let law = FrictionLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 };
+        let forcing = Some(Forcing { amplitude: 0.03, frequency: 0.9 });
+        let parameters = Parameters { static_friction: 0.5, law, damping_ratio: 0.1, belt_velocity: 0.06, forcing };
+        let before = Oscillator::new(parameters).unwrap();
+        let after = before.under_load(3.0).unwrap();
+        let same = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-14, "{a} and {b}");
+        let velocity =
+            |oscillator: &Oscillator, scales: &Scales| oscillator.belt_velocity() * scales.velocity_m_per_s();
+        same(velocity(&before, &light), velocity(&after, &heavy));
+        same(before.forcing().unwrap().amplitude * 500.0, after.forcing().unwrap().amplitude * 1500.0);
+        same(before.forcing().unwrap().frequency, after.forcing().unwrap().frequency);
+        for metre_per_second in [0.0, 0.03, 0.4, 2.0] {
+            let coefficient = |oscillator: &Oscillator, scales: &Scales| {
+                oscillator.law().coefficient(metre_per_second / scales.velocity_m_per_s())
+            };
+            same(coefficient(&before, &light), coefficient(&after, &heavy));
+        }
+        assert_eq!((after.static_friction(), after.damping_ratio()), (0.5, 0.1));
+        assert!(before.under_load(0.0).is_err() && before.under_load(f64::NAN).is_err());
     }
 
     #[test]

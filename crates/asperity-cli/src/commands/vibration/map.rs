@@ -2,7 +2,7 @@
 
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapSettings, Oscillator, Parameter, Parameters, VibrationError, stability_map,
+    EnsembleSettings, MapAxis, MapSettings, Oscillator, Parameters, VibrationError, stability_map,
 };
 use clap::Args;
 
@@ -95,14 +95,10 @@ impl Map {
             let (damping, velocity, std, load) = match names {
                 ["damping_ratio", "belt_velocity"] => (x, y, self.friction_std, 1.0),
                 ["damping_ratio", _] => (x, stated.belt_velocity(), y, 1.0),
-                _ => (stated.damping_ratio(), x / y, self.friction_std, y),
+                _ => (stated.damping_ratio(), x, self.friction_std, y),
             };
-            let mut oscillator = Parameter::BeltVelocity.set(&stated.with_damping(damping)?, velocity)?;
-            if load != 1.0 {
-                // The law holds in metres per second, and the unit of velocity grows with the load.
-                let law = oscillator.law().rescaled(load);
-                oscillator = Oscillator::new(Parameters { law, ..oscillator.parameters().clone() })?;
-            }
+            let at = Parameters { damping_ratio: damping, belt_velocity: velocity, ..stated.parameters().clone() };
+            let oscillator = Oscillator::new(at)?.under_load(load)?;
             if std == 0.0 {
                 return Ok((oscillator, None));
             }

@@ -1,6 +1,6 @@
 //! The stability map of a study.
 
-use super::{Ensembles, NO_SCATTER, Quiet, Scatter};
+use super::{Ensembles, NO_SCATTER, Scatter};
 use crate::monitor::Monitor;
 use crate::study::config::{MapOver, MapSection};
 use crate::study::{StudyError, Table};
@@ -25,7 +25,7 @@ impl Ensembles<'_> {
             MapOver::DampingScatter => self.machine([x, self.oscillator.belt_velocity()], 1.0, scatter, y),
             MapOver::VelocityLoad => self.machine([self.oscillator.damping_ratio(), x], y, scatter, scatter.std),
         };
-        Ok(stability_map(&machine, &settings, &Points(monitor))?)
+        Ok(stability_map(&machine, &settings, monitor)?)
     }
 
     /// The machine at a damping ratio and a belt velocity, in units of the stated load, under a multiple of that load.
@@ -36,37 +36,13 @@ impl Ensembles<'_> {
         scatter: &Scatter,
         std: f64,
     ) -> Result<Machine, VibrationError> {
-        // What holds in SI falls with the units of length and velocity, which grow with the load.
-        let oscillator = Oscillator::new(Parameters {
-            damping_ratio,
-            belt_velocity: belt_velocity / load,
-            law: self.oscillator.law().rescaled(load),
-            forcing: self
-                .oscillator
-                .forcing()
-                .map(|forcing| crate::vibration::Forcing { amplitude: forcing.amplitude / load, ..forcing }),
-            ..self.oscillator.parameters().clone()
-        })?;
+        let at = Parameters { damping_ratio, belt_velocity, ..self.oscillator.parameters().clone() };
+        let oscillator = Oscillator::new(at)?.under_load(load)?;
         if std < NO_SCATTER {
             return Ok((oscillator, None));
         }
         let process = self.process_of(&oscillator, scatter.marginal.clone(), std, load, 1.0)?;
         Ok((oscillator, Some(process)))
-    }
-}
-
-/// The progress of points alone.
-struct Points<'a>(&'a dyn Monitor);
-
-impl Monitor for Points<'_> {
-    fn progress(&self, what: &str, done: usize, total: usize) {
-        if what == "points of the map" {
-            self.0.progress(what, done, total);
-        }
-    }
-
-    fn cancelled(&self) -> bool {
-        Quiet(self.0).cancelled()
     }
 }
 
