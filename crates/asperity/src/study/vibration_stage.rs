@@ -4,11 +4,10 @@ mod entries;
 mod map;
 mod tables;
 
-use std::f64::consts::TAU;
-
 use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
 pub use self::map::stability_map_tables;
-use self::tables::{damping_table, portrait_table, reattachment_table};
+use self::tables::damping_table;
+pub use self::tables::{cloud_table, points_table, portrait_table};
 
 use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Steady};
 use crate::law::Marginal;
@@ -20,17 +19,16 @@ use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    DampingSweep, Ensemble, EnsembleSettings, Oscillator, Parameters, PhasePoint, Scales, Trajectory,
-    TrajectorySettings, VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    DampingSweep, Ensemble, EnsembleSettings, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
+    VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
 const CYCLE_POINTS: usize = 600;
 const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
-/// Trajectories of a cloud, and points of each.
+/// Trajectories of a cloud.
 const CLOUD_TRAJECTORIES: usize = 60;
-const CLOUD_POINTS: usize = 100;
 /// Shares of the number of cycles whose damping ratios are told.
 const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
 /// Slip speeds to be prepared for, over the expected ones.
@@ -94,9 +92,9 @@ pub(super) fn run(
         Upscaling::Paper => &paper_scatter,
     };
     let mut tables = vec![("cycles_over_damping", damping_table(&paper, &area))];
-    tables.extend(ensembles.portraits(lead)?);
+    tables.extend(ensembles.portraits(lead, monitor)?);
     for (name, lead) in [("reattachment_paper", &paper_lead), ("reattachment_area", &area_lead)] {
-        if let Some(table) = lead.as_ref().and_then(reattachment_table) {
+        if let Some(table) = lead.as_ref().and_then(|lead| points_table(&lead.reattachments)) {
             tables.push((name, table));
         }
     }
@@ -290,7 +288,7 @@ impl Ensembles<'_> {
     }
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, scatter: &Scatter) -> Result<Vec<(&'static str, Table)>, StudyError> {
+    fn portraits(&self, scatter: &Scatter, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));
@@ -299,13 +297,12 @@ impl Ensembles<'_> {
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for speeds in SPEEDS {
             let Some(process) = self.process(scatter, speeds)? else { break };
-            let portrait = |index: u64, from: f64, points: usize| {
-                trajectory_portrait(&self.oscillator, process.path(self.seed, index), &settings, from, points)
-            };
-            match portrait(0, from, TRAJECTORY_POINTS) {
+            let path = process.path(self.seed, 0);
+            match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
                 Ok(points) => {
                     tables.push(("trajectory", portrait_table(&points)));
-                    tables.extend(self.cloud(portrait)?.map(|cloud| ("phase_cloud", cloud)));
+                    let (of, most) = (self.settings(), CLOUD_TRAJECTORIES);
+                    tables.push(("phase_cloud", cloud_table(&self.oscillator, &process, &of, most, monitor)?));
                     break;
                 }
                 Err(VibrationError::FrictionNotPositive { .. }) => {}
@@ -313,29 +310,6 @@ impl Ensembles<'_> {
             }
         }
         Ok(tables)
-    }
-
-    /// The ends of several trajectories, a natural period of each; those whose friction does not stay positive are left out.
-    fn cloud(
-        &self,
-        portrait: impl Fn(u64, f64, usize) -> Result<Vec<PhasePoint>, VibrationError>,
-    ) -> Result<Option<Table>, StudyError> {
-        let from = (self.section.duration - TAU).max(0.0);
-        let mut columns = [const { Vec::new() }; 4];
-        for index in 0..CLOUD_TRAJECTORIES.min(self.section.trajectories) {
-            let points = match portrait(index as u64, from, CLOUD_POINTS) {
-                Ok(points) => points,
-                Err(VibrationError::FrictionNotPositive { .. }) => continue,
-                Err(error) => return Err(error.into()),
-            };
-            for point in points {
-                let row = [index as f64, point.tau, point.displacement, point.velocity];
-                columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-            }
-        }
-        let [trajectory, tau, displacement, velocity] = columns;
-        let named = [("trajectory", trajectory), ("tau", tau), ("displacement", displacement), ("velocity", velocity)];
-        Ok((!named[0].1.is_empty()).then(|| Table::new(named).led_by("trajectory")))
     }
 
     fn sentences(&self, area_std: f64) -> Vec<String> {

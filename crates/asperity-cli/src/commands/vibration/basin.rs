@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity::study::Table;
+use asperity::study::{Table, portrait_table};
 use asperity::vibration::{
     self, Attractor, Basin as Found, BasinBox, MapAxis, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
     slip_cycles,
@@ -62,7 +62,7 @@ impl Basin {
         let whole = answer.clone().with("attractors", json!(found.attractors));
         if wanted {
             let mut tables = vec![("basin", table(&found))];
-            tables.extend(border.map(|border| ("separatrix", series::portrait(&border.points))));
+            tables.extend(border.map(|border| ("separatrix", portrait_table(&border.points))));
             tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
             self.folder.write(&inputs, &whole, tables, monitor)?;
         }

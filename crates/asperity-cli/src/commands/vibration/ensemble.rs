@@ -1,5 +1,6 @@
 //! Many paths over a random friction fluctuation.
 
+use asperity::study::{cloud_table, points_table};
 use asperity::vibration::{self, EnsembleSettings};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -11,6 +12,9 @@ use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
+
+/// Paths of a cloud.
+const CLOUD: usize = 200;
 
 /// Follows many paths and counts their cycles: slips that reach a negative velocity.
 #[derive(Debug, Args)]
@@ -73,11 +77,11 @@ impl Ensemble {
         }
         let answer = answer(Some(&ensemble));
         if wanted {
-            let cloud = series::cloud(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
+            let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;
             let mut tables = vec![("phase_cloud", cloud)];
             tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
-                tables.extend(series::histogram(points).map(|table| (name, table)));
+                tables.extend(points_table(points).map(|table| (name, table)));
             }
             self.folder.write(&inputs, &answer, tables, monitor)?;
         }

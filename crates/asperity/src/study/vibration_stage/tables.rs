@@ -1,10 +1,22 @@
 //! Tables of the vibration stage.
 
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use crate::friction::process::FrictionProcess;
 use crate::law::Marginal;
+use crate::monitor::{Cancelled, Monitor};
 use crate::stats::Histogram;
 use crate::study::Table;
 use crate::study::result::{DampingResult, EnsembleResult};
-use crate::vibration::{Ensemble, PhasePoint};
+use crate::vibration::{
+    EnsembleSettings, Oscillator, PhasePoint, SampleLaw, TrajectorySettings, VibrationError, trajectory_portrait,
+};
+
+/// Points of each trajectory of a cloud, and the time τ that they cover.
+const CLOUD_POINTS: usize = 72;
+const CLOUD_SPAN: f64 = 1.1 * TAU;
 
 pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
     let column = |result: &EnsembleResult, value: &dyn Fn(&DampingResult) -> f64| -> Vec<f64> {
@@ -26,27 +38,63 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Ta
     Table::new(columns)
 }
 
-/// Histogram of the re-attachment points beside the normal density of equal mean and standard deviation.
-pub(super) fn reattachment_table(ensemble: &Ensemble) -> Option<Table> {
-    let points = &ensemble.reattachments;
+/// Histogram of points beside the normal density of equal mean and standard deviation; none of too few points.
+pub fn points_table(points: &SampleLaw) -> Option<Table> {
     let histogram = Histogram::of(&points.sample).ok()?;
-    let normal = Marginal::normal(points.mean, points.std).ok()?;
     let centres = histogram.centres();
-    Some(
-        Table::new([
-            ("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()),
-            ("density", histogram.density()),
-            ("displacement", centres),
-        ])
-        .led_by("displacement"),
-    )
+    let mut columns = vec![("density", histogram.density())];
+    if let Ok(normal) = Marginal::normal(points.mean, points.std) {
+        columns.push(("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()));
+    }
+    columns.push(("displacement", centres));
+    Some(Table::new(columns).led_by("displacement"))
 }
 
-/// Points of a phase portrait.
-pub(super) fn portrait_table(points: &[PhasePoint]) -> Table {
+/// A phase portrait: `tau`, `displacement`, `velocity`.
+pub fn portrait_table(points: &[PhasePoint]) -> Table {
+    let column = |of: fn(&PhasePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
     Table::new([
-        ("tau", points.iter().map(|p| p.tau).collect()),
-        ("displacement", points.iter().map(|p| p.displacement).collect()),
-        ("velocity", points.iter().map(|p| p.velocity).collect::<Vec<f64>>()),
+        ("tau", column(|p| p.tau)),
+        ("displacement", column(|p| p.displacement)),
+        ("velocity", column(|p| p.velocity)),
     ])
+}
+
+/// The ends of the first `most` trajectories of an ensemble, a little more than a natural period of each, without those that
+/// the ensemble leaves out: `trajectory` and the columns of [`portrait_table`].
+///
+/// # Errors
+/// Settings out of range; cancelled.
+pub fn cloud_table(
+    oscillator: &Oscillator,
+    process: &FrictionProcess,
+    settings: &EnsembleSettings,
+    most: usize,
+    monitor: &dyn Monitor,
+) -> Result<Table, VibrationError> {
+    let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
+    let followed = TrajectorySettings { duration, start, drive, method };
+    let from = (duration - CLOUD_SPAN).max(0.0);
+    let curves: Vec<Result<Vec<PhasePoint>, VibrationError>> = (0..settings.trajectories.min(most))
+        .into_par_iter()
+        .map(|index| {
+            if monitor.cancelled() {
+                return Err(Cancelled.into());
+            }
+            trajectory_portrait(oscillator, process.path(seed, index as u64), &followed, from, CLOUD_POINTS)
+        })
+        .collect();
+    let mut columns = [const { Vec::new() }; 4];
+    for (index, curve) in curves.into_iter().enumerate() {
+        let points = match curve {
+            Ok(points) => points,
+            Err(error @ (VibrationError::Cancelled(_) | VibrationError::Parameter { .. })) => return Err(error),
+            Err(_) => continue,
+        };
+        for point in points {
+            let row = [index as f64, point.tau, point.displacement, point.velocity];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    Ok(Table::new(["trajectory", "tau", "displacement", "velocity"].into_iter().zip(columns)))
 }
