@@ -190,7 +190,8 @@ fn line(what: &str, done: usize, total: usize, elapsed: Duration) -> String {
     format!("{what}: {done} of {total}, about {} left", duration(left))
 }
 
-fn duration(seconds: f64) -> String {
+/// A time in words.
+pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.0} s"),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),

@@ -95,11 +95,18 @@ pub enum VibrationError {
     /// The friction coefficient vanished or changed its sign.
     #[error(
         "the friction coefficient fell to {coefficient:.3e} at tau = {tau:.6} (sliding distance {sliding_distance:.6e}): \
-         it must stay positive; lower its standard deviation or state a least fluctuation"
+         it must stay positive; {}",
+        if *fluctuation < 0.0 {
+            "lower its standard deviation or state a least fluctuation"
+        } else {
+            "the linear law falls below zero at the speeds of this motion: lower its slope or the belt velocity"
+        }
     )]
     FrictionNotPositive {
         /// Coefficient found.
         coefficient: f64,
+        /// Fluctuation there; where it is not negative, the law alone is to blame.
+        fluctuation: f64,
         /// Time.
         tau: f64,
         /// Sliding distance.

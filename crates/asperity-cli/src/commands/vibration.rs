@@ -88,7 +88,7 @@ struct Friction {
     law: Law,
     /// Friction coefficient at high velocity, of the exponential law.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
-          requires = "stribeck_velocity")]
+          requires = "stribeck_velocity", conflicts_with_all = ["stribeck", "linear_weakening", "friction_table"])]
     high_speed_friction: Option<f64>,
 }
 

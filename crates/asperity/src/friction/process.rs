@@ -17,6 +17,7 @@ mod renewal;
 mod shape;
 mod spectral;
 mod table;
+mod watched;
 
 use thiserror::Error;
 
@@ -27,6 +28,7 @@ pub use model::{Correlation, FrictionProcess, ProcessModel, window_variance_fact
 pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;
+pub use watched::Watched;
 
 use crate::law::LawError;
 

@@ -252,6 +252,10 @@ impl StudyError {
             | Self::FractalDimension
             | Self::NoStage(_) => FailureKind::Configuration,
             Self::Vibration(VibrationError::Parameter { .. }) => FailureKind::Configuration,
+            // The stated law alone is to blame.
+            Self::Vibration(VibrationError::FrictionNotPositive { fluctuation, .. }) if *fluctuation >= 0.0 => {
+                FailureKind::Configuration
+            }
             Self::Vibration(_) => FailureKind::Runtime,
         }
     }

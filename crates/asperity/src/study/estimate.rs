@@ -14,8 +14,13 @@ const FREE_SECONDS: f64 = 20e-9;
 const COARSE_WORK: f64 = 4.0 + 0.5 + 0.25 + 0.0625;
 /// Work of finding the stiffness of a contact over that of solving it.
 const STIFFNESS_WORK: f64 = 0.5;
-/// Seconds per unit of dimensionless time of a trajectory.
-const TRAJECTORY_SECONDS: f64 = 1.2e-6;
+/// Seconds per unit of dimensionless time of a trajectory, and per value of its fluctuation.
+const TRAJECTORY_SECONDS: f64 = 0.2e-6;
+const FLUCTUATION_SECONDS: f64 = 60e-9;
+/// Values of a fluctuation in its correlation length.
+const FLUCTUATION_VALUES: f64 = 20.0;
+/// Bytes of a point of a stability map, with its share of cells and contours.
+const MAP_POINT_BYTES: f64 = 400.0;
 /// Bytes per point of a strip's generator: its covariance embedded in twice the width and height, in complex numbers.
 const GENERATOR_BYTES: f64 = 64.0;
 /// Bytes of a double.
@@ -81,19 +86,23 @@ impl Study {
         }
         if let Some(v) = &self.vibration {
             // Both upscalings, and a map of which the front is refined: a line of cells at each depth.
-            let map = v.map.as_ref().map_or(0, |map| {
+            let points = v.map.as_ref().map_or(0, |map| {
                 let (nx, ny) = (map.x.2, map.y.2);
-                let front = 4 * nx.max(ny) * ((1 << (map.depth + 1)) - 2);
-                ((nx + 1) * (ny + 1) + front) * map.trajectories
+                (nx + 1) * (ny + 1) + 4 * nx.max(ny) * ((1 << (map.depth + 1)) - 2)
             });
-            let trajectories = 2 * v.damping_sweep.2 * v.trajectories + map;
+            let map = v.map.as_ref().map_or(0, |map| points.saturating_mul(map.trajectories));
+            let trajectories = (2 * v.damping_sweep.2 * v.trajectories).saturating_add(map);
+            // Friction that a study computes is correlated over a window or more.
+            let length_m = v.friction_correlation_length.or(self.friction.as_ref().map(|f| f.window));
+            let values = length_m.map_or(0.0, |length| FLUCTUATION_VALUES * v.sliding_distance_m() / length.0);
+            let seconds = TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values;
             stages.push(StageEstimate {
                 stage: Stage::Vibration,
                 contact_solutions: 0,
                 coarse_solutions: 0.0,
                 trajectories,
-                core_seconds: trajectories as f64 * v.duration * TRAJECTORY_SECONDS,
-                memory_bytes: v.trajectories as f64 * v.duration * DOUBLE_BYTES,
+                core_seconds: trajectories as f64 * seconds,
+                memory_bytes: v.trajectories as f64 * v.duration * DOUBLE_BYTES + points as f64 * MAP_POINT_BYTES,
             });
         }
         stages
@@ -167,5 +176,19 @@ trajectories = 50
         let uncertain =
             text.replace("[vibration]", "[friction.uncertainty]\nrms_height = \"5 %\"\npoints = 12\n[vibration]");
         assert_eq!(estimate(&uncertain)[1].contact_solutions, 3 * (20 + 12 * 10));
+        // Friction of a correlation length a thousandth as long has a thousand times as many values, which take the time.
+        let stated = |length: &str| {
+            let text = text.split("[surface]").next().unwrap().to_owned()
+                + "[vibration]"
+                + text.split("[vibration]").nth(1).unwrap();
+            let keys = "static_friction = 0.1\nfriction_std = 0.001\nfriction_marginal = \"normal\"";
+            let text = format!("{text}{keys}\nfriction_correlation_length = \"{length}\"\n");
+            estimate(&text)[0].core_seconds
+        };
+        let (short, shorter) = (stated("250 nm"), stated("250 pm"));
+        assert!((shorter / short - 1000.0).abs() < 5.0, "{shorter} and {short}");
+        // 20 of them in 250 nm, over 640/316 s at 23.7 mm/s, in each of 1,100 paths.
+        let values = 1100.0 * 20.0 * (640.0 / 316.0 * 23.7e-3) / 250e-9;
+        assert!((short / (FLUCTUATION_SECONDS * values) - 1.0).abs() < 0.01, "{short}");
     }
 }

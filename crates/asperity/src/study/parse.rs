@@ -30,6 +30,9 @@ impl Study {
         if let Some(friction) = study.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
             friction.percentiles = Some(friction.percentiles().to_vec());
         }
+        if let Some(vibration) = &mut study.vibration {
+            vibration.stribeck = vibration.stribeck();
+        }
         Ok(study)
     }
 

@@ -7,7 +7,7 @@ use crate::friction::process::FittedProcess;
 use crate::map::Grid;
 use crate::monitor::Monitor;
 use crate::quantity::Area;
-use crate::study::config::{BoundaryChoice, SurfaceSection, VelocityLaw};
+use crate::study::config::{BoundaryChoice, SurfaceSection};
 use crate::study::level_control::Lead;
 use crate::study::output::Gathered;
 use crate::study::result::Outcome;
@@ -147,9 +147,8 @@ impl Study {
             let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
-            let stribeck_s_per_m = match &self.vibration {
-                Some(section) if section.velocity_law != VelocityLaw::Stribeck => None,
-                Some(section) => Some(section.stribeck / vibration_stage::scales(section)?.velocity_m_per_s()),
+            let stribeck_s_per_m = match self.vibration.as_ref().and_then(|v| v.stribeck().zip(Some(v))) {
+                Some((stribeck, section)) => Some(stribeck / section.scales()?.velocity_m_per_s()),
                 None => None,
             };
             match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {
@@ -162,7 +161,7 @@ impl Study {
             let friction = match (&friction, self.read_friction_process(folder)?) {
                 (Some(solved), _) => WindowFriction::computed(section, solved)?,
                 (None, Some(process)) => {
-                    WindowFriction::fitted(section, &process, vibration_stage::scales(section)?.velocity_m_per_s())
+                    WindowFriction::fitted(section, &process, section.scales()?.velocity_m_per_s())
                 }
                 (None, None) => WindowFriction::stated(section)?,
             };

@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, Length, Mass, Velocity};
-use crate::vibration::{Drive, Forcing, FrictionLaw, Method, Scales};
+use crate::vibration::{Drive, Forcing, FrictionLaw, Method, Oscillator, Parameters, Scales, VibrationError};
+
+/// The paper's coefficient a, where none is stated.
+const USUAL_STRIBECK: f64 = 4.2;
 
 /// How friction falls with the sliding velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -173,9 +176,9 @@ pub struct VibrationSection {
     /// How friction falls with the velocity.
     #[serde(default)]
     pub velocity_law: VelocityLaw,
-    /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity.
-    #[serde(default = "stribeck")]
-    pub stribeck: f64,
+    /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity; 4.2 when left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stribeck: Option<f64>,
     /// Slope b of the linear law, per unit of dimensionless velocity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linear_weakening: Option<f64>,
@@ -237,8 +240,39 @@ impl VibrationSection {
         self.static_friction.is_some()
     }
 
-    /// The friction law of a machine with these units; `stribeck` may come from a fitted process.
-    pub(super) fn law(&self, static_friction: f64, stribeck: f64, scales: &Scales) -> FrictionLaw {
+    /// The Stribeck coefficient, stated or usual, if the law has one.
+    pub fn stribeck(&self) -> Option<f64> {
+        (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(USUAL_STRIBECK))
+    }
+
+    /// Distance that the belt travels in the time of a trajectory; zero without a velocity.
+    pub(super) fn sliding_distance_m(&self) -> f64 {
+        let time_s = self.duration / self.natural_frequency.0;
+        let unit = self.normal_force.0 / (self.mass.0 * self.natural_frequency.0);
+        let stated = self.belt_velocity.map(|velocity| velocity.0);
+        stated.or(self.dimensionless_belt_velocity.map(|value| value * unit)).unwrap_or(0.0) * time_s
+    }
+
+    /// The machine with this static friction; `stribeck` may come from a fitted process.
+    pub(super) fn oscillator(&self, static_friction: f64, stribeck: Option<f64>) -> Result<Oscillator, VibrationError> {
+        let scales = self.scales()?;
+        let belt_velocity = self.belt_velocity.map(|velocity| velocity.0 / scales.velocity_m_per_s());
+        Oscillator::new(Parameters {
+            static_friction,
+            law: self.law(static_friction, stribeck, &scales),
+            damping_ratio: self.damping_ratio,
+            // Exactly one is stated.
+            belt_velocity: belt_velocity.or(self.dimensionless_belt_velocity).unwrap_or(f64::NAN),
+            forcing: self.harmonic(),
+        })
+    }
+
+    /// The units of the machine.
+    pub(super) fn scales(&self) -> Result<Scales, VibrationError> {
+        Scales::new(self.mass.0, self.natural_frequency.0, self.normal_force.0)
+    }
+
+    fn law(&self, static_friction: f64, stribeck: Option<f64>, scales: &Scales) -> FrictionLaw {
         let kinetic = self.kinetic_share * static_friction;
         match (self.velocity_law, self.linear_weakening, self.stribeck_velocity, self.high_speed_share) {
             (VelocityLaw::Linear, Some(slope), _, _) => FrictionLaw::Linear { kinetic, slope },
@@ -247,12 +281,12 @@ impl VibrationSection {
                 high_speed: share * kinetic,
                 stribeck_velocity: velocity.0 / scales.velocity_m_per_s(),
             },
-            _ => FrictionLaw::Stribeck { kinetic, decay: stribeck },
+            _ => FrictionLaw::Stribeck { kinetic, decay: stribeck.unwrap_or(USUAL_STRIBECK) },
         }
     }
 
     /// The harmonic force in the units of the machine.
-    pub(super) fn harmonic(&self) -> Option<Forcing> {
+    fn harmonic(&self) -> Option<Forcing> {
         self.forcing.zip(self.forcing_frequency).map(|(force, frequency)| Forcing {
             amplitude: force.0 / self.normal_force.0,
             frequency: frequency.0 / self.natural_frequency.0,
@@ -267,9 +301,6 @@ fn one() -> f64 {
     1.0
 }
 
-fn stribeck() -> f64 {
-    4.2
-}
 fn damping_sweep() -> (f64, f64, usize) {
     (0.05, 0.30, 11)
 }

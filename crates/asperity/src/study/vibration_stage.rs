@@ -9,9 +9,11 @@ pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table};
 
-use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Steady};
+use crate::friction::process::{
+    CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Steady, Watched,
+};
 use crate::law::Marginal;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
 use crate::study::result::{DampingResult, EnsembleResult, MapResult, PointsResult, VibrationResult};
@@ -19,8 +21,8 @@ use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    DampingSweep, Ensemble, EnsembleSettings, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
-    VibrationError, critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    DampingSweep, Ensemble, EnsembleSettings, Oscillator, Trajectory, TrajectorySettings, VibrationError,
+    critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -49,30 +51,14 @@ pub(super) struct VibrationStage {
     pub(super) output: StageOutput,
 }
 
-/// The units of the machine.
-pub(super) fn scales(section: &VibrationSection) -> Result<Scales, StudyError> {
-    Ok(Scales::new(section.mass.0, section.natural_frequency.0, section.normal_force.0)?)
-}
-
 pub(super) fn run(
     section: &VibrationSection,
     window: &WindowFriction,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
-    let scales = scales(section)?;
-    let belt_velocity = match (section.belt_velocity, section.dimensionless_belt_velocity) {
-        (Some(velocity), _) => velocity.0 / scales.velocity_m_per_s(),
-        (None, Some(value)) => value,
-        (None, None) => return Err(StudyError::NoStage("vibration")),
-    };
-    let oscillator = Oscillator::new(Parameters {
-        static_friction: window.mean,
-        law: section.law(window.mean, window.stribeck, &scales),
-        damping_ratio: section.damping_ratio,
-        belt_velocity,
-        forcing: section.harmonic(),
-    })?;
+    let scales = section.scales()?;
+    let oscillator = section.oscillator(window.mean, window.stribeck)?;
     let correlation_length = window.length_m / scales.length_m();
     let shape = window.shape.in_unit(scales.length_m());
     let ensembles = Ensembles { section, oscillator: oscillator.clone(), window, shape, correlation_length, seed };
@@ -105,7 +91,7 @@ pub(super) fn run(
     let assumptions = ensembles.sentences(area_std);
     let result = VibrationResult {
         damping_ratio: section.damping_ratio,
-        belt_velocity,
+        belt_velocity: oscillator.belt_velocity(),
         static_friction: window.mean,
         level_percentile: window.level_percentile,
         level_mean_pressure_pa: window.level_mean_pressure_pa,
@@ -297,7 +283,7 @@ impl Ensembles<'_> {
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for speeds in SPEEDS {
             let Some(process) = self.process(scatter, speeds)? else { break };
-            let path = process.path(self.seed, 0);
+            let path = Watched::new(process.path(self.seed, 0), monitor);
             match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
                 Ok(points) => {
                     tables.push(("trajectory", portrait_table(&points)));
@@ -305,6 +291,7 @@ impl Ensembles<'_> {
                     tables.push(("phase_cloud", cloud_table(&self.oscillator, &process, &of, most, monitor)?));
                     break;
                 }
+                Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
                 Err(VibrationError::FrictionNotPositive { .. }) => {}
                 Err(error) => return Err(error.into()),
             }

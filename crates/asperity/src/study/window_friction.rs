@@ -6,7 +6,7 @@ use crate::friction::process::{Correlation, CorrelationShape, FittedProcess, Gen
 use crate::friction::upscaling::{exponential, variance_reduction};
 use crate::law::Marginal;
 use crate::study::StudyError;
-use crate::study::config::{FrictionSection, VelocityLaw, VibrationSection};
+use crate::study::config::{FrictionSection, VibrationSection};
 use crate::study::friction_stage::SolvedStrips;
 use crate::study::sentence;
 
@@ -28,8 +28,8 @@ pub(super) struct WindowFriction {
     pub(super) generator: Option<Generator>,
     /// Area over which this friction is averaged, where it is known.
     pub(super) area_m2: Option<f64>,
-    /// Stribeck coefficient per unit of dimensionless velocity.
-    pub(super) stribeck: f64,
+    /// Stribeck coefficient per unit of dimensionless velocity, if the law has one.
+    pub(super) stribeck: Option<f64>,
     pub(super) level_percentile: Option<f64>,
     pub(super) level_mean_pressure_pa: Option<f64>,
     /// Variance over the nominal area over that of one window.
@@ -82,7 +82,7 @@ impl WindowFriction {
             marginal,
             generator: None,
             area_m2: Some(strips.window.area_m2()),
-            stribeck: section.stribeck,
+            stribeck: section.stribeck(),
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
             variance_reduction: level.variance_reduction(&strips.window, section.nominal_area.0),
@@ -107,7 +107,7 @@ impl WindowFriction {
             marginal: section.friction_marginal.as_deref().ok_or_else(absent)?.parse()?,
             generator: None,
             area_m2: Some(window_m * width_m),
-            stribeck: section.stribeck,
+            stribeck: section.stribeck(),
             level_percentile: None,
             level_mean_pressure_pa: None,
             variance_reduction: variance_reduction(window_m, width_m, section.nominal_area.0, &exponential(length_m)),
@@ -142,16 +142,17 @@ impl WindowFriction {
             ));
         }
         // The same but for the rounding of units is the same.
-        let takes = section.velocity_law == VelocityLaw::Stribeck;
-        let own = |a: &f64| takes && (a - section.stribeck).abs() > 1e-9 * section.stribeck;
-        let stribeck = process.stribeck(velocity_m_per_s).filter(own).unwrap_or(section.stribeck);
-        if stribeck != section.stribeck {
+        let mut stribeck = section.stribeck();
+        if let Some((own, stated)) = process.stribeck(velocity_m_per_s).zip(stribeck)
+            && (own - stated).abs() > 1e-9 * stated
+        {
+            stribeck = Some(own);
             warnings.push(format!(
                 "the Stribeck coefficient of {file}, {} s/m or {} per unit of dimensionless velocity, takes the place of \
                  `stribeck` = {}",
-                sentence::digits(stribeck / velocity_m_per_s),
-                sentence::digits(stribeck),
-                sentence::digits(section.stribeck)
+                sentence::digits(own / velocity_m_per_s),
+                sentence::digits(own),
+                sentence::digits(stated)
             ));
         }
         let nominal_pa = section.normal_force.0 / section.nominal_area.0;

@@ -14,7 +14,7 @@ pub use self::rate::{Passages, Rate, Share};
 use super::lanes::{Task, follow_many};
 use super::sample_law::{Gathering, RunningMoments, SampleLaw};
 use super::{Drive, Method, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
-use crate::friction::process::{FrictionProcess, Steady};
+use crate::friction::process::{FrictionProcess, Steady, Watched};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::NORMAL_95;
 
@@ -175,13 +175,13 @@ impl Ensemble {
                             if monitor.cancelled() {
                                 return Err(Cancelled.into());
                             }
-                            let fluctuation = process.path(settings.seed, index as u64);
+                            let fluctuation = Watched::new(process.path(settings.seed, index as u64), monitor);
                             Ok(Task { oscillator: oscillator.clone(), fluctuation, witness: Passage::new(duration) })
                         },
                         |index, ended| {
                             outcomes[index - chunk.start] = ended.map(|mut followed| {
                                 followed.witness.finish();
-                                let clamped = followed.fluctuation.clamped();
+                                let clamped = followed.fluctuation.into_inner().clamped();
                                 Outcome { slips: followed.slips, clamped, passage: followed.witness }
                             });
                             monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
@@ -202,7 +202,8 @@ impl Ensemble {
                         releases.add_all(&outcome.passage.releases);
                         periods.add_all(&outcome.passage.periods);
                     }
-                    Err(VibrationError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                    // Whatever a path ended in then, it was not followed to its end.
+                    Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
                     Err(error) => failures.push(Failure { trajectory, reason: error.to_string() }),
                 }
             }

@@ -232,7 +232,12 @@ impl<F: Fluctuation> Motion<F> {
         let coefficient = self.static_friction + self.m;
         if coefficient <= 0.0 {
             let (tau, sliding_distance) = (self.tau, self.sliding_distance);
-            return Err(VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance });
+            return Err(VibrationError::FrictionNotPositive {
+                coefficient,
+                fluctuation: self.m,
+                tau,
+                sliding_distance,
+            });
         }
         Ok(if self.e > 0.0 {
             Phase::Slip

@@ -142,7 +142,7 @@ pub(super) fn bracketed_zero(
 }
 
 /// Shifts the origin: the coefficients of p(a + t).
-fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
+pub(super) fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
     let mut s = [0.0; CAPACITY];
     s[..c.len()].copy_from_slice(c);
     let rows = if a == 0.0 { 0 } else { c.len() };

@@ -19,6 +19,8 @@ const TOLERANCE: f64 = 1e-13;
 
 /// Exponent cW at which e^{−cW} is no part of the force, also of one a million times the scale.
 const NO_WALL: f64 = 50.0;
+/// Distance of extrema, relative to the step, below which they count as one.
+const RESOLVED: f64 = 1e-12;
 
 /// 1/n.
 pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
@@ -325,13 +327,15 @@ impl Series {
 
     /// The longest step ≤ `wanted` on which the dropped terms stay below rounding.
     ///
-    /// The last term of order n bounds them, and so does the one before times h²/n(n+1), in case the last vanishes.
+    /// The last term of order n bounds them, and so does the one before times h²/n(n+1), in case the last vanishes, and the
+    /// one before that times h³/(n−1)n(n+1), in case both do.
     #[inline]
     pub(super) fn reach(&self, wanted: f64) -> f64 {
         let n = self.len - 1;
         let size = |k: usize| self.w[k].abs().max(self.e[k].abs());
         let allowed = TOLERANCE * self.scale;
-        let (last, before) = (size(n), size(n - 1) * RECIPROCAL[n] * RECIPROCAL[n + 1]);
+        let before = size(n - 1).max(size(n - 2) * RECIPROCAL[n - 1]);
+        let (last, before) = (size(n), before * RECIPROCAL[n] * RECIPROCAL[n + 1]);
         if wanted < 1.0 {
             let power = power(wanted, n);
             if last * power <= allowed && before * power * wanted <= allowed {
@@ -351,6 +355,25 @@ impl Series {
             slope.iter_mut().for_each(|c| *c = -*c);
         }
         polynomial::first_zero(&slope[leading..self.len - 1], h)
+    }
+
+    /// All extrema of W in (0, h), rising.
+    pub(super) fn extrema(&self, h: f64) -> Vec<f64> {
+        let slope = polynomial::derivative(self.w());
+        let mut found: Vec<f64> = Vec::new();
+        loop {
+            let since = found.last().copied().unwrap_or(0.0);
+            let mut local = polynomial::shifted(&slope[..self.len - 1], since);
+            // The zero just found, up to its rounding, is divided off.
+            let zeros = if since > 0.0 { 1 } else { local.iter().take(2).take_while(|c| **c == 0.0).count() };
+            if local[zeros] < 0.0 {
+                local.iter_mut().for_each(|c| *c = -*c);
+            }
+            match polynomial::first_zero(&local[zeros..self.len - 1], h - since) {
+                Some(t) if t > RESOLVED * h && since + t < h => found.push(since + t),
+                _ => return found,
+            }
+        }
     }
 
     /// Whether W, at most `level` at 0, exceeds it in (0, h], however many extrema lie between.

@@ -1,13 +1,14 @@
 //! How loud the vibration is, and at which frequencies.
 
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Oscillator, TrajectorySettings, VibrationError, cycle_portrait, positive, trajectory_portrait};
 use crate::correlation::{RecordEnds, record_spectrum};
-use crate::friction::process::FrictionProcess;
+use crate::friction::process::{FrictionProcess, Watched};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Moments, NORMAL_95};
 
@@ -78,14 +79,17 @@ impl Sound {
         }
         let points = points as usize + 1;
         let followed = TrajectorySettings { duration: settings.from + step * (points - 1) as f64, ..settings.followed };
+        let finished = AtomicUsize::new(0);
         let records: Vec<Vec<f64>> = (0..settings.trajectories)
             .into_par_iter()
             .map(|index| {
                 if monitor.cancelled() {
                     return Err(Cancelled.into());
                 }
-                let path = process.path(settings.seed, index as u64);
-                let portrait = trajectory_portrait(oscillator, path, &followed, settings.from, points)?;
+                let path = Watched::new(process.path(settings.seed, index as u64), monitor);
+                let portrait = trajectory_portrait(oscillator, path, &followed, settings.from, points)
+                    .map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
+                monitor.progress("paths", finished.fetch_add(1, Ordering::Relaxed) + 1, settings.trajectories);
                 Ok(portrait.iter().map(|point| point.velocity).collect())
             })
             .collect::<Result<_, VibrationError>>()?;

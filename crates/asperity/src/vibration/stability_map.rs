@@ -33,15 +33,18 @@ pub struct MapAxis {
 }
 
 impl MapAxis {
-    fn check(&self, parameter: &'static str) -> Result<(), VibrationError> {
-        let refused = |value, wanted| Err(VibrationError::Parameter { parameter, value, wanted });
+    /// The axis again, or what it lacks.
+    ///
+    /// # Errors
+    /// It does not rise, an end is not finite, or it has not 1 to 1000 cells.
+    pub fn check(self) -> Result<Self, &'static str> {
         if !(self.from.is_finite() && self.to.is_finite() && self.from < self.to) {
-            return refused(self.to, "larger than the axis begins with, and finite");
+            return Err("the last value of an axis must be above the first");
         }
         if self.cells == 0 || self.cells > 1000 {
-            return refused(self.cells as f64, "between 1 and 1000 cells");
+            return Err("an axis has 1 to 1000 cells");
         }
-        Ok(())
+        Ok(self)
     }
 
     /// Value at the index i of n + 1 equal places.
@@ -158,8 +161,9 @@ pub fn stability_map(
     settings: &MapSettings,
     monitor: &dyn Monitor,
 ) -> Result<StabilityMap, VibrationError> {
-    settings.x.check("x axis")?;
-    settings.y.check("y axis")?;
+    for (parameter, axis) in [("end of the x axis", settings.x), ("end of the y axis", settings.y)] {
+        axis.check().map_err(|wanted| VibrationError::Parameter { parameter, value: axis.to, wanted })?;
+    }
     if settings.depth > DEEPEST {
         let value = f64::from(settings.depth);
         return Err(VibrationError::Parameter { parameter: "map depth", value, wanted: "at most 8" });

@@ -41,6 +41,14 @@ pub(crate) struct Bifurcation {
 impl Bifurcation {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        self.over.check(&oscillator)?;
+        if self.from >= self.to {
+            let message = format!("--to is {}, but must be above --from, {}", self.to, self.from);
+            return Err(Failure::usage(message));
+        }
+        if self.points < 2 {
+            return Err(Failure::usage(format!("--points is {}, but must be at least 2", self.points)));
+        }
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
@@ -60,7 +68,11 @@ impl Bifurcation {
                     way.to_owned(),
                     format!("{:.8}", point.parameter),
                     format!("{:?}", point.attractor),
-                    point.multiplicity.map_or_else(|| "-".to_owned(), |m| m.to_string()),
+                    match point.multiplicity {
+                        Some(multiplicity) => multiplicity.to_string(),
+                        None if point.settled => "irregular".to_owned(),
+                        None => "not settled".to_owned(),
+                    },
                     format!("{:.6e}", point.velocity[0]),
                     format!("{:.6e}", point.velocity[1]),
                 ]);
@@ -101,6 +113,7 @@ fn attractors(points: &[BifurcationPoint], parameter: &str) -> Table {
         (parameter, column(|p| p.parameter)),
         ("attractor", column(|p| code(p.attractor))),
         ("multiplicity", column(|p| p.multiplicity.map_or(f64::NAN, |m| m as f64))),
+        ("settled", column(|p| f64::from(u8::from(p.settled)))),
         ("velocity_min", column(|p| p.velocity[0])),
         ("velocity_max", column(|p| p.velocity[1])),
         ("displacement_min", column(|p| p.displacement[0])),

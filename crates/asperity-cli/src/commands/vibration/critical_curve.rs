@@ -1,7 +1,7 @@
 //! The end of stick-slip along a parameter.
 
 use asperity::study::Table;
-use asperity::vibration::{Branch, BranchPoint, CurveSettings, Parameter, critical_curve, locked_curve};
+use asperity::vibration::{Branch, BranchPoint, CurveSettings, Oscillator, Parameter, critical_curve, locked_curve};
 use clap::{Args, ValueEnum};
 
 use super::folder::Folder;
@@ -61,6 +61,22 @@ impl Over {
 }
 
 impl Over {
+    /// Refuses a parameter that the machine does not have.
+    pub(super) fn check(self, oscillator: &Oscillator) -> Result<(), Failure> {
+        let wanted = match self {
+            Self::Forcing | Self::ForcingFrequency => "--forcing and --forcing-frequency",
+            _ => "--stribeck or --linear-weakening",
+        };
+        match self.parameter().of(oscillator) {
+            Some(_) => Ok(()),
+            None => Err(Failure::usage(format!("--over {}: the machine has none; state {wanted}", self.flag()))),
+        }
+    }
+
+    fn flag(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
     /// Its name in JSON and tables.
     pub(super) fn key(self) -> &'static str {
         match self {
@@ -77,6 +93,13 @@ impl Over {
 impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(0.0)?;
+        if matches!(self.over, Over::DampingRatio) {
+            return Err(Failure::usage("--over damping-ratio: the critical damping ratio is what the curve tells"));
+        }
+        self.over.check(&oscillator)?;
+        if self.from == self.to {
+            return Err(Failure::usage(format!("--from and --to are both {}: the curve has no length", self.from)));
+        }
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);

@@ -1,7 +1,10 @@
 //! The stick-slip limit cycle.
 
-use asperity::vibration::{LimitCycle, Oscillator, Regime, limit_cycle};
+use asperity::vibration::{
+    LimitCycle, Oscillator, Regime, SlipCycle, VibrationError, hopf_point, limit_cycle, slip_cycles,
+};
 use clap::Args;
+use serde_json::json;
 
 use super::{Damping, Machine, refused};
 use crate::failure::Failure;
@@ -23,26 +26,32 @@ pub(crate) struct Cycle {
 impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let regime = monitor
-            .at_once(|| limit_cycle(&oscillator))?
-            .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
+        let found = monitor.at_once(|| -> Result<_, VibrationError> {
+            let regime = limit_cycle(&oscillator)?;
+            let slip_cycle = if regime == Regime::Sliding { slip_cycle(&oscillator)? } else { None };
+            Ok((regime, slip_cycle))
+        })?;
+        let (regime, slip_cycle) = found.or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         match regime {
             Regime::Cycle(_) => {}
-            Regime::Sliding if slides_unsteadily(&oscillator) => monitor.warn(
-                "no limit cycle that sticks; but steady sliding is unstable at this damping ratio, so the mass vibrates without \
-                 reaching the velocity of the belt",
+            Regime::Sliding if slip_cycle.is_some() => monitor.warn(
+                "no limit cycle that sticks; but steady sliding is left for a cycle that stays slower than the belt, the slip_cycle",
             ),
             Regime::Sliding => monitor.note("no limit cycle: the mass slides for ever"),
             Regime::Irregular => monitor.note("no limit cycle: the forced motion does not repeat itself"),
         }
-        answer(Some(regime.cycle().is_some()), regime.cycle()).print(self.json)
+        let answer = answer(Some(regime.cycle().is_some()), regime.cycle());
+        let told = answer.clone().with("slip_cycle", json!(slip_cycle));
+        if self.json || slip_cycle.is_some() { told.print(self.json) } else { answer.print(false) }
     }
 }
 
-/// Whether steady sliding is unstable, below ζ_H, although there is no cycle that sticks.
-fn slides_unsteadily(oscillator: &Oscillator) -> bool {
-    let weakening = oscillator.law().weakening(oscillator.belt_velocity());
-    oscillator.forcing().is_none() && oscillator.damping_ratio() < 0.5 * weakening
+/// The cycle without stick that a motion ends in which leaves steady sliding, if that is unstable; forcing has none that is known.
+fn slip_cycle(oscillator: &Oscillator) -> Result<Option<SlipCycle>, VibrationError> {
+    if oscillator.forcing().is_some() || oscillator.damping_ratio() >= hopf_point(oscillator)?.damping_ratio {
+        return Ok(None);
+    }
+    Ok(slip_cycles(oscillator)?.into_iter().find(SlipCycle::is_stable))
 }
 
 fn answer(found: Option<bool>, cycle: Option<&LimitCycle>) -> Answer {

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
 use super::folder::Folder;
-use super::random::Source;
+use super::random::{Paths, Source};
 use super::{Damping, Integrator, Machine, refused, series};
 use crate::args;
 use crate::failure::Failure;
@@ -69,6 +69,8 @@ impl Ensemble {
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let wanted = self.folder.wanted(&inputs)?;
+        let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
+        Paths { belt_velocity, duration, count }.announce(&process, monitor);
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {

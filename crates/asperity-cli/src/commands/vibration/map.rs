@@ -7,7 +7,7 @@ use asperity::vibration::{
 use clap::Args;
 
 use super::folder::Folder;
-use super::random::Fluctuation;
+use super::random::{Fluctuation, Paths};
 use super::{Damping, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
@@ -64,7 +64,10 @@ pub(super) fn axis(text: &str) -> Result<MapAxis, String> {
     let wanted = || format!("found `{text}`, wanted the least and the largest value and a number of cells: FROM,TO,N");
     let [from, to, cells] = parts[..] else { return Err(wanted()) };
     match (from.parse(), to.parse(), cells.parse()) {
-        (Ok(from), Ok(to), Ok(cells)) => Ok(MapAxis { from, to, cells }),
+        (Ok(from), Ok(to), Ok(cells)) => {
+            let axis = MapAxis { from, to, cells };
+            axis.check().map_err(|wanted| format!("found `{text}`: {wanted}"))
+        }
         _ => Err(wanted()),
     }
 }
@@ -90,7 +93,15 @@ impl Map {
             }
         };
         // The process is checked once, so that a wrong law is a word about the flag and not about a point.
-        self.fluctuation.process(self.friction_std, 1.0)?;
+        let process = self.fluctuation.process(self.friction_std, 1.0)?;
+        // Every point of the first grid; those in between and the front hardly change the order.
+        let belt_velocity = match names {
+            ["damping_ratio", "friction_std"] => stated.belt_velocity(),
+            ["damping_ratio", _] => 0.5 * (y.from + y.to),
+            _ => 0.5 * (x.from + x.to),
+        };
+        let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
+        Paths { belt_velocity, duration: self.duration, count }.announce(&process, monitor);
         let machine = |x: f64, y: f64| {
             let (damping, velocity, std, load) = match names {
                 ["damping_ratio", "belt_velocity"] => (x, y, self.friction_std, 1.0),

@@ -15,7 +15,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use super::folder::Folder;
-use super::random::Fluctuation;
+use super::random::{Fluctuation, Paths};
 use super::{Friction, refused};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
@@ -181,9 +181,19 @@ impl ModeCoupling {
     }
 
     fn scan(&self, model: &Model) -> Result<EigenvalueScan, VibrationError> {
+        if let Some(most) = self.friction_to {
+            return eigenvalue_scan(model, most, self.points);
+        }
         let own = model.sliding_friction();
-        let most = self.friction_to.unwrap_or(BEYOND * model.coalescence().map_or(own, |met| met.max(own)));
-        eigenvalue_scan(model, most, self.points)
+        let most = BEYOND * model.coalescence().map_or(own, |met| met.max(own));
+        let scan = eigenvalue_scan(model, most, self.points)?;
+        // Much damping moves the loss of stability far.
+        match scan.critical {
+            Some(critical) if critical.friction > most => {
+                eigenvalue_scan(model, BEYOND * critical.friction, self.points)
+            }
+            _ => Ok(scan),
+        }
     }
 }
 
@@ -200,6 +210,8 @@ impl Noise {
             }
         };
         let settling = self.settling;
+        let belt_velocity = model.belt_velocity();
+        Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }.announce(&process, monitor);
         let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: LEAST_VALID };
         let growth =
             growth_rates(model, model.sliding_friction(), &process, &settings, monitor).map_err(|e| refused(&e))?;

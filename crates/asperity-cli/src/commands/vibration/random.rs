@@ -11,6 +11,37 @@ use clap::{Args, ValueEnum};
 use crate::args;
 use crate::commands::friction::read_process;
 use crate::failure::Failure;
+use crate::monitor::{Terminal, duration};
+
+/// About the time of a core for one value of the fluctuation, with the step to it.
+const SECONDS_A_VALUE: f64 = 1e-7;
+/// Time from which on it is told before it is spent.
+const LONG_SECONDS: f64 = 120.0;
+
+/// Paths that are to be followed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Paths {
+    pub(super) belt_velocity: f64,
+    pub(super) duration: f64,
+    pub(super) count: usize,
+}
+
+impl Paths {
+    /// Tells about how long it takes, if that is long: a short correlation length makes many steps.
+    pub(super) fn announce(&self, process: &FrictionProcess, monitor: &Terminal) {
+        let values = self.belt_velocity * self.duration / process.step();
+        let threads = rayon::current_num_threads().min(self.count).max(1);
+        let seconds = SECONDS_A_VALUE * values * self.count as f64 / threads as f64;
+        if seconds > LONG_SECONDS {
+            monitor.note(&format!(
+                "a path reads about {values:.1e} values of friction, {:.1e} apart in sliding distance; the paths take about {} on \
+                 {threads} threads",
+                process.step(),
+                duration(seconds)
+            ));
+        }
+    }
+}
 
 /// Where the fluctuation comes from: flags, or the file of a fitted process.
 #[derive(Debug, Args)]

@@ -5,7 +5,7 @@ use asperity::vibration::{self, Drive, Method, Oscillator, SoundSettings, Trajec
 use clap::Args;
 
 use super::folder::Folder;
-use super::random::Source;
+use super::random::{Paths, Source};
 use super::wav::Wav;
 use super::{Damping, Machine, refused};
 use crate::args;
@@ -62,6 +62,8 @@ impl Sound {
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let wanted = self.folder.wanted(&inputs)?;
         self.wav.check(&inputs)?;
+        let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
+        Paths { belt_velocity, duration, count }.announce(&process, monitor);
         let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
         let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
         let period = cycle_period(&oscillator, monitor)?;

@@ -43,7 +43,7 @@ pub(super) fn over_friction(answer: &Value, tables: &BTreeMap<String, Table>) ->
                 chart.add(name, Mark::Line { x: friction.to_vec(), y: y.to_vec(), pen });
             }
         }
-        values(&mut chart, answer);
+        values(&mut chart, answer, ends);
         if quantity == "growth"
             && let (Some(x), Some(y)) = (answer["friction"].as_f64(), answer["growth_rate_mean"].as_f64())
         {
@@ -62,7 +62,7 @@ pub(super) fn over_friction(answer: &Value, tables: &BTreeMap<String, Table>) ->
 }
 
 /// Vertical lines at the friction coefficients that matter.
-fn values(chart: &mut Chart, answer: &Value) {
+fn values(chart: &mut Chart, answer: &Value, (_, last): (f64, f64)) {
     let values = [
         ("coalescence", "undamped modes meet, μ", Pen::new(GREY, 1.8, Dash::Dotted)),
         ("critical_friction", "critical μ", Pen::new(BLACK, 1.8, Dash::Alternating)),
@@ -70,7 +70,12 @@ fn values(chart: &mut Chart, answer: &Value) {
     ];
     for (key, name, pen) in values {
         if let Some(x) = answer[key].as_f64() {
-            chart.add_named(format!("{name} = {}", significant(x, 5)), Mark::Vertical { x, pen });
+            let name = format!("{name} = {}", significant(x, 5));
+            if x <= last {
+                chart.add_named(name, Mark::Vertical { x, pen });
+            } else {
+                chart.add_named(format!("{name}, further on"), Mark::Line { x: Vec::new(), y: Vec::new(), pen });
+            }
         }
     }
 }

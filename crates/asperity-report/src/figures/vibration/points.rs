@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use plotters::prelude::RGBColor;
+
 use super::{Words, columns};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{self, Chart, Layout, Mark};
 use crate::figures::{Plate, Stage, csv};
 use crate::format::Unit;
-use crate::palette::{BLACK, BLUE};
+use crate::palette::{BLACK, BLUE, ORANGE};
 use crate::{Figure, ReportError, Run, Table};
 
 const HEIGHT: f64 = 270.0;
@@ -20,7 +22,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let mut sources = Vec::new();
     for (name, heading) in panels {
         let histogram =
-            run.tables.get(name).and_then(|t| histogram(t, "Re-attachment displacement X", "re-attachments"));
+            run.tables.get(name).and_then(|t| histogram(t, "Re-attachment displacement X", ("re-attachments", BLUE)));
         if let Some(chart) = histogram {
             charts.push((HEIGHT, chart.titled(heading)));
             sources.push(csv(name));
@@ -42,8 +44,8 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
 /// The figure of a command.
 pub(super) fn figure(tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
     let panels = [
-        ("reattachment", "Re-attachment displacement X", "re-attachments"),
-        ("release", "Displacement X at detachment", "detachments"),
+        ("reattachment", "Re-attachment displacement X", ("re-attachments", BLUE)),
+        ("release", "Displacement X at detachment", ("detachments", ORANGE)),
     ];
     let drawn = |(name, axis, bars)| Some((HEIGHT, histogram(tables.get(name)?, axis, bars)?));
     let charts: Vec<(f64, Chart)> = panels.into_iter().filter_map(drawn).collect();
@@ -56,7 +58,7 @@ pub(super) fn figure(tables: &BTreeMap<String, Table>) -> Result<Option<Figure>,
     words.figure(Layout::Column, &charts)
 }
 
-fn histogram(table: &Table, axis: &str, bars: &'static str) -> Option<Chart> {
+fn histogram(table: &Table, axis: &str, (bars, colour): (&'static str, RGBColor)) -> Option<Chart> {
     let [x, density] = columns(table, ["displacement", "density"])?;
     let normal = table.column("normal_density");
     let all = density.iter().chain(normal.into_iter().flatten());
@@ -64,7 +66,7 @@ fn histogram(table: &Table, axis: &str, bars: &'static str) -> Option<Chart> {
     let ends = range(x).filter(|_| highest > 0.0)?;
     let axis = Axis::padded(axis, Unit::none(), ends, 0.03);
     let mut chart = Chart::new(axis, Axis::linear("Density", Unit::none(), (0.0, 1.06 * highest)));
-    chart.add(bars, Mark::Bars { x: x.to_vec(), y: density.to_vec(), colour: BLUE });
+    chart.add(bars, Mark::Bars { x: x.to_vec(), y: density.to_vec(), colour });
     if let Some(y) = normal {
         let pen = Pen::new(BLACK, 1.8, Dash::Dashed);
         chart.add("normal law", Mark::Line { x: x.to_vec(), y: y.to_vec(), pen });

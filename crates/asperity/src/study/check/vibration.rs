@@ -3,10 +3,14 @@
 use std::str::FromStr;
 
 use super::{POSITIVE, Problem, at_least, positive, problem, within};
+use crate::friction::process::Steady;
 use crate::law::Marginal;
 use crate::study::config::{FluctuationChoice, MapSection, Study, VelocityLaw, VibrationSection};
+use crate::vibration::{Method, Trajectory, TrajectorySettings, VibrationError};
 
 const SECTION: &str = "vibration";
+/// Time that is followed to see whether friction stays positive: the first slips are the fastest.
+const FIRST_TIME: f64 = 100.0;
 const SHARE: &str = "a share above 0, at most 1";
 
 fn share(value: f64) -> bool {
@@ -103,14 +107,54 @@ impl Study {
         if let Some(text) = &v.friction_marginal {
             Marginal::from_str(text).map_err(|error| problem(SECTION, "friction_marginal", error.to_string()))?;
         }
-        Ok(())
+        v.static_friction.map_or(Ok(()), |friction| check_motion(v, friction))
     }
+}
+
+/// Whether the machine can move: its numbers lie in range, and friction stays positive at the speeds of its motion.
+fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Problem> {
+    let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
+    let law = match v.velocity_law {
+        VelocityLaw::Stribeck => "stribeck",
+        VelocityLaw::Linear => "linear_weakening",
+        VelocityLaw::Exponential => "stribeck_velocity",
+    };
+    let told = |error: VibrationError| match error {
+        VibrationError::Parameter { parameter, .. } => {
+            let key = match parameter {
+                "static_friction" => "static_friction",
+                "kinetic_friction" => "kinetic_share",
+                "damping_ratio" => "damping_ratio",
+                "belt_velocity" => velocity,
+                "forcing amplitude" => "forcing",
+                "forcing_frequency" => "forcing_frequency",
+                _ => law,
+            };
+            Err(problem(SECTION, key, format!("in the units of the machine, {error}")))
+        }
+        VibrationError::FrictionNotPositive { .. } => Err(problem(SECTION, law, error.to_string())),
+        // What has no answer yet is told by the run.
+        _ => Ok(()),
+    };
+    let machine = match v.oscillator(static_friction, v.stribeck()) {
+        Ok(machine) => machine,
+        Err(error) => return told(error),
+    };
+    let settings = TrajectorySettings {
+        duration: v.duration.min(FIRST_TIME),
+        start: None,
+        drive: v.drive.into(),
+        method: Method::Taylor,
+    };
+    Trajectory::simulate(&machine, Steady, &settings).map_or_else(told, |_| Ok(()))
 }
 
 /// The friction law, and the force on the mass.
 fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
     within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
-    within(SECTION, "stribeck", v.stribeck, |a| a >= 0.0, "zero or a positive value")?;
+    if let Some(coefficient) = v.stribeck {
+        within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;
+    }
     let needs = |key, law: &str| Err(problem(SECTION, key, format!("velocity_law = \"{law}\" needs this key")));
     match v.velocity_law {
         VelocityLaw::Stribeck => {}
@@ -122,6 +166,7 @@ fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
     // A key of another law would be left aside without a word.
     let exponential = v.velocity_law == VelocityLaw::Exponential;
     for (key, stray, law) in [
+        ("stribeck", v.stribeck.is_some() && v.velocity_law != VelocityLaw::Stribeck, "stribeck"),
         ("linear_weakening", v.linear_weakening.is_some() && v.velocity_law != VelocityLaw::Linear, "linear"),
         ("stribeck_velocity", v.stribeck_velocity.is_some() && !exponential, "exponential"),
         ("high_speed_share", v.high_speed_share.is_some() && !exponential, "exponential"),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use crate::friction::process::FrictionProcess;
+use crate::friction::process::{FrictionProcess, Watched};
 use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::Histogram;
@@ -81,14 +81,16 @@ pub fn cloud_table(
             if monitor.cancelled() {
                 return Err(Cancelled.into());
             }
-            trajectory_portrait(oscillator, process.path(seed, index as u64), &followed, from, CLOUD_POINTS)
+            let path = Watched::new(process.path(seed, index as u64), monitor);
+            trajectory_portrait(oscillator, path, &followed, from, CLOUD_POINTS)
         })
         .collect();
     let mut columns = [const { Vec::new() }; 4];
     for (index, curve) in curves.into_iter().enumerate() {
         let points = match curve {
             Ok(points) => points,
-            Err(error @ (VibrationError::Cancelled(_) | VibrationError::Parameter { .. })) => return Err(error),
+            Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
+            Err(error @ VibrationError::Parameter { .. }) => return Err(error),
             Err(_) => continue,
         };
         for point in points {

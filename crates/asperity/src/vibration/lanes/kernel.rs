@@ -305,7 +305,9 @@ impl<const N: usize> Expansion<N> {
         each(|l| {
             let size = |w: f64, e: f64| larger(larger(w.abs(), e.abs()), 1e-280);
             let allowed = tolerance * larger(size(states.w[l], states.e[l]), 1.0);
-            let before = size(self.w[n - 1][l], self.e[0][l]) * (RECIPROCAL[n] * RECIPROCAL[n + 1]);
+            // The last two may both vanish by accident.
+            let earlier = larger(size(self.w[n - 1][l], self.e[0][l]), self.w[n - 2][l].abs() * RECIPROCAL[n - 1]);
+            let before = earlier * (RECIPROCAL[n] * RECIPROCAL[n + 1]);
             let last = coarse_root(allowed / size(self.w[n][l], self.e[1][l]), RECIPROCAL[n]);
             REACH * smaller(last, coarse_root(allowed / before, RECIPROCAL[n + 1]))
         })

@@ -10,7 +10,7 @@ use super::super::{Count, Failure, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;
 use super::{Contact, Model, State, TrajectorySettings};
-use crate::friction::process::{Fluctuation, FrictionProcess, Steady};
+use crate::friction::process::{Fluctuation, FrictionProcess, Steady, Watched};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::wilson_interval;
 
@@ -94,9 +94,9 @@ impl Ensemble {
         positive("threshold", settings.threshold)?;
         let deterministic = follow(model, Steady, settings)?;
         let run = |index| {
-            let mut path = process.path(settings.seed, index);
+            let mut path = Watched::new(process.path(settings.seed, index), monitor);
             let outcome = follow(model, &mut path, settings)?;
-            Ok((outcome, path.clamped()))
+            Ok((outcome, path.into_inner().clamped()))
         };
         let Runs { values, failures } = run_all(settings.trajectories, settings.least_valid_share, monitor, run)?;
         let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(|(outcome, _)| of(outcome)));
@@ -204,7 +204,8 @@ pub(super) fn run_all<T: Send>(
         for (trajectory, value) in (first..).zip(block) {
             match value {
                 Ok(value) => runs.values.push(value),
-                Err(VibrationError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                // Whatever a path ended in then, it was not followed to its end.
+                Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
                 Err(error) => runs.failures.push(Failure { trajectory, reason: error.to_string() }),
             }
         }

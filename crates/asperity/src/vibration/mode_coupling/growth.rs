@@ -6,7 +6,7 @@ use super::super::sample_law::RunningMoments;
 use super::super::{Failure, VibrationError, positive};
 use super::ensemble::{Runs, run_all};
 use super::{Model, modes};
-use crate::friction::process::{Cell, Fluctuation, FrictionProcess};
+use crate::friction::process::{Cell, Fluctuation, FrictionProcess, Watched};
 use crate::monitor::Monitor;
 use crate::stats::{quantile_sorted, sorted_present, wilson_interval};
 
@@ -80,7 +80,7 @@ pub fn growth_rates(
 ) -> Result<GrowthRates, VibrationError> {
     let GrowthSettings { trajectories, duration, settling, seed, least_valid_share } = *settings;
     let system = Linear::new(model, friction, duration, settling)?;
-    let run = |index| system.rate(process.path(seed, index));
+    let run = |index| system.rate(Watched::new(process.path(seed, index), monitor));
     let Runs { values: rates, failures } = run_all(trajectories, least_valid_share, monitor, run)?;
     let mut sums = RunningMoments::EMPTY;
     rates.iter().for_each(|rate| sums.add(*rate));
@@ -173,11 +173,12 @@ impl Linear {
         let sliding_distance = self.velocity * tau;
         let cell =
             fluctuation.next_cell().ok_or(VibrationError::ProcessTooShort { tau, coordinate: sliding_distance })?;
-        let coefficient = self.friction + cell.left.min(cell.right);
+        let fluctuation = cell.left.min(cell.right);
+        let coefficient = self.friction + fluctuation;
         if coefficient > 0.0 {
             Ok(cell)
         } else {
-            Err(VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance })
+            Err(VibrationError::FrictionNotPositive { coefficient, fluctuation, tau, sliding_distance })
         }
     }
 

@@ -259,7 +259,12 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         }
         if let Some(t) = self.series.friction_end(h) {
             let (tau, sliding_distance) = (self.now.tau + t, self.now.sliding_distance + self.series.distance(t));
-            return Err(VibrationError::FrictionNotPositive { coefficient: 0.0, tau, sliding_distance });
+            return Err(VibrationError::FrictionNotPositive {
+                coefficient: 0.0,
+                fluctuation: self.now.m,
+                tau,
+                sliding_distance,
+            });
         }
         let distance = self.now.sliding_distance + self.series.distance(h);
         self.advance(h, until);
@@ -380,7 +385,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         let ahead = self.model.belt_velocity() - u;
         let coefficient = self.model.parameters().static_friction + m;
         if coefficient <= 0.0 {
-            return Err(VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance });
+            return Err(VibrationError::FrictionNotPositive { coefficient, fluctuation: m, tau, sliding_distance });
         }
         let (force, limit) = (holding(self.model, [x, u, y, v]), coefficient * self.now.normal(self.model));
         self.now.contact = if ahead > 0.0 {

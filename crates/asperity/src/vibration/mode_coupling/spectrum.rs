@@ -11,6 +11,8 @@ use super::roots;
 const INTERVALS: usize = 4096;
 /// Size of a coefficient, relative to the terms it is a difference of, that is rounding.
 const ROUNDING: f64 = 1e-13;
+/// How far beyond a scan, the coalescence and the machine's own friction the loss of stability is looked for.
+const BEYOND: f64 = 10.0;
 
 /// An eigenvalue: motion grows like e^{growth·τ} and oscillates at an angular frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -61,7 +63,7 @@ pub struct EigenvalueScan {
     pub modes: Vec<[Mode; 2]>,
     /// μ at which the frequencies meet without damping and without fall of friction with velocity.
     pub coalescence: Option<f64>,
-    /// Loss of stability as damped.
+    /// Loss of stability as damped, within the scan or up to ten times as far.
     pub critical: Option<Critical>,
 }
 
@@ -178,7 +180,11 @@ pub fn eigenvalue_scan(model: &Model, most: f64, points: usize) -> Result<Eigenv
         });
         followed.push(if swapped { [b, a] } else { [a, b] });
     }
-    let (coalescence, critical) = (model.coalescence(), critical_friction(model, most)?);
+    let coalescence = model.coalescence();
+    // Damping moves it beyond the coalescence, and a short scan may end before it.
+    let far = BEYOND * coalescence.unwrap_or(0.0).max(model.sliding_friction()).max(most);
+    let critical =
+        critical_friction(model, most)?.map_or_else(|| critical_friction(model, far), |found| Ok(Some(found)))?;
     Ok(EigenvalueScan { friction, modes: followed, coalescence, critical })
 }
 
@@ -349,6 +355,21 @@ mod tests {
             assert!(largest(1.001 * critical.friction) > 0.0);
             let frequencies = modes(&model, critical.friction).map(|m| (m.frequency - critical.frequency).abs());
             assert!(frequencies[0].min(frequencies[1]) < 1e-11);
+        }
+    }
+
+    #[test]
+    fn a_scan_that_ends_early_knows_the_onset_all_the_same() {
+        for damping in [Damping::Modal { ratios: [0.05, 0.01] }, Damping::Modal { ratios: [0.3, 0.3] }] {
+            let model = damped(damping);
+            let wanted = critical_friction(&model, 20.0).unwrap().unwrap();
+            for most in [0.1 * wanted.friction, 2.0 * wanted.friction] {
+                let found = eigenvalue_scan(&model, most, 5).unwrap().critical.unwrap();
+                assert!(
+                    (found.friction / wanted.friction - 1.0).abs() < 1e-12,
+                    "{damping:?} {most}: {found:?} {wanted:?}"
+                );
+            }
         }
     }
 

@@ -28,13 +28,15 @@ impl<F: Fluctuation> Motion<F> {
         (self.displacement_of(tau, phase, e, m), self.velocity * (1.0 - phase.direction() * w))
     }
 
-    /// Times in the last step at which X′ = 0 or W is extreme, and its ends: where displacement and velocity are extreme.
+    /// Times in the last step at which X′ = 0 or is extreme, and its ends: where displacement and velocity are extreme.
     pub(in crate::vibration) fn turning_times(&self) -> Vec<f64> {
         let Segment { tau, duration, phase, .. } = self.segment;
         let mut cuts = vec![0.0];
+        if phase != Phase::Stick {
+            cuts.extend(self.series.extrema(duration));
+        }
+        cuts.push(duration);
         if phase == Phase::Slip {
-            cuts.extend(self.series.first_extremum(duration));
-            cuts.push(duration);
             // W is monotonic between the cuts and passes 1, where X′ = 0, at most once in each.
             for i in 1..cuts.len() {
                 let (low, high) = (cuts[i - 1], cuts[i]);
@@ -47,8 +49,6 @@ impl<F: Fluctuation> Motion<F> {
                     cuts.push(bracketed_zero(excess, low, high, first > 0.0, 0.5 * (low + high)));
                 }
             }
-        } else {
-            cuts.push(duration);
         }
         cuts.into_iter().map(|t| tau + t).collect()
     }

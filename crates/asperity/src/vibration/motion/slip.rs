@@ -162,10 +162,12 @@ impl<F: Fluctuation> Motion<F> {
                 Drive::Distance => distance / whole.max(f64::MIN_POSITIVE),
                 Drive::Time => share,
             };
-            let coefficient = self.law.coefficient(self.velocity * w.max(0.0)) + m_before + moved * (self.m - m_before);
+            let fluctuation = m_before + moved * (self.m - m_before);
+            let coefficient = self.law.coefficient(self.velocity * w.max(0.0)) + fluctuation;
             if coefficient <= 0.0 {
                 return Err(VibrationError::FrictionNotPositive {
                     coefficient,
+                    fluctuation,
                     tau: self.segment.tau + share * h,
                     sliding_distance: self.sliding_distance - self.velocity * (whole - distance),
                 });

@@ -119,3 +119,44 @@ fn a_release_on_the_very_knot_is_not_lost() {
         assert!(found.len() == 1 || (found.len() == 3 && (found[1].tau - 2.0).abs() < 1e-12), "{ulps}: {found:?}");
     }
 }
+
+#[test]
+fn no_extreme_of_a_step_is_missed() {
+    // Fast and strong forces turn the velocity several times in a step.
+    let mut most = 0;
+    for (amplitude, frequency, belt_velocity) in [(0.3, 0.9, 0.05), (0.6, 3.0, 0.2), (2.0, 8.0, 0.5), (0.01, 11.0, 2.0)]
+    {
+        for law in [
+            FrictionLaw::Stribeck { kinetic: KINETIC, decay: 2.0 },
+            FrictionLaw::Exponential { kinetic: KINETIC, high_speed: 0.2, stribeck_velocity: 0.1 },
+        ] {
+            let forcing = Some(crate::vibration::Forcing { amplitude, frequency });
+            let parameters = Parameters { static_friction: STATIC, law, damping_ratio: 0.01, belt_velocity, forcing };
+            let oscillator = Oscillator::new(parameters).unwrap();
+            let steady = crate::friction::process::Steady;
+            let mut motion = Motion::new(&oscillator, steady, Drive::Distance, 0.1).unwrap();
+            for _ in 0..400 {
+                motion.step(f64::INFINITY).unwrap();
+                let Segment { tau, duration, .. } = motion.segment;
+                let turning = motion.turning_times();
+                most = most.max(turning.len());
+                let extremes = |times: &mut dyn Iterator<Item = f64>| {
+                    times
+                        .map(|tau| motion.sample(tau))
+                        .fold([f64::INFINITY; 4], |[a, b, c, d], (x, v)| [a.min(x), b.min(-x), c.min(v), d.min(-v)])
+                };
+                let told = extremes(&mut turning.into_iter());
+                let dense = extremes(&mut (0..=300).map(|i| tau + duration * f64::from(i) / 300.0));
+                for (told, dense) in told.into_iter().zip(dense) {
+                    assert!(
+                        told <= dense + 1e-13 * dense.abs().max(1.0),
+                        "{dense} beyond {told} in {:?}",
+                        motion.segment
+                    );
+                }
+            }
+        }
+    }
+    // Ends, two extremes and a passage of X′ = 0 between at least.
+    assert!(most >= 5, "{most} times at most");
+}

@@ -382,7 +382,7 @@ impl Watch<'_> {
 
     /// An error has to be the loss of friction, and friction has to be lost where it says.
     fn error(&mut self, error: &VibrationError, before: &Before, motion: Option<&Motion<Path<'_>>>) {
-        let VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance } = *error else {
+        let VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance, .. } = *error else {
             panic!("{error}: {:?}", self.case)
         };
         assert!(coefficient <= 0.0);

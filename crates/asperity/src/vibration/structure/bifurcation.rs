@@ -2,21 +2,28 @@
 
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
 use super::super::cycle::Turn;
+use super::super::motion::Motion;
 use super::super::root::zero_between;
 use super::super::{EventKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary};
 use super::basin::{Attractor, Fates, started_at};
 use super::parameter::Parameter;
 use super::slip_cycle::slip_cycles;
+use crate::friction::process::Steady;
 use crate::monitor::{Cancelled, Monitor};
 
 /// Difference of states, relative to the belt velocity and the stick limit, that counts as a repetition.
 const REPEATS: f64 = 1e-6;
 /// Most forcing periods in a period of a motion that counts as periodic.
 const MAX_MULTIPLICITY: usize = 32;
+/// Share of its distance from a repetition that a motion which approaches one has left after a record.
+const APPROACHES: f64 = 0.9;
+/// Most records of a motion that approaches a repetition.
+const MAX_BLOCKS: usize = 100;
 
 /// How a diagram is computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,7 +33,8 @@ pub struct BifurcationSettings {
     pub values: Vec<f64>,
     /// Forcing periods that are left out at each value, for the motion to settle.
     pub transient: usize,
-    /// Forcing periods that are recorded after that, at least 2.
+    /// Forcing periods that are recorded after that, at least 2. Where the motion does not repeat itself in them but comes
+    /// closer to it, as many again follow, up to a hundred times.
     pub recorded: usize,
 }
 
@@ -60,6 +68,9 @@ pub struct BifurcationPoint {
     /// Forcing periods in a period of the motion; none if it does not repeat itself within 32 or half of those recorded.
     /// Always 1 without forcing.
     pub multiplicity: Option<usize>,
+    /// False if the motion was still coming closer to a repetition when it was given up, as next to a bifurcation: then it
+    /// is periodic, or hardly anything else, for all that it has no multiplicity.
+    pub settled: bool,
     /// Least and largest X.
     pub displacement: [f64; 2],
     /// Least and largest X′.
@@ -108,7 +119,7 @@ pub struct BifurcationDiagram {
 ///
 /// Each value starts where the one before ended, the first from rest on the belt; where the two directions differ, more than
 /// one attractor exists. Without forcing the attractor is exact: the start is put into its basin. With forcing the motion
-/// is followed for a stated time, so close to a bifurcation it may not have settled.
+/// is followed until it repeats itself or no longer comes closer to that.
 ///
 /// Fails for values that do not rise or are out of range, if friction does not stay positive, and when cancelled.
 pub fn bifurcation_diagram(
@@ -165,6 +176,7 @@ fn free_point(
         parameter: value,
         attractor,
         multiplicity: Some(1),
+        settled: true,
         displacement: [rest; 2],
         velocity: [0.0; 2],
         turnovers: Vec::new(),
@@ -203,79 +215,147 @@ fn forced_point(
     [x, v]: [f64; 2],
     settings: &BifurcationSettings,
 ) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
-    let mut motion = started_at(oscillator, x, v)?;
-    let (mut state, mut states) = ([x, v], Vec::new());
-    // Turns with the forcing period in which they end, and extremes of each forcing period.
-    let mut turns = Vec::new();
-    let (mut displacements, mut velocities) = (Vec::new(), Vec::new());
-    let (mut turn, mut touched) = (Turn::EMPTY, false);
-    let mut begun = None;
-    for stroke in 0..settings.transient + settings.recorded {
-        let recorded = stroke >= settings.transient;
-        let (mut displacement, mut velocity) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
-        while motion.tau < period {
-            let event = motion.step(period)?;
-            if recorded {
-                turn.include(&motion);
-                for (x, v) in motion.turning_times().into_iter().map(|tau| motion.sample(tau)) {
-                    displacement = [displacement[0].min(x), displacement[1].max(x)];
-                    velocity = [velocity[0].min(v), velocity[1].max(v)];
-                }
-            }
-            touched |= recorded && event.is_some();
-            match event.map(|e| e.kind) {
-                Some(EventKind::Restick) => turn.reattachment = Some(motion.displacement()),
-                Some(EventKind::Detach) if recorded => {
-                    if let Some(begun) = begun {
-                        turn.duration = motion.tau - begun;
-                        turns.push((stroke, turn));
-                    }
-                    (turn, begun) = (Turn::EMPTY, Some(motion.tau));
-                }
-                Some(EventKind::Detach | EventKind::Reverse) | None => {}
-            }
-            if motion.tau >= period {
-                let (x, v) = motion.sample(motion.tau);
-                state = [x, v];
-            }
+    let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
+    let mut strokes = Strokes { motion: started_at(oscillator, x, v)?, period, turn: Turn::EMPTY, begun: None };
+    strokes.pass(settings.transient)?;
+    let mut record = strokes.record(settings.recorded)?;
+    let mut settled = false;
+    // What comes closer to a repetition is given time for it.
+    for _ in 1..MAX_BLOCKS {
+        if record.multiplicity(scale) == Some(1) {
+            settled = true;
+            break;
         }
-        motion.tau -= period;
-        begun = begun.map(|begun| begun - period);
-        if recorded {
-            states.push(state);
-            displacements.push(displacement);
-            velocities.push(velocity);
+        let next = strokes.record(settings.recorded)?;
+        settled = !next.approaches(&record, scale);
+        record = next;
+        if settled {
+            break;
         }
     }
-    let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
-    let multiplicity = multiplicity(&states, scale);
-    let shown = multiplicity.unwrap_or(settings.recorded);
-    let since = settings.transient + settings.recorded - shown;
-    let span = |spans: &[[f64; 2]]| {
-        let spans = &spans[settings.recorded - shown..];
-        spans.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| [a.min(*c), b.max(*d)])
-    };
-    let turnovers = turns.into_iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
+    let multiplicity = record.multiplicity(scale).filter(|_| settled);
+    let since = settings.recorded - multiplicity.unwrap_or(settings.recorded);
+    let span = |spans: &[[f64; 2]]| spans[since..].iter().fold(NOWHERE, |[a, b], [c, d]| [a.min(*c), b.max(*d)]);
+    let turnovers = record.turns.iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
         duration: turn.duration,
         reattachment_displacement: turn.reattachment,
         velocity_min: turn.slowest,
     });
     let point = BifurcationPoint {
         parameter: value,
-        attractor: if touched { Attractor::StickSlip } else { Attractor::Sliding },
+        attractor: if record.touched { Attractor::StickSlip } else { Attractor::Sliding },
         multiplicity,
-        displacement: span(&displacements),
-        velocity: span(&velocities),
+        settled,
+        displacement: span(&record.displacements),
+        velocity: span(&record.velocities),
         turnovers: turnovers.collect(),
     };
-    Ok((point, state))
+    Ok((point, record.states.last().copied().unwrap_or([x, v])))
 }
 
-/// After how many forcing periods the states repeat, in the later half of the record.
-fn multiplicity(states: &[[f64; 2]], scale: [f64; 2]) -> Option<usize> {
-    let n = states.len();
-    let same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] - b[i]).abs() < REPEATS * scale[i]);
-    (1..=MAX_MULTIPLICITY.min(n / 2)).find(|&k| (n / 2..n).all(|i| same(states[i], states[i - k])))
+/// A span without points.
+const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// A motion that is followed by forcing periods; its time counts from the last one.
+struct Strokes {
+    motion: Motion<Steady>,
+    period: f64,
+    /// What happened since the last recorded detachment, and when that was.
+    turn: Turn,
+    begun: Option<f64>,
+}
+
+/// What happened in some forcing periods.
+struct Record {
+    /// (X, X′) at the end of each.
+    states: Vec<[f64; 2]>,
+    /// Extremes in each.
+    displacements: Vec<[f64; 2]>,
+    velocities: Vec<[f64; 2]>,
+    /// Turns, with the forcing period in which they end.
+    turns: Vec<(usize, Turn)>,
+    /// Whether the mass reached the belt velocity.
+    touched: bool,
+}
+
+impl Strokes {
+    /// Lets time pass.
+    fn pass(&mut self, strokes: usize) -> Result<(), VibrationError> {
+        for _ in 0..strokes {
+            while self.motion.tau < self.period {
+                self.motion.step(self.period)?;
+            }
+            self.motion.tau -= self.period;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, strokes: usize) -> Result<Record, VibrationError> {
+        let (mut states, mut displacements, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut turns, mut touched) = (Vec::new(), false);
+        for stroke in 0..strokes {
+            let (mut displacement, mut velocity) = (NOWHERE, NOWHERE);
+            while self.motion.tau < self.period {
+                let event = self.motion.step(self.period)?;
+                self.turn.include(&self.motion);
+                for (x, v) in self.motion.turning_times().into_iter().map(|tau| self.motion.sample(tau)) {
+                    displacement = [displacement[0].min(x), displacement[1].max(x)];
+                    velocity = [velocity[0].min(v), velocity[1].max(v)];
+                }
+                touched |= event.is_some();
+                match event.map(|e| e.kind) {
+                    Some(EventKind::Restick) => self.turn.reattachment = Some(self.motion.displacement()),
+                    Some(EventKind::Detach) => {
+                        if let Some(begun) = self.begun {
+                            self.turn.duration = self.motion.tau - begun;
+                            turns.push((stroke, self.turn));
+                        }
+                        (self.turn, self.begun) = (Turn::EMPTY, Some(self.motion.tau));
+                    }
+                    Some(EventKind::Reverse) | None => {}
+                }
+            }
+            states.push(self.motion.sample(self.motion.tau).into());
+            displacements.push(displacement);
+            velocities.push(velocity);
+            self.motion.tau -= self.period;
+            self.begun = self.begun.map(|begun| begun - self.period);
+        }
+        Ok(Record { states, displacements, velocities, turns, touched })
+    }
+}
+
+impl Record {
+    /// How far the states of the later half are at most from those k forcing periods before, and from those as many times k
+    /// before as the record holds: a motion that creeps hardly moves in one period.
+    fn apart(&self, k: usize, scale: [f64; 2]) -> f64 {
+        let n = self.states.len();
+        let distance = |a: [f64; 2], b: [f64; 2]| (0..2).map(|i| (a[i] - b[i]).abs() / scale[i]).fold(0.0, f64::max);
+        let lags = [k, k * (n / 2 / k)];
+        let all = (n / 2..n).flat_map(|i| lags.map(|lag| distance(self.states[i], self.states[i - lag])));
+        all.fold(0.0, f64::max)
+    }
+
+    /// Numbers of forcing periods after which the motion may repeat itself.
+    fn periods(&self) -> RangeInclusive<usize> {
+        1..=MAX_MULTIPLICITY.min(self.states.len() / 2)
+    }
+
+    /// After how many forcing periods the states repeat.
+    fn multiplicity(&self, scale: [f64; 2]) -> Option<usize> {
+        self.periods().find(|k| self.apart(*k, scale) < REPEATS)
+    }
+
+    /// Whether the motion is closer to a repetition than it was in the record before; if it repeats itself, to one after
+    /// fewer forcing periods.
+    fn approaches(&self, before: &Self, scale: [f64; 2]) -> bool {
+        let closer = |after: f64, before: f64| after < APPROACHES * before;
+        if let Some(multiplicity) = self.multiplicity(scale) {
+            return (1..multiplicity).any(|k| closer(self.apart(k, scale), before.apart(k, scale)));
+        }
+        let closest = |record: &Self| record.periods().map(|k| record.apart(k, scale)).fold(f64::INFINITY, f64::min);
+        closer(closest(self), closest(before))
+    }
 }
 
 fn marks(
@@ -387,6 +467,29 @@ mod tests {
             "{:?}",
             found.upward[0]
         );
+    }
+
+    #[test]
+    fn a_motion_that_settles_slowly_is_followed_until_it_has() {
+        // Slip under a force, without stick, forgets its start as e^{−ζτ}: to 1 % in 100 forcing periods.
+        let law = crate::vibration::FrictionLaw::Coulomb { kinetic: 0.2 };
+        let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
+        let (damping_ratio, belt_velocity) = (0.005, 0.5);
+        let parameters =
+            crate::vibration::Parameters { static_friction: 0.2, law, damping_ratio, belt_velocity, forcing };
+        let oscillator = Oscillator::new(parameters).unwrap();
+        let short = BifurcationSettings { transient: 0, ..BifurcationSettings::new([0.005, 0.006], 2) };
+        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &short, &Silent).unwrap();
+        let point = &found.upward[0];
+        assert_eq!(
+            (point.attractor, point.multiplicity, point.settled),
+            (Attractor::Sliding, Some(1), true),
+            "{point:?}"
+        );
+        // The steady swing has the amplitude q/|1 − η² + 2iζη| about μ.
+        let amplitude = 0.01 / (1.0_f64 - 0.49).hypot(0.007);
+        let [low, high] = point.displacement;
+        assert!((high - 0.2 - amplitude).abs() < 1e-6 && (0.2 - low - amplitude).abs() < 1e-6, "{point:?} {amplitude}");
     }
 
     #[test]
