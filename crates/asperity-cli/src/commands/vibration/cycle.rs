@@ -28,30 +28,33 @@ impl Cycle {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
         let found = monitor.at_once(|| -> Result<_, VibrationError> {
             let regime = limit_cycle(&oscillator)?;
-            let slip_cycle = if regime == Regime::Sliding { slip_cycle(&oscillator)? } else { None };
-            Ok((regime, slip_cycle))
+            let unsteady = if regime == Regime::Sliding { unsteady(&oscillator)? } else { None };
+            Ok((regime, unsteady))
         })?;
-        let (regime, slip_cycle) = found.or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
-        match regime {
-            Regime::Cycle(_) => {}
-            Regime::Sliding if slip_cycle.is_some() => monitor.warn(
-                "no limit cycle that sticks; but steady sliding is left for a cycle that stays slower than the belt, the slip_cycle",
+        let (regime, unsteady) = found.or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
+        match (regime, &unsteady) {
+            (Regime::Cycle(_), _) => {}
+            (Regime::Sliding, Some(_)) => monitor.warn(
+                "no limit cycle that sticks; but steady sliding is unstable at this damping ratio, so the mass vibrates without \
+                 reaching the velocity of the belt",
             ),
-            Regime::Sliding => monitor.note("no limit cycle: the mass slides for ever"),
-            Regime::Irregular => monitor.note("no limit cycle: the forced motion does not repeat itself"),
+            (Regime::Sliding, None) => monitor.note("no limit cycle: the mass slides for ever"),
+            (Regime::Irregular, _) => monitor.note("no limit cycle: the forced motion does not repeat itself"),
         }
         let answer = answer(Some(regime.cycle().is_some()), regime.cycle());
-        let told = answer.clone().with("slip_cycle", json!(slip_cycle));
-        if self.json || slip_cycle.is_some() { told.print(self.json) } else { answer.print(false) }
+        match unsteady.as_deref().and_then(<[SlipCycle]>::first) {
+            Some(cycle) => answer.with("slip_cycle", json!(cycle)).print(self.json),
+            None => answer.print(self.json),
+        }
     }
 }
 
-/// The cycle without stick that a motion ends in which leaves steady sliding, if that is unstable; forcing has none that is known.
-fn slip_cycle(oscillator: &Oscillator) -> Result<Option<SlipCycle>, VibrationError> {
+/// Where steady sliding is unstable: the stable cycles without stick that are found, the first being what it is left for.
+fn unsteady(oscillator: &Oscillator) -> Result<Option<Vec<SlipCycle>>, VibrationError> {
     if oscillator.forcing().is_some() || oscillator.damping_ratio() >= hopf_point(oscillator)?.damping_ratio {
         return Ok(None);
     }
-    Ok(slip_cycles(oscillator)?.into_iter().find(SlipCycle::is_stable))
+    Ok(Some(slip_cycles(oscillator)?.into_iter().filter(SlipCycle::is_stable).collect()))
 }
 
 fn answer(found: Option<bool>, cycle: Option<&LimitCycle>) -> Answer {

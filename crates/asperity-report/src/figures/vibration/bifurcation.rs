@@ -93,7 +93,8 @@ fn turns(chart: &mut Chart, tables: &BTreeMap<String, Table>, parameter: &str, q
     let Some([x, y]) = tables.get("bifurcation_turnovers").and_then(|t| columns(t, [parameter, column])) else {
         return;
     };
-    let name = if quantity == "velocity" { "least velocity of each turn" } else { "re-attachment of each turn" };
+    // One name, and so one entry, in both charts.
+    let name = "each turn: least velocity, re-attachment";
     let (x, y) = (x.to_vec(), y.to_vec());
     chart.add(name, Mark::Dots { x, y, radius: 1.0, colour: BLACK, opacity: 0.3 });
 }

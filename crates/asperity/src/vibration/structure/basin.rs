@@ -22,6 +22,8 @@ const SETTLED: f64 = 1e-9;
 /// Reversals after which a motion that never sticks counts as a cycle of slip and over-slip.
 const MAX_REVERSALS: usize = 2000;
 const MAX_STEPS: usize = 1_000_000;
+/// How far, relatively, rounding may put a crossing of the section beyond that of the orbit from a detachment.
+const ROUNDING: f64 = 1e-9;
 
 /// Where a motion without forcing and fluctuation ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -157,9 +159,9 @@ impl Fates {
                 && before.w < 1.0
                 && let Some(map) = &self.map
                 && let Some(r) = self.crossing(&motion)
-                && r <= map.edge
+                && r <= map.edge * (1.0 + ROUNDING)
             {
-                return Ok(within(map, r));
+                return Ok(within(map, r.min(map.edge)));
             }
         }
         Err(VibrationError::NotFound { what: "attractor of a start", reason: "undecided after a million steps" })

@@ -108,6 +108,16 @@ pub(super) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
         }
         (before, map.edge) = (r, r);
     }
+    // Under much damping all orbits run together, and the cycle they run into is the orbit from a detachment to rounding.
+    if side > 0.0
+        && map.growth.last().is_some_and(|last| *last > 0.0)
+        && let Turn::Back(lap) = planar.turn(outer)?
+        && lap.stretch < 0.0
+        && (lap.back / outer).ln().abs() < CLOSED
+    {
+        map.cycles.push((outer, cycle(oscillator, &planar, outer, &lap)));
+        map.growth.push(-1.0);
+    }
     Ok(Some(map))
 }
 
@@ -143,7 +153,7 @@ fn cycle(oscillator: &Oscillator, planar: &Planar, r: f64, lap: &Lap) -> SlipCyc
 mod tests {
     use super::super::hopf::hopf_point;
     use super::*;
-    use crate::vibration::{FrictionLaw, Parameters, critical_damping};
+    use crate::vibration::{FrictionLaw, FrictionTable, Parameters, critical_damping};
 
     #[test]
     fn one_unstable_cycle_lies_exactly_between_the_hopf_point_and_the_fold() {
@@ -202,6 +212,36 @@ mod tests {
                 assert_eq!(slip_cycles(&Oscillator::new(parameters).unwrap()).unwrap(), []);
             }
         }
+    }
+
+    #[test]
+    fn a_relaxation_oscillation_is_a_cycle_that_all_orbits_run_into() {
+        // 2ζ dX/dτ = μ − X on the two flat pieces, 0.1 and 0.05 … 0.04, and jumps between them.
+        let law = FrictionLaw::Tabulated(
+            FrictionTable::new(&[[0.0, 0.1], [0.001, 0.1], [0.0011, 0.05], [1.0, 0.04]]).unwrap(),
+        );
+        let (damping_ratio, belt_velocity) = (23.0, 0.00105);
+        let parameters = Parameters { static_friction: 0.1, law, damping_ratio, belt_velocity, forcing: None };
+        let oscillator = Oscillator::new(parameters).unwrap();
+        let cycles = slip_cycles(&oscillator).unwrap();
+        let [cycle] = cycles[..] else { panic!("{cycles:?}") };
+        assert!(cycle.is_stable() && cycle.velocity_max < belt_velocity, "{cycle:?}");
+        // Followed by its own equation for many periods, the motion repeats itself after that time.
+        let settings = crate::vibration::TrajectorySettings {
+            duration: 5.0 * cycle.period,
+            start: None,
+            drive: crate::vibration::Drive::Distance,
+            method: crate::vibration::Method::DormandPrince { tolerance: 1e-11 },
+        };
+        let steady = crate::friction::process::Steady;
+        let from = 3.0 * cycle.period;
+        let points = crate::vibration::trajectory_portrait(&oscillator, steady, &settings, from, 2001).unwrap();
+        for (a, b) in points.iter().zip(&points[1000..]) {
+            assert!((a.displacement - b.displacement).abs() < 1e-7, "{a:?} {b:?}");
+        }
+        let extreme = |of: fn(f64, f64) -> f64| points.iter().map(|p| p.displacement).reduce(of).unwrap();
+        assert!((extreme(f64::max) - cycle.displacement_max).abs() < 1e-3 * cycle.displacement_max, "{cycle:?}");
+        assert!((extreme(f64::min) - cycle.displacement_min).abs() < 1e-3 * cycle.displacement_max, "{cycle:?}");
     }
 
     #[test]
