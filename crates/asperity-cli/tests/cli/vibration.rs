@@ -277,11 +277,15 @@ fn an_ensemble_needs_its_seed_and_a_law() {
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupted_ensemble_prints_no_numbers() {
-    let line =
-        format!("vibration ensemble {PAPER} --damping-ratio 0.17 {NOISE} --trajectories 10000000 --seed 1 --json");
-    let (ended, took) = interrupted_in(Path::new("."), &line);
-    ended.refuses(130, &["cancelled"]);
-    assert!(took < Duration::from_secs(5), "{took:?}");
+    // Many paths, and paths over billions of values of friction.
+    let short = NOISE.replace("--correlation-length 0.01", "--correlation-length 1e-10");
+    for (noise, paths) in [(NOISE, 10_000_000), (short.as_str(), 2)] {
+        let line =
+            format!("vibration ensemble {PAPER} --damping-ratio 0.17 {noise} --trajectories {paths} --seed 1 --json");
+        let (ended, took) = interrupted_in(Path::new("."), &line);
+        ended.refuses(130, &["cancelled", "values of friction"]);
+        assert!(took < Duration::from_secs(5), "{took:?}");
+    }
 }
 
 #[test]
@@ -426,11 +430,69 @@ fn a_motion_that_neither_sticks_nor_slides_steadily_is_told() {
     fs::write(folder.path().join("steep.txt"), "0 0.1\n0.001 0.1\n0.0011 0.05\n1 0.04\n").unwrap();
     let law = "--static-friction 0.1 --friction-table steep.txt --belt-velocity 0.00105";
     let ended = line_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
-    assert_eq!(ended.json(0)["limit_cycle"], Value::Bool(false));
+    let answer = ended.json(0);
+    assert_eq!(answer["limit_cycle"], Value::Bool(false));
     assert!(ended.stderr.contains("steady sliding is unstable"), "{}", ended.stderr);
+    // It is the cycle that every start ends in.
+    assert!(answer["slip_cycle"]["velocity_max"].as_f64().unwrap() < 0.00105, "{answer}");
+    let starts = "--displacements 0,0.15,8 --velocities -0.001,0.001,8 --json";
+    let basin = line_in(folder.path(), &format!("vibration basin {law} --damping-ratio 23 {starts}")).json(0);
+    assert_eq!(number(&basin, "slip_cycle_share"), 1.0);
     let steady = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
     assert!(!steady.stderr.contains("unstable"));
     // Springs across the belt hold nothing along it.
     let line = "vibration mode-coupling --static-friction 0.8 --stribeck 0 --belt-velocity 0.5 --angles 90,90 --json";
     assert_eq!(asperity(line).code, 2);
+}
+
+#[test]
+fn flags_that_make_no_machine_or_no_range_are_named() {
+    let damping = "--damping-ratio 0.1";
+    for (line, words) in [
+        (format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.1 --to 0.1"), ["--to", "--from"]),
+        (
+            format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.01 --to 0.1 --points 1"),
+            ["--points", "2"],
+        ),
+        (format!("bifurcation {PAPER} {damping} --over forcing --from 0.01 --to 0.1"), ["--over forcing", "--forcing"]),
+        (format!("critical-curve {PAPER} --over damping-ratio --from 0.01 --to 0.1"), ["--over", "critical"]),
+        (
+            format!("critical-curve {PAPER} --over forcing-frequency --from 0.9 --to 1"),
+            ["forcing-frequency", "--forcing"],
+        ),
+        (
+            format!(
+                "map {PAPER} {damping} --friction-std 0.001 --correlation-length 0.01 --marginal normal --seed 1 --trajectories 4 \
+                 --duration 20 --damping-ratios 0.3,0.1,4 --belt-velocities 0.01,0.1,4"
+            ),
+            ["--damping-ratios", "above the first"],
+        ),
+        (format!("cycle {PAPER} {damping} --high-speed-friction 0.05"), ["--high-speed-friction", "--stribeck"]),
+    ] {
+        asperity(&format!("vibration {line}")).refuses(2, &words);
+    }
+}
+
+#[test]
+fn a_linear_law_that_ends_below_zero_names_its_slope() {
+    let line = "--static-friction 0.1 --linear-weakening 3 --belt-velocity 0.05 --damping-ratio 0.1";
+    asperity(&format!("vibration cycle {line}")).refuses(2, &["slope"]);
+}
+
+#[test]
+fn a_forced_motion_that_settles_slowly_is_periodic() {
+    let line = "vibration bifurcation --static-friction 0.2 --stribeck 0 --belt-velocity 0.5 --forcing 0.01 --forcing-frequency 0.7 \
+                --damping-ratio 0.002 --over damping-ratio --from 0.002 --to 0.004 --points 2 --json";
+    let diagram = asperity(line).json(0);
+    for point in diagram["upward"].as_array().unwrap() {
+        assert_eq!((&point["multiplicity"], &point["settled"]), (&Value::from(1), &Value::Bool(true)), "{point}");
+    }
+}
+
+#[test]
+fn a_short_scan_of_the_modes_knows_their_critical_friction() {
+    let line = "vibration mode-coupling --static-friction 0.3 --stribeck 0 --belt-velocity 0.5 --json";
+    let whole = asperity(line).json(0);
+    let short = asperity(&format!("{line} --friction-to 0.2")).json(0);
+    close(number(&short, "critical_friction"), number(&whole, "critical_friction"), 1e-12);
 }

@@ -1,9 +1,9 @@
 //! One step of slip in every lane: Taylor series, their cuts, and the state behind them.
 
-use std::f64::consts::PI;
+use std::f64::consts::{LOG2_E, PI};
 
 use super::super::polynomial;
-use super::super::series::RECIPROCAL;
+use super::super::series::{RECIPROCAL, before_the_wall};
 use super::super::{FrictionLaw, Oscillator};
 use crate::friction::process::Cell;
 
@@ -31,10 +31,12 @@ pub(super) struct Plants {
     linear: Lane,
     gain: Lane,
     curvature: Lane,
-    /// μ_k, and the loss of a linear law per W; the coefficient is positive where μ_k + m > W·(loss − m·curvature).
-    kinetic: Lane,
+    /// The coefficient is positive where floor + m > W·(loss − m·thinning): μ_k with the loss of a linear law per W and the
+    /// curvature of a quotient, or μ_∞ of an exponential law.
+    floor: Lane,
     loss: Lane,
-    /// Bound of the change of the stiffness κ by the weakening, in the distance of two extrema of W.
+    thinning: Lane,
+    /// Bound of the change of the stiffness κ by the weakening, over |W′|, in the distance of two extrema of W.
     softening: Lane,
 }
 
@@ -79,9 +81,10 @@ pub(super) struct Cuts {
     pub(super) quiet: Flags,
     /// Length of the step before it was cut.
     pub(super) trial: Lane,
-    /// τ and S since the last knot at the beginning of the step.
+    /// τ, S since the last knot and e at the beginning of the step.
     pub(super) tau: Lane,
     pub(super) passed: Lane,
+    excess: Lane,
 }
 
 impl Plants {
@@ -90,26 +93,35 @@ impl Plants {
         linear: [0.0; LANES],
         gain: [0.0; LANES],
         curvature: [0.0; LANES],
-        kinetic: [1.0; LANES],
+        floor: [1.0; LANES],
         loss: [0.0; LANES],
+        thinning: [0.0; LANES],
         softening: [0.0; LANES],
     };
 
     pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
         let velocity = oscillator.belt_velocity();
-        let (slope, gain, curvature) = match oscillator.law() {
-            FrictionLaw::Stribeck { kinetic, decay } => (0.0, decay * kinetic, decay * velocity),
-            FrictionLaw::Linear { slope, .. } => (*slope, 0.0, 0.0),
-            _ => (0.0, 0.0, 0.0),
-        };
         let kinetic = oscillator.law().kinetic();
-        self.kinetic[lane] = kinetic;
-        self.loss[lane] = slope * velocity;
+        let (mut slope, mut floor) = (0.0, kinetic);
+        // r″ is at most twice gain × curvature of a quotient, and once that of an exponential law.
+        let (gain, curvature, thinning, bend) = match oscillator.law() {
+            FrictionLaw::Stribeck { decay, .. } => (decay * kinetic, decay * velocity, decay * velocity, 1.0),
+            FrictionLaw::Linear { slope: loss, .. } => {
+                slope = *loss;
+                (0.0, 0.0, 0.0, 0.0)
+            }
+            FrictionLaw::Exponential { high_speed, stribeck_velocity, .. } => {
+                floor = *high_speed;
+                ((kinetic - high_speed) / stribeck_velocity, velocity / stribeck_velocity, 0.0, 0.5)
+            }
+            FrictionLaw::Coulomb { .. } | FrictionLaw::Tabulated(_) => (0.0, 0.0, 0.0, 0.0),
+        };
+        (self.floor[lane], self.loss[lane], self.thinning[lane]) = (floor, slope * velocity, thinning);
         self.jump[lane] = (oscillator.static_friction() - kinetic) / velocity;
         self.linear[lane] = slope - 2.0 * oscillator.damping_ratio();
         self.gain[lane] = gain;
         self.curvature[lane] = curvature;
-        self.softening[lane] = gain * curvature;
+        self.softening[lane] = bend * gain * curvature;
     }
 }
 
@@ -126,6 +138,7 @@ impl Cuts {
         trial: [0.0; LANES],
         tau: [0.0; LANES],
         passed: [0.0; LANES],
+        excess: [0.0; LANES],
     };
 }
 
@@ -160,12 +173,15 @@ impl States {
     };
 }
 
-/// N Taylor coefficients, N even, of W, S/t and the weakening of friction, each in all lanes, and the last two of e.
+/// N Taylor coefficients, N even, of W, S/t and the weakening of friction r, each in all lanes, and the last two of e. Laws
+/// are quotients, gW/(1 + cW), without curvature the others too, or exponential, (g/c)(1 − e^{−cW}).
 #[derive(Debug, Clone)]
-pub(super) struct Expansion<const N: usize> {
+pub(super) struct Expansion<const N: usize, const EXPONENTIAL: bool> {
     w: [Lane; N],
     s: [Lane; N],
     r: [Lane; N],
+    /// Those of W′ times t, k·w_k, of an exponential law.
+    rates: [Lane; N],
     e: [Lane; 2],
 }
 
@@ -251,49 +267,120 @@ fn coarse_root(x: f64, reciprocal: f64) -> f64 {
     f64::from_bits((ONE + (logarithm - ONE) * reciprocal + SHIFT).to_bits() << 32)
 }
 
-impl<const N: usize> Expansion<N> {
-    pub(super) const NONE: Self =
-        Self { w: [[0.0; LANES]; N], s: [[0.0; LANES]; N], r: [[0.0; LANES]; N], e: [[0.0; LANES]; 2] };
+/// e^x and e^x − 1, both to rounding, for |x| < 700; beyond, those of ±700.
+#[inline(always)]
+fn exponential(x: f64) -> (f64, f64) {
+    // A number is rounded to an integer by adding 3·2⁵¹; 2⁵² more than an integer has it in its lowest bits.
+    const ROUND: f64 = 6_755_399_441_055_744.0;
+    const SHIFT: f64 = 4_503_599_627_370_496.0;
+    // ln 2 in two parts, of which an integer times the first is exact.
+    const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
+    let x = smaller(larger(x, -700.0), 700.0);
+    let k = (x * LOG2_E + ROUND) - ROUND;
+    let t = (x - k * LN_2[0]) - k * LN_2[1];
+    let mut sum = FACTORIAL_RECIPROCAL[13];
+    for n in (1..13).rev() {
+        sum = sum * t + FACTORIAL_RECIPROCAL[n];
+    }
+    let scale = f64::from_bits((k + (1023.0 + SHIFT)).to_bits() << 52);
+    let less_one = (scale - 1.0) + scale * (t * sum);
+    (scale + scale * (t * sum), less_one)
+}
+
+/// 1/n!.
+const FACTORIAL_RECIPROCAL: [f64; 14] = {
+    let (mut r, mut factorial, mut n) = ([1.0; 14], 1.0, 1);
+    while n < 14 {
+        factorial *= n as f64;
+        r[n] = 1.0 / factorial;
+        n += 1;
+    }
+    r
+};
+
+impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
+    pub(super) const NONE: Self = Self {
+        w: [[0.0; LANES]; N],
+        s: [[0.0; LANES]; N],
+        r: [[0.0; LANES]; N],
+        rates: [[0.0; LANES]; N],
+        e: [[0.0; LANES]; 2],
+    };
+
+    /// r(W) and its slope.
+    #[inline(always)]
+    fn law(plants: &Plants, l: usize, w: f64) -> (f64, f64) {
+        let (gain, curvature) = (plants.gain[l], plants.curvature[l]);
+        if EXPONENTIAL {
+            let (fade, less_one) = exponential(-curvature * w);
+            (-(gain / curvature) * less_one, gain * fade)
+        } else {
+            let quotient = 1.0 / (1.0 + curvature * w);
+            (gain * w * quotient, gain * quotient * quotient)
+        }
+    }
 
     /// The recurrence of [`super::super::series::Series`] without forcing.
     #[inline(always)]
     fn expand(&mut self, plants: &Plants, states: &States) {
-        let quotient = each(|l| 1.0 / (1.0 + plants.curvature[l] * states.w[l]));
-        let curvature = each(|l| plants.curvature[l] * quotient[l]);
         (self.w[0], self.s[0]) = (states.w, states.w);
-        self.r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
-        let gain = each(|l| plants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]);
+        let (gain, curvature) = if EXPONENTIAL {
+            let mut gain = [0.0; LANES];
+            for l in 0..LANES {
+                (self.r[0][l], gain[l]) = Self::law(plants, l, states.w[l]);
+            }
+            (gain, plants.curvature)
+        } else {
+            let quotient = each(|l| 1.0 / (1.0 + plants.curvature[l] * states.w[l]));
+            let curvature = each(|l| plants.curvature[l] * quotient[l]);
+            self.r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
+            (each(|l| plants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
+        };
         self.w[1] = each(|l| states.e[l] + plants.linear[l] * states.w[l] + plants.jump[l] + self.r[0][l]);
         self.s[1] = each(|l| self.w[1][l] * 0.5);
         self.r[1] = each(|l| gain[l] * self.w[1][l]);
+        self.rates[1] = self.w[1];
         self.e = [states.e, each(|l| states.direction[l] - states.kappa[l] * states.w[l])];
         // Two orders at a time read every coefficient once for both of their products.
         let mut m = 2;
         while m < N {
             let (mut lower, mut upper) = ([0.0; LANES], [0.0; LANES]);
             let mut above = self.r[m - 1];
-            lower = each(|l| lower[l] + self.w[1][l] * above[l]);
+            let first = self.factor(1);
+            lower = each(|l| lower[l] + first[l] * above[l]);
             for k in 2..m {
-                let (w, r) = (self.w[k], self.r[m - k]);
+                let (w, r) = (self.factor(k), self.r[m - k]);
                 upper = each(|l| upper[l] + w[l] * above[l]);
                 lower = each(|l| lower[l] + w[l] * r[l]);
                 above = r;
             }
             self.advance(plants, states, (&gain, &curvature), m, &lower);
-            upper = each(|l| upper[l] + (self.w[1][l] * self.r[m][l] + self.w[m][l] * self.r[1][l]));
+            let last = self.factor(m);
+            upper = each(|l| upper[l] + (first[l] * self.r[m][l] + last[l] * self.r[1][l]));
             self.advance(plants, states, (&gain, &curvature), m + 1, &upper);
             m += 2;
         }
     }
 
-    /// Coefficients of the order m from those before and Σ w_k r_{m−k}.
+    /// What stands before r_{m−k} in the recurrence: w_k, or k·w_k of an exponential law.
+    #[inline(always)]
+    fn factor(&self, k: usize) -> Lane {
+        if EXPONENTIAL { self.rates[k] } else { self.w[k] }
+    }
+
+    /// Coefficients of the order m from those before and Σ w_k r_{m−k}, or Σ k·w_k r_{m−k}.
     #[inline(always)]
     fn advance(&mut self, plants: &Plants, states: &States, (gain, curvature): (&Lane, &Lane), m: usize, sum: &Lane) {
         let (next, after) = (RECIPROCAL[m], RECIPROCAL[m + 1]);
         let (before, e) = (self.w[m - 1], self.e[1]);
         let w = each(|l| (e[l] + plants.linear[l] * before[l] + self.r[m - 1][l]) * next);
         self.e = [e, each(|l| -states.kappa[l] * before[l] * next)];
-        self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * sum[l]);
+        if EXPONENTIAL {
+            self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * next * sum[l]);
+            self.rates[m] = each(|l| m as f64 * w[l]);
+        } else {
+            self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * sum[l]);
+        }
         self.s[m] = each(|l| w[l] * after);
         self.w[m] = w;
     }
@@ -319,8 +406,7 @@ impl<const N: usize> Expansion<N> {
         // W″ is known from W and W′, so each step is one of Halley's method, of third order.
         let bend = |w: &Lane, slope: &Lane| {
             each(|l| {
-                let quotient = 1.0 / (1.0 + plants.curvature[l] * w[l]);
-                let weakening = plants.linear[l] + plants.gain[l] * quotient * quotient;
+                let weakening = plants.linear[l] + Self::law(plants, l, w[l]).1;
                 weakening * slope[l] + states.direction[l] - states.kappa[l] * w[l]
             })
         };
@@ -396,13 +482,16 @@ impl<const N: usize> Expansion<N> {
         let left = each(|l| states.span[l] - states.passed[l]);
         let reach = self.reach(states, tolerance);
         let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
-        let cap = each(|l| {
+        let mut cap = each(|l| {
             let stiffness = larger(states.kappa[l] + plants.softening[l] * quickest[l], 0.1);
             // A falling W arrives soon, if it does, and must not return before the end of the step.
             let fall = if slope0[l] < 0.0 { FALLS * w0[l] / -slope0[l] } else { f64::INFINITY };
             smaller(smaller(reach[l], fall), smaller(EXTREMA * PI / stiffness.sqrt(), remaining[l]))
         });
-        (cuts.trial, cuts.tau, cuts.passed) = (cap, states.tau, states.passed);
+        if EXPONENTIAL {
+            self.stop_before_the_wall(plants, &mut cap);
+        }
+        (cuts.trial, cuts.tau, cuts.passed, cuts.excess) = (cap, states.tau, states.passed, states.e);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
         if KNOTS {
             let (t, found) = self.crossing(&left, &cap);
@@ -432,18 +521,15 @@ impl<const N: usize> Expansion<N> {
         // A knot that was not found, or lies before an arrival.
         unsure = each(|l| larger(unsure[l], (1.0 - crossed[l]) * flag(distance[l] >= left[l])));
         states.w = w;
-        states.e = each(|l| {
-            let friction = plants.gain[l] * w[l] / (1.0 + plants.curvature[l] * w[l]);
-            slope[l] - plants.jump[l] - plants.linear[l] * w[l] - friction
-        });
+        states.e = each(|l| cuts.excess[l] + states.direction[l] * h[l] - states.kappa[l] * distance[l]);
         states.fastest = each(|l| larger(states.fastest[l], w[l]));
         let turned = each(|l| flag((slope0[l] > 0.0) & (slope[l] < 0.0)));
         // A step with one maximum lies below what the largest slope adds.
         let ceiling = each(|l| larger(w0[l], w[l]) + turned[l] * h[l] * quickest[l]);
         cuts.turned = each(|l| turned[l] * flag(states.fastest[l] <= 1.0));
         cuts.weak = each(|l| {
-            let loss = plants.loss[l] - states.least[l] * plants.curvature[l];
-            flag(plants.kinetic[l] + states.least[l] <= ceiling[l] * loss)
+            let loss = plants.loss[l] - states.least[l] * plants.thinning[l];
+            flag(plants.floor[l] + states.least[l] <= ceiling[l] * loss)
         });
         states.tau = each(|l| choose(flag(h[l] == remaining[l]), until, states.tau[l] + h[l]));
         states.passed = each(|l| choose(crossed[l], 0.0, states.passed[l] + distance[l]));
@@ -456,8 +542,21 @@ impl<const N: usize> Expansion<N> {
         (cuts.h, cuts.crossed, cuts.arrived, cuts.unsure) = (h, crossed, arrived, unsure);
     }
 
+    /// Shortens the steps on which e^{−cW} rises steeper than its series can follow.
+    #[inline(always)]
+    fn stop_before_the_wall(&self, plants: &Plants, cap: &mut Lane) {
+        let lowest = lower_bound(&self.w, cap);
+        let steep = each(|l| flag(plants.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
+        if any(&steep) {
+            for (l, h) in cap.iter_mut().enumerate() {
+                let w: [f64; N] = std::array::from_fn(|k| self.w[k][l]);
+                *h = before_the_wall(&w, plants.curvature[l], *h);
+            }
+        }
+    }
+
     /// The same cut of one lane again, slowly and in doubt of nothing; the state is the one at the beginning of the step.
-    pub(super) fn cut_again(&self, lane: usize, plants: &Plants, states: &mut States, until: f64, cuts: &mut Cuts) {
+    pub(super) fn cut_again(&self, lane: usize, states: &mut States, until: f64, cuts: &mut Cuts) {
         let of = |c: &[Lane; N]| -> [f64; N] { std::array::from_fn(|k| c[k][lane]) };
         let (w, s) = (of(&self.w), of(&self.s));
         let mut h = cuts.trial[lane];
@@ -477,8 +576,7 @@ impl<const N: usize> Expansion<N> {
         let rises = w[1] > 0.0 || leading > 0;
         let end = polynomial::value_and_slope(&w, h);
         states.w[lane] = if arrived { 0.0 } else { end.0.max(0.0) };
-        let friction = plants.gain[lane] * states.w[lane] / (1.0 + plants.curvature[lane] * states.w[lane]);
-        states.e[lane] = end.1 - plants.jump[lane] - plants.linear[lane] * states.w[lane] - friction;
+        states.e[lane] = cuts.excess[lane] + states.direction[lane] * h - states.kappa[lane] * distance(h);
         states.tau[lane] = if h == until - cuts.tau[lane] { until } else { cuts.tau[lane] + h };
         states.passed[lane] = if crossed { 0.0 } else { cuts.passed[lane] + distance(h) };
         states.fastest[lane] = states.fastest[lane].max(states.w[lane]);
@@ -494,5 +592,24 @@ impl<const N: usize> Expansion<N> {
         let slope = polynomial::derivative(&w);
         let leading = slope.iter().take(2).take_while(|c| **c == 0.0).count();
         polynomial::first_zero(&slope[leading..N - 1], h).map_or(0.0, |t| polynomial::value(&w, t))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponential_is_that_of_the_mathematical_library_to_rounding() {
+        for i in -14_000..14_000 {
+            let x = f64::from(i) * 0.049_73;
+            let (whole, less_one) = exponential(x);
+            assert!((whole / x.exp() - 1.0).abs() < 4e-16, "{x}: {whole:e}");
+            assert!((less_one - x.exp_m1()).abs() <= 4e-16 * x.exp_m1().abs(), "{x}: {less_one:e}");
+        }
+        for x in [1e-300, -1e-17, 3e-9, -2e-4, 0.01, -0.3] {
+            assert!((exponential(x).1 / f64::exp_m1(x) - 1.0).abs() < 4e-16, "{x}");
+        }
+        assert_eq!((exponential(0.0), exponential(-1e6)), ((1.0, 0.0), exponential(-700.0)));
     }
 }
