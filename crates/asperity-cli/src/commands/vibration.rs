@@ -7,6 +7,7 @@ mod critical_damping;
 mod cycle;
 mod ensemble;
 mod folder;
+mod forced_cycles;
 mod map;
 mod mode_coupling;
 mod random;
@@ -37,6 +38,7 @@ pub(crate) enum Vibration {
     Map(Box<map::Map>),
     CriticalCurve(critical_curve::CriticalCurve),
     Bifurcation(bifurcation::Bifurcation),
+    ForcedCycles(forced_cycles::ForcedCycles),
     Basin(basin::Basin),
     ModeCoupling(Box<mode_coupling::ModeCoupling>),
 }
@@ -52,6 +54,7 @@ impl Vibration {
             Self::Map(map) => map.run(monitor),
             Self::CriticalCurve(curve) => curve.run(monitor),
             Self::Bifurcation(diagram) => diagram.run(monitor),
+            Self::ForcedCycles(cycles) => cycles.run(monitor),
             Self::Basin(basin) => basin.run(monitor),
             Self::ModeCoupling(coupling) => coupling.run(monitor),
         }

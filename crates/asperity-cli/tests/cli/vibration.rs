@@ -496,3 +496,23 @@ fn a_short_scan_of_the_modes_knows_their_critical_friction() {
     let short = asperity(&format!("{line} --friction-to 0.2")).json(0);
     close(number(&short, "critical_friction"), number(&whole, "critical_friction"), 1e-12);
 }
+
+#[test]
+fn a_locked_machine_has_the_published_stable_and_unstable_cycle() {
+    // Phases and multipliers by SciPy's DOP853 and differences.
+    let free = "--static-friction 0.2 --stribeck 4.2 --belt-velocity 0.1 --damping-ratio 0.1";
+    let line = format!("vibration forced-cycles {free} --forcing 0.02 --forcing-frequency 0.85");
+    let cycles = asperity(&format!("{line} --json")).json(0)["cycles"].as_array().unwrap().clone();
+    assert_eq!(cycles.len(), 2);
+    for (cycle, (phase, multiplier, stable)) in
+        cycles.iter().zip([(0.167_718_780_139, 0.798_109_649_788, true), (5.478_189_762_536, 1.229_339_408_056, false)])
+    {
+        close(number(cycle, "detachment_phase"), phase, 1e-11);
+        close(number(cycle, "multiplier"), multiplier, 1e-10);
+        close(number(cycle, "period"), std::f64::consts::TAU / 0.85, 1e-12);
+        assert_eq!(cycle["stable"], Value::Bool(stable));
+    }
+    let ended = asperity(&line);
+    assert!(ended.code == 0 && ended.stdout.lines().count() == 3, "{}", ended.stdout);
+    asperity(&format!("vibration forced-cycles {free}")).refuses(2, &["--forcing"]);
+}

@@ -125,7 +125,7 @@ fn a_basin_without_a_cycle_needs_its_box() {
     assert_eq!((&json["separatrix"], &json["separatrix_area"]), (&Value::Null, &Value::Null));
     asperity(&format!("{line} --displacements 0.09,0.11")).refuses(2, &["--displacements", "FROM,TO,N"]);
     asperity(&format!("{line} --displacements 0.11,0.09,5 --velocities -1,1,5"))
-        .refuses(2, &["displacement of the box"]);
+        .refuses(2, &["--displacements", "above the first"]);
 }
 
 #[test]
@@ -134,7 +134,8 @@ fn the_modes_of_the_usual_springs_meet_at_three_quarters_and_grow_beyond() {
     // ω² = 2 ± √(1 − 4μ/3) without damping: from μ = 3/4 on 2 ± i√(4μ/3 − 1).
     let json = asperity(&format!("{base} --static-friction 0.6 --points 5 --friction-to 0.6")).json(0);
     close(number(&json, "coalescence"), 0.75, 1e-12);
-    assert_eq!(json["critical_friction"], Value::Null);
+    // Beyond the scan.
+    close(number(&json, "critical_friction"), 0.75, 1e-12);
     for (key, wanted) in [("frequency_1", 2.0 - 0.2_f64.sqrt()), ("frequency_2", 2.0 + 0.2_f64.sqrt())] {
         close(number(&json, key), wanted.sqrt(), 1e-12);
     }
