@@ -45,6 +45,7 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "reattachment",
         "cycles_over_damping",
         "sustained_over_damping",
+        "survival",
     ];
     assert_eq!(names, wanted);
     for id in

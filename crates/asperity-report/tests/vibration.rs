@@ -125,8 +125,19 @@ fn ensemble() -> Given {
         ("density", grid(20, |t| t * (1.0 - t))),
         ("normal_density", grid(20, |t| t * (1.0 - t))),
     ]);
-    let all =
-        vec![("phase_cloud", cloud), ("limit_cycle", circle(1.0)), ("reattachment", law.clone()), ("release", law)];
+    let survival = table(&[
+        ("tau", grid(50, |t| 600.0 * t)),
+        ("share", grid(50, |t| 1.0 - 0.8 * t)),
+        ("share_low", grid(50, |t| 0.95 - 0.8 * t)),
+        ("share_high", grid(50, |t| 1.0 - 0.75 * t)),
+    ]);
+    let all = vec![
+        ("phase_cloud", cloud),
+        ("limit_cycle", circle(1.0)),
+        ("reattachment", law.clone()),
+        ("release", law),
+        ("survival", survival),
+    ];
     (json!({}), tables(all))
 }
 
@@ -193,7 +204,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
                     "steady sliding",
                     "upwards",
                     "downwards",
-                    "least velocity of each turn",
+                    "each turn: least velocity, re-attachment",
                     "Velocity dX/dτ",
                     "Displacement X",
                 ],
@@ -215,6 +226,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
             vec![
                 ("phase_portrait", vec!["many trajectories", "deterministic limit cycle"]),
                 ("reattachment", vec!["re-attachments", "detachments", "normal law"]),
+                ("survival", vec!["Share on the cycle", "never left the cycle", "Time τ"]),
             ],
         ),
         (basin(), vec![("basin", vec!["steady sliding", "stick-slip", "separatrix", "stick-slip cycle"])]),

@@ -49,4 +49,4 @@ pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use twin::{
     BandMethod, Comparison, CurveComparison, StatisticComparison, TwinError, TwinModel, TwinOptions, Twins,
 };
-pub use vibration_stage::{cloud_table, points_table, portrait_table, stability_map_tables};
+pub use vibration_stage::{cloud_table, points_table, portrait_table, stability_map_tables, survival_table};

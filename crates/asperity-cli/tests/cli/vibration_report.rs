@@ -58,8 +58,8 @@ fn every_command_that_reports_writes_its_answer_its_tables_and_its_figures() {
         ),
         (
             format!("ensemble {PAPER} {damping} {NOISE} --trajectories 30 --duration 200"),
-            vec!["limit_cycle.csv", "phase_cloud.csv", "reattachment.csv", "release.csv"],
-            vec!["phase_portrait.svg", "reattachment.svg"],
+            vec!["limit_cycle.csv", "phase_cloud.csv", "reattachment.csv", "release.csv", "survival.csv"],
+            vec!["phase_portrait.svg", "reattachment.svg", "survival.svg"],
         ),
         (
             format!("basin {PAPER} --damping-ratio 0.20482"),

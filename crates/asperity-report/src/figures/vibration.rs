@@ -9,6 +9,7 @@ mod points;
 mod portrait;
 mod sound;
 mod stability_map;
+mod survival;
 
 use std::collections::BTreeMap;
 
@@ -28,6 +29,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
     portrait::plate(run, plates)?;
     points::plate(run, plates)?;
     cycles::plates(run, plates)?;
+    survival::plate(run, plates)?;
     stability_map::plate(run, plates)
 }
 
@@ -58,7 +60,7 @@ impl Words {
 ///   `critical_curve`, a curve of critical damping, over the key `parameter`;
 /// - `sound_spectrum`: a spectrum, with the keys `level_db` and `cycle_period`;
 /// - `phase_cloud`, `trajectory`, `limit_cycle`: a phase portrait; with `basin` and `separatrix` a map of attractors;
-/// - `reattachment`, `release`: laws of points;
+/// - `reattachment`, `release`: laws of points, and `survival`, the share that has never left the cycle;
 /// - `modes_over_friction` and `mode_cycle`: modes over the friction coefficient, with the keys `coalescence`,
 ///   `critical_friction` and `friction`, and the cycle in the plane.
 ///
@@ -74,6 +76,7 @@ pub fn vibration_figures(answer: &Value, tables: &BTreeMap<String, Table>) -> Re
         basin::figure(tables)?,
         portrait::figure(tables)?,
         points::figure(tables)?,
+        survival::figure(tables)?,
         modes::over_friction(answer, tables)?,
         modes::cycle(answer, tables)?,
     ];

@@ -405,6 +405,19 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
             ]),
         );
     }
+    for (name, rate) in [("survival_area", 1e-4), ("survival_paper", 8e-3)] {
+        let tau = grid(0.0, 640.0, 81);
+        let share = map(&tau, |t| (-rate * t).exp());
+        tables.insert(
+            name.into(),
+            table(&[
+                ("tau", tau),
+                ("share", share.clone()),
+                ("share_low", map(&share, |s| s - 0.1 * s * (1.0 - 0.9 * s))),
+                ("share_high", map(&share, |s| s + 0.1 * (1.0 - s))),
+            ]),
+        );
+    }
     let zeta = grid(0.05, 0.30, 11);
     let deterministic = map(&zeta, |z| if z < 0.2048 { (95.0 + 30.0 * z).round() } else { 0.0 });
     let paper = map(&zeta, |z| 99.0 * normal_cdf((0.205 - z) / 0.045));

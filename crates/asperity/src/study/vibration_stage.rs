@@ -7,7 +7,7 @@ mod tables;
 use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
-pub use self::tables::{cloud_table, points_table, portrait_table};
+pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
 use crate::friction::process::{
     CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Steady, Watched,
@@ -83,6 +83,9 @@ pub(super) fn run(
         if let Some(table) = lead.as_ref().and_then(|lead| points_table(&lead.reattachments)) {
             tables.push((name, table));
         }
+    }
+    for (name, lead) in [("survival_paper", &paper_lead), ("survival_area", &area_lead)] {
+        tables.extend(lead.as_ref().map(|lead| (name, survival_table(&lead.passages, section.duration))));
     }
     if let Some(section) = &section.map {
         let found = ensembles.map(section, lead, monitor)?;

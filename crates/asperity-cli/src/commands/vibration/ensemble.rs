@@ -1,6 +1,6 @@
 //! Many paths over a random friction fluctuation.
 
-use asperity::study::{cloud_table, points_table};
+use asperity::study::{cloud_table, points_table, survival_table};
 use asperity::vibration::{self, EnsembleSettings};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -80,7 +80,8 @@ impl Ensemble {
         let answer = answer(Some(&ensemble));
         if wanted {
             let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;
-            let mut tables = vec![("phase_cloud", cloud)];
+            let mut tables =
+                vec![("phase_cloud", cloud), ("survival", survival_table(&ensemble.passages, self.duration))];
             tables.extend(series::cycle(&oscillator).map_err(|e| refused(&e))?);
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));

@@ -11,12 +11,15 @@ use crate::stats::Histogram;
 use crate::study::Table;
 use crate::study::result::{DampingResult, EnsembleResult};
 use crate::vibration::{
-    EnsembleSettings, Oscillator, PhasePoint, SampleLaw, TrajectorySettings, VibrationError, trajectory_portrait,
+    EnsembleSettings, Oscillator, Passages, PhasePoint, SampleLaw, Share, TrajectorySettings, VibrationError,
+    trajectory_portrait,
 };
 
 /// Points of each trajectory of a cloud, and the time τ that they cover.
 const CLOUD_POINTS: usize = 72;
 const CLOUD_SPAN: f64 = 1.1 * TAU;
+/// Times at which the share that stayed on the cycle is told.
+const SURVIVAL_POINTS: usize = 201;
 
 pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
     let column = |result: &EnsembleResult, value: &dyn Fn(&DampingResult) -> f64| -> Vec<f64> {
@@ -48,6 +51,20 @@ pub fn points_table(points: &SampleLaw) -> Option<Table> {
     }
     columns.push(("displacement", centres));
     Some(Table::new(columns).led_by("displacement"))
+}
+
+/// The share of the trajectories that have never left the cycle, over their time, with 95 % intervals: `tau`, `share`,
+/// `share_low`, `share_high`.
+pub fn survival_table(passages: &Passages, duration: f64) -> Table {
+    let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
+    let shares: Vec<Share> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
+    let column = |of: fn(&Share) -> f64| shares.iter().map(of).collect::<Vec<f64>>();
+    Table::new([
+        ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
+        ("share", column(|share| share.value)),
+        ("share_low", column(|share| share.interval[0])),
+        ("share_high", column(|share| share.interval[1])),
+    ])
 }
 
 /// A phase portrait: `tau`, `displacement`, `velocity`.

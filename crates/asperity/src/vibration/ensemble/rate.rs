@@ -55,6 +55,8 @@ impl Share {
 /// one. It is found again with the end of the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Passages {
+    /// Trajectories that are counted.
+    pub trajectories: u64,
     /// Ways out of the cycle.
     pub exits: u64,
     /// Ways back.
@@ -77,7 +79,6 @@ pub struct Passages {
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Sums {
-    trajectories: u64,
     sustained: u64,
     inside: f64,
     outside: f64,
@@ -85,6 +86,7 @@ struct Sums {
 
 impl Passages {
     pub(super) const EMPTY: Self = Self {
+        trajectories: 0,
         exits: 0,
         entries: 0,
         share_in_cycle: f64::NAN,
@@ -93,15 +95,15 @@ impl Passages {
         left: Share { value: f64::NAN, interval: [0.0, 1.0] },
         sustained: Share { value: f64::NAN, interval: [0.0, 1.0] },
         first_exits: Vec::new(),
-        sums: Sums { trajectories: 0, sustained: 0, inside: 0.0, outside: 0.0 },
+        sums: Sums { sustained: 0, inside: 0.0, outside: 0.0 },
     };
 
     pub(super) fn add(&mut self, passage: &Passage, duration: f64) {
         self.exits += passage.exits;
         self.entries += passage.entries;
         self.first_exits.extend(passage.first_exit);
+        self.trajectories += 1;
         let sums = &mut self.sums;
-        sums.trajectories += 1;
         sums.sustained += u64::from(passage.late_inside >= SUSTAINED * 0.5 * duration);
         sums.inside += passage.inside;
         sums.outside += passage.outside;
@@ -109,21 +111,37 @@ impl Passages {
 
     /// Draws the conclusions after the last trajectory.
     pub(super) fn conclude(&mut self) {
-        let Sums { trajectories, sustained, inside, outside } = self.sums;
+        let Sums { sustained, inside, outside } = self.sums;
         self.share_in_cycle = inside / (inside + outside);
         self.exit_rate = Rate::of(self.exits, inside);
         self.entry_rate = Rate::of(self.entries, outside);
-        if trajectories > 0 {
-            self.left = Share::of(self.first_exits.len() as u64, trajectories);
-            self.sustained = Share::of(sustained, trajectories);
+        if self.trajectories > 0 {
+            self.left = Share::of(self.first_exits.len() as u64, self.trajectories);
+            self.sustained = Share::of(sustained, self.trajectories);
         }
         self.first_exits.sort_by(f64::total_cmp);
+    }
+
+    /// Share of the trajectories that have not left the cycle up to τ, at most their duration.
+    pub fn survival(&self, tau: f64) -> Share {
+        let gone = self.first_exits.partition_point(|exit| *exit <= tau) as u64;
+        Share::of(self.trajectories - gone, self.trajectories)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_cycle_survives_in_what_has_not_left_it() {
+        let passages = Passages { trajectories: 8, first_exits: vec![1.0, 2.0, 2.0, 7.5], ..Passages::EMPTY };
+        for (tau, wanted) in [(0.0, 8), (0.99, 8), (1.0, 7), (2.0, 5), (7.0, 5), (9.0, 4)] {
+            let share = passages.survival(tau);
+            assert_eq!(share, Share::of(wanted, 8));
+            assert!(share.interval[0] < share.value && share.value <= share.interval[1]);
+        }
+    }
 
     #[test]
     fn poisson_intervals_are_the_tabulated_ones() {
