@@ -54,6 +54,16 @@ pub(crate) fn section(runs: usize) -> String {
     text
 }
 
+/// A family as the page calls it.
+fn in_words(family: Family) -> String {
+    match family {
+        Family::Beta { .. } => "Beta, known bounds".to_owned(),
+        Family::BetaFreeBounds => "Beta, free bounds".to_owned(),
+        Family::ShiftedLognormal => "shifted lognormal".to_owned(),
+        other => format!("{other:?}").to_lowercase(),
+    }
+}
+
 fn fitted(planted: Planted, family: Family, run: u64) -> (Vec<Vec<f64>>, Option<Fit>) {
     let records = planted.records(run);
     let fit = fit(family, &records.concat()).ok();
@@ -81,8 +91,9 @@ fn parameters(text: &mut String, planted: Planted, family: Family, truth: &[f64]
         let se = Moments::of_values(with.iter().map(|e| e.standard_error.powi(2))).mean.sqrt();
         let _ = writeln!(
             text,
-            "| {} | {family:?} | {} | {:.0} % of {} | {:.1} % (↑{:.1} ↓{:.1}) | {:+.2} | {:.2} |",
+            "| {} | {} | {} | {:.0} % of {} | {:.1} % (↑{:.1} ↓{:.1}) | {:+.2} | {:.2} |",
             planted.name(),
+            in_words(family),
             found.first().map_or("", |p| p[k].name),
             100.0 * with.len() as f64 / found.len() as f64,
             found.len(),
@@ -109,8 +120,9 @@ fn level(text: &mut String, planted: Planted, family: Family, runs: usize) {
     let below = |k: usize, p: f64| 100.0 * found.iter().filter(|f| f[k] <= p).count() as f64 / found.len() as f64;
     let _ = writeln!(
         text,
-        "| {} | {family:?} | {:.1} | {:.1} %, {:.1} % | {:.1} %, {:.1} % |",
+        "| {} | {} | {:.1} | {:.1} %, {:.1} % | {:.1} %, {:.1} % |",
         planted.name(),
+        in_words(family),
         found.iter().map(|f| f[2]).sum::<f64>() / found.len() as f64,
         below(0, 0.05),
         below(0, 0.1),

@@ -16,7 +16,7 @@ use crate::{Figure, ReportError, Run, Table};
 const HEIGHT: f64 = 300.0;
 const TITLE: &str = "How long the cycle lasts";
 const CAPTION: &str = "Share of the trajectories that have never left the cycle up to the time τ, with 95 % intervals. The cycle is left \
-                       when the mass then slips for three natural periods without finishing one.";
+                       when the mass then slips for three natural periods without finishing one; those that never finish one leave it at τ = 0.";
 
 /// A table with the name, colour and line of its curve.
 type Curve<'a> = (&'a Table, &'static str, RGBColor, Dash);
