@@ -18,8 +18,10 @@ use crate::friction::process::{FrictionProcess, Steady, Watched};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::NORMAL_95;
 
-/// Trajectories computed before their results are added up; bounds the memory.
+/// Trajectories computed before their results are added up, and the time τ of all of them beyond which they are fewer: both bound
+/// the memory.
 const BLOCK: usize = 1024;
+const BLOCK_TIME: f64 = 1e7;
 /// Trajectories that one thread takes at a time.
 const CHUNK: usize = 32;
 
@@ -40,7 +42,8 @@ pub struct EnsembleSettings {
     /// How slip is integrated. Taylor series follow many trajectories at once; the others are for comparison.
     #[serde(default)]
     pub method: Method,
-    /// Values of each law that are kept for histograms and tests; 8 bytes each at the end, 24 on the way.
+    /// Values of each law that are kept for histograms and tests; 8 bytes each at the end, 24 on the way, and as many of each
+    /// trajectory that is followed, if it has them.
     pub sample_capacity: usize,
     /// Least share of valid trajectories.
     pub least_valid_share: f64,
@@ -130,8 +133,8 @@ struct Outcome {
 impl Ensemble {
     /// Follows many trajectories in parallel.
     ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks of 1,024 and added up in
-    /// their order. Memory is bounded by the points of one block and `sample_capacity`.
+    /// The result does not depend on the number of threads: trajectories are computed in blocks of up to 1,024 and added up in
+    /// their order. Memory is bounded by the points of one block, and of one trajectory by `sample_capacity`.
     ///
     /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are valid,
     /// and when cancelled.
@@ -155,13 +158,16 @@ impl Ensemble {
         let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;
-        let [mut reattachments, mut releases, mut periods] = [(); 3].map(|()| Gathering::new(settings.sample_capacity));
+        let [mut reattachments, mut releases, mut periods] =
+            [(); 3].map(|()| Gathering::new(0, settings.sample_capacity));
         let mut passages = Passages::EMPTY;
         let mut clamped_knots = 0;
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
-        for first in (0..total).step_by(BLOCK) {
-            let block = first..total.min(first + BLOCK);
+        let least = CHUNK * rayon::current_num_threads().min(BLOCK / CHUNK);
+        let size = ((BLOCK_TIME / duration) as usize).clamp(least, BLOCK);
+        for first in (0..total).step_by(size) {
+            let block = first..total.min(first + size);
             let chunks: Vec<Range<usize>> =
                 block.clone().step_by(CHUNK).map(|start| start..block.end.min(start + CHUNK)).collect();
             let outcomes: Vec<Result<Outcome, VibrationError>> = chunks
@@ -176,7 +182,8 @@ impl Ensemble {
                                 return Err(Cancelled.into());
                             }
                             let fluctuation = Watched::new(process.path(settings.seed, index as u64), monitor);
-                            Ok(Task { oscillator: oscillator.clone(), fluctuation, witness: Passage::new(duration) })
+                            let witness = Passage::new(index, duration, settings.sample_capacity);
+                            Ok(Task { oscillator: oscillator.clone(), fluctuation, witness })
                         },
                         |index, ended| {
                             outcomes[index - chunk.start] = ended.map(|mut followed| {
@@ -198,9 +205,9 @@ impl Ensemble {
                         clamped_knots += outcome.clamped;
                         stick_share.add(outcome.passage.stick / duration);
                         passages.add(&outcome.passage, duration);
-                        reattachments.add_all(&outcome.passage.reattachments);
-                        releases.add_all(&outcome.passage.releases);
-                        periods.add_all(&outcome.passage.periods);
+                        reattachments.merge(outcome.passage.reattachments);
+                        releases.merge(outcome.passage.releases);
+                        periods.merge(outcome.passage.periods);
                     }
                     // Whatever a path ended in then, it was not followed to its end.
                     Err(_) if monitor.cancelled() => return Err(Cancelled.into()),

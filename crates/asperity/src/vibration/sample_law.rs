@@ -61,6 +61,30 @@ impl RunningMoments {
         ];
     }
 
+    /// Adds all values of another sum, by the formulas for two sets there.
+    pub(super) fn merge(&mut self, other: &Self) {
+        if self.count == 0 || other.count == 0 {
+            *self = if self.count == 0 { *other } else { *self };
+            return;
+        }
+        let (a, b) = (self.count as f64, other.count as f64);
+        let n = a + b;
+        let delta = other.mean - self.mean;
+        let share = delta / n;
+        let [[a2, a3, a4], [b2, b3, b4]] = [self.central, other.central];
+        let product = delta * share * a * b;
+        self.central = [
+            a2 + b2 + product,
+            a3 + b3 + product * share * (a - b) + 3.0 * share * (a * b2 - b * a2),
+            a4 + b4
+                + product * share * share * (a * a - a * b + b * b)
+                + 6.0 * share * share * (a * a * b2 + b * b * a2)
+                + 4.0 * share * (a * b3 - b * a3),
+        ];
+        self.mean += share * b;
+        self.count += other.count;
+    }
+
     pub(super) fn count(&self) -> u64 {
         self.count
     }
@@ -95,14 +119,17 @@ struct Reservoir {
 
 impl Reservoir {
     fn add(&mut self, number: u64, value: f64) {
-        let hash = mix(number);
+        self.take((mix(number), number, value.to_bits()));
+    }
+
+    fn take(&mut self, (hash, number, bits): (u64, u64, u64)) {
         if self.kept.len() == self.capacity {
             if self.kept.peek().is_none_or(|(largest, ..)| hash >= *largest) {
                 return;
             }
             self.kept.pop();
         }
-        self.kept.push((hash, number, value.to_bits()));
+        self.kept.push((hash, number, bits));
     }
 
     /// The kept values in the order of their numbers.
@@ -121,25 +148,34 @@ fn mix(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Gathers a [`SampleLaw`].
+/// Gathers a [`SampleLaw`], from the values of one trajectory or from gatherings of many.
 #[derive(Debug, Clone)]
 pub(super) struct Gathering {
     sums: RunningMoments,
     reservoir: Reservoir,
+    /// Number of the first value, unlike that of any other trajectory.
+    first: u64,
 }
 
 impl Gathering {
-    pub(super) fn new(capacity: usize) -> Self {
-        Self { sums: RunningMoments::EMPTY, reservoir: Reservoir { capacity, kept: BinaryHeap::new() } }
+    pub(super) fn new(trajectory: u64, capacity: usize) -> Self {
+        let reservoir = Reservoir { capacity, kept: BinaryHeap::new() };
+        Self { sums: RunningMoments::EMPTY, reservoir, first: trajectory << 32 }
     }
 
     pub(super) fn add(&mut self, x: f64) {
-        self.reservoir.add(self.sums.count(), x);
+        self.reservoir.add(self.first + self.sums.count(), x);
         self.sums.add(x);
     }
 
-    pub(super) fn add_all(&mut self, values: &[f64]) {
-        values.iter().for_each(|x| self.add(*x));
+    pub(super) fn merge(&mut self, other: Self) {
+        self.sums.merge(&other.sums);
+        other.reservoir.kept.into_iter().for_each(|kept| self.reservoir.take(kept));
+    }
+
+    #[cfg(test)]
+    pub(super) fn values(self) -> Vec<f64> {
+        self.reservoir.values()
     }
 
     pub(super) fn finish(self) -> SampleLaw {
@@ -169,7 +205,7 @@ mod tests {
             .iter()
             .map(|xi| 1e3 + 1e-2 * (0.5 * xi).exp())
             .collect();
-        let mut gathering = Gathering::new(10_000);
+        let mut gathering = Gathering::new(0, 10_000);
         values.iter().for_each(|x| gathering.add(*x));
         let (found, wanted) = (gathering.finish(), Moments::of(&values));
         assert_eq!(found.sample, values);
@@ -182,8 +218,41 @@ mod tests {
     }
 
     #[test]
+    fn gatherings_of_trajectories_are_that_of_all_values() {
+        let values: Vec<f64> = random::standard_normal(&mut random::stream(2, "test", 0), 6000)
+            .iter()
+            .map(|xi| 5.0 + (0.4 * xi).exp())
+            .collect();
+        let gathered = |capacity: usize, order: &[usize]| {
+            let parts = [0..0, 0..1, 1..700, 700..701, 701..6000];
+            let mut whole = Gathering::new(0, capacity);
+            for &i in order {
+                let mut part = Gathering::new(i as u64, capacity);
+                values[parts[i].clone()].iter().for_each(|x| part.add(*x));
+                whole.merge(part);
+            }
+            whole.finish()
+        };
+        let (all, wanted) = (gathered(10_000, &[0, 1, 2, 3, 4]), Moments::of(&values));
+        assert_eq!((all.count, &all.sample), (6000, &values));
+        for (found, wanted) in [
+            (all.mean, wanted.mean),
+            (all.std, wanted.sample_std()),
+            (all.skewness, wanted.skewness),
+            (all.excess_kurtosis, wanted.excess_kurtosis),
+        ] {
+            assert!((found / wanted - 1.0).abs() < 1e-11, "{found} and {wanted}");
+        }
+        // What is kept of many depends neither on the order nor on how much a part keeps beyond it.
+        let few = gathered(500, &[0, 1, 2, 3, 4]);
+        assert_eq!(few.sample.len(), 500);
+        assert_eq!(few.sample, gathered(500, &[4, 2, 0, 3, 1]).sample);
+        assert!(few.sample.iter().all(|x| values.contains(x)));
+    }
+
+    #[test]
     fn a_full_reservoir_is_a_fair_sample_of_all() {
-        let mut gathering = Gathering::new(2000);
+        let mut gathering = Gathering::new(0, 2000);
         (0..100_000).for_each(|i| gathering.add(f64::from(i)));
         let found = gathering.finish();
         assert_eq!((found.count, found.sample.len()), (100_000, 2000));

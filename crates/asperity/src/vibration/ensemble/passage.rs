@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::super::lanes::Witness;
+use super::super::sample_law::Gathering;
 use super::super::trajectory::Slipped;
 use super::super::{Event, EventKind};
 
@@ -11,15 +12,15 @@ use super::super::{Event, EventKind};
 const PATIENCE: f64 = 3.0 * TAU;
 
 /// The story of one trajectory.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Passage {
     duration: f64,
     /// Displacements at the ends of the slips of cycles.
-    pub(super) reattachments: Vec<f64>,
+    pub(super) reattachments: Gathering,
     /// Displacements at detachments after a stick that is not the first.
-    pub(super) releases: Vec<f64>,
+    pub(super) releases: Gathering,
     /// Times from the detachment of a cycle to that of the next, where the cycle was not lost between.
-    pub(super) periods: Vec<f64>,
+    pub(super) periods: Gathering,
     /// Time in stick.
     pub(super) stick: f64,
     /// Times in the cycle and out of it, and the former in the second half.
@@ -43,13 +44,14 @@ pub(super) struct Passage {
 }
 
 impl Passage {
-    /// A trajectory that begins on the cycle, in stick.
-    pub(super) fn new(duration: f64) -> Self {
+    /// The trajectory of an index, which begins on the cycle, in stick; of each law at most `capacity` values are kept.
+    pub(super) fn new(trajectory: usize, duration: f64, capacity: usize) -> Self {
+        let [reattachments, releases, periods] = [(); 3].map(|()| Gathering::new(trajectory as u64, capacity));
         Self {
             duration,
-            reattachments: Vec::new(),
-            releases: Vec::new(),
-            periods: Vec::new(),
+            reattachments,
+            releases,
+            periods,
             stick: 0.0,
             inside: 0.0,
             outside: 0.0,
@@ -102,7 +104,7 @@ impl Passage {
             self.entries += 1;
             self.entered = end;
         } else if let (Some(before), Some(start)) = (self.last_start, start) {
-            self.periods.push(start - before);
+            self.periods.add(start - before);
         }
         (self.last_start, self.last_end, self.slipped) = (start, end, 0.0);
     }
@@ -115,7 +117,7 @@ impl Witness for Passage {
                 if let Some(since) = self.stuck_since.take() {
                     self.stick += event.tau - since;
                     if self.detached.is_some() {
-                        self.releases.push(event.displacement);
+                        self.releases.add(event.displacement);
                     }
                 }
                 self.detached = Some(event.tau);
@@ -124,7 +126,7 @@ impl Witness for Passage {
                 self.slipped += event.tau - self.detached.unwrap_or(0.0);
                 self.stuck_since = Some(event.tau);
                 if slipped == Slipped::Cycle {
-                    self.reattachments.push(event.displacement);
+                    self.reattachments.add(event.displacement);
                     self.cycle(event.tau);
                 }
             }
@@ -143,7 +145,7 @@ mod tests {
 
     /// A story told by its events: detachments and ends of cycles, and of micro-slips.
     fn told(duration: f64, events: &[(char, f64)]) -> Passage {
-        let mut passage = Passage::new(duration);
+        let mut passage = Passage::new(0, duration, 100);
         for &(kind, tau) in events {
             match kind {
                 'D' => passage.see(event(EventKind::Detach, tau), Slipped::Not),
@@ -158,8 +160,9 @@ mod tests {
     #[test]
     fn a_steady_cycle_is_never_left() {
         let passage = told(100.0, &[('D', 1.0), ('C', 6.0), ('D', 8.0), ('C', 13.0), ('D', 15.0), ('C', 20.0)]);
-        assert_eq!(passage.periods, [7.0, 7.0]);
-        assert_eq!((passage.reattachments.len(), passage.releases.clone()), (3, vec![8.0, 15.0]));
+        assert_eq!(passage.periods.clone().values(), [7.0, 7.0]);
+        assert_eq!(passage.reattachments.clone().values().len(), 3);
+        assert_eq!(passage.releases.clone().values(), [8.0, 15.0]);
         // However long the last stick lasts, it is a stick of the cycle.
         assert_eq!((passage.stick, passage.inside, passage.outside), (85.0, 100.0, 0.0));
         assert_eq!((passage.exits, passage.entries, passage.first_exit, passage.late_inside), (0, 0, None, 50.0));
@@ -179,7 +182,7 @@ mod tests {
             ('D', 47.0),
         ];
         let passage = told(100.0, &events);
-        assert_eq!(passage.periods, [35.0]);
+        assert_eq!(passage.periods.clone().values(), [35.0]);
         assert_eq!((passage.exits, passage.entries, passage.first_exit), (2, 1, Some(6.0)));
         // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and from 46 on.
         assert_eq!((passage.inside, passage.outside, passage.late_inside), (12.0, 88.0, 0.0));
@@ -188,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_mass_that_never_sticks_has_lost_the_cycle_from_the_beginning() {
-        let mut passage = Passage::new(50.0);
+        let mut passage = Passage::new(0, 50.0, 100);
         passage.see(event(EventKind::Detach, 0.0), Slipped::Not);
         passage.finish();
         assert_eq!((passage.exits, passage.first_exit, passage.outside), (1, Some(0.0), 50.0));
