@@ -516,3 +516,17 @@ fn a_locked_machine_has_the_published_stable_and_unstable_cycle() {
     assert!(ended.code == 0 && ended.stdout.lines().count() == 3, "{}", ended.stdout);
     asperity(&format!("vibration forced-cycles {free}")).refuses(2, &["--forcing"]);
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_no_memory_holds_is_refused_before_it_is_begun() {
+    let damping = "--damping-ratio 0.17";
+    for line in [
+        format!("sound {PAPER} {damping} {NOISE} --trajectories 1000000000 --seed 1"),
+        format!("basin {PAPER} {damping} --displacements 0,1,100000 --velocities 0,1,100000"),
+        format!("bifurcation {PAPER} {damping} --over belt-velocity --from 0.01 --to 0.1 --points 1000000000000"),
+        "mode-coupling --static-friction 0.8 --stribeck 0 --belt-velocity 0.5 --points 1000000000000".to_owned(),
+    ] {
+        asperity(&format!("vibration {line}")).refuses(5, &["memory"]);
+    }
+}

@@ -11,16 +11,19 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::folder::Folder;
-use super::map::axis;
+use super::map::stretch;
 use super::{Damping, Machine, code, refused, series};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
+use crate::resources::require_memory;
 
 /// Cells along an axis of the box that is taken where none is stated.
 const CELLS: usize = 200;
 /// How far that box reaches beyond the cycle, in shares of the cycle's size.
 const MARGIN: f64 = 0.5;
+/// Memory for a cell and its place in the answer.
+const CELL_BYTES: f64 = 64.0;
 /// Points of the separatrix.
 const BORDER_POINTS: usize = 800;
 
@@ -33,10 +36,10 @@ pub(crate) struct Basin {
     #[command(flatten)]
     damping: Damping,
     /// Displacements X of the starts: least, largest, cells. The cycle with half its size around it when left out.
-    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FROM,TO,N", value_parser = stretch, allow_hyphen_values = true)]
     displacements: Option<MapAxis>,
     /// Velocities dX/dτ of the starts: least, largest, cells.
-    #[arg(long, value_name = "FROM,TO,N", value_parser = axis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FROM,TO,N", value_parser = stretch, allow_hyphen_values = true)]
     velocities: Option<MapAxis>,
     #[command(flatten)]
     folder: Folder,
@@ -55,6 +58,8 @@ impl Basin {
         let inputs: Vec<&Path> = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         let area = self.area(&oscillator, monitor)?;
+        let [columns, rows] = area.cells;
+        require_memory(CELL_BYTES * columns as f64 * rows as f64, "the map of the starts")?;
         let found = vibration::basin(&oscillator, &area, monitor).map_err(|e| refused(&e))?;
         let border = monitor.at_once(|| separatrix(&oscillator, BORDER_POINTS))?.map_err(|e| refused(&e))?;
         let cycles = monitor.at_once(|| slip_cycles(&oscillator))?.map_err(|e| refused(&e))?;

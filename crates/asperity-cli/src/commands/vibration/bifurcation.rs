@@ -11,6 +11,10 @@ use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
+use crate::resources::require_memory;
+
+/// Memory for the motions at one value of the parameter, of which irregular ones hold a hundred turns each.
+const POINT_BYTES: f64 = 8192.0;
 
 /// Follows the attractor up and down a parameter: sliding, cycles and their multiplicity, irregular motion.
 #[derive(Debug, Args)]
@@ -49,6 +53,7 @@ impl Bifurcation {
         if self.points < 2 {
             return Err(Failure::usage(format!("--points is {}, but must be at least 2", self.points)));
         }
+        require_memory(POINT_BYTES * self.points as f64, "the diagram")?;
         let settings = BifurcationSettings::new([self.from, self.to], self.points);
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;

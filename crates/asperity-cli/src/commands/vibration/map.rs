@@ -59,15 +59,19 @@ pub(crate) struct Map {
     json: bool,
 }
 
-pub(super) fn axis(text: &str) -> Result<MapAxis, String> {
+fn axis(text: &str) -> Result<MapAxis, String> {
+    stretch(text)?.check().map_err(|wanted| format!("found `{text}`: {wanted}"))
+}
+
+/// A stretch FROM,TO that rises, and its number of cells.
+pub(super) fn stretch(text: &str) -> Result<MapAxis, String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let wanted = || format!("found `{text}`, wanted the least and the largest value and a number of cells: FROM,TO,N");
     let [from, to, cells] = parts[..] else { return Err(wanted()) };
-    match (from.parse(), to.parse(), cells.parse()) {
-        (Ok(from), Ok(to), Ok(cells)) => {
-            let axis = MapAxis { from, to, cells };
-            axis.check().map_err(|wanted| format!("found `{text}`: {wanted}"))
-        }
+    match (from.parse::<f64>(), to.parse::<f64>(), cells.parse::<usize>()) {
+        (Ok(from), Ok(to), Ok(cells)) if from < to && cells > 0 => Ok(MapAxis { from, to, cells }),
+        (Ok(_), Ok(_), Ok(0)) => Err(format!("found `{text}`, wanted at least 1 cell")),
+        (Ok(_), Ok(_), Ok(_)) => Err(format!("found `{text}`, wanted the last value of the axis above the first")),
         _ => Err(wanted()),
     }
 }

@@ -20,9 +20,12 @@ use super::{Friction, refused};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
+use crate::resources::require_memory;
 
 /// Points of a drawn cycle.
 const CYCLE_POINTS: usize = 1200;
+/// Memory for the modes at one friction coefficient, and in the answer.
+const POINT_BYTES: f64 = 512.0;
 /// How far the scan reaches beyond the largest coefficient that matters, unless told.
 const BEYOND: f64 = 1.25;
 /// Least share of valid realisations.
@@ -160,6 +163,7 @@ impl ModeCoupling {
         let model = Model::new(parameters).map_err(Failure::usage)?;
         let inputs: Vec<&Path> = self.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
+        require_memory(POINT_BYTES * self.points as f64, "the scan of the modes")?;
         let scan = self.scan(&model).map_err(|e| refused(&e))?;
         let told = answer::of_modes(&model, &scan);
         let regime = monitor

@@ -1,5 +1,7 @@
 //! How loud the mass vibrates, and at which frequencies.
 
+use std::f64::consts::TAU;
+
 use asperity::study::Table;
 use asperity::vibration::{self, Drive, Method, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use clap::Args;
@@ -12,6 +14,10 @@ use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, columns, print};
+use crate::resources::require_memory;
+
+/// Memory for one point of a record.
+const POINT_BYTES: f64 = 48.0;
 
 /// Records the velocity of several paths: its level over the limit cycle's and its power spectrum.
 #[derive(Debug, Args)]
@@ -64,6 +70,9 @@ impl Sound {
         self.wav.check(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.announce(&process, monitor);
+        // Velocities of all paths, and the portraits and transforms that they are made of.
+        let points = self.duration / TAU * settings.points_per_period as f64;
+        require_memory(POINT_BYTES * points * self.trajectories as f64, "the record of the velocities")?;
         let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
         let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
         let period = cycle_period(&oscillator, monitor)?;
