@@ -83,7 +83,7 @@ use crate::monitor::Cancelled;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum VibrationError {
     /// A parameter lies outside its range.
-    #[error("{parameter} is {value}, but must be {wanted}")]
+    #[error("{parameter} is {}, but must be {wanted}", shown(*value))]
     Parameter {
         /// Name of the parameter.
         parameter: &'static str,
@@ -97,7 +97,7 @@ pub enum VibrationError {
         "the friction coefficient fell to {coefficient:.3e} at tau = {tau:.6} (sliding distance {sliding_distance:.6e}): \
          it must stay positive; {}",
         if *fluctuation < 0.0 {
-            "lower its standard deviation or state a least fluctuation"
+            "lower the standard deviation of the fluctuation, or the weakening of the law"
         } else {
             "the linear law falls below zero at the speeds of this motion: lower its slope or the belt velocity"
         }
@@ -155,6 +155,11 @@ pub enum VibrationError {
     /// Stopped from outside.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// A number without hundreds of zeros.
+fn shown(value: f64) -> String {
+    if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 fn positive(parameter: &'static str, value: f64) -> Result<(), VibrationError> {

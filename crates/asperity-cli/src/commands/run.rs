@@ -169,6 +169,9 @@ fn stored(outcome: &Outcome, study: String, provenance: &Provenance) -> Result<S
 
 /// The numbers to look at first, and where the others are.
 fn headline(run: &StoredRun, folder: &Path) -> Answer {
+    // The scatter of the upscaling that the study leads with.
+    let lead = run.results.pointer("/vibration/upscaling").and_then(|name| name.as_str()).unwrap_or("area");
+    let scatter = format!("/vibration/{lead}/friction_std");
     let numbers = [
         ("Sq_m", "/surface/Sq_m"),
         // Of the scan, then of the covariance: a fit need not meet the length of the scan, and what its model calls a length
@@ -182,7 +185,7 @@ fn headline(run: &StoredRun, folder: &Path) -> Answer {
         ("covariance_decay_length_y_m", "/surface/covariance/decay_length_y_m"),
         ("contact_probability", "/pressure/contact_probability"),
         ("friction_mean", "/vibration/static_friction"),
-        ("friction_std", "/vibration/area/friction_std"),
+        ("friction_std", scatter.as_str()),
         ("friction_correlation_length_m", "/vibration/friction_correlation_length_m"),
         ("critical_damping_ratio", "/vibration/critical_damping_ratio"),
         ("limit_cycle", "/vibration/cycle/limit_cycle"),

@@ -530,3 +530,24 @@ fn what_no_memory_holds_is_refused_before_it_is_begun() {
         asperity(&format!("vibration {line}")).refuses(5, &["memory"]);
     }
 }
+
+#[test]
+fn a_length_that_no_sliding_distance_resolves_is_refused_and_no_folder_of_others_is_replaced() {
+    let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 --trajectories 20 --seed 1");
+    for length in ["1e-300", "1e-17"] {
+        let noise = NOISE.replace("--correlation-length 0.01", &format!("--correlation-length {length}"));
+        asperity(&format!("{line} {noise}")).refuses(2, &["distance between values of friction"]);
+    }
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("keep")).unwrap();
+    fs::write(folder.path().join("keep/thesis.txt"), "years").unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    let report = |at: &str, words: &[&str]| {
+        let line = format!("vibration basin {PAPER} --damping-ratio 0.17 --report {at}");
+        line_in(folder.path(), &line).refuses(2, words);
+    };
+    report("keep --force", &["--report", "thesis.txt"]);
+    report("keep", &["--report", "not empty"]);
+    report("file --force", &["--report", "is a file"]);
+    assert_eq!(fs::read_to_string(folder.path().join("keep/thesis.txt")).unwrap(), "years");
+}

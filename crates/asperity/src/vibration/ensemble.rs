@@ -13,7 +13,8 @@ use self::passage::Passage;
 pub use self::rate::{Passages, Rate, Share};
 use super::lanes::{Task, follow_many};
 use super::sample_law::{Gathering, RunningMoments, SampleLaw};
-use super::{Drive, Method, Oscillator, Slips, Trajectory, TrajectorySettings, VibrationError};
+use super::trajectory::follow;
+use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
 use crate::friction::process::{FrictionProcess, Steady, Watched};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::NORMAL_95;
@@ -155,7 +156,7 @@ impl Ensemble {
         }
         let EnsembleSettings { duration, start, drive, method, .. } = *settings;
         let followed = TrajectorySettings { duration, start, drive, method };
-        let cycles_deterministic = Trajectory::simulate(oscillator, Steady, &followed)?.slips.cycles;
+        let cycles_deterministic = follow(oscillator, Steady, &followed, monitor, |_, _| {})?.cycles;
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;
         let [mut reattachments, mut releases, mut periods] =

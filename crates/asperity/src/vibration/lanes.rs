@@ -14,6 +14,7 @@ use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
 use crate::friction::process::{Cell, Fluctuation};
+use crate::monitor::Silent;
 use crate::wide::{Kernel, wide};
 
 /// Coefficients and relative tolerance of a step between knots, which are close, and without knots.
@@ -53,7 +54,8 @@ pub(super) fn follow_many<F: Fluctuation, W: Witness>(
 ) {
     let alone = |index: usize| {
         let Task { oscillator, mut fluctuation, mut witness } = make(index)?;
-        let slips = follow(&oscillator, &mut fluctuation, settings, |event, slipped| witness.see(event, slipped))?;
+        let slips =
+            follow(&oscillator, &mut fluctuation, settings, &Silent, |event, slipped| witness.see(event, slipped))?;
         Ok(Followed { slips, fluctuation, witness })
     };
     let mut waiting = indices;

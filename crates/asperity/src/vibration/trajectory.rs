@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::Motion;
 use super::{Drive, Event, EventKind, Method, Oscillator, VibrationError, positive};
 use crate::friction::process::Fluctuation;
+use crate::monitor::{Cancelled, Monitor, Silent};
 
 /// How a mass is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -49,7 +50,7 @@ impl Trajectory {
         settings: &TrajectorySettings,
     ) -> Result<Self, VibrationError> {
         let mut events = Vec::new();
-        let slips = follow(oscillator, fluctuation, settings, |event, _| events.push(event))?;
+        let slips = follow(oscillator, fluctuation, settings, &Silent, |event, _| events.push(event))?;
         Ok(Self { events, slips })
     }
 }
@@ -74,11 +75,15 @@ pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -
     }
 }
 
+/// Steps between two looks at the monitor.
+const STEPS: u32 = 16_384;
+
 /// Follows a mass and shows every event with the counts so far.
 pub(super) fn follow(
     oscillator: &Oscillator,
     fluctuation: impl Fluctuation,
     settings: &TrajectorySettings,
+    monitor: &dyn Monitor,
     mut show: impl FnMut(Event, Slipped),
 ) -> Result<Slips, VibrationError> {
     let mut motion = started(oscillator, fluctuation, settings)?;
@@ -86,7 +91,12 @@ pub(super) fn follow(
     if let Some(event) = motion.first_event() {
         show(event, Slipped::Not);
     }
+    let mut steps = 0_u32;
     while motion.tau < settings.duration {
+        steps = steps.wrapping_add(1);
+        if steps.is_multiple_of(STEPS) && monitor.cancelled() {
+            return Err(Cancelled.into());
+        }
         let Some(event) = motion.step(settings.duration)? else { continue };
         let mut slipped = Slipped::Not;
         if event.kind == EventKind::Restick {

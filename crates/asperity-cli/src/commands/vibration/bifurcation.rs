@@ -46,10 +46,7 @@ impl Bifurcation {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
         self.over.check(&oscillator)?;
-        if self.from >= self.to {
-            let message = format!("--to is {}, but must be above --from, {}", self.to, self.from);
-            return Err(Failure::usage(message));
-        }
+        self.over.check_range(&oscillator, self.from, self.to)?;
         if self.points < 2 {
             return Err(Failure::usage(format!("--points is {}, but must be at least 2", self.points)));
         }

@@ -38,6 +38,7 @@ pub(crate) struct CriticalCurve {
 pub(super) enum Over {
     DampingRatio,
     BeltVelocity,
+    /// Static friction coefficient; kinetic friction keeps its ratio to it.
     StaticFriction,
     /// Weakening rate of the friction law.
     Weakening,
@@ -64,13 +65,26 @@ impl Over {
     /// Refuses a parameter that the machine does not have.
     pub(super) fn check(self, oscillator: &Oscillator) -> Result<(), Failure> {
         let wanted = match self {
-            Self::Forcing | Self::ForcingFrequency => "--forcing and --forcing-frequency",
-            _ => "--stribeck or --linear-weakening",
+            Self::Forcing | Self::ForcingFrequency => {
+                "the machine has no force; state --forcing and --forcing-frequency"
+            }
+            _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
         };
         match self.parameter().of(oscillator) {
             Some(_) => Ok(()),
-            None => Err(Failure::usage(format!("--over {}: the machine has none; state {wanted}", self.flag()))),
+            None => Err(Failure::usage(format!("--over {}: {wanted}", self.flag()))),
         }
+    }
+
+    /// Refuses a range that does not rise or of which an end is none of the machine's.
+    pub(super) fn check_range(self, oscillator: &Oscillator, from: f64, to: f64) -> Result<(), Failure> {
+        if from >= to {
+            return Err(Failure::usage(format!("--to is {to}, but must be above --from, {from}")));
+        }
+        for (flag, value) in [("--from", from), ("--to", to)] {
+            self.parameter().set(oscillator, value).map_err(|e| Failure::usage(format_args!("{flag}: {e}")))?;
+        }
+        Ok(())
     }
 
     fn flag(self) -> String {
@@ -97,9 +111,7 @@ impl CriticalCurve {
             return Err(Failure::usage("--over damping-ratio: the critical damping ratio is what the curve tells"));
         }
         self.over.check(&oscillator)?;
-        if self.from == self.to {
-            return Err(Failure::usage(format!("--from and --to are both {}: the curve has no length", self.from)));
-        }
+        self.over.check_range(&oscillator, self.from, self.to)?;
         let inputs = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         let settings = CurveSettings::new([self.from, self.to]);
@@ -127,7 +139,7 @@ fn table(branch: &Branch) -> Result<(), Failure> {
     let mut rows = vec![["parameter", "critical damping ratio", "Hopf damping ratio"].map(str::to_owned)];
     for point in &branch.points {
         let row = [point.parameter, point.critical_damping_ratio, point.hopf_damping_ratio];
-        rows.push(row.map(|value| format!("{value:.10}")));
+        rows.push(row.map(|value| if value.abs() < 1e-4 { format!("{value:.9e}") } else { format!("{value:.10}") }));
     }
     print(&columns(&rows))
 }

@@ -37,7 +37,11 @@ impl ForcedCycles {
             return Answer::default().with("cycles", cycles).print(true);
         }
         if cycles.is_empty() {
-            monitor.note("no cycle with stick; a motion without is found by `vibration bifurcation`");
+            monitor.note(&format!(
+                "no cycle with stick has up to {} detachments in a period: try more --slips; what the motion does is told by \
+                 `vibration bifurcation`",
+                self.slips
+            ));
         }
         let heading = [
             "slips",

@@ -9,7 +9,7 @@ use asperity::study::Table;
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, Damping, EigenvalueScan, Ensemble, EnsembleSettings, GrowthRates, GrowthSettings, Mode, Model, Parameters,
-    Point, Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle,
+    Point, Regime, Trajectory, TrajectorySettings, eigenvalue_scan, growth_rates, limit_cycle, modes,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -169,7 +169,13 @@ impl ModeCoupling {
         let regime = monitor
             .at_once(|| limit_cycle(&model, None))?
             .or_else(|e| Err(refused(&e).told(told.clone(), self.json)?))?;
-        if let Some(note) = answer::note(&regime) {
+        if model.damping() == [0.0; 3] && modes(&model, model.sliding_friction()).iter().all(|mode| mode.growth == 0.0)
+        {
+            monitor.warn(
+                "nothing is damped and no mode grows: the motion keeps what it starts with and settles nowhere; state \
+                 --dampers, --modal-damping or --proportional-damping",
+            );
+        } else if let Some(note) = answer::note(&regime) {
             monitor.note(note);
         }
         let mut found = Found { model, scan, regime, growth: None, ensemble: None };

@@ -79,6 +79,9 @@ impl ProcessModel {
     }
 }
 
+/// Distances between knots that add up to sliding distances in double precision.
+const STEPS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
+
 /// Tables and length of a [`FrictionProcess`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parts<'a> {
@@ -104,7 +107,7 @@ pub struct FrictionProcess {
 impl FrictionProcess {
     /// Checks a model and tabulates its translation.
     ///
-    /// Fails if a parameter is not positive, the law is none or has no finite standard deviation, the generator cannot make
+    /// Fails if a parameter is not positive, knots are not between 1e-15 and 1e15 apart, the law is none or has no finite standard deviation, the generator cannot make
     /// the correlation or the law, the clamp is not negative, or a step of a Jacobi diffusion is below a thousandth of its
     /// correlation length.
     pub fn new(model: ProcessModel) -> Result<Self, ProcessError> {
@@ -135,6 +138,10 @@ impl FrictionProcess {
     }
 
     fn made(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
+        if !STEPS.contains(&step) {
+            let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
+            return Err(ProcessError::Parameter { parameter, value: step, wanted });
+        }
         let translation = Translation::new(&model.marginal)?;
         let normal_length = match model.correlation {
             Correlation::Corrected if model.generator.translates() => {

@@ -11,6 +11,8 @@ use crate::vibration::{Method, Trajectory, TrajectorySettings, VibrationError};
 const SECTION: &str = "vibration";
 /// Time that is followed to see whether friction stays positive: the first slips are the fastest.
 const FIRST_TIME: f64 = 100.0;
+/// Correlation lengths over N/c that sliding distances resolve.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
 const SHARE: &str = "a share above 0, at most 1";
 
 fn share(value: f64) -> bool {
@@ -140,6 +142,11 @@ fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Proble
         Ok(machine) => machine,
         Err(error) => return told(error),
     };
+    let unit_m = v.scales().map_or(f64::NAN, |scales| scales.length_m());
+    if let Some(length) = v.friction_correlation_length.filter(|length| !LENGTHS.contains(&(length.0 / unit_m))) {
+        let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
+        return Err(problem(SECTION, "friction_correlation_length", message));
+    }
     let settings = TrajectorySettings {
         duration: v.duration.min(FIRST_TIME),
         start: None,

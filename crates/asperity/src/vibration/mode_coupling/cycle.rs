@@ -18,6 +18,10 @@ const SETTLED: f64 = 1e-8;
 const MAX_MULTIPLICITY: usize = 32;
 /// Summits of x after which a motion counts as irregular.
 const MAX_SUMMITS: usize = 40_000;
+/// Difference at which two states may still become the same, and the summits that are given to them when others, further apart
+/// in time, already are: a motion that spirals into its cycle comes near after several turns first.
+const NEAR: f64 = 1e-3;
+const MAX_SPIRAL: usize = 8_000;
 /// Time without a summit after which a motion is given up, in the unit 1 + μ_s/(k₁₁V) of a stick.
 const MAX_WAIT: f64 = 1e3;
 
@@ -105,6 +109,7 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
     let mut summits: VecDeque<Summit> = VecDeque::with_capacity(MAX_MULTIPLICITY);
     // A small wave alone may belong to an irregular motion.
     let mut small = 0;
+    let mut spiral = 0;
     for _ in 0..MAX_SUMMITS {
         let Some(summit) = next_summit(&mut motion, |_, _| {})? else {
             let Now { x, u, y, v, .. } = motion.now;
@@ -123,7 +128,10 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
         }
         let repeated = |earlier: &Summit| !settled && summit.difference(earlier) < REPEATED;
         if let Some(back) = summits.iter().position(repeated) {
-            return measured(&mut motion, summit, back + 1).map(Regime::Cycle);
+            if spiral == MAX_SPIRAL || !summits.iter().take(back).any(|earlier| summit.difference(earlier) < NEAR) {
+                return measured(&mut motion, summit, back + 1).map(Regime::Cycle);
+            }
+            spiral += 1;
         }
         summits.truncate(MAX_MULTIPLICITY - 1);
         summits.push_front(summit);
@@ -323,5 +331,20 @@ mod tests {
     #[test]
     fn undamped_motion_below_coalescence_does_not_repeat_itself() {
         assert_eq!(limit_cycle(&model(0.6, 0.0, 0.5), None).unwrap(), Regime::Irregular);
+    }
+
+    #[test]
+    fn a_motion_that_spirals_into_its_cycle_has_the_period_of_one_turn() {
+        // Periods of an independent simulation; the motion comes near itself after several turns first.
+        for (friction, period) in [(0.85, 4.989_417_7), (0.9, 5.027_113_47), (1.0, 5.092_547_6)] {
+            let law = crate::vibration::FrictionLaw::Coulomb { kinetic: friction };
+            let damping = Damping::Modal { ratios: [0.01, 0.02] };
+            let parameters =
+                Parameters { law, static_friction: friction, damping, belt_velocity: 0.5, ..Parameters::default() };
+            let found = limit_cycle(&Model::new(parameters).unwrap(), None).unwrap();
+            let cycle = found.cycle().unwrap();
+            assert!((cycle.period / period - 1.0).abs() < 1e-7, "{cycle:?}");
+            assert_eq!(cycle.lift_offs, 1);
+        }
     }
 }

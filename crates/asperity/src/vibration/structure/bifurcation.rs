@@ -20,10 +20,11 @@ use crate::monitor::{Cancelled, Monitor};
 const REPEATS: f64 = 1e-6;
 /// Most forcing periods in a period of a motion that counts as periodic.
 const MAX_MULTIPLICITY: usize = 32;
-/// Share of its distance from a repetition that a motion which approaches one has left after a record.
-const APPROACHES: f64 = 0.9;
+/// Share of its distance from a repetition that a motion which approaches one has left at most after a record: next to a
+/// bifurcation motion creeps.
+const APPROACHES: f64 = 0.999;
 /// Most records of a motion that approaches a repetition.
-const MAX_BLOCKS: usize = 100;
+const MAX_BLOCKS: usize = 300;
 
 /// How a diagram is computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -34,7 +35,7 @@ pub struct BifurcationSettings {
     /// Forcing periods that are left out at each value, for the motion to settle.
     pub transient: usize,
     /// Forcing periods that are recorded after that, at least 2. Where the motion does not repeat itself in them but comes
-    /// closer to it, as many again follow, up to a hundred times.
+    /// closer to it, as many again follow, up to three hundred times.
     pub recorded: usize,
 }
 
@@ -490,6 +491,25 @@ mod tests {
         let amplitude = 0.01 / (1.0_f64 - 0.49).hypot(0.007);
         let [low, high] = point.displacement;
         assert!((high - 0.2 - amplitude).abs() < 1e-6 && (0.2 - low - amplitude).abs() < 1e-6, "{point:?} {amplitude}");
+    }
+
+    #[test]
+    fn next_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
+        // Multipliers of −.99924 and .99896 a period of the motion.
+        let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let forced = free.with_forcing(Some(Forcing { amplitude: 0.2, frequency: 1.0 })).unwrap();
+        for frequency in [2.125, 2.115] {
+            let machine = Parameter::ForcingFrequency.set(&forced, frequency).unwrap();
+            let stable: Vec<_> =
+                forced_cycles(&machine, 2, &Silent).unwrap().into_iter().filter(|cycle| cycle.is_stable()).collect();
+            let settings = BifurcationSettings::new([frequency, frequency + 1e-6], 2);
+            let found = bifurcation_diagram(&forced, Parameter::ForcingFrequency, &settings, &Silent).unwrap();
+            let point = &found.upward[0];
+            assert_eq!((stable.len(), point.settled), (1, true), "{point:?}");
+            assert_eq!(point.multiplicity, Some(stable[0].forcing_periods), "{point:?}");
+            let least = point.turnovers.iter().map(|turn| turn.velocity_min).fold(f64::INFINITY, f64::min);
+            assert!((least - stable[0].cycle.velocity_min).abs() < 1e-4, "{point:?} {:?}", stable[0]);
+        }
     }
 
     #[test]
