@@ -108,7 +108,7 @@ class Failed(Exception):
 def process(command, said=None):
     """The JSON that a process prints."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    environment = os.environ | {name: "1" for name in names} | {"PYTHONDONTWRITEBYTECODE": "1", "JAX_PLATFORMS": "cpu"}
+    environment = os.environ | {name: "1" for name in names} | {"PYTHONDONTWRITEBYTECODE": "1", "JAX_PLATFORMS": "cpu", "RUST_BACKTRACE": "0"}
     try:
         done = subprocess.run(list(map(str, command)), input=said, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
     except subprocess.TimeoutExpired:
