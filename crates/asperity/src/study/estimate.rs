@@ -3,6 +3,7 @@
 use crate::contact::memory_bytes;
 use crate::study::config::{BoundaryChoice, FrictionSection};
 use crate::study::{Stage, Study};
+use crate::vibration::EnsembleSettings;
 
 /// Iterations of an ordinary contact solution at the tolerance of a study.
 const ITERATIONS: f64 = 30.0;
@@ -102,7 +103,8 @@ impl Study {
                 coarse_solutions: 0.0,
                 trajectories,
                 core_seconds: trajectories as f64 * seconds,
-                memory_bytes: v.trajectories as f64 * v.duration * DOUBLE_BYTES + points as f64 * MAP_POINT_BYTES,
+                memory_bytes: EnsembleSettings::new(v.trajectories, v.duration, self.seed).memory_bytes(threads)
+                    + points as f64 * MAP_POINT_BYTES,
             });
         }
         stages
@@ -176,6 +178,11 @@ trajectories = 50
         let uncertain =
             text.replace("[vibration]", "[friction.uncertainty]\nrms_height = \"5 %\"\npoints = 12\n[vibration]");
         assert_eq!(estimate(&uncertain)[1].contact_solutions, 3 * (20 + 12 * 10));
+        // However long its trajectories, an ensemble keeps a bounded number of values.
+        let long = |duration: &str| {
+            estimate(&text.replace("trajectories = 50", &format!("trajectories = 50\nduration = {duration}")))
+        };
+        assert!(long("1e12")[2].memory_bytes <= 1e9 && long("1e12")[2].memory_bytes > 2.0 * stages[2].memory_bytes);
         // Friction of a correlation length a thousandth as long has a thousand times as many values, which take the time.
         let stated = |length: &str| {
             let text = text.split("[surface]").next().unwrap().to_owned()

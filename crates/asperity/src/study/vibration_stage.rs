@@ -9,11 +9,9 @@ pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
-use crate::friction::process::{
-    CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Steady, Watched,
-};
+use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Watched};
 use crate::law::Marginal;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
 use crate::study::result::{DampingResult, EnsembleResult, MapResult, PointsResult, VibrationResult};
@@ -21,8 +19,8 @@ use crate::study::surface_stage::law_result;
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    DampingSweep, Ensemble, EnsembleSettings, Oscillator, Trajectory, TrajectorySettings, VibrationError,
-    critical_damping, cycle_portrait, limit_cycle, trajectory_portrait,
+    DampingSweep, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError, critical_damping,
+    cycle_portrait, deterministic_slips, limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -253,12 +251,11 @@ impl Ensembles<'_> {
 
     /// The same of constant friction: every trajectory is the deterministic one.
     fn without_scatter(&self, std: f64, ratios: impl Iterator<Item = f64>) -> Result<EnsembleResult, StudyError> {
+        let machines = ratios.map(|ratio| self.oscillator.with_damping(ratio)).collect::<Result<Vec<_>, _>>()?;
         let mut damping = Vec::new();
-        for damping_ratio in ratios {
-            let oscillator = self.oscillator.with_damping(damping_ratio)?;
-            let settings = self.followed();
-            let cycles = Trajectory::simulate(&oscillator, Steady, &settings)?.slips.cycles;
-            let cycling = limit_cycle(&oscillator)?.cycle().is_some_and(|cycle| cycle.slips > 0);
+        for (oscillator, slips) in machines.iter().zip(deterministic_slips(&machines, &self.followed())) {
+            let (damping_ratio, cycles) = (oscillator.damping_ratio(), slips?.cycles);
+            let cycling = limit_cycle(oscillator)?.cycle().is_some_and(|cycle| cycle.slips > 0);
             damping.push(DampingResult {
                 damping_ratio,
                 cycles_deterministic: cycles,
@@ -358,16 +355,5 @@ impl Ensembles<'_> {
             )
         }));
         sentences
-    }
-}
-
-/// Hands cancellation on, and keeps the progress of inner loops to itself.
-struct Quiet<'a>(&'a dyn Monitor);
-
-impl Monitor for Quiet<'_> {
-    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
     }
 }

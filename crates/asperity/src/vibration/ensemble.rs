@@ -3,6 +3,7 @@
 mod passage;
 mod rate;
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -63,6 +64,25 @@ impl EnsembleSettings {
             sample_capacity: 65_536,
             least_valid_share: 0.95,
         }
+    }
+}
+
+/// Memory of a kept value, and the laws of which values are kept: re-attachments, releases, periods.
+const VALUE_BYTES: f64 = 24.0;
+const LAWS: f64 = 3.0;
+
+impl EnsembleSettings {
+    /// Trajectories computed before their results are added up.
+    fn block(&self, threads: usize) -> usize {
+        let least = CHUNK * threads.clamp(1, BLOCK / CHUNK);
+        ((BLOCK_TIME / self.duration) as usize).clamp(least, BLOCK)
+    }
+
+    /// Memory in byte that an ensemble takes at most, roughly: a slip takes a natural period or so, and of no trajectory more
+    /// values are kept than of all.
+    pub fn memory_bytes(&self, threads: usize) -> f64 {
+        let values = (self.duration / TAU).min(self.sample_capacity as f64);
+        VALUE_BYTES * LAWS * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
     }
 }
 
@@ -165,8 +185,7 @@ impl Ensemble {
         let mut clamped_knots = 0;
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
-        let least = CHUNK * rayon::current_num_threads().min(BLOCK / CHUNK);
-        let size = ((BLOCK_TIME / duration) as usize).clamp(least, BLOCK);
+        let size = settings.block(rayon::current_num_threads());
         for first in (0..total).step_by(size) {
             let block = first..total.min(first + size);
             let chunks: Vec<Range<usize>> =

@@ -1,4 +1,4 @@
-//! Many trajectories in lockstep: eight lanes of one instruction stream.
+//! Many trajectories in lockstep: sixteen lanes of one instruction stream.
 //!
 //! All lanes slip all the time: a stick without forcing, under friction that is frozen in it, lasts exactly −e and is left at
 //! once. A lane that has ended takes the next trajectory. Arithmetic is lane by lane, so a trajectory has the same bits in
@@ -208,7 +208,7 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
     }
 }
 
-/// Eight lanes and who waits for one.
+/// The lanes and who waits for one.
 struct Lanes<const N: usize, const EXPONENTIAL: bool, F, W> {
     duration: f64,
     plants: Plants,
@@ -504,7 +504,7 @@ mod tests {
                         (event.sliding_distance - wanted.sliding_distance) / scale,
                     ];
                     // Noise amplifies what rounding leaves, slip by slip.
-                    assert!(differences.iter().all(|d| d.abs() < 1e-8), "{oscillator:?}: {event:?} and {wanted:?}");
+                    assert!(differences.iter().all(|d| d.abs() < 1e-9), "{oscillator:?}: {event:?} and {wanted:?}");
                 }
             }
         }

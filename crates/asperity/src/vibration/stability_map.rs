@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use self::contour::{boundary, contour};
 use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, critical_damping, limit_cycle};
 use crate::friction::process::FrictionProcess;
-use crate::monitor::{Cancelled, Monitor, Silent};
+use crate::monitor::{Cancelled, Monitor, Quiet};
 
 /// Share of the trajectories after which a point where all of them agree is decided.
 const FIRST_SHARE: f64 = 0.25;
@@ -260,23 +260,11 @@ fn point(
     Ok(at(of(settings.trajectories)?, settings.trajectories))
 }
 
-/// Passes on that the work was stopped, and nothing of its progress.
-struct Quiet<'a>(&'a dyn Monitor);
-
-impl Monitor for Quiet<'_> {
-    fn progress(&self, task: &str, done: usize, total: usize) {
-        Silent.progress(task, done, total);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::friction::process::ProcessModel;
+    use crate::monitor::Silent;
 
     fn settings(depth: u32, trajectories: usize, duration: f64) -> MapSettings {
         MapSettings {

@@ -7,7 +7,7 @@ use super::super::series::{RECIPROCAL, before_the_wall};
 use super::super::{FrictionLaw, Oscillator};
 use crate::friction::process::Cell;
 
-/// Trajectories that advance together: two registers of four numbers, or one of eight.
+/// Trajectories that advance together: four registers of four numbers, or two of eight.
 pub(in crate::vibration) const LANES: usize = 16;
 
 /// One number of each lane.

@@ -508,7 +508,7 @@ mod tests {
             assert_eq!((stable.len(), point.settled), (1, true), "{point:?}");
             assert_eq!(point.multiplicity, Some(stable[0].forcing_periods), "{point:?}");
             let least = point.turnovers.iter().map(|turn| turn.velocity_min).fold(f64::INFINITY, f64::min);
-            assert!((least - stable[0].cycle.velocity_min).abs() < 1e-4, "{point:?} {:?}", stable[0]);
+            assert!((least - stable[0].cycle.velocity_min).abs() < 1e-5, "{point:?} {:?}", stable[0]);
         }
     }
 
