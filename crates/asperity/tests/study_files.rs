@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
 
-#[path = "../examples/ground_steel/scan.rs"]
+#[path = "../examples/brake_disc/scan.rs"]
 mod scan;
 
 use std::fs;
@@ -26,8 +26,8 @@ fn choose(n: usize, k: usize) -> usize {
 
 #[test]
 fn the_stored_scan_is_what_the_example_makes() {
-    let stored = asperity_formats::read(&studies().join("ground_steel.x3p")).unwrap();
-    let made = scan::ground_steel().unwrap();
+    let stored = asperity_formats::read(&studies().join("brake_disc.x3p")).unwrap();
+    let made = scan::brake_disc().unwrap();
     assert_eq!(stored.pitch_m, made.pitch_m);
     assert_eq!(stored.heights_m.dim(), made.heights_m.dim());
     assert!(stored.metadata.values().any(|text| text.contains("SYNTHETIC, not measured")), "{:?}", stored.metadata);

@@ -31,7 +31,7 @@ enum Example {
 /// A file of an example: its name and its bytes.
 type Piece = (&'static str, &'static [u8]);
 
-const SCAN: Piece = ("ground_steel.x3p", include_bytes!("../../../../studies/ground_steel.x3p"));
+const SCAN: Piece = ("brake_disc.x3p", include_bytes!("../../../../studies/ground_steel.x3p"));
 
 impl Example {
     fn pieces(self) -> Vec<Piece> {

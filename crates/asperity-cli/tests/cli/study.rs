@@ -80,7 +80,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
     let folder = TempDir::new().unwrap();
     for (example, wanted) in
-        [("quickstart", vec!["ground_steel.x3p", "quickstart.toml"]), ("paper", vec!["paper.toml"])]
+        [("quickstart", vec!["brake_disc.x3p", "quickstart.toml"]), ("paper", vec!["paper.toml"])]
     {
         let ended = run_in(folder.path(), &format!("init {example} --example {example}"));
         assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");
@@ -97,7 +97,7 @@ fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
         assert_eq!(keys(&first), ["estimate", "problems", "study"]);
     }
     fs::write(folder.path().join("quickstart/quickstart.toml"), "mine").unwrap();
-    fs::remove_file(folder.path().join("quickstart/ground_steel.x3p")).unwrap();
+    fs::remove_file(folder.path().join("quickstart/brake_disc.x3p")).unwrap();
     run_in(folder.path(), "init quickstart").refuses(2, &["quickstart/quickstart.toml", "exists"]);
     assert_eq!(listing(&folder.path().join("quickstart")), ["quickstart.toml", "resolved.toml"]);
     run_in(folder.path(), "init --example papr").refuses(2, &["papr", "paper"]);

@@ -598,7 +598,7 @@ fn build() -> Run {
         tables,
         fields,
         inputs: vec![
-            input("surface", "file", "ground_steel.x3p"),
+            input("surface", "file", "brake_disc.x3p"),
             input("surface", "level", "plane"),
             input("surface", "modes", "101"),
             input("material", "youngs_modulus", "210 GPa"),
@@ -613,7 +613,7 @@ fn build() -> Run {
             "The boundary of the pressure patches is free.".into(),
             "Shear strength: hardness divided by 3√3 (von Mises, Tabor).".into(),
         ],
-        provenance: json!({"asperity": "0.1.0", "seed": 2016, "inputs": {"ground_steel.x3p": "sha256:9f86d081884c7d65"},
+        provenance: json!({"asperity": "0.1.0", "seed": 2016, "inputs": {"brake_disc.x3p": "sha256:9f86d081884c7d65"},
                            "machine": {"threads": 2, "instruction_set": "x86_64 avx2"}, "timings": {"pressure_s": 41.2}}),
     }
 }

@@ -10,31 +10,34 @@ use ndarray::Array2;
 use rand::RngExt;
 
 const SEED: u64 = 1950;
+const STREAM: &str = "brake disc";
 const POINTS: usize = 512;
-const PITCH_M: f64 = 1e-6;
-const RMS_M: f64 = 0.6e-6;
-const SCRATCHES: u64 = 14;
+const PITCH_M: f64 = 2e-6;
+const RMS_M: f64 = 0.8e-6;
+/// Scales of the Matérn covariance along x (sliding) and y; the correlation falls to 1/e at some 1.2 times as much.
+const SCALES_M: [f64; 2] = [20e-6, 13e-6];
+const GROOVES: u64 = 14;
 const SPIKES: usize = 90;
 const HOLES: usize = 26;
 
-/// The scan, a function of nothing.
-pub(crate) fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
+/// Returns the scan. It has no parameters: the same bytes every time.
+pub(crate) fn brake_disc() -> Result<Scan, Box<dyn std::error::Error>> {
     let grid = Grid::new(POINTS, POINTS, PITCH_M, PITCH_M)?;
-    let covariance = Covariance::new(CorrelationModel::Matern { nu: 1.2 }, 1.0, 12e-6, 60e-6)?;
+    let covariance = Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 1.0, SCALES_M[0], SCALES_M[1])?;
     let field = SpectralField::free(&covariance, grid)?;
-    let germ = random::standard_normal(&mut random::stream(SEED, "ground steel", 0), field.germ_len());
-    // Grinding leaves plateaus and valleys: a Beta law with its long tail below.
+    let germ = random::standard_normal(&mut random::stream(SEED, STREAM, 0), field.germ_len());
+    // Wear leaves plateaus and valleys: a Beta distribution with its long tail below.
     let marginal = Marginal::beta(5.0, 2.1, 0.0, 1.0)?;
     let (mean, std) = (marginal.mean(), marginal.std());
     let mut heights = field.generate(&germ).heights_m().mapv(|g| (marginal.translate(g) - mean) / std * RMS_M);
-    for index in 0..SCRATCHES {
-        scratch(&mut heights, &mut random::stream(SEED, "ground steel/scratch", index));
+    for index in 0..GROOVES {
+        groove(&mut heights, &mut random::stream(SEED, "brake disc/groove", index));
     }
     heights.indexed_iter_mut().for_each(|((row, column), z)| {
         let (x, y) = (column as f64 * PITCH_M, row as f64 * PITCH_M);
         *z += 4e-3 * x - 2.5e-3 * y;
     });
-    let mut stream = random::stream(SEED, "ground steel/faults", 0);
+    let mut stream = random::stream(SEED, "brake disc/faults", 0);
     for _ in 0..SPIKES {
         let (row, column) = (stream.random_range(0..POINTS), stream.random_range(0..POINTS));
         let sign = if stream.random_bool(0.7) { 1.0 } else { -1.0 };
@@ -45,38 +48,38 @@ pub(crate) fn ground_steel() -> Result<Scan, Box<dyn std::error::Error>> {
     }
     let mut scan = Scan::new(heights, Some((PITCH_M, PITCH_M)));
     for (key, value) in [
-        ("Record2/Instrument/Manufacturer", "none: synthetic scan made by asperity's example ground_steel"),
-        ("Record2/Comment", "SYNTHETIC, not measured: ground steel with tilt, scratches, spikes and missing points"),
+        ("Record2/Instrument/Manufacturer", "none: synthetic scan made by asperity's example brake_disc"),
+        ("Record2/Comment", "SYNTHETIC, not measured: brake disc with tilt, grooves, spikes and missing points"),
     ] {
         scan.metadata.insert(key.into(), value.into());
     }
     Ok(scan)
 }
 
-/// A groove with raised edges, nearly along the lay.
-fn scratch(heights: &mut Array2<f64>, stream: &mut Stream) {
+/// Adds a groove with raised edges, nearly along the sliding direction.
+fn groove(heights: &mut Array2<f64>, stream: &mut Stream) {
     let start = stream.random_range(0.0..POINTS as f64);
-    let slope: f64 = stream.random_range(-0.15..0.15);
+    let slope: f64 = stream.random_range(-0.05..0.05);
     let width = stream.random_range(1.5..4.0);
-    let depth = stream.random_range(0.6..1.8) * RMS_M;
+    let depth = stream.random_range(0.3..0.9) * RMS_M;
     let first = stream.random_range(0..POINTS / 2);
     let last = stream.random_range(POINTS / 2..POINTS);
-    for row in first..last {
-        let centre = start + slope * row as f64;
-        for column in 0..POINTS {
-            let t = (column as f64 - centre) / width;
+    for column in first..last {
+        let centre = start + slope * column as f64;
+        for row in 0..POINTS {
+            let t = (row as f64 - centre) / width;
             if t.abs() < 4.0 {
-                // Mexican hat: what leaves the groove lies beside it.
+                // Mexican hat: the material displaced from the groove lies beside it.
                 heights[[row, column]] -= depth * (1.0 - t * t) * (-0.5 * t * t).exp();
             }
         }
     }
 }
 
-/// An elliptic patch without a reading.
+/// Removes the readings of an elliptic patch.
 fn hole(heights: &mut Array2<f64>, stream: &mut Stream) {
     let (row, column) = (stream.random_range(0.0..POINTS as f64), stream.random_range(0.0..POINTS as f64));
-    let (half_height, half_width) = (stream.random_range(1.0..9.0), stream.random_range(1.0..6.0));
+    let (half_height, half_width) = (stream.random_range(1.0..6.0), stream.random_range(1.0..9.0));
     for ((i, j), z) in heights.indexed_iter_mut() {
         let (v, u): (f64, f64) = ((i as f64 - row) / half_height, (j as f64 - column) / half_width);
         if u * u + v * v < 1.0 {
