@@ -1,6 +1,5 @@
 //! A study, from its file to a run folder.
 
-use std::fs;
 use std::path::{self, Path, PathBuf};
 
 use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, Study, json_bytes};
@@ -29,7 +28,7 @@ pub(crate) struct Run {
     /// Only this stage and what it needs.
     #[arg(long, value_enum, value_name = "STAGE")]
     only: Option<Only>,
-    /// Replace a folder that is not empty, unless it holds the study or a file it reads.
+    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
     #[arg(long)]
     force: bool,
     /// Print results.json to stdout as well.
@@ -83,12 +82,7 @@ impl Run {
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
             .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
-        if destination.exists() && !destination.is_dir() {
-            let found = destination.display();
-            return Err(Failure::usage(format!("--out {found}: this is no folder, and a run is written to one")));
-        }
         // Before hours are spent: may the folder be written?
-        let _parents = NewParents::of(&destination);
         let inputs: Vec<&Path> =
             std::iter::once(self.study.as_path()).chain(read.iter().map(PathBuf::as_path)).collect();
         let staging = Staging::open(&destination, self.force, &inputs).map_err(|e| store_failure(&e))?;
@@ -130,25 +124,6 @@ fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
         *file = absolute(file).unwrap_or_else(|| file.clone());
     }
     study
-}
-
-/// The folders above a destination that are not there yet. Those that are empty when the run ends are removed again.
-pub(super) struct NewParents(Vec<PathBuf>);
-
-impl NewParents {
-    pub(super) fn of(destination: &Path) -> Self {
-        let above = destination.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
-        Self(above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect())
-    }
-}
-
-impl Drop for NewParents {
-    fn drop(&mut self) {
-        for folder in &self.0 {
-            // A folder that holds something, as after a run that ended well, stays.
-            let _ = fs::remove_dir(folder);
-        }
-    }
 }
 
 /// The outcome in the form in which a finished run is read back.

@@ -169,7 +169,6 @@ impl FitRecord {
         }
         if let Some(folder) = &self.report {
             // Before anything is computed: may the folder be written? Nothing of this attempt stays.
-            let _parents = NewParents::of(folder);
             Staging::open(folder, self.force, &[&self.record]).map_err(|e| store_failure(&e))?;
         }
         let bytes = fs::read(&self.record).map_err(|e| Failure::io(Kind::Data, self.record.display(), &e))?;
@@ -194,7 +193,6 @@ impl FitRecord {
         }
         let answer = answer(&prepared, &fitted, self.json);
         if let Some(folder) = &self.report {
-            let _parents = NewParents::of(folder);
             let written = self.write(folder, &prepared, &fitted, &process, &answer)?;
             monitor.note(&format!("wrote {}", written.display()));
         }
