@@ -6,7 +6,7 @@
 //! network file systems do not reach other hosts.
 
 use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::OnceLock;
@@ -27,6 +27,18 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
         let _ = fs::remove_file(&temporary);
     }
     written
+}
+
+/// Checks that files can be written to `folder`, and removes those that ended processes left there.
+///
+/// # Errors
+/// The operating system refuses a small file, for example because the disk is full.
+pub fn check_writable(folder: &Path) -> io::Result<()> {
+    const PROBE: [u8; 4096] = [0; 4096];
+    remove_abandoned_files(folder);
+    let (temporary, mut file) = temporary_beside(&folder.join("probe"))?;
+    let written = file.write_all(&PROBE).and_then(|()| file.sync_all());
+    fs::remove_file(&temporary).and(written)
 }
 
 /// Removes the temporary files that ended processes of this host left in `folder`.
@@ -124,7 +136,6 @@ pub fn refusal(error: &io::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write;
 
     #[test]
     fn a_failed_replacement_leaves_the_old_file_and_nothing_else() {

@@ -2,7 +2,7 @@
 
 use std::path::{self, Path, PathBuf};
 
-use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, Study, json_bytes};
+use asperity::study::{Outcome, Stage, StoredField, StoredRun, Study, json_bytes};
 use clap::{Args, ValueEnum};
 
 use super::study_file;
@@ -10,9 +10,9 @@ use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::page::{rendered, store_failure};
+use crate::page::{begin_folder, rendered, store_failure};
 use crate::provenance::Provenance;
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 
 /// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance.
 #[derive(Debug, Args)]
@@ -85,7 +85,8 @@ impl Run {
         // Before hours are spent: may the folder be written?
         let inputs: Vec<&Path> =
             std::iter::once(self.study.as_path()).chain(read.iter().map(PathBuf::as_path)).collect();
-        let staging = Staging::open(&destination, self.force, &inputs).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--out", &destination, self.force, &inputs)?;
+        require_disk(study.disk_bytes() + scan_field_bytes(&read), &destination, "the run")?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
             Err(study_file::ended(&self.study, &e).told(reason, self.json)?)
@@ -110,6 +111,12 @@ impl Run {
         let answer = if self.json { Answer::of(&outcome.results)? } else { headline(&run, &written) };
         answer.print(self.json)
     }
+}
+
+/// Disk space of the heights of scans in a run folder, raw and prepared, roughly: scans may be compressed.
+fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
+    const BYTES_PER_BYTE: f64 = 8.0;
+    scans.iter().filter_map(|scan| scan.metadata().ok()).map(|scan| BYTES_PER_BYTE * scan.len() as f64).sum()
 }
 
 /// The study with the files it reads named so that they are found from every folder, that of the run included.

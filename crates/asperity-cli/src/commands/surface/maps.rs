@@ -11,7 +11,8 @@ use clap::Args;
 use super::convert::refused;
 use crate::failure::Failure;
 use crate::output::{check_target, said_of_writing};
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
+use crate::resources::require_disk;
 
 /// The destination of one map or several.
 #[derive(Debug, Args)]
@@ -44,11 +45,21 @@ impl MapsOut {
             check_target("--out", &self.out, inputs)?;
             return Ok(Maps::File(&self.out, said_of_writing(&self.out)));
         }
-        Staging::open(&self.out, self.force, inputs).map(Maps::Folder).map_err(|e| store_failure(&e))
+        begin_folder("--out", &self.out, self.force, inputs).map(Maps::Folder)
     }
 }
 
 impl Maps<'_> {
+    /// Refuses `count` maps of `points` heights if the disk has no room for them.
+    pub(super) fn require_disk(&self, count: usize, points: f64) -> Result<(), Failure> {
+        const HEIGHT_BYTES: f64 = 8.0;
+        let path = match self {
+            Self::File(path, _) => path,
+            Self::Folder(staging) => staging.destination(),
+        };
+        require_disk(HEIGHT_BYTES * points * count as f64, path, "writing the maps")
+    }
+
     /// Writes map number `index`.
     pub(super) fn keep(&self, index: usize, map: &HeightMap) -> Result<(), Failure> {
         let grid = map.grid();

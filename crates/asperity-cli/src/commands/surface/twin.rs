@@ -24,9 +24,9 @@ use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{self, columns};
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
 use crate::provenance::Provenance;
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 
 /// Draws random maps that are statistically like a measured one, and compares them with it on one page.
 ///
@@ -247,7 +247,7 @@ impl Twin {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let options = self.options()?;
         // Before anything is computed: may the folder be written? Nothing of this attempt stays.
-        Staging::open(&self.out, self.force, &[&self.file]).map_err(|e| store_failure(&e))?;
+        begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut provenance = Provenance::begin(name.clone(), self.seed, None);
         let scan = input::scan(&self.file, &self.options, monitor)?;
@@ -257,13 +257,15 @@ impl Twin {
             options.memory_bytes(scan.heights_m.len(), scan.pitch_m, at_once),
             "making and comparing twins",
         )?;
+        let points = options.points.map_or(scan.heights_m.len(), |[nx, ny]| nx.saturating_mul(ny));
+        require_disk(8.0 * points as f64 * self.count as f64, &self.out, "the twins")?;
         let told = scan.warnings.len();
         let file = self.file.display().to_string();
         let twins = monitor.at_once(|| Twins::like(scan, &file, &options))?.map_err(|e| self.ended(&e))?;
         // Those of the file were told when it was read.
         twins.warnings().iter().skip(told).for_each(|warning| monitor.warn(warning));
 
-        let staging = Staging::open(&self.out, self.force, &[&self.file]).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let comparison = twins.compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin)).map_err(
             |e| match e {
                 TwinError::Study(e) => self.ended(&e),

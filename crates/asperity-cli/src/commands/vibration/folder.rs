@@ -3,14 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{Staging, Table, json_bytes};
+use asperity::study::{Table, json_bytes};
 use asperity_report::{Figure, vibration_figures};
 use clap::Args;
 
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
+use crate::resources::require_disk;
+
+/// Disk space of the tables and figures of a report, roughly.
+const REPORT_BYTES: f64 = 4e6;
 
 /// Where tables and figures go.
 #[derive(Debug, Args)]
@@ -27,7 +31,8 @@ impl Folder {
     /// Whether a folder is wanted, and refuses one that cannot be written before anything is computed.
     pub(super) fn wanted(&self, inputs: &[&Path]) -> Result<bool, Failure> {
         let Some(folder) = &self.report else { return Ok(false) };
-        Staging::open(folder, self.force, inputs).map_err(|e| store_failure(&e))?;
+        begin_folder("--report", folder, self.force, inputs)?;
+        require_disk(REPORT_BYTES, folder, "the report")?;
         Ok(true)
     }
 
@@ -40,7 +45,7 @@ impl Folder {
         monitor: &Terminal,
     ) -> Result<(), Failure> {
         let Some(folder) = &self.report else { return Ok(()) };
-        let staging = Staging::open(folder, self.force, inputs).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--report", folder, self.force, inputs)?;
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("answer.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
         for (name, table) in &tables {

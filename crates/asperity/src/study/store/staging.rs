@@ -12,7 +12,7 @@ use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{
-    Scan, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, temporary_suffix, write_npy,
+    Scan, check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, temporary_suffix, write_npy,
 };
 
 use super::manifest::{MANIFEST, Manifest, UNFINISHED};
@@ -57,6 +57,7 @@ impl Staging {
         let new_parents: Vec<PathBuf> = above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect();
         let made = fs::create_dir_all(parent).and_then(|()| {
             remove_abandoned(parent);
+            check_writable(parent)?;
             hidden_folder(parent, name)
         });
         match made {
@@ -66,6 +67,11 @@ impl Staging {
                 Err(StoreError::Io { path: destination, source })
             }
         }
+    }
+
+    /// The folder that will be written.
+    pub fn destination(&self) -> &Path {
+        &self.destination
     }
 
     /// Writes one file; `relative` may name a subfolder.
@@ -254,9 +260,8 @@ fn hidden_folder(parent: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// Removes what ended processes left in `folder`: unfinished folders, and folders that they were about to replace.
+/// Removes the folders that ended processes left in `folder`: unfinished ones, and those that were about to be replaced.
 fn remove_abandoned(folder: &Path) {
-    remove_abandoned_files(folder);
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let (path, name) = (entry.path(), entry.file_name());
         let Some(name) = name.to_str().and_then(|name| name.strip_prefix('.')) else { continue };
