@@ -26,6 +26,9 @@ use crate::output::{Answer, check_target};
 use crate::resources::{require_disk, require_memory};
 use crate::{args, npz};
 
+/// Disk space of the compressed fields of a cell, roughly: displacement and gap hardly shrink.
+const FIELD_BYTES: f64 = 20.0;
+
 /// Presses a rough surface against a rigid flat, or against a counterface.
 ///
 /// Clusters are cells in contact that share edges, around the border of a periodic map too. The elastic energy ½ Σ p u holds what
