@@ -5,6 +5,7 @@ use std::fmt;
 use std::io;
 
 use asperity::monitor::Cancelled;
+use asperity_formats::refusal;
 
 use crate::output::Answer;
 
@@ -61,10 +62,14 @@ impl Failure {
         Self::new(Kind::Data, format!("{what}: {}", chain(cause)))
     }
 
-    /// A failed read or write of `what`. A full disk is a lack of resources, a missing input is a lack of data.
+    /// A failed read or write of `what`. A full disk and a place that cannot be written are a lack of resources, a missing
+    /// input is a lack of data.
     pub(crate) fn io(kind: Kind, what: impl fmt::Display, cause: &io::Error) -> Self {
         let kind = match cause.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::OutOfMemory => Kind::Resources,
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem if kind == Kind::Runtime => {
+                Kind::Resources
+            }
             _ => kind,
         };
         Self::new(kind, format!("{what}: {}", refusal(cause)))
@@ -102,17 +107,6 @@ impl From<Cancelled> for Failure {
     }
 }
 
-/// What the operating system said, in words and without its number.
-fn refusal(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "no such file".to_owned(),
-        _ => {
-            let text = error.to_string();
-            text.split(" (os error").next().unwrap_or(&text).to_owned()
-        }
-    }
-}
-
 /// The message of an error and of its causes, each once.
 pub(crate) fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
@@ -138,6 +132,10 @@ mod tests {
             assert!(!failure.message().contains("os error"), "{failure}");
         }
         let gone = Failure::io(Kind::Data, "scan.x3p", &io::ErrorKind::NotFound.into());
-        assert_eq!(gone.to_string(), "error: scan.x3p: no such file");
+        assert_eq!(gone.to_string(), "error: scan.x3p: no such file or folder");
+        // A folder that cannot be written is a lack of resources; an input that cannot be read is a lack of data.
+        for (kind, wanted) in [(Kind::Runtime, Kind::Resources), (Kind::Data, Kind::Data)] {
+            assert_eq!(Failure::io(kind, "out", &io::ErrorKind::PermissionDenied.into()).kind(), wanted);
+        }
     }
 }

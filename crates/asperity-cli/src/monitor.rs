@@ -1,4 +1,4 @@
-//! Progress and Ctrl-C: bars on a terminal, a line every ten seconds elsewhere, nothing when quiet.
+//! Progress, Ctrl-C and SIGTERM: bars on a terminal, a line every ten seconds elsewhere, nothing when quiet.
 
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
@@ -15,7 +15,10 @@ use crate::output::talk;
 /// Time between two lines when stderr is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Shows progress on stderr, takes the time of every task, and learns of Ctrl-C.
+/// Time after which another signal ends the program at once. `timeout` sends two in a row.
+const IMPATIENT_AFTER: Duration = Duration::from_millis(500);
+
+/// Shows progress on stderr, takes the time of every task, and receives Ctrl-C and SIGTERM.
 pub(crate) struct Terminal {
     display: Display,
     tasks: Mutex<BTreeMap<String, Task>>,
@@ -72,20 +75,25 @@ impl Task {
 }
 
 impl Terminal {
-    /// Installs the handler of Ctrl-C. The first one asks the computation to stop, the second one ends the program.
+    /// Listens for Ctrl-C and SIGTERM. The first signal asks the computation to stop, a later one ends the program.
     pub(crate) fn new(quiet: bool) -> Result<Self, Failure> {
         let cancelled = Arc::new(AtomicBool::new(false));
         let abrupt = Arc::new(AtomicBool::new(false));
         let (flag, at_once) = (Arc::clone(&cancelled), Arc::clone(&abrupt));
-        ctrlc::set_handler(move || {
-            let again = flag.swap(true, Ordering::SeqCst);
+        let mut first: Option<Instant> = None;
+        on_signal(move || {
+            flag.store(true, Ordering::SeqCst);
+            let again = first.is_some_and(|first| first.elapsed() > IMPATIENT_AFTER);
             if at_once.load(Ordering::SeqCst) {
                 talk(&Failure::from(Cancelled).to_string());
             }
             if again || at_once.load(Ordering::SeqCst) {
                 std::process::exit(i32::from(Kind::Cancelled.exit_code()));
             }
-            talk("stopping at the next block; press Ctrl-C again to end at once");
+            if first.is_none() {
+                talk("stopping at the next block; press Ctrl-C again to end at once");
+                first = Some(Instant::now());
+            }
         })
         .map_err(|e| Failure::new(Kind::Runtime, format!("cannot listen for Ctrl-C: {e}")))?;
         let display = if quiet {
@@ -117,12 +125,12 @@ impl Terminal {
         }
     }
 
-    /// Ends a command that Ctrl-C reached while it was in a part that cannot stop.
+    /// Ends a command that a signal reached while it was in a part that cannot stop.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// Runs a computation that cannot be asked to stop and that writes nothing: Ctrl-C ends the program in the midst of it.
+    /// Runs a computation that cannot be asked to stop and that writes nothing: a signal ends the program in the midst of it.
     pub(crate) fn at_once<T>(&self, compute: impl FnOnce() -> T) -> Result<T, Cancelled> {
         self.abrupt.store(true, Ordering::SeqCst);
         self.check()?;
@@ -180,6 +188,33 @@ impl Monitor for Terminal {
     fn cancelled(&self) -> bool {
         self.cancelled.load(Ordering::SeqCst)
     }
+}
+
+/// Calls `handle` on its own thread for each signal that asks the program to end.
+#[cfg(unix)]
+fn on_signal(mut handle: impl FnMut() + Send + 'static) -> io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut signals = vec![SIGINT, SIGTERM];
+    // `nohup` has the program ignore the end of its terminal.
+    if !ignores_hangup() {
+        signals.push(SIGHUP);
+    }
+    let mut signals = signal_hook::iterator::Signals::new(signals)?;
+    std::thread::Builder::new().name("signals".into()).spawn(move || signals.forever().for_each(|_| handle()))?;
+    Ok(())
+}
+
+/// Whether SIGHUP was ignored from the start. Systems that do not tell are taken to.
+#[cfg(unix)]
+fn ignores_hangup() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_none_or(|mask| mask & 1 != 0)
+}
+
+#[cfg(not(unix))]
+fn on_signal(handle: impl FnMut() + Send + 'static) -> io::Result<()> {
+    ctrlc::set_handler(handle).map_err(io::Error::other)
 }
 
 fn line(what: &str, done: usize, total: usize, elapsed: Duration) -> String {

@@ -3,8 +3,9 @@
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use asperity_formats::check_writable;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
@@ -254,7 +255,7 @@ pub(crate) fn check_target(argument: &str, path: &Path, inputs: &[&Path]) -> Res
     {
         return refuse("this file is read, and would be lost; choose another");
     }
-    Ok(())
+    check_writable(folder_of(path)).map_err(|e| unwritten(path, &e))
 }
 
 /// How the writing of a file is told, asked before it is written: a file that is there does not go in silence.
@@ -264,20 +265,12 @@ pub(crate) fn said_of_writing(path: &Path) -> &'static str {
 
 /// Replaces a file in one step: whoever reads it sees the old content or the new, never a part.
 pub(crate) fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Failure> {
-    let temporary = temporary_beside(path);
-    let written = File::create(&temporary).and_then(|mut file| {
-        write(&mut file)?;
-        file.sync_all()
-    });
-    written.and_then(|()| fs::rename(&temporary, path)).map_err(|e| {
-        let _ = fs::remove_file(&temporary);
-        Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), &e)
-    })
+    asperity_formats::replace_file(path, write).map_err(|e| unwritten(path, &e))
 }
 
-fn temporary_beside(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+/// A file or folder that could not be written.
+pub(crate) fn unwritten(path: &Path, error: &io::Error) -> Failure {
+    Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), error)
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -1,9 +1,12 @@
 //! From a run to its report: the library's results in the shape that the report reads.
 
-use asperity::study::{StoreError, StoredRun};
+use std::path::Path;
+
+use asperity::study::{Staging, StoreError, StoredRun};
 use asperity_report::{Field, Input, Report, Run, Table, render};
 
 use crate::failure::{Failure, Kind, chain};
+use crate::output::unwritten;
 
 /// Renders the report of a run.
 pub(crate) fn rendered(run: &StoredRun) -> Result<Report, Failure> {
@@ -63,14 +66,27 @@ pub(crate) fn load_failure(error: &StoreError) -> Failure {
 /// A run folder that cannot be read is unusable data; one that cannot be written is a runtime error.
 pub(crate) fn store_failure(error: &StoreError) -> Failure {
     match error {
-        StoreError::NotEmpty { .. } | StoreError::HoldsInput { .. } => Failure::usage(error),
-        StoreError::Unnamed { .. } => Failure::usage(format_args!("--out {error}")),
+        StoreError::NotEmpty { .. }
+        | StoreError::NoFolder { .. }
+        | StoreError::Unnamed { .. }
+        | StoreError::HoldsInput { .. }
+        | StoreError::NoManifest { .. }
+        | StoreError::Foreign { .. } => Failure::usage(error),
         StoreError::NotARun { .. } | StoreError::Corrupt { .. } => Failure::new(Kind::Data, error.to_string()),
-        StoreError::Io { path, source } => Failure::io(Kind::Runtime, path.display(), source),
+        StoreError::Io { path, source } => unwritten(path, source),
+        StoreError::Taken { .. } => Failure::new(Kind::Runtime, error.to_string()),
         StoreError::Table(_) | StoreError::Process(_) | StoreError::Json(_) => {
             Failure::new(Kind::Runtime, chain(error))
         }
     }
+}
+
+/// Begins the folder of a command; `argument` names the flag that chose it.
+pub(crate) fn begin_folder(argument: &str, folder: &Path, force: bool, inputs: &[&Path]) -> Result<Staging, Failure> {
+    Staging::open(folder, force, inputs).map_err(|error| match store_failure(&error) {
+        failure if failure.kind() == Kind::Usage => Failure::usage(format_args!("{argument} {}", failure.message())),
+        failure => failure,
+    })
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ pub enum FormatError {
         path: PathBuf,
     },
     /// The operating system refused.
-    #[error("{}: {}", path.display(), refusal(error))]
+    #[error("{}: {}", path.display(), crate::replace::refusal(error))]
     Io {
         /// The path that was read or written.
         path: PathBuf,
@@ -228,14 +228,6 @@ impl FormatError {
             io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
             _ => Self::Io { path: path.into(), error },
         }
-    }
-}
-
-/// What the operating system says, in words for the commonest mistake.
-fn refusal(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::IsADirectory => "this is a folder; a file is wanted".into(),
-        _ => error.to_string(),
     }
 }
 

@@ -1,12 +1,12 @@
-//! Files on disk: what kind they are, and how they are replaced.
+//! Files on disk: what kind they are, and how they are read and written.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
 
 use crate::archive::gunzip;
 use crate::large;
+use crate::replace::replace_file;
 use crate::text::{Separator, write_text};
 use crate::x3p::ZIP_MAGIC;
 use crate::{Format, FormatError, Location, ReadOptions, Scan, npy};
@@ -14,8 +14,6 @@ use crate::{Format, FormatError, Location, ReadOptions, Scan, npy};
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Names of temporary files that are tried.
-const MAX_ATTEMPTS: u32 = 100;
 /// The largest file that is read, in bytes: twice the heights of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
 /// Bytes from which content is known but for archives: headers that tell a format take a few hundred.
@@ -162,6 +160,20 @@ fn read_plain(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> 
 /// [`FormatError::File`] around an unknown extension or what the format cannot store; [`FormatError::Io`] or
 /// [`FormatError::NotFound`] (no such folder) from the operating system.
 pub fn write(scan: &Scan, path: &Path) -> Result<(), FormatError> {
+    let bytes = to_bytes(scan, path)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    replace_file(path, |file| file.write_all(&bytes)).map_err(|error| match folder {
+        // The path itself need not be there.
+        Some(folder) if error.kind() == io::ErrorKind::NotFound => FormatError::io(folder, error),
+        _ => FormatError::io(path, error),
+    })
+}
+
+/// Returns the bytes that [`write()`] puts into the file `path`, without writing it.
+///
+/// # Errors
+/// [`FormatError::File`] around an unknown extension or what the format cannot store.
+pub fn to_bytes(scan: &Scan, path: &Path) -> Result<Vec<u8>, FormatError> {
     let extension =
         path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let bytes = match Format::from_extension(&extension) {
@@ -171,37 +183,5 @@ pub fn write(scan: &Scan, path: &Path) -> Result<(), FormatError> {
             None => Err(FormatError::UnknownExtension { extension }),
         },
     };
-    replace(path, &bytes.map_err(|error| error.in_file(path))?)
-}
-
-/// Puts `bytes` under `path` so that a reader sees the old content or the new, never a part.
-fn replace(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let failed = |error: io::Error| match folder {
-        // The path itself need not be there.
-        Some(folder) if error.kind() == io::ErrorKind::NotFound => FormatError::io(folder, error),
-        _ => FormatError::io(path, error),
-    };
-    let (mut file, temporary) = temporary_beside(path).map_err(failed)?;
-    let written = file.write_all(bytes).and_then(|()| file.sync_all());
-    drop(file);
-    written.and_then(|()| fs::rename(&temporary, path)).map_err(|error| {
-        // The first error is the one to tell.
-        let _ = fs::remove_file(&temporary);
-        failed(error)
-    })
-}
-
-/// A new file in the folder of another. Names that are taken belong to others or were left behind: they stay.
-fn temporary_beside(path: &Path) -> io::Result<(File, PathBuf)> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let mut attempts = 0;
-    loop {
-        let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let temporary = path.with_file_name(format!(".asperity-{}-{unique}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempts < MAX_ATTEMPTS => attempts += 1,
-            file => return Ok((file?, temporary)),
-        }
-    }
+    bytes.map_err(|error| error.in_file(path))
 }

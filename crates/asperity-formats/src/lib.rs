@@ -34,6 +34,7 @@ mod npz;
 mod opd;
 mod plu;
 mod plux;
+mod replace;
 mod sample;
 mod scan;
 mod sdf;
@@ -50,10 +51,13 @@ mod xml;
 mod xyz;
 
 pub use error::{FormatError, Location};
-pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, write};
+pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, to_bytes, write};
 pub use format::{Description, Format, Tested, descriptions};
 pub use gwy::write_gwy;
 pub use npy::{write_npy, write_series};
+pub use replace::{
+    check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file, temporary_suffix,
+};
 pub use scan::{MAX_POINTS, Scan};
 pub use sdf::{SdfData, write_sdf};
 pub use selection::{Channel, ReadOptions};

@@ -23,8 +23,11 @@ use crate::failure::{Failure, Kind};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target};
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 use crate::{args, npz};
+
+/// Disk space of the compressed fields of a cell, roughly: displacement and gap hardly shrink.
+const FIELD_BYTES: f64 = 20.0;
 
 /// Presses a rough surface against a rigid flat, or against a counterface.
 ///
@@ -133,6 +136,9 @@ impl Contact {
         }
         let map = input::map(&self.file, &self.options, monitor)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
+        if let Some(out) = &self.out {
+            require_disk(FIELD_BYTES * map.grid().points() as f64, out, "writing the fields")?;
+        }
         let map = self.counterface.laid_on(map, &self.options, monitor)?;
         let substrate = self.substrate()?;
         let boundary = self.boundary(map.grid(), &substrate, control)?;

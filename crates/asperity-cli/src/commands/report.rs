@@ -21,13 +21,9 @@ impl Report {
         let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let report = rendered(&run)?;
         monitor.check()?;
-        let replace = |relative: &str, text: &str| {
-            StoredRun::replace(&self.dir, relative, text.as_bytes()).map_err(|e| store_failure(&e))
-        };
-        for figure in &report.figures {
-            replace(&format!("figures/{}.svg", figure.name), &figure.svg)?;
-        }
-        replace("report.html", &report.html)?;
+        let figures = report.figures.iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.as_bytes()));
+        let files: Vec<(String, &[u8])> = figures.chain([("report.html".to_owned(), report.html.as_bytes())]).collect();
+        StoredRun::replace(&self.dir, &files).map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", self.dir.join("report.html").display()));
         Ok(())
     }

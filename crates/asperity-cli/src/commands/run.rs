@@ -1,9 +1,8 @@
 //! A study, from its file to a run folder.
 
-use std::fs;
 use std::path::{self, Path, PathBuf};
 
-use asperity::study::{Outcome, Stage, Staging, StoredField, StoredRun, Study, json_bytes};
+use asperity::study::{Outcome, Stage, StoredField, StoredRun, Study, json_bytes};
 use clap::{Args, ValueEnum};
 
 use super::study_file;
@@ -11,9 +10,9 @@ use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::page::{rendered, store_failure};
+use crate::page::{begin_folder, rendered, store_failure};
 use crate::provenance::Provenance;
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 
 /// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance.
 #[derive(Debug, Args)]
@@ -29,7 +28,7 @@ pub(crate) struct Run {
     /// Only this stage and what it needs.
     #[arg(long, value_enum, value_name = "STAGE")]
     only: Option<Only>,
-    /// Replace a folder that is not empty, unless it holds the study or a file it reads.
+    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
     #[arg(long)]
     force: bool,
     /// Print results.json to stdout as well.
@@ -83,15 +82,11 @@ impl Run {
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
             .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
-        if destination.exists() && !destination.is_dir() {
-            let found = destination.display();
-            return Err(Failure::usage(format!("--out {found}: this is no folder, and a run is written to one")));
-        }
         // Before hours are spent: may the folder be written?
-        let _parents = NewParents::of(&destination);
         let inputs: Vec<&Path> =
             std::iter::once(self.study.as_path()).chain(read.iter().map(PathBuf::as_path)).collect();
-        let staging = Staging::open(&destination, self.force, &inputs).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--out", &destination, self.force, &inputs)?;
+        require_disk(study.disk_bytes() + scan_field_bytes(&read), &destination, "the run")?;
         let outcome = study.run(folder, only, monitor).or_else(|e| {
             let reason = Answer::default().with("reason", e.to_string());
             Err(study_file::ended(&self.study, &e).told(reason, self.json)?)
@@ -118,6 +113,12 @@ impl Run {
     }
 }
 
+/// Disk space of the heights of scans in a run folder, raw and prepared, roughly: scans may be compressed.
+fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
+    const BYTES_PER_BYTE: f64 = 8.0;
+    scans.iter().filter_map(|scan| scan.metadata().ok()).map(|scan| BYTES_PER_BYTE * scan.len() as f64).sum()
+}
+
 /// The study with the files it reads named so that they are found from every folder, that of the run included.
 fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
     let mut study = study.clone();
@@ -130,25 +131,6 @@ fn runnable_anywhere(study: &Study, folder: &Path) -> Study {
         *file = absolute(file).unwrap_or_else(|| file.clone());
     }
     study
-}
-
-/// The folders above a destination that are not there yet. Those that are empty when the run ends are removed again.
-pub(super) struct NewParents(Vec<PathBuf>);
-
-impl NewParents {
-    pub(super) fn of(destination: &Path) -> Self {
-        let above = destination.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
-        Self(above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect())
-    }
-}
-
-impl Drop for NewParents {
-    fn drop(&mut self) {
-        for folder in &self.0 {
-            // A folder that holds something, as after a run that ended well, stays.
-            let _ = fs::remove_dir(folder);
-        }
-    }
 }
 
 /// The outcome in the form in which a finished run is read back.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Ended, asperity_in, close, listing, number};
+use crate::support::{Ended, asperity_in, close, listing, number, written};
 
 const PROCESS: &str = r#"{
   "format": "asperity friction process", "version": 1, "mean": 0.2, "std": 0.01,
@@ -78,7 +78,7 @@ fn a_report_holds_process_tables_and_figures() {
     let line = "friction fit m.csv --column mu --distance-column position --detrend high_pass:10mm --report out --json";
     let json = run(folder.path(), line).json(0);
     assert!(number(&json, "trend_variance_share") > 0.0);
-    assert_eq!(listing(&folder.path().join("out")), ["figures", "fit.json", "friction_process.json", "tables"]);
+    assert_eq!(written(&folder.path().join("out")), ["figures", "fit.json", "friction_process.json", "tables"]);
     let names = ["friction_acf", "friction_histogram", "friction_pit", "friction_qq", "friction_record"];
     assert_eq!(listing(&folder.path().join("out/tables")), names.map(|name| format!("{name}.csv")));
     assert_eq!(listing(&folder.path().join("out/figures")), names.map(|name| format!("{name}.svg")));

@@ -4,6 +4,7 @@
 
 mod contact;
 mod contact_analysis;
+mod folders;
 mod formats;
 mod friction;
 mod outputs;

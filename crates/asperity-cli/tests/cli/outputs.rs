@@ -6,7 +6,7 @@ use std::path::Path;
 use asperity_formats::read;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity_in, listing};
+use crate::support::{Ended, asperity_in, listing, written};
 
 const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
                              covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
@@ -94,21 +94,21 @@ fn a_folder_holds_the_maps_of_one_run_and_is_replaced_by_force_alone() {
         let before = fs::read(out.join("map_0000.x3p")).unwrap();
         run(2, "").refuses(2, &[name, "not empty", "--force"]);
         surface(at, &format!("{line} --seed 2 --out {name}")).refuses(2, &[name, "not empty"]);
-        assert_eq!(listing(&out), ["map_0000.x3p", "map_0001.x3p", "map_0002.x3p"]);
+        assert_eq!(written(&out), ["map_0000.x3p", "map_0001.x3p", "map_0002.x3p"]);
         assert_eq!(fs::read(out.join("map_0000.x3p")).unwrap(), before);
         assert_eq!(run(2, "--force").code, 0);
-        assert_eq!(listing(&out), ["map_0000.x3p", "map_0001.x3p"]);
+        assert_eq!(written(&out), ["map_0000.x3p", "map_0001.x3p"]);
         // An empty folder is nobody's, and a file is no folder.
         fs::create_dir(at.join("empty")).unwrap();
         let ended = surface(at, &format!("{line} --seed 1 --out empty"));
         assert!(ended.code == 0 && ended.stderr.contains("wrote empty"), "{ended:?}");
-        assert_eq!(listing(&at.join("empty")), ["map_0000.x3p"]);
+        assert_eq!(written(&at.join("empty")), ["map_0000.x3p"]);
         fs::remove_dir_all(at.join("empty")).unwrap();
         surface(at, &format!("{line} --seed 1 --count 2 --out spec.toml --force")).refuses(2, &["spec.toml", "folder"]);
     }
     let nameless = at.join("nameless");
     fs::create_dir(&nameless).unwrap();
-    surface(&nameless, "generate ../spec.toml --count 2 --out .").refuses(2, &["--out", "names no folder"]);
+    surface(&nameless, "generate ../spec.toml --count 2 --out .").refuses(2, &["--out", "does not name a folder"]);
     assert!(listing(&nameless).is_empty());
     assert_eq!(listing(at), ["drawn", "filled", "nameless", "scan.x3p", "spec.toml"]);
 }

@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+#[cfg(target_os = "linux")]
+use std::process::Child;
 use std::process::{Command, Stdio};
 #[cfg(target_os = "linux")]
 use std::time::{Duration, Instant};
@@ -9,6 +11,9 @@ use std::time::{Duration, Instant};
 use asperity_formats::{Scan, write_npy};
 use ndarray::Array2;
 use serde_json::Value;
+
+/// Name of the list of files in each folder that the program writes.
+pub(crate) const MANIFEST: &str = ".asperity-manifest";
 
 /// How the program ended and what it said.
 #[derive(Debug)]
@@ -33,39 +38,68 @@ pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
     }
 }
 
-/// Runs `asperity`, interrupts it in the midst, and tells how long it took to end.
+/// Starts `asperity` with its output kept.
 #[cfg(target_os = "linux")]
-pub(crate) fn interrupted_in(at: &Path, line: &str) -> (Ended, Duration) {
-    const SIGINT_BIT: u64 = 1 << 1;
-    let child = Command::new(env!("CARGO_BIN_EXE_asperity"))
+pub(crate) fn started_in(at: &Path, line: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_asperity"))
         .args(line.split_whitespace())
         .current_dir(at)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .unwrap();
+        .unwrap()
+}
+
+/// Waits until `condition` holds.
+#[cfg(target_os = "linux")]
+pub(crate) fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    let began = Instant::now();
+    while !condition() {
+        assert!(began.elapsed() < Duration::from_secs(60), "{what} did not come");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Sends a signal, such as `-TERM`.
+#[cfg(target_os = "linux")]
+pub(crate) fn send(signal: &str, child: &Child) {
+    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Waits for the end of `asperity`.
+#[cfg(target_os = "linux")]
+pub(crate) fn ended(child: Child) -> Ended {
+    let output = child.wait_with_output().unwrap();
+    Ended {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Runs `asperity`, interrupts it in the midst, and measures how long it took to end.
+#[cfg(target_os = "linux")]
+pub(crate) fn interrupted_in(at: &Path, line: &str) -> (Ended, Duration) {
+    signalled_in(at, line, "-INT")
+}
+
+/// Runs `asperity`, sends it a signal in the midst, and measures how long it took to end.
+#[cfg(target_os = "linux")]
+pub(crate) fn signalled_in(at: &Path, line: &str, signal: &str) -> (Ended, Duration) {
+    const SIGINT_BIT: u64 = 1 << 1;
+    let child = started_in(at, line);
     let listens = || {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
         let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
         u64::from_str_radix(caught.trim(), 16).unwrap() & SIGINT_BIT != 0
     };
-    let began = Instant::now();
-    while !listens() {
-        assert!(began.elapsed() < Duration::from_secs(60), "the handler of Ctrl-C is not there");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("the handler of Ctrl-C", listens);
     // Time to read the input and to begin.
     std::thread::sleep(Duration::from_millis(500));
     let asked = Instant::now();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let ended = Ended {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    };
-    (ended, asked.elapsed())
+    send(signal, &child);
+    (ended(child), asked.elapsed())
 }
 
 /// Runs `asperity` with one line of arguments, separated by spaces.
@@ -115,6 +149,13 @@ pub(crate) fn npy(folder: &Path, name: &str, heights_m: Array2<f64>) -> PathBuf 
     let path = folder.join(name);
     fs::write(&path, write_npy(&Scan::new(heights_m, None))).unwrap();
     path
+}
+
+/// The names in a folder that the program wrote, sorted, without its list of files, which must be there.
+pub(crate) fn written(folder: &Path) -> Vec<String> {
+    let mut names = listing(folder);
+    assert_eq!(names.remove(0), MANIFEST);
+    names
 }
 
 /// The names in a folder, sorted.

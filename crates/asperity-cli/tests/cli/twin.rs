@@ -8,7 +8,7 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity_in, keys, listing, npy, number};
+use crate::support::{Ended, asperity_in, keys, listing, npy, number, written};
 
 fn twin(folder: &Path, line: &str) -> Ended {
     let line = format!("surface twin {line}");
@@ -41,7 +41,7 @@ fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
     let json = twin(at, &format!("scan.x3p --count 4 --out twins --seed 7 --json {FAST}")).json(0);
     let out = at.join("twins");
     assert_eq!(
-        listing(&out),
+        written(&out),
         [
             "COMPLETE",
             "comparison.json",
@@ -129,16 +129,19 @@ fn a_twin_does_not_depend_on_how_many_are_drawn_and_formats_are_chosen() {
 }
 
 #[test]
-fn a_folder_that_holds_something_is_replaced_by_force_alone() {
+fn a_folder_is_replaced_by_force_alone_and_never_one_that_holds_something_else() {
     let folder = folder();
     let at = folder.path();
     fs::create_dir(at.join("twins")).unwrap();
     fs::write(at.join("twins/mine.txt"), "mine").unwrap();
     let line = format!("scan.x3p --count 2 --out twins {FAST}");
     twin(at, &line).refuses(2, &["twins", "--force"]);
+    twin(at, &format!("{line} --force")).refuses(2, &["--out twins", "asperity did not write it"]);
     assert_eq!(listing(&at.join("twins")), ["mine.txt"]);
-    assert_eq!(twin(at, &format!("{line} --force")).code, 0);
-    assert!(!listing(&at.join("twins")).contains(&"mine.txt".to_owned()));
+    fs::remove_dir_all(at.join("twins")).unwrap();
+    assert_eq!(twin(at, &line).code, 0);
+    assert_eq!(twin(at, &line.replace("--count 2", "--count 1 --force")).code, 0);
+    assert!(!at.join("twins/twin_0002.x3p").exists());
     // The folder that holds the scan is not deleted with it.
     twin(at, &format!("scan.x3p --count 2 --out . --force {FAST}")).refuses(2, &["scan.x3p", "delete"]);
     assert!(at.join("scan.x3p").is_file());

@@ -546,8 +546,8 @@ fn a_length_that_no_sliding_distance_resolves_is_refused_and_no_folder_of_others
         let line = format!("vibration basin {PAPER} --damping-ratio 0.17 --report {at}");
         line_in(folder.path(), &line).refuses(2, words);
     };
-    report("keep --force", &["--report", "thesis.txt"]);
+    report("keep --force", &["--report keep", "asperity did not write it"]);
     report("keep", &["--report", "not empty"]);
-    report("file --force", &["--report", "is a file"]);
+    report("file --force", &["--report file", "a folder is wanted"]);
     assert_eq!(fs::read_to_string(folder.path().join("keep/thesis.txt")).unwrap(), "years");
 }

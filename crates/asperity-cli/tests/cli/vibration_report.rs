@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity, asperity_in, close, keys, listing, number};
+use crate::support::{Ended, asperity, asperity_in, close, keys, listing, number, written};
 
 const PAPER: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
@@ -75,11 +75,11 @@ fn every_command_that_reports_writes_its_answer_its_tables_and_its_figures() {
         let name = line.split(' ').next().unwrap();
         let ended = run(at, &format!("vibration {line} --report new/{name} --json"));
         let json = ended.json(0);
-        let written = at.join("new").join(name);
-        assert_eq!(listing(&written), ["answer.json", "figures", "tables"], "{name}");
-        assert_eq!(listing(&written.join("tables")), tables, "{name}");
-        assert_eq!(listing(&written.join("figures")), figures, "{name}");
-        let answer: Value = serde_json::from_slice(&fs::read(written.join("answer.json")).unwrap()).unwrap();
+        let report = at.join("new").join(name);
+        assert_eq!(written(&report), ["answer.json", "figures", "tables"], "{name}");
+        assert_eq!(listing(&report.join("tables")), tables, "{name}");
+        assert_eq!(listing(&report.join("figures")), figures, "{name}");
+        let answer: Value = serde_json::from_slice(&fs::read(report.join("answer.json")).unwrap()).unwrap();
         assert_eq!(answer, json, "{name}");
         // A folder that holds something stays unless it is given up.
         run(at, &format!("vibration {line} --report new/{name} --json")).refuses(2, &["not empty"]);

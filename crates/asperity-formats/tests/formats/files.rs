@@ -1,6 +1,6 @@
 use std::fs;
 
-use asperity_formats::{Format, FormatError, Scan, read, read_bytes, write};
+use asperity_formats::{Format, FormatError, Scan, read, read_bytes, temporary_suffix, write};
 use ndarray::array;
 
 use crate::bits;
@@ -122,8 +122,11 @@ fn long_content_of_no_known_format_is_not_read_to_its_end() {
 #[test]
 fn long_names_are_written_and_left_over_temporary_files_are_no_hindrance() {
     let folder = tempfile::tempdir().unwrap();
-    for place in 0..200 {
-        fs::write(folder.path().join(format!(".asperity-{}-{place}.tmp", std::process::id())), "others").unwrap();
+    // The next two hundred names.
+    let next = temporary_suffix();
+    let (process, count) = next.rsplit_once('-').unwrap();
+    for count in (count.parse::<u64>().unwrap() + 1..).take(200) {
+        fs::write(folder.path().join(format!(".asperity-{process}-{count}.tmp")), "others").unwrap();
     }
     let path = folder.path().join(format!("{}.npy", "n".repeat(251)));
     // Each attempt passes over a hundred names.

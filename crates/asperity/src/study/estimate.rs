@@ -26,6 +26,10 @@ const MAP_POINT_BYTES: f64 = 400.0;
 const GENERATOR_BYTES: f64 = 64.0;
 /// Bytes of a double.
 const DOUBLE_BYTES: f64 = 8.0;
+/// Bytes of the tables, the figures and the page of one stage in a run folder.
+const STAGE_BYTES: f64 = 1e6;
+/// Maps of a patch in a run folder: one sample with its pressures, and the distribution of the pressure.
+const PATCH_FIELDS: f64 = 8.0;
 
 /// The rough cost of one stage. Times hold within a factor of a few.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,6 +113,19 @@ impl Study {
         }
         stages
     }
+
+    /// The rough disk space of the run folder in byte, without the heights of scans. Nothing is read or computed.
+    pub fn disk_bytes(&self) -> f64 {
+        let bytes = |points: [usize; 2], fields: f64| fields * DOUBLE_BYTES * points[0] as f64 * points[1] as f64;
+        let surface = self.surface.as_ref().map_or(0.0, |_| STAGE_BYTES);
+        let pressure = self.pressure.as_ref().map_or(0.0, |p| STAGE_BYTES + bytes(p.points, PATCH_FIELDS));
+        let friction = self.friction.as_ref().map_or(0.0, |f| STAGE_BYTES + bytes(f.points, 1.0));
+        let vibration = self.vibration.as_ref().map_or(0.0, |v| {
+            let map = v.map.as_ref().map_or(0.0, |map| (map.x.2 + 1) as f64 * (map.y.2 + 1) as f64);
+            STAGE_BYTES + map * MAP_POINT_BYTES
+        });
+        surface + pressure + friction + vibration
+    }
 }
 
 /// Records of one strip at one level: six numbers at every position of the window and of those of a half, a quarter and an eighth
@@ -169,6 +186,10 @@ trajectories = 50
         // The hundred fine solves of the default may be followed by as much work again, four times over, and that on the same maps.
         assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 0.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
+        // Maps of 64² points and a strip of doubles, and a few MB of tables, figures and page.
+        let disk = |text: &str| Study::parse(text, "study.toml").unwrap().disk_bytes();
+        let more = disk(&text.replace("points = [64, 64]", "points = [640, 640]")) - disk(text);
+        assert!((2e6..10e6).contains(&disk(text)) && more == 8.0 * 8.0 * 99.0 * 4096.0, "{more}");
         // The stiffness of the Monte Carlo and of the coarse contacts, and of no others.
         let stiff = estimate(&text.replace("percentile = 50.0", "percentile = 50.0\nstiffness = true"));
         let more = stiff[0].core_seconds / stages[0].core_seconds - 1.0;

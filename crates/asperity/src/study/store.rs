@@ -1,18 +1,24 @@
-//! The folder of a finished run.
+//! Folders that asperity writes, and finished runs that it reads back.
 //!
-//! A run is written into a hidden folder beside its destination and moved there as a whole, so that a destination is
-//! either complete or untouched. `COMPLETE` is written last.
+//! [`Staging`] writes a folder beside its destination and moves it there as a whole, so that a destination is either complete
+//! or untouched. Each folder holds a list of the files that asperity wrote ([`manifest`]): a folder is replaced only if it
+//! holds nothing else.
+
+mod manifest;
+mod staging;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use asperity_formats::Scan;
+use asperity_formats::{refusal, remove_abandoned_files, replace_file};
 use thiserror::Error;
 
 use crate::friction::process::ProcessError;
-use crate::study::{Outcome, Table, TableError};
+use crate::study::{Table, TableError};
+use manifest::{MANIFEST, Manifest};
+pub use staging::Staging;
 
 /// Last file of a run folder.
 const COMPLETE: &str = "COMPLETE";
@@ -21,36 +27,75 @@ const FRICTION_PROCESS: &str = "friction_process.json";
 /// Grids and units of the fields.
 const FIELD_INDEX: &str = "fields/index.json";
 
-/// Why a run folder could not be written or read.
+/// Why a folder could not be written or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
-    /// The file system refused.
-    #[error("{}: {source}", path.display())]
+    /// The operating system refused to read or write a file.
+    #[error("{}: {}", path.display(), refusal(source))]
     Io {
         /// File or folder.
         path: PathBuf,
         /// Its answer.
         source: io::Error,
     },
-    /// The destination holds something.
-    #[error("{} exists and is not empty; choose another folder with --out, or replace it with --force", path.display())]
+    /// The destination holds something, and replacing it was not asked for.
+    #[error(
+        "{} is not empty; choose another folder, or add --force to replace a folder that asperity wrote",
+        path.display()
+    )]
     NotEmpty {
         /// The destination.
         path: PathBuf,
     },
-    /// The destination has no name of its own, as `.` and `..`.
-    #[error("{} names no folder that could be put in place as a whole; write its name", path.display())]
+    /// The destination is something else than a folder.
+    #[error("{} is {found}; a folder is wanted", path.display())]
+    NoFolder {
+        /// The destination.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
+    /// The destination has no name of its own, such as `.` and `..`.
+    #[error("{} does not name a folder; write its name, for example out/run1", path.display())]
     Unnamed {
         /// The destination.
         path: PathBuf,
     },
     /// The destination holds a file that is read.
-    #[error("{} holds {}, which is read: replacing the folder would delete it; choose another folder", path.display(), input.display())]
+    #[error("{} holds the input {}; replacing the folder would delete it; choose another folder", path.display(), input.display())]
     HoldsInput {
         /// The destination.
         path: PathBuf,
         /// The file in it.
         input: PathBuf,
+    },
+    /// The destination has no list of the files that asperity wrote.
+    #[error(
+        "{} has no {MANIFEST}, so asperity did not write it, or an earlier version did; it is not replaced; \
+         choose another folder, or delete it yourself",
+        path.display()
+    )]
+    NoManifest {
+        /// The destination.
+        path: PathBuf,
+    },
+    /// The destination holds files that asperity did not write, or that were changed since.
+    #[error("{} is not replaced: asperity did not write {}; move it away, or choose another folder", path.display(), first_of(foreign))]
+    Foreign {
+        /// The destination.
+        path: PathBuf,
+        /// The files, relative to the destination.
+        foreign: Vec<String>,
+    },
+    /// The finished folder could not take its destination.
+    #[error("{} is left as it is: {reason}; this result is in {}", path.display(), kept.display())]
+    Taken {
+        /// The destination.
+        path: PathBuf,
+        /// What prevented it.
+        reason: String,
+        /// Where the result is instead.
+        kept: PathBuf,
     },
     /// The folder holds no finished run.
     #[error("{} is not a finished run: it holds no {missing}", path.display())]
@@ -71,7 +116,7 @@ pub enum StoreError {
     /// A table could not be written.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// The process of the friction stage is none.
+    /// The friction process is invalid.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),
     /// A value could not be written as JSON.
@@ -83,129 +128,13 @@ fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
     move |source| StoreError::Io { path: path.into(), source }
 }
 
-/// A run folder in the making. Dropped without [`Staging::commit`], it leaves nothing behind.
-#[derive(Debug)]
-pub struct Staging {
-    destination: PathBuf,
-    partial: PathBuf,
-}
-
-impl Staging {
-    /// Begins a run folder at `destination`. With `force` a folder that is there is replaced at the commit, unless it holds
-    /// one of the `inputs`.
-    ///
-    /// # Errors
-    /// The destination is a file, or not empty without `force`, or holds an input, or has no name of its own, or its parent
-    /// cannot be written.
-    pub fn open(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Self, StoreError> {
-        if destination.is_file() {
-            return Err(StoreError::NotEmpty { path: destination.into() });
-        }
-        if destination.is_dir() && fs::read_dir(destination).map_err(at(destination))?.next().is_some() {
-            let path = destination.to_path_buf();
-            if !force {
-                return Err(StoreError::NotEmpty { path });
-            }
-            let folder = destination.canonicalize().map_err(at(destination))?;
-            let within = |input: &&&Path| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
-            if let Some(input) = inputs.iter().find(within) {
-                return Err(StoreError::HoldsInput { path, input: input.to_path_buf() });
-            }
-        }
-        let Some(name) = destination.file_name().map(|name| name.to_string_lossy().into_owned()) else {
-            return Err(StoreError::Unnamed { path: destination.into() });
-        };
-        let parent = destination.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        fs::create_dir_all(parent).map_err(at(parent))?;
-        let partial = parent.join(format!(".{name}.partial-{}", std::process::id()));
-        if partial.exists() {
-            fs::remove_dir_all(&partial).map_err(at(&partial))?;
-        }
-        fs::create_dir_all(&partial).map_err(at(&partial))?;
-        Ok(Self { destination: destination.into(), partial })
-    }
-
-    /// Writes one file of the run; `relative` may name a subfolder.
-    ///
-    /// # Errors
-    /// The file system refused.
-    pub fn write(&self, relative: &str, bytes: &[u8]) -> Result<(), StoreError> {
-        let path = self.path(relative)?;
-        fs::write(&path, bytes).map_err(at(&path))
-    }
-
-    /// Where a file of the run is to be written by someone else; its folder is there.
-    ///
-    /// # Errors
-    /// The file system refused the folder.
-    pub fn path(&self, relative: &str) -> Result<PathBuf, StoreError> {
-        let path = self.partial.join(relative);
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(at(parent))?;
-        }
-        Ok(path)
-    }
-
-    /// Writes results, tables, fields, and the process of the friction stage.
-    ///
-    /// # Errors
-    /// The file system refused.
-    pub fn write_outcome(&self, outcome: &Outcome) -> Result<(), StoreError> {
-        self.write("results.json", &json_bytes(&outcome.results)?)?;
-        for (name, table) in &outcome.tables {
-            self.write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
-        }
-        if let Some(process) = &outcome.friction_process {
-            self.write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
-        }
-        let mut index = BTreeMap::new();
-        for (name, field) in &outcome.fields {
-            let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
-            index.insert(name.clone(), entry);
-            self.write(
-                &format!("fields/{name}.npy"),
-                &asperity_formats::write_npy(&Scan::new(field.values.clone(), None)),
-            )?;
-        }
-        self.write(FIELD_INDEX, &json_bytes(&index)?)
-    }
-
-    /// Marks the run complete and moves it to its destination.
-    ///
-    /// # Errors
-    /// The file system refused; the destination is then as before.
-    pub fn commit(self) -> Result<PathBuf, StoreError> {
-        self.write(COMPLETE, b"")?;
-        self.commit_unmarked()
-    }
-
-    /// Moves a folder that is no run to its destination, with nothing in it but what was written.
-    ///
-    /// # Errors
-    /// The file system refused; the destination is then as before.
-    pub fn commit_unmarked(self) -> Result<PathBuf, StoreError> {
-        let old = self.partial.with_extension("old");
-        let replaced = self.destination.exists();
-        if replaced {
-            fs::rename(&self.destination, &old).map_err(at(&self.destination))?;
-        }
-        if let Err(error) = fs::rename(&self.partial, &self.destination) {
-            if replaced {
-                fs::rename(&old, &self.destination).map_err(at(&self.destination))?;
-            }
-            return Err(StoreError::Io { path: self.destination.clone(), source: error });
-        }
-        if replaced {
-            fs::remove_dir_all(&old).map_err(at(&old))?;
-        }
-        Ok(self.destination.clone())
-    }
-}
-
-impl Drop for Staging {
-    fn drop(&mut self) {
-        // After a commit there is nothing left to remove; before one, failing to clean up must not hide the first error.
-        let _ = fs::remove_dir_all(&self.partial);
+/// The first few names of a list, and how many more there are.
+fn first_of(names: &[String]) -> String {
+    const SHOWN: usize = 3;
+    let first = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(SHOWN) {
+        0 => first,
+        more => format!("{first} and {more} more"),
     }
 }
 
@@ -288,20 +217,26 @@ impl StoredRun {
         Ok(Self { study, results: json("results.json")?, provenance: json("provenance.json")?, tables, fields })
     }
 
-    /// Replaces one file of a finished run as a whole.
+    /// Replaces files of a finished run, each in one step, and lists them as written by asperity.
     ///
     /// # Errors
-    /// The file system refused; the file is then as before.
-    pub fn replace(dir: &Path, relative: &str, bytes: &[u8]) -> Result<(), StoreError> {
-        let path = dir.join(relative);
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(at(parent))?;
+    /// The operating system refused; a file is either replaced or as before.
+    pub fn replace(dir: &Path, files: &[(String, &[u8])]) -> Result<(), StoreError> {
+        let write = |path: &Path, bytes: &[u8]| {
+            let folder = path.parent().unwrap_or(dir);
+            fs::create_dir_all(folder).map_err(at(folder))?;
+            remove_abandoned_files(folder);
+            replace_file(path, |file| io::Write::write_all(file, bytes)).map_err(at(path))
+        };
+        for (relative, bytes) in files {
+            write(&dir.join(relative), bytes)?;
         }
-        let mut name = path.file_name().map(|name| name.to_os_string()).unwrap_or_default();
-        name.push(".partial");
-        let partial = path.with_file_name(name);
-        fs::write(&partial, bytes).map_err(at(&partial))?;
-        fs::rename(&partial, &path).map_err(at(&path))
+        // The folder of an earlier version has no list. A new one would have to take all other files for asperity's.
+        if let Some(mut manifest) = Manifest::read(dir).map_err(at(dir))? {
+            manifest.update(dir, files.iter().map(|(relative, _)| relative.as_str())).map_err(at(dir))?;
+            write(&dir.join(MANIFEST), manifest.text().as_bytes())?;
+        }
+        Ok(())
     }
 }
 

@@ -13,17 +13,16 @@ use asperity::friction::measured::{
 use asperity::law::fit::Fit;
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::Estimate;
-use asperity::study::{Staging, Table, json_bytes};
+use asperity::study::{Table, json_bytes};
 use asperity_report::record_figures;
 use clap::Args;
 use serde_json::{Value, json};
 
 use crate::args;
-use crate::commands::run::NewParents;
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target, replace_file, said_of_writing};
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
 
 /// Fits a process to a measured friction record: moments, law and correlation, with 95 % intervals.
 ///
@@ -169,8 +168,7 @@ impl FitRecord {
         }
         if let Some(folder) = &self.report {
             // Before anything is computed: may the folder be written? Nothing of this attempt stays.
-            let _parents = NewParents::of(folder);
-            Staging::open(folder, self.force, &[&self.record]).map_err(|e| store_failure(&e))?;
+            begin_folder("--report", folder, self.force, &[&self.record])?;
         }
         let bytes = fs::read(&self.record).map_err(|e| Failure::io(Kind::Data, self.record.display(), &e))?;
         let name = self.record.file_name().unwrap_or_default().to_string_lossy();
@@ -194,7 +192,6 @@ impl FitRecord {
         }
         let answer = answer(&prepared, &fitted, self.json);
         if let Some(folder) = &self.report {
-            let _parents = NewParents::of(folder);
             let written = self.write(folder, &prepared, &fitted, &process, &answer)?;
             monitor.note(&format!("wrote {}", written.display()));
         }
@@ -218,7 +215,7 @@ impl FitRecord {
         process: &str,
         answer: &Answer,
     ) -> Result<PathBuf, Failure> {
-        let staging = Staging::open(folder, self.force, &[&self.record]).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--report", folder, self.force, &[&self.record])?;
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("friction_process.json", process.as_bytes())?;
         write("fit.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;

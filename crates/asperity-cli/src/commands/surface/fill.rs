@@ -86,6 +86,7 @@ impl Fill {
         }
         self.doubt(&filling, monitor);
         let maps = self.target.open(self.count, &[&self.input])?;
+        maps.require_disk(self.count, points as f64)?;
         let germ = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
             random::standard_normal(&mut stream, filling.germ_len())

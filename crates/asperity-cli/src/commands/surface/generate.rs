@@ -41,6 +41,7 @@ impl Generate {
         let inputs: Vec<&Path> = scans.iter().chain([&self.spec]).map(PathBuf::as_path).collect();
         let maps = self.target.open(self.count, &inputs)?;
         require_memory(specimen.memory_bytes(), "a map of this size")?;
+        maps.require_disk(self.count, specimen.points.iter().map(|n| *n as f64).product())?;
         let sampler = specimen.sampler(folder).map_err(|e| study_file::ended(&self.spec, &e))?;
         for warning in sampler.warnings() {
             monitor.warn(warning);

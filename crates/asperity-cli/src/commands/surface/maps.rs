@@ -9,10 +9,10 @@ use asperity_formats::Scan;
 use clap::Args;
 
 use super::convert::refused;
-use crate::commands::run::NewParents;
 use crate::failure::Failure;
 use crate::output::{check_target, said_of_writing};
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
+use crate::resources::require_disk;
 
 /// The destination of one map or several.
 #[derive(Debug, Args)]
@@ -21,7 +21,8 @@ pub(super) struct MapsOut {
     /// is replaced. For several maps the folder of map_0000.x3p, map_0001.x3p, …, which appears complete or not at all.
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
-    /// Replace a folder that is not empty, unless it holds a file that is read. A single file is replaced without it.
+    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused. A single
+    /// file is replaced without it.
     #[arg(long)]
     force: bool,
 }
@@ -30,8 +31,8 @@ pub(super) struct MapsOut {
 pub(super) enum Maps<'a> {
     /// One file, replaced in one step, and how that is told.
     File(&'a Path, &'static str),
-    /// A folder, and those above it that were made for it.
-    Folder(Staging, NewParents),
+    /// A folder.
+    Folder(Staging),
 }
 
 impl MapsOut {
@@ -44,33 +45,40 @@ impl MapsOut {
             check_target("--out", &self.out, inputs)?;
             return Ok(Maps::File(&self.out, said_of_writing(&self.out)));
         }
-        if self.out.exists() && !self.out.is_dir() {
-            let message = format!("--out {}: {count} maps need a folder, this is a file", self.out.display());
-            return Err(Failure::usage(message));
-        }
-        let parents = NewParents::of(&self.out);
-        let staging = Staging::open(&self.out, self.force, inputs).map_err(|e| store_failure(&e))?;
-        Ok(Maps::Folder(staging, parents))
+        begin_folder("--out", &self.out, self.force, inputs).map(Maps::Folder)
     }
 }
 
 impl Maps<'_> {
+    /// Refuses `count` maps of `points` heights if the disk has no room for them.
+    pub(super) fn require_disk(&self, count: usize, points: f64) -> Result<(), Failure> {
+        const HEIGHT_BYTES: f64 = 8.0;
+        let path = match self {
+            Self::File(path, _) => path,
+            Self::Folder(staging) => staging.destination(),
+        };
+        require_disk(HEIGHT_BYTES * points * count as f64, path, "writing the maps")
+    }
+
     /// Writes map number `index`.
     pub(super) fn keep(&self, index: usize, map: &HeightMap) -> Result<(), Failure> {
         let grid = map.grid();
         let scan = Scan::new(map.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
-        let path = match self {
-            Self::File(path, _) => path.to_path_buf(),
-            Self::Folder(staging, _) => staging.path(&format!("map_{index:04}.x3p")).map_err(|e| store_failure(&e))?,
-        };
-        asperity_formats::write(&scan, &path).map_err(|e| refused(&e))
+        match self {
+            Self::File(path, _) => asperity_formats::write(&scan, path).map_err(|e| refused(&e)),
+            Self::Folder(staging) => {
+                let name = format!("map_{index:04}.x3p");
+                let bytes = asperity_formats::to_bytes(&scan, Path::new(&name)).map_err(|e| refused(&e))?;
+                staging.write(&name, &bytes).map_err(|e| store_failure(&e))
+            }
+        }
     }
 
     /// Puts a folder in its place; says what was written.
     pub(super) fn commit(self) -> Result<impl Display, Failure> {
         match self {
             Self::File(path, said) => Ok(format!("{said} {}", path.display())),
-            Self::Folder(staging, _parents) => {
+            Self::Folder(staging) => {
                 let written = staging.commit_unmarked().map_err(|e| store_failure(&e))?;
                 Ok(format!("wrote {}", written.display()))
             }

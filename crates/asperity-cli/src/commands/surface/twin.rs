@@ -1,7 +1,7 @@
 //! Twins of a measured surface, and how alike they are.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use asperity::correlation::CorrelationFamily;
 use asperity::law::Marginal;
@@ -19,15 +19,14 @@ use clap::{Args, ValueEnum};
 use super::convert::refused;
 use super::preparation::PreparationOptions;
 use crate::args::{self, OneOrTwo};
-use crate::commands::run::NewParents;
 use crate::commands::study_file;
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{self, columns};
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
 use crate::provenance::Provenance;
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 
 /// Draws random maps that are statistically like a measured one, and compares them with it on one page.
 ///
@@ -42,7 +41,7 @@ pub(crate) struct Twin {
     /// Folder to write, which appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace a folder that is not empty, unless it holds the scan.
+    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
     #[arg(long)]
     force: bool,
     /// Seed of every draw.
@@ -247,14 +246,8 @@ impl Twin {
 
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let options = self.options()?;
-        if self.out.exists() && !self.out.is_dir() {
-            return Err(Failure::usage(format!("--out {}: this is no folder", self.out.display())));
-        }
-        {
-            // Before anything is computed: may the folder be written? Nothing of this attempt stays.
-            let _parents = NewParents::of(&self.out);
-            Staging::open(&self.out, self.force, &[&self.file]).map_err(|e| store_failure(&e))?;
-        }
+        // Before anything is computed: may the folder be written? Nothing of this attempt stays.
+        begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut provenance = Provenance::begin(name.clone(), self.seed, None);
         let scan = input::scan(&self.file, &self.options, monitor)?;
@@ -264,14 +257,15 @@ impl Twin {
             options.memory_bytes(scan.heights_m.len(), scan.pitch_m, at_once),
             "making and comparing twins",
         )?;
+        let points = options.points.map_or(scan.heights_m.len(), |[nx, ny]| nx.saturating_mul(ny));
+        require_disk(8.0 * points as f64 * self.count as f64, &self.out, "the twins")?;
         let told = scan.warnings.len();
         let file = self.file.display().to_string();
         let twins = monitor.at_once(|| Twins::like(scan, &file, &options))?.map_err(|e| self.ended(&e))?;
         // Those of the file were told when it was read.
         twins.warnings().iter().skip(told).for_each(|warning| monitor.warn(warning));
 
-        let _parents = NewParents::of(&self.out);
-        let staging = Staging::open(&self.out, self.force, &[&self.file]).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let comparison = twins.compare(self.count, monitor, |index, twin| self.keep(&staging, index, twin)).map_err(
             |e| match e {
                 TwinError::Study(e) => self.ended(&e),
@@ -291,10 +285,11 @@ impl Twin {
 
     /// Writes one twin; they are numbered from 1.
     fn keep(&self, staging: &Staging, index: usize, twin: &HeightMap) -> Result<(), Failure> {
-        let path = staging.path(&format!("twin_{:04}.{}", index + 1, self.format)).map_err(|e| store_failure(&e))?;
+        let name = format!("twin_{:04}.{}", index + 1, self.format);
         let grid = twin.grid();
         let scan = Scan::new(twin.heights_m().clone(), Some((grid.dx_m(), grid.dy_m())));
-        asperity_formats::write(&scan, &path).map_err(|e| refused(&e))
+        let bytes = asperity_formats::to_bytes(&scan, Path::new(&name)).map_err(|e| refused(&e))?;
+        staging.write(&name, &bytes).map_err(|e| store_failure(&e))
     }
 
     fn write(

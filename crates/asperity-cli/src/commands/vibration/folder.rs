@@ -3,18 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{Staging, Table, json_bytes};
+use asperity::study::{Table, json_bytes};
 use asperity_report::{Figure, vibration_figures};
 use clap::Args;
 
-use crate::commands::run::NewParents;
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
 use crate::output::Answer;
-use crate::page::store_failure;
+use crate::page::{begin_folder, store_failure};
+use crate::resources::require_disk;
 
-/// What a report folder holds.
-const PARTS: [&str; 3] = ["answer.json", "figures", "tables"];
+/// Disk space of the tables and figures of a report, roughly.
+const REPORT_BYTES: f64 = 4e6;
 
 /// Where tables and figures go.
 #[derive(Debug, Args)]
@@ -22,7 +22,7 @@ pub(super) struct Folder {
     /// Write answer, tables and figures to this folder, which appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replace a report folder; one that holds anything else, or a file that is read, stays.
+    /// Replace a folder that asperity wrote; one that holds any other or changed file, or an input, is refused.
     #[arg(long, requires = "report")]
     force: bool,
 }
@@ -31,22 +31,8 @@ impl Folder {
     /// Whether a folder is wanted, and refuses one that cannot be written before anything is computed.
     pub(super) fn wanted(&self, inputs: &[&Path]) -> Result<bool, Failure> {
         let Some(folder) = &self.report else { return Ok(false) };
-        let refused = |why: &str| Err(Failure::usage(format!("--report {}: {why}", folder.display())));
-        if folder.is_file() {
-            return refused("it is a file; name a folder");
-        }
-        if let Ok(entries) = folder.read_dir() {
-            let names: Vec<String> =
-                entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-            if !names.is_empty() && !self.force {
-                return refused("the folder is not empty; name another one, or replace it with --force");
-            }
-            if let Some(name) = names.iter().find(|name| !PARTS.contains(&name.as_str())) {
-                return refused(&format!("it holds {name}, which no report has; --force replaces reports only"));
-            }
-        }
-        let _parents = NewParents::of(folder);
-        Staging::open(folder, self.force, inputs).map_err(|e| store_failure(&e))?;
+        begin_folder("--report", folder, self.force, inputs)?;
+        require_disk(REPORT_BYTES, folder, "the report")?;
         Ok(true)
     }
 
@@ -59,8 +45,7 @@ impl Folder {
         monitor: &Terminal,
     ) -> Result<(), Failure> {
         let Some(folder) = &self.report else { return Ok(()) };
-        let _parents = NewParents::of(folder);
-        let staging = Staging::open(folder, self.force, inputs).map_err(|e| store_failure(&e))?;
+        let staging = begin_folder("--report", folder, self.force, inputs)?;
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("answer.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
         for (name, table) in &tables {

@@ -1,0 +1,359 @@
+//! Folders that the program writes: nothing that somebody else wrote is lost, and nothing half-written stays.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use tempfile::TempDir;
+
+use crate::support::{Ended, MANIFEST, asperity_in, listing, written};
+#[cfg(target_os = "linux")]
+use crate::support::{ended, send, signalled_in, started_in, wait_until};
+
+const STUDY: &str = "seed = 5\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                     correlation_length = \"20 um\"\n";
+const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
+                             covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                             correlation_length = \"4 um\"\ngenerator = \"spectral\"\n";
+const PROCESS: &str = r#"{
+  "format": "asperity friction process", "version": 1, "mean": 0.2, "std": 0.01,
+  "marginal": {"beta": {"a": 2.1, "b": 5.0, "low": 0.18, "high": 0.24}},
+  "correlation": {"model": "exponential", "length_m": 250e-6}
+}"#;
+const VIBRATION: &str = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003 --damping-ratio 0.17";
+const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
+const INPUTS: [&str; 5] = ["map.x3p", "process.json", "record.csv", "spec.toml", "study.toml"];
+
+fn run(at: &Path, line: &str) -> Ended {
+    asperity_in(at, &line.split_whitespace().collect::<Vec<_>>())
+}
+
+/// A folder with a study, a specification, a map and a friction record.
+fn bench() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fs::write(at.join("study.toml"), STUDY).unwrap();
+    fs::write(at.join("spec.toml"), SPECIFICATION).unwrap();
+    fs::write(at.join("process.json"), PROCESS).unwrap();
+    for line in [
+        "surface generate spec.toml --out map.x3p",
+        "friction simulate process.json --length 50mm --step 50um --seed 3 --out record.csv",
+    ] {
+        assert_eq!(run(at, line).code, 0);
+    }
+    assert_eq!(listing(at), INPUTS);
+    folder
+}
+
+/// Every command that writes a folder, without the name of the folder.
+fn commands() -> [String; 6] {
+    [
+        "run study.toml --out".to_owned(),
+        "surface generate spec.toml --count 2 --out".to_owned(),
+        "surface fill map.x3p --seed 1 --count 2 --out".to_owned(),
+        "surface twin map.x3p --count 1 --translation plain --covariance exponential --out".to_owned(),
+        "friction fit record.csv --column mu --distance-column position --report".to_owned(),
+        format!("vibration ensemble {VIBRATION} {NOISE} --trajectories 3 --duration 5 --report"),
+    ]
+}
+
+#[test]
+fn force_never_removes_a_file_that_asperity_did_not_write() {
+    let folder = bench();
+    let at = folder.path();
+    let thesis = |folder: &str| at.join(folder).join("thesis.txt");
+    for line in commands() {
+        fs::create_dir(at.join("mine")).unwrap();
+        fs::write(thesis("mine"), "years of work").unwrap();
+        run(at, &format!("{line} mine")).refuses(2, &["mine", "not empty"]);
+        run(at, &format!("{line} mine --force")).refuses(2, &["mine", "asperity did not write it"]);
+        // The same file in a folder that asperity wrote.
+        assert_eq!(run(at, &format!("{line} own")).code, 0, "{line}");
+        fs::rename(thesis("mine"), thesis("own")).unwrap();
+        run(at, &format!("{line} own --force")).refuses(2, &["own", "thesis.txt"]);
+        assert_eq!(fs::read_to_string(thesis("own")).unwrap(), "years of work");
+        fs::remove_file(thesis("own")).unwrap();
+        // Without it the folder is replaced.
+        let before = fs::read(at.join("own").join(MANIFEST)).unwrap();
+        fs::remove_file(at.join("own").join(&written(&at.join("own"))[0])).ok();
+        assert_eq!(run(at, &format!("{line} own --force")).code, 0, "{line}");
+        let after = fs::read(at.join("own").join(MANIFEST)).unwrap();
+        assert_eq!(before.iter().filter(|b| **b == b'\n').count(), after.iter().filter(|b| **b == b'\n').count());
+        fs::remove_dir_all(at.join("own")).unwrap();
+        fs::remove_dir_all(at.join("mine")).unwrap();
+        assert_eq!(listing(at), INPUTS, "{line}");
+    }
+}
+
+#[test]
+fn force_on_the_folder_of_all_runs_keeps_every_run() {
+    let folder = bench();
+    let at = folder.path();
+    assert_eq!(run(at, "run study.toml --out runs/one").code, 0);
+    assert_eq!(run(at, "run study.toml --out runs/two").code, 0);
+    run(at, "run study.toml --out runs --force").refuses(2, &["--out runs", "asperity did not write it"]);
+    run(at, "run study.toml --out . --force").refuses(2, &["--out .", "study.toml"]);
+    run(at, "run runs/one/study.toml --out runs/one --force").refuses(2, &["runs/one", "input"]);
+    assert!(at.join("runs/one/COMPLETE").is_file() && at.join("runs/two/COMPLETE").is_file());
+    // A run inside a run is not part of it.
+    assert_eq!(run(at, "run study.toml --out runs/one/more").code, 0);
+    run(at, "run study.toml --out runs/one --force").refuses(2, &["runs/one", "more/"]);
+    assert!(at.join("runs/one/more/COMPLETE").is_file());
+}
+
+#[test]
+fn changed_and_hidden_files_links_and_empty_folders_are_somebody_s_work() {
+    let folder = bench();
+    let at = folder.path();
+    let line = "run study.toml --out out";
+    let force = || run(at, &format!("{line} --force"));
+    assert_eq!(run(at, line).code, 0);
+    let study = fs::read_to_string(at.join("out/study.toml")).unwrap();
+    fs::write(at.join("out/study.toml"), format!("# my notes\n{study}")).unwrap();
+    force().refuses(2, &["study.toml (changed)"]);
+    assert!(fs::read_to_string(at.join("out/study.toml")).unwrap().starts_with("# my notes"));
+    fs::write(at.join("out/study.toml"), study).unwrap();
+    for (number, name) in [".hidden", "a", "b", "c", "tables/mine.csv"].iter().enumerate() {
+        fs::write(at.join("out").join(name), "").unwrap();
+        force().refuses(2, &[".hidden"]);
+        assert!(number < 3 || force().stderr.contains(&format!("and {} more", number - 2)));
+    }
+    for name in [".hidden", "a", "b", "c", "tables/mine.csv"] {
+        fs::remove_file(at.join("out").join(name)).unwrap();
+    }
+    fs::create_dir(at.join("out/notes")).unwrap();
+    force().refuses(2, &["notes/"]);
+    fs::remove_dir(at.join("out/notes")).unwrap();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        symlink("../spec.toml", at.join("out/link")).unwrap();
+        force().refuses(2, &["link"]);
+        fs::remove_file(at.join("out/link")).unwrap();
+        // The destination itself, with and without a slash.
+        symlink("out", at.join("latest")).unwrap();
+        for name in ["latest", "latest/"] {
+            run(at, &format!("run study.toml --out {name} --force")).refuses(2, &["--out latest", "symbolic link"]);
+        }
+        fs::remove_file(at.join("latest")).unwrap();
+    }
+    // A rendered report is asperity's again.
+    let page = at.join("out/report.html");
+    let mut spoiled = fs::read(&page).unwrap();
+    spoiled.extend(b"<!-- -->");
+    fs::write(&page, spoiled).unwrap();
+    force().refuses(2, &["report.html (changed)"]);
+    assert_eq!(run(at, "report out").code, 0);
+    assert_eq!(force().code, 0);
+    // A run of an earlier version has no list.
+    fs::remove_file(at.join("out").join(MANIFEST)).unwrap();
+    force().refuses(2, &["out has no", MANIFEST, "earlier version"]);
+    assert_eq!(run(at, "report out").code, 0);
+    force().refuses(2, &["out has no", MANIFEST]);
+    assert!(at.join("out/COMPLETE").is_file());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn sha256sum_agrees_with_the_list_of_files() {
+    let folder = bench();
+    let at = folder.path();
+    assert_eq!(run(at, "run study.toml --out out").code, 0);
+    let Ok(checked) = Command::new("sha256sum").args(["--check", "--quiet", MANIFEST]).current_dir(at.join("out")).output()
+    else {
+        println!("skipped: there is no sha256sum");
+        return;
+    };
+    assert!(checked.status.success(), "{checked:?}");
+}
+
+/// The hidden folder in which a run is being written.
+#[cfg(target_os = "linux")]
+fn partial(at: &Path) -> Option<String> {
+    listing(at).into_iter().find(|name| name.contains(".partial-"))
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn of_two_runs_into_one_new_folder_both_results_stay() {
+    let folder = bench();
+    let at = folder.path();
+    let slow = |more: &str| {
+        let child = started_in(at, &format!("surface generate spec.toml --count 3000 --out maps {more}"));
+        wait_until("the hidden folder", || partial(at).is_some());
+        child
+    };
+    let count = |name: &str| written(&at.join(name)).len();
+    let first = slow("");
+    // The second run begins later and ends earlier. It leaves the hidden folder of the first alone.
+    assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
+    let loser = ended(first);
+    loser.refuses(1, &["maps is left as it is", "maps-2"]);
+    assert_eq!((count("maps"), count("maps-2")), (2, 3000));
+    // The same where both may replace an older folder.
+    let first = slow("--force");
+    assert_eq!(run(at, "surface generate spec.toml --count 5 --out maps --force").code, 0);
+    ended(first).refuses(1, &["maps-3"]);
+    assert_eq!((count("maps"), count("maps-2"), count("maps-3")), (5, 3000, 3000));
+    // A file that comes in the meantime.
+    let first = slow("--force");
+    fs::write(at.join("maps/thesis.txt"), "years").unwrap();
+    ended(first).refuses(1, &["maps-4"]);
+    assert_eq!(fs::read_to_string(at.join("maps/thesis.txt")).unwrap(), "years");
+    assert_eq!((count("maps"), count("maps-4")), (6, 3000));
+    assert!(listing(at).iter().all(|name| !name.starts_with('.')), "{:?}", listing(at));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn sigterm_ends_like_ctrl_c_and_leaves_nothing() {
+    let folder = bench();
+    let at = folder.path();
+    let long = STUDY.to_owned()
+        + "[material]\nyoungs_modulus = \"210 GPa\"\n[pressure]\nsize = [\"100 um\", \"100 um\"]\npoints = [64, 64]\n\
+           percentile = 50.0\nreference_samples = 1000000\n";
+    fs::write(at.join("study.toml"), long).unwrap();
+    for line in [
+        "run study.toml --out deep/out".to_owned(),
+        "surface generate spec.toml --count 1000000 --out deep/out".to_owned(),
+        "surface twin map.x3p --count 100000 --translation plain --covariance exponential --out deep/out".to_owned(),
+        format!("vibration ensemble {VIBRATION} {NOISE} --trajectories 100000000 --duration 1000 --report deep/out"),
+    ] {
+        // Ctrl-C during the others has tests of its own.
+        let signals = if line.starts_with("surface") { &["-TERM"][..] } else { &["-TERM", "-INT"] };
+        for signal in signals {
+            let (ended, _) = signalled_in(at, &line, signal);
+            assert_eq!((ended.code, ended.stdout.as_str()), (130, ""), "{line} {signal}: {ended:?}");
+            assert!(ended.stderr.contains("cancelled"), "{line} {signal}: {ended:?}");
+            assert_eq!(listing(at), INPUTS, "{line} {signal}");
+        }
+    }
+    // `timeout` sends its signal twice in a row.
+    let child = started_in(at, "surface generate spec.toml --count 1000000 --out deep/out");
+    wait_until("the hidden folder", || at.join("deep").is_dir() && partial(&at.join("deep")).is_some());
+    send("-TERM", &child);
+    send("-TERM", &child);
+    assert_eq!(ended(child).code, 130);
+    assert_eq!(listing(at), INPUTS);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_under_nohup_outlives_its_terminal() {
+    let folder = bench();
+    let at = folder.path();
+    let script = "trap '' HUP; exec \"$0\" surface generate spec.toml --count 1000 --out maps";
+    let child = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_asperity")])
+        .current_dir(at)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_until("the hidden folder", || partial(at).is_some());
+    send("-HUP", &child);
+    assert_eq!(ended(child).code, 0);
+    assert_eq!(written(&at.join("maps")).len(), 1000);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_next_run_removes_what_a_killed_one_left_and_nothing_else() {
+    let folder = bench();
+    let at = folder.path();
+    let killed = || {
+        let child = started_in(at, "surface generate spec.toml --count 1000000 --out maps");
+        wait_until("maps", || partial(at).is_some_and(|name| listing(&at.join(name)).len() > 3));
+        send("-KILL", &child);
+        assert_eq!(ended(child).code, -1);
+        partial(at).unwrap()
+    };
+    let left = killed();
+    // Names alone say nothing: these are a user's, and one in the folder that was left.
+    let mine = [".maps.partial-1/thesis.txt", ".asperity-notes.tmp/thesis.txt", ".maps.partial-host-1-1/thesis.txt"];
+    for name in mine {
+        fs::create_dir(at.join(name).parent().unwrap()).unwrap();
+        fs::write(at.join(name), "years").unwrap();
+    }
+    assert_eq!(run(at, "run study.toml --out out").code, 0);
+    assert!(!at.join(&left).exists());
+    assert!(mine.iter().all(|name| at.join(name).is_file()));
+    let left = killed();
+    fs::write(at.join(&left).join("thesis.txt"), "years").unwrap();
+    assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
+    assert_eq!(listing(&at.join(&left)), [MANIFEST, "thesis.txt"]);
+    // Files in the making as well.
+    let child = started_in(at, "surface generate spec.toml --count 1 --out big.x3p");
+    drop(ended(child));
+    let temporary = at.join(left.replace(".maps.partial-", ".asperity-") + ".tmp");
+    fs::write(&temporary, "half").unwrap();
+    assert_eq!(run(at, "surface generate spec.toml --out map.x3p").code, 0);
+    assert!(!temporary.exists());
+}
+
+/// Runs `asperity` with a small disk in the folder `disk` and lists the disk; `None` where no disk can be made.
+#[cfg(target_os = "linux")]
+fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Ended> {
+    fs::create_dir_all(at.join("disk")).unwrap();
+    let mount = format!("mount -t tmpfs -o {options} tmpfs disk");
+    let shell = |script: &str| {
+        Command::new("unshare")
+            .args(["--mount", "--map-root-user", "sh", "-c", script, env!("CARGO_BIN_EXE_asperity")])
+            .current_dir(at)
+            .output()
+    };
+    if !shell(&mount).is_ok_and(|output| output.status.success()) {
+        println!("skipped: this system does not permit to mount a small disk");
+        return None;
+    }
+    let script = format!("{mount} && {before} \"$0\" {line}; code=$?; ls -A disk; exit $code");
+    let output = shell(&script).unwrap();
+    Some(Ended {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    })
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
+    let folder = bench();
+    let at = folder.path();
+    let refuses = |options: &str, before: &str, line: &str, words: &[&str]| {
+        let Some(ended) = on_disk(at, options, before, line) else { return };
+        ended.refuses(5, words);
+        assert_eq!(ended.stderr.matches("error").count(), 1, "{ended:?}");
+        for leak in ["os error", "No space", "Read-only file system", "ZipError", "Io("] {
+            assert!(!ended.stderr.contains(leak), "{line}: {ended:?}");
+        }
+    };
+    // Of what a run writes, more than there is.
+    for line in commands() {
+        refuses("size=64k,ro", "", &format!("{line} disk/out"), &["disk/out", "read-only"]);
+    }
+    for line in ["surface generate spec.toml --out disk/map.npy", "surface convert map.x3p disk/map.npy"] {
+        refuses("size=64k,ro", "", line, &["disk/map.npy", "read-only"]);
+    }
+    refuses("size=256k", "", "run study.toml --out disk/out", &["the run needs about", "are free for disk/out"]);
+    refuses("size=256k", "", "surface generate spec.toml --count 1000 --out disk/out", &["needs about 6 MB"]);
+    // A disk that is full from the start, and one that fills up: small maps are larger in files than their heights.
+    let filled = "head -c 1000000 /dev/zero > disk/filler 2> /dev/null;";
+    let full = |line: &str| {
+        let Some(ended) = on_disk(at, "size=64k", filled, line) else { return };
+        assert!(ended.code == 5 && ended.stdout == "filler\n", "{ended:?}");
+        assert!(ended.stderr.contains("the disk is full") && !ended.stderr.contains("os error"), "{ended:?}");
+    };
+    full("run study.toml --out disk/out");
+    full("surface generate spec.toml --out disk/map.npy");
+    fs::write(at.join("spec.toml"), SPECIFICATION.replace("[32, 24]", "[4, 3]")).unwrap();
+    let line = "surface generate spec.toml --count 2000 --out disk/out";
+    refuses("size=1m", "", line, &["cannot write disk/out/map_", "the disk is full"]);
+    let output = Command::new("sh")
+        .args(["-c", "\"$0\" surface stats map.x3p --json > /dev/full", env!("CARGO_BIN_EXE_asperity")])
+        .current_dir(at)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(5));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "error: stdout: the disk is full\n");
+}

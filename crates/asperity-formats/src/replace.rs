@@ -1,0 +1,183 @@
+//! Replacement of files in one step, and temporary files that outlive their process.
+//!
+//! A process locks each temporary file while it writes it. The operating system releases the lock when the process ends,
+//! also when it is killed, so a temporary file that can be locked belongs to no running process. Process numbers alone would
+//! not do: they are reused, and several hosts or containers may write to one folder. Names hold the host because locks of some
+//! network file systems do not reach other hosts.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Number of temporary names that are tried.
+const MAX_ATTEMPTS: u32 = 100;
+
+/// Replaces `path` in one step: readers see the old content or the new, never a part.
+///
+/// # Errors
+/// The temporary file beside `path` cannot be created, written or renamed. `path` is then as before.
+pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let (temporary, mut file) = temporary_beside(path)?;
+    let written = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| fs::rename(&temporary, path));
+    if written.is_err() {
+        // The first error is the one to report.
+        let _ = fs::remove_file(&temporary);
+    }
+    written
+}
+
+/// Checks that files can be written to `folder`, and removes those that ended processes left there.
+///
+/// # Errors
+/// The operating system refuses a small file, for example because the disk is full.
+pub fn check_writable(folder: &Path) -> io::Result<()> {
+    const PROBE: [u8; 4096] = [0; 4096];
+    remove_abandoned_files(folder);
+    let (temporary, mut file) = temporary_beside(&folder.join("probe"))?;
+    let written = file.write_all(&PROBE).and_then(|()| file.sync_all());
+    fs::remove_file(&temporary).and(written)
+}
+
+/// Removes the temporary files that ended processes of this host left in `folder`.
+pub fn remove_abandoned_files(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let suffix =
+            name.to_str().and_then(|name| name.strip_prefix(".asperity-")).and_then(|name| name.strip_suffix(".tmp"));
+        if suffix.is_some_and(is_temporary_suffix) && lock_abandoned(&entry.path()).is_some() {
+            // Another process may remove it at the same time.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Returns host, process number and a count: an ending for temporary names.
+pub fn temporary_suffix() -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    format!("{}-{}-{}", host(), process::id(), COUNTER.fetch_add(1, Ordering::Relaxed))
+}
+
+/// Returns whether [`temporary_suffix`] on this host can have made `text`.
+pub fn is_temporary_suffix(text: &str) -> bool {
+    let numbers = text.strip_prefix(host()).and_then(|rest| rest.strip_prefix('-')).and_then(|rest| rest.split_once('-'));
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    numbers.is_some_and(|(process, count)| is_number(process) && is_number(count))
+}
+
+/// Creates and locks the file `path`. Returns `None` if the name is taken.
+///
+/// # Errors
+/// The file cannot be created.
+pub fn create_locked(path: &Path) -> io::Result<Option<File>> {
+    let file = match OpenOptions::new().write(true).create_new(true).open(path) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => return Ok(None),
+        file => file?,
+    };
+    // Between its creation and its lock another process can take the file for abandoned. A file system without locks is no
+    // obstacle: nothing is ever abandoned there.
+    let lost = matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) || !path.exists();
+    Ok((!lost).then_some(file))
+}
+
+/// Locks a regular file that no running process has locked. Returns `None` for all others.
+pub fn lock_abandoned(path: &Path) -> Option<File> {
+    if !fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
+        return None;
+    }
+    let file = File::open(path).ok()?;
+    file.try_lock().ok().map(|()| file)
+}
+
+fn temporary_beside(path: &Path) -> io::Result<(PathBuf, File)> {
+    for _ in 0..MAX_ATTEMPTS {
+        let temporary = path.with_file_name(format!(".asperity-{}.tmp", temporary_suffix()));
+        if let Some(file) = create_locked(&temporary)? {
+            return Ok((temporary, file));
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Name of this host without hyphens, empty where the system does not tell it.
+fn host() -> &'static str {
+    static HOST: OnceLock<String> = OnceLock::new();
+    HOST.get_or_init(|| {
+        let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        name.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+    })
+}
+
+/// Describes an error of the operating system in words of our own, without its number.
+pub fn refusal(error: &io::Error) -> String {
+    use io::ErrorKind as Kind;
+    let words = match error.kind() {
+        Kind::NotFound => "no such file or folder",
+        Kind::PermissionDenied => "permission denied",
+        Kind::ReadOnlyFilesystem => "the file system is read-only",
+        Kind::StorageFull => "the disk is full",
+        Kind::QuotaExceeded => "the disk quota is used up",
+        Kind::FileTooLarge => "the file would be larger than the system allows",
+        Kind::OutOfMemory => "out of memory",
+        Kind::IsADirectory => "this is a folder; a file is wanted",
+        Kind::NotADirectory => "a part of the path is a file; a folder is wanted",
+        Kind::InvalidFilename => "the name is too long or has characters that the system refuses",
+        Kind::WriteZero => "the device takes no more bytes",
+        _ => {
+            let text = error.to_string();
+            return text.split(" (os error").next().unwrap_or(&text).to_owned();
+        }
+    };
+    words.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_replacement_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npy");
+        replace_file(&path, |file| file.write_all(b"old")).unwrap();
+        let failed = replace_file(&path, |file| {
+            file.write_all(b"half of the n")?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        assert_eq!(refusal(&failed.unwrap_err()), "the disk is full");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn abandoned_files_are_removed_and_all_others_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let abandoned = at(&format!(".asperity-{}.tmp", temporary_suffix()));
+        let in_use = at(&format!(".asperity-{}.tmp", temporary_suffix()));
+        let folder_of_that_name = at(&format!(".asperity-{}.tmp", temporary_suffix()));
+        drop(create_locked(&abandoned).unwrap());
+        assert!(create_locked(&abandoned).unwrap().is_none(), "the name is taken");
+        let lock = create_locked(&in_use).unwrap().unwrap();
+        fs::create_dir(&folder_of_that_name).unwrap();
+        // Names of another host, and of another program.
+        let others = [at(&format!(".asperity-{}x-1-2.tmp", host())), at(".asperity-notes.tmp"), at("thesis.tmp")];
+        others.iter().for_each(|path| fs::write(path, "").unwrap());
+        remove_abandoned_files(folder.path());
+        assert!(!abandoned.exists());
+        assert!(in_use.exists() && folder_of_that_name.exists() && others.iter().all(|path| path.exists()));
+        drop(lock);
+        remove_abandoned_files(folder.path());
+        assert!(!in_use.exists());
+    }
+
+    #[test]
+    fn refusals_have_no_numbers() {
+        for number in [2, 13, 20, 21, 27, 28, 30, 36, 122, 5] {
+            let text = refusal(&io::Error::from_raw_os_error(number));
+            assert!(!text.contains("os error"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! A folder in the making.
+//!
+//! The folder is written under a hidden name beside its destination and renamed at the end. A rename replaces no folder that
+//! holds anything, so a destination that another process wrote in the meantime stays. The list of files is locked until the
+//! process ends: hidden folders whose list can be locked were left behind, and the next [`Staging::open`] beside them removes
+//! them.
+
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::{self, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use asperity_formats::{
+    Scan, check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, temporary_suffix, write_npy,
+};
+
+use super::manifest::{MANIFEST, Manifest, UNFINISHED};
+use super::{COMPLETE, FIELD_INDEX, FRICTION_PROCESS, FieldEntry, StoreError, at, json_bytes};
+use crate::study::Outcome;
+
+/// Hidden names of a folder that is being written, and of one that is being replaced.
+const PARTIAL: &str = ".partial-";
+const REPLACED: &str = ".replaced-";
+/// Number of names that are tried, for a hidden folder and for a result whose destination was taken.
+const MAX_ATTEMPTS: usize = 1000;
+
+/// A folder in the making. Dropped without [`Staging::commit`], it leaves nothing behind.
+#[derive(Debug)]
+pub struct Staging {
+    destination: PathBuf,
+    partial: PathBuf,
+    /// The list of files, locked.
+    manifest: File,
+    /// What the destination holds and may be replaced; `None` if it is empty or absent.
+    replaced: Option<Manifest>,
+    /// Folders above the destination that were made for it, the deepest first.
+    new_parents: Vec<PathBuf>,
+}
+
+impl Staging {
+    /// Begins a folder at `destination`. With `force` a folder that is there is replaced at the commit, if it holds nothing
+    /// but files that asperity wrote, unchanged since, and none of the `inputs`.
+    ///
+    /// Removes the hidden folders and files that ended processes left beside the destination.
+    ///
+    /// # Errors
+    /// The destination is no folder, has no name of its own, holds something that may not be replaced, or its parent cannot
+    /// be written.
+    pub fn open(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Self, StoreError> {
+        // Without a slash at the end, after which a link would be followed.
+        let destination: PathBuf = destination.components().collect();
+        let replaced = replaceable(&destination, force, inputs)?;
+        let Some(name) = destination.file_name() else { return Err(StoreError::Unnamed { path: destination }) };
+        let parent = parent_of(&destination);
+        let above = parent.ancestors().filter(|folder| !folder.as_os_str().is_empty());
+        let new_parents: Vec<PathBuf> = above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect();
+        let made = fs::create_dir_all(parent).and_then(|()| {
+            remove_abandoned(parent);
+            check_writable(parent)?;
+            hidden_folder(parent, name)
+        });
+        match made {
+            Ok((partial, manifest)) => Ok(Self { destination, partial, manifest, replaced, new_parents }),
+            Err(source) => {
+                remove_empty(&new_parents);
+                Err(StoreError::Io { path: destination, source })
+            }
+        }
+    }
+
+    /// The folder that will be written.
+    pub fn destination(&self) -> &Path {
+        &self.destination
+    }
+
+    /// Writes one file; `relative` may name a subfolder.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn write(&self, relative: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        let path = self.partial.join(relative);
+        let write = || {
+            writeln!(&self.manifest, "{UNFINISHED}  {relative}")?;
+            path.parent().map_or(Ok(()), fs::create_dir_all)?;
+            fs::write(&path, bytes)
+        };
+        write().map_err(at(&self.destination.join(relative)))
+    }
+
+    /// Writes results, tables, fields, and the process of the friction stage.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn write_outcome(&self, outcome: &Outcome) -> Result<(), StoreError> {
+        self.write("results.json", &json_bytes(&outcome.results)?)?;
+        for (name, table) in &outcome.tables {
+            self.write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
+        }
+        if let Some(process) = &outcome.friction_process {
+            self.write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
+        }
+        let mut index = BTreeMap::new();
+        for (name, field) in &outcome.fields {
+            let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
+            index.insert(name.clone(), entry);
+            self.write(&format!("fields/{name}.npy"), &write_npy(&Scan::new(field.values.clone(), None)))?;
+        }
+        self.write(FIELD_INDEX, &json_bytes(&index)?)
+    }
+
+    /// Marks the run complete and moves it to its destination.
+    ///
+    /// # Errors
+    /// As [`Staging::commit_unmarked`].
+    pub fn commit(self) -> Result<PathBuf, StoreError> {
+        self.write(COMPLETE, b"")?;
+        self.commit_unmarked()
+    }
+
+    /// Moves a folder that is no run to its destination, with nothing in it but the files that were written and their list.
+    ///
+    /// # Errors
+    /// The operating system refused; the destination is then as before. [`StoreError::Taken`] if the destination is no longer
+    /// what it was when the folder was begun.
+    pub fn commit_unmarked(self) -> Result<PathBuf, StoreError> {
+        self.finish_manifest().map_err(at(&self.destination.join(MANIFEST)))?;
+        let aside = match self.set_aside() {
+            Ok(aside) => aside,
+            Err(source) => return Err(self.keep_beside(source)),
+        };
+        let moved = fs::rename(&self.partial, &self.destination);
+        if let Some((aside, old)) = aside {
+            // Where the new folder could not take its place, the old one goes back, unless another process replaced it first.
+            if moved.is_ok() || fs::rename(&aside, &self.destination).is_err() {
+                old.remove(&aside).map_err(at(&aside))?;
+            }
+        }
+        match moved {
+            Ok(()) => Ok(self.destination.clone()),
+            Err(source) => Err(self.keep_beside(source)),
+        }
+    }
+
+    /// Replaces the unfinished list by that with the hashes of all files.
+    fn finish_manifest(&self) -> io::Result<()> {
+        let text = Manifest::of(&self.partial)?.text();
+        let mut file = &self.manifest;
+        file.rewind()?;
+        file.set_len(0)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    }
+
+    /// Moves the folder that is to be replaced out of the way, and back if it is no longer the same.
+    fn set_aside(&self) -> io::Result<Option<(PathBuf, Manifest)>> {
+        let Some(old) = &self.replaced else { return Ok(None) };
+        let name = self.destination.file_name().unwrap_or_default();
+        let aside = parent_of(&self.destination).join(hidden_name(name, REPLACED));
+        // Other processes leave the folder alone while its list is locked.
+        let _lock = lock_abandoned(&self.destination.join(MANIFEST));
+        match fs::rename(&self.destination, &aside) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            moved => moved?,
+        }
+        // From here on nobody can add a file under the old name.
+        let is_same = Manifest::read(&aside)
+            .and_then(|found| Ok(found.as_ref() == Some(old) && old.foreign(&aside)?.is_empty()))
+            .unwrap_or(false);
+        if is_same {
+            return Ok(Some((aside, old.clone())));
+        }
+        fs::rename(&aside, &self.destination)?;
+        Err(io::ErrorKind::DirectoryNotEmpty.into())
+    }
+
+    /// Gives a finished folder that cannot take its destination a name of its own: nothing that was computed is lost.
+    fn keep_beside(&self, source: io::Error) -> StoreError {
+        let name = self.destination.file_name().unwrap_or_default();
+        let free = (2..MAX_ATTEMPTS).find_map(|number| {
+            let mut other = name.to_os_string();
+            other.push(format!("-{number}"));
+            let kept = self.destination.with_file_name(other);
+            let is_free = fs::symlink_metadata(&kept).is_err();
+            (is_free && fs::rename(&self.partial, &kept).is_ok()).then_some(kept)
+        });
+        let path = self.destination.clone();
+        let reason = match source.kind() {
+            io::ErrorKind::DirectoryNotEmpty | io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+                "it was written in the meantime".to_owned()
+            }
+            _ => refusal(&source),
+        };
+        match free {
+            Some(kept) => StoreError::Taken { path, reason, kept },
+            None => StoreError::Io { path, source },
+        }
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        // After a commit there is nothing left to remove; before one, failing to clean up must not hide the first error.
+        let _ = fs::remove_dir_all(&self.partial);
+        remove_empty(&self.new_parents);
+    }
+}
+
+/// Checks whether a folder may be written to `destination`. Returns the list of the files that are to be replaced.
+fn replaceable(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Option<Manifest>, StoreError> {
+    let path = || destination.to_path_buf();
+    let kind = match fs::symlink_metadata(destination) {
+        Ok(metadata) => metadata.file_type(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(at(destination)(error)),
+    };
+    if kind.is_symlink() {
+        return Err(StoreError::NoFolder { path: path(), found: "a symbolic link" });
+    }
+    if !kind.is_dir() {
+        return Err(StoreError::NoFolder { path: path(), found: "no folder" });
+    }
+    if fs::read_dir(destination).map_err(at(destination))?.next().is_none() {
+        return Ok(None);
+    }
+    if !force {
+        return Err(StoreError::NotEmpty { path: path() });
+    }
+    let folder = destination.canonicalize().map_err(at(destination))?;
+    let within = |input: &&&Path| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
+    if let Some(input) = inputs.iter().find(within) {
+        return Err(StoreError::HoldsInput { path: path(), input: input.to_path_buf() });
+    }
+    let Some(manifest) = Manifest::read(destination).map_err(at(destination))? else {
+        return Err(StoreError::NoManifest { path: path() });
+    };
+    let foreign = manifest.foreign(destination).map_err(at(destination))?;
+    if foreign.is_empty() { Ok(Some(manifest)) } else { Err(StoreError::Foreign { path: path(), foreign }) }
+}
+
+/// Makes a hidden folder in `parent` and its list of files, locked.
+fn hidden_folder(parent: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
+    for _ in 0..MAX_ATTEMPTS {
+        let partial = parent.join(hidden_name(name, PARTIAL));
+        match fs::create_dir(&partial) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+            made => made?,
+        }
+        match create_locked(&partial.join(MANIFEST)) {
+            Ok(Some(manifest)) => return Ok((partial, manifest)),
+            // Another process took the folder for abandoned before it was locked.
+            Ok(None) => {}
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => {
+                let _ = fs::remove_dir_all(&partial);
+                return Err(error);
+            }
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Removes the folders that ended processes left in `folder`: unfinished ones, and those that were about to be replaced.
+fn remove_abandoned(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let (path, name) = (entry.path(), entry.file_name());
+        let Some(name) = name.to_str().and_then(|name| name.strip_prefix('.')) else { continue };
+        let of_kind = |kind: &str| name.rsplit_once(kind).filter(|(_, suffix)| is_temporary_suffix(suffix));
+        let (partial, replaced) = (of_kind(PARTIAL), of_kind(REPLACED));
+        if (partial.is_none() && replaced.is_none()) || !entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            continue;
+        }
+        // The lock is held until the folder is gone. A process that was killed at its very beginning left an empty folder.
+        let Some(_lock) = lock_abandoned(&path.join(MANIFEST)) else {
+            let _ = fs::remove_dir(&path);
+            continue;
+        };
+        if let Some((name, _)) = replaced
+            && fs::rename(&path, folder.join(name)).is_ok()
+        {
+            // Its replacement never took its place.
+            continue;
+        }
+        if let Ok(Some(manifest)) = Manifest::read(&path)
+            && (partial.is_some() || manifest.foreign(&path).is_ok_and(|foreign| foreign.is_empty()))
+        {
+            let _ = manifest.remove(&path);
+        }
+    }
+}
+
+fn hidden_name(name: &OsStr, kind: &str) -> String {
+    format!(".{}{kind}{}", name.to_string_lossy(), temporary_suffix())
+}
+
+fn parent_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders {
+        // A folder that holds something stays.
+        let _ = fs::remove_dir(folder);
+    }
+}
