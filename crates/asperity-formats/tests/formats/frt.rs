@@ -203,7 +203,7 @@ fn the_first_topography_is_read_of_several_images_and_others_are_no_channels() {
 
 #[test]
 fn numbers_of_32_bits_are_signed_and_ranges_span_every_image() {
-    let options = ReadOptions { channel: Some(Channel::Number(1)) };
+    let options = ReadOptions { channel: Some(Channel::Number(1)), ..ReadOptions::default() };
     let scan = read_bytes_with(&Frt::several().bytes(), &options).unwrap();
     let [least, most] = [-2147483648.0 * 1e-8, 2147483647.0 * 1e-8];
     assert_heights(&scan, &[NAN, -1e-8, least, most, -5e-8, 6e-8, 7e-8, 8e-8]);

@@ -127,11 +127,11 @@ fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
     assert_eq!(scan.channels, ["LAYER_2", "LAYER_10"]);
     assert_heights(&scan, &[2e-6; 6]);
     for channel in [Channel::Number(2), Channel::Name("layer_10".into())] {
-        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel) }).unwrap();
+        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel), ..ReadOptions::default() }).unwrap();
         assert_heights(&scan, &[10e-6; 6]);
         assert_eq!(scan.channel, 1);
     }
-    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())) }).unwrap_err();
+    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())), ..ReadOptions::default() }).unwrap_err();
     assert!(matches!(error, FormatError::NoSuchChannel { format: Format::Plux, .. }), "{error}");
 }
 

@@ -415,7 +415,7 @@ fn pages_are_channels_and_those_of_other_kinds_are_left_out() {
     assert!(scan.warnings.iter().any(|warning| {
         warning.ends_with("left out: page 1 is in colours (RGB), page 2 is a smaller copy of another")
     }));
-    let options = ReadOptions { channel: Some(Channel::Name("height".into())) };
+    let options = ReadOptions { channel: Some(Channel::Name("height".into())), ..ReadOptions::default() };
     let scan = read_bytes_with(&bytes, &options).unwrap();
     assert_heights(&scan, &[9.0; 6]);
     assert_eq!(scan.metadata["PageName"], "Height");
