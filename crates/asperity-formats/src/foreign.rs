@@ -1,7 +1,7 @@
 //! Formats that are recognised and not read, so that an error can name them and say what to do instead.
 //!
 //! Signatures are those of the shared MIME database, of the vendors' manuals and of the comments on formats that Gwyddion and
-//! SurfaceTopography publish. TIFF files of vendors are recognised by their fields, in [`crate::tiff`].
+//! SurfaceTopography publish. The readers of TIFF and NetCDF recognise files of vendors by their fields and groups.
 
 use crate::FormatError;
 use crate::archive::Archive;
@@ -31,7 +31,7 @@ enum Signature {
 const HEAD_BYTES: usize = 4096;
 
 pub(crate) const TO_GWY: &str = "Gwyddion can save it as GWY";
-const TO_MATRIX: &str = "save the matrix of heights as NPY or text";
+pub(crate) const TO_MATRIX: &str = "save the matrix of heights as NPY or text";
 const TO_GRID: &str = "save the heights on a regular grid, as text or XYZ";
 const NO_HEIGHTS: &str = "a picture holds no heights; export the height map from the instrument's program";
 const UNPACK: &str = "unpack it and give the file of heights";

@@ -13,6 +13,8 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 
 /// Pages that one file may have.
 const MAX_PAGES: usize = 4096;
+/// Pages whose fields are compared with those of vendors.
+const VENDOR_PAGES: usize = 8;
 /// Bytes of a page's name beyond which it goes without.
 const MAX_NAME_BYTES: u64 = 256;
 /// Resolutions per inch that programs write that know of no size: none, those of screens, those of printers.
@@ -48,7 +50,9 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         }
         seen.push(next);
         let page = file.directory(next)?;
-        if let Some(vendor) = vendor(&page)? {
+        if seen.len() <= VENDOR_PAGES
+            && let Some(vendor) = vendor(&page)?
+        {
             return Err(vendor);
         }
         let name = Some(tag::PAGE_NAME).filter(|&name| page.length(name) <= MAX_NAME_BYTES);
@@ -89,7 +93,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
 /// The error for the page of a vendor that keeps its heights, or their scale, in fields of its own.
 ///
 /// JPK numbers its fields from 32768 on; Park's start at 50432 (its magic number) and hold the heights beside a picture of them.
-/// The LEXT of Olympus describes its pages in XML, the OLS3000 in lines of text.
+/// Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
 fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
     // Descriptions of instruments take some kilobytes.
     const MAX_DESCRIPTION: u64 = 1 << 16;
@@ -99,9 +103,15 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
     } else if (32768..=32775).chain(32832..=32837).chain(32848..=32850).any(has) {
         Some("a JPK image file")
     } else {
-        let description = Some(tag::IMAGE_DESCRIPTION).filter(|&tag| page.length(tag) <= MAX_DESCRIPTION);
-        let description = description.map_or(Ok(None), |tag| page.text(tag))?.unwrap_or_default();
-        let is_olympus = description.contains("TiffTagDescData") || description.contains("System Name =         OLS");
+        let text = |tag: Tag| {
+            let tag = Some(tag).filter(|&tag| page.length(tag) <= MAX_DESCRIPTION);
+            Ok::<_, FormatError>(tag.map_or(Ok(None), |tag| page.text(tag))?.unwrap_or_default())
+        };
+        let description = text(tag::IMAGE_DESCRIPTION)?;
+        let is_olympus = description.contains("TiffTagDescData")
+            || description.contains("System Name") && description.contains("OLS")
+            || text(tag::MAKE)?.starts_with("OLYMPUS")
+            || text(tag::MODEL)?.contains("LEXT");
         is_olympus.then_some("an Olympus LEXT file")
     };
     Ok(name.map(|name| FormatError::NotRead { name, way_out: TO_GWY }))

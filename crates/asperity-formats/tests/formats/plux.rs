@@ -172,9 +172,13 @@ fn dimensions_that_the_files_cannot_bear_out_are_errors() {
 }
 
 #[test]
-fn an_archive_with_an_index_alone_is_no_plux() {
-    let bytes = Content::Zip(vec![("index.xml".into(), Plux::default().index().into_bytes())]).bytes();
-    assert_ne!(Format::detect(&bytes), Some(Format::Plux));
+fn an_index_of_a_map_without_a_layer_is_refused_as_plux_and_any_other_index_is_none() {
+    let archive = |index: String| Content::Zip(vec![("index.xml".into(), index.into_bytes())]).bytes();
+    let plux = archive(Plux { layers: "", ..Plux::default() }.index());
+    assert_eq!(Format::detect(&plux), Some(Format::Plux));
+    let message = read_bytes(&plux).unwrap_err().to_string();
+    assert!(message.starts_with("PLUX: no layer of index.xml has heights (LAYER_n/FILENAME_Z)"), "{message}");
+    assert_ne!(Format::detect(&archive("<xml><GENERAL/></xml>".into())), Some(Format::Plux));
 }
 
 #[test]

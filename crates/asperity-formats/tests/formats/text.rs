@@ -337,6 +337,27 @@ fn heights_in_another_unit_are_converted() {
     assert!(!scan.metadata.contains_key("converted"));
 }
 
+/// The header that Koala (Lyncée Tec) writes above phases.
+const KOALA: &str = "h=2 w=3\npixel size=2.84871e-07 m\ndata unit=rad\nheight conversion factor (-> m)=6.3e-8\n";
+
+#[test]
+fn a_conversion_factor_comes_before_the_unit() {
+    let scan = read_bytes(format!("{KOALA}{MATRIX}").as_bytes()).unwrap();
+    assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
+    assert_eq!(scan.pitch_m, Some((2.84871e-7, 2.84871e-7)));
+    assert_eq!(scan.warnings, [] as [String; 0]);
+    assert_eq!(scan.height_unit.as_deref(), Some("m"));
+    // A factor of its own beside another unit.
+    let contradiction = KOALA.replace("data unit=rad", "data unit=nm");
+    let scan = read_bytes(format!("{contradiction}{MATRIX}").as_bytes()).unwrap();
+    assert!((scan.heights_m[[0, 0]] / 6.3e-8 - 1.0).abs() < 1e-15);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("the factor was used")), "{:?}", scan.warnings);
+    // Koala states the factor of phases also above heights.
+    let heights = KOALA.replace("data unit=rad", "data unit=m");
+    let scan = read_bytes(format!("{heights}{MATRIX}").as_bytes()).unwrap();
+    assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+}
+
 #[test]
 fn a_unit_that_is_no_length_is_doubted() {
     for (header, shown) in [
