@@ -24,7 +24,7 @@ fn heights_without_a_unit_are_in_the_stated_one() {
             assert_eq!(scan.format, Some(format));
             assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
             assert_eq!(scan.height_unit.as_deref(), Some(unit));
-            assert!(!scan.warnings.iter().any(|warning| warning.contains("unit")), "{:?}", scan.warnings);
+            assert!(!scan.warnings.iter().any(|warning| warning.contains("height unit")), "{:?}", scan.warnings);
         }
     }
     assert_eq!(read_bytes(&npy).unwrap().height_unit, None);
