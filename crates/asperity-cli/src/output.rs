@@ -81,7 +81,8 @@ impl Answer {
     pub(crate) fn print(&self, json: bool) -> Result<(), Failure> {
         let text = if json {
             let recorded = WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            let object = serde_json::to_string(&self.with_warnings(&recorded)).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let object = serde_json::to_string(&self.with_warnings(&recorded))
+                .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             format!("{object}\n")
         } else {
             self.table()

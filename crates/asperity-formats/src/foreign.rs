@@ -69,11 +69,7 @@ const FOREIGN: &[Foreign] = &[
     Foreign { name: "an NT-MDT file (MDT)", signature: Start(&[b"\x01\xb0\x93\xff"]), way_out: TO_GWY },
     Foreign { name: "a WSxM file", signature: Start(&[b"WSxM file copyright"]), way_out: TO_GWY },
     Foreign { name: "a Nanonis SXM file", signature: Start(&[b":NANONIS_VERSION:"]), way_out: TO_GWY },
-    Foreign {
-        name: "an ISO 28600 file",
-        signature: Start(&[b"ISO/TC 201 SPM data transfer format"]),
-        way_out: TO_GWY,
-    },
+    Foreign { name: "an ISO 28600 file", signature: Start(&[b"ISO/TC 201 SPM data transfer format"]), way_out: TO_GWY },
     Foreign { name: "a Gwyddion simple field (GSF)", signature: Start(&[b"Gwyddion Simple Field"]), way_out: TO_GWY },
     Foreign { name: "a Gwyddion XYZ field", signature: Start(&[b"Gwyddion XYZ Field"]), way_out: TO_GWY },
     Foreign { name: "a Zeiss CZI file", signature: Start(&[b"ZISRAWFILE"]), way_out: "export the height map as text" },

@@ -252,7 +252,9 @@ impl Header {
                     && other != per_metre
                 {
                     let (key, unit, factor) = (shown(key), shown(unit), shown(&pair.key));
-                    meaning.warnings.push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
+                    meaning
+                        .warnings
+                        .push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
                 }
             }
             (None, Some((_, unit, Some(per_metre)))) => {

@@ -76,7 +76,10 @@ fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
     for (bytes, name, way_out) in cases {
         assert_eq!(Format::detect(&bytes), None, "{name}");
         let message = refusal(&bytes);
-        assert!(message.starts_with(&format!("this is {name}")) && message.contains(", which is not read; "), "{message}");
+        assert!(
+            message.starts_with(&format!("this is {name}")) && message.contains(", which is not read; "),
+            "{message}"
+        );
         assert!(message.contains(way_out), "{message}");
         // Within a gzip stream as well.
         assert_eq!(refusal(&gzip(&bytes)), message);
@@ -106,7 +109,10 @@ fn a_message_states_the_size_of_the_file() {
         let path = folder.path().join(name);
         fs::write(&path, &bytes).unwrap();
         let message = read(&path).unwrap_err().to_string();
-        assert!(message.contains(&format!("unknown format: {} bytes that start with `\\x00", bytes.len())), "{message}");
+        assert!(
+            message.contains(&format!("unknown format: {} bytes that start with `\\x00", bytes.len())),
+            "{message}"
+        );
         assert_eq!(message.contains("once unpacked"), name.ends_with("gz"), "{message}");
     }
     // A long file of a known format is not read to its end.

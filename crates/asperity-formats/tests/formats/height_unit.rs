@@ -1,6 +1,8 @@
 //! The unit of heights that a user states.
 
-use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, read_bytes, read_bytes_with, write_npy, write_sur};
+use asperity_formats::{
+    Format, FormatError, ReadOptions, Scan, SurData, read_bytes, read_bytes_with, write_npy, write_sur,
+};
 use ndarray::array;
 
 use crate::assert_heights;

@@ -139,7 +139,8 @@ fn layers_follow_each_other_behind_range_and_images() {
         assert_heights(&scan, &[4e-6, 5e-6]);
         assert!(scan.warnings.iter().any(|warning| warning.contains("the header states 3 × 2 points")));
     }
-    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Number(3)), ..ReadOptions::default() }).unwrap_err();
+    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Number(3)), ..ReadOptions::default() })
+        .unwrap_err();
     assert!(error.to_string().contains("`layer 1`, `layer 2`"), "{error}");
 }
 

@@ -131,7 +131,11 @@ fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
         assert_heights(&scan, &[10e-6; 6]);
         assert_eq!(scan.channel, 1);
     }
-    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())), ..ReadOptions::default() }).unwrap_err();
+    let error = read_bytes_with(
+        &bytes,
+        &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())), ..ReadOptions::default() },
+    )
+    .unwrap_err();
     assert!(matches!(error, FormatError::NoSuchChannel { format: Format::Plux, .. }), "{error}");
 }
 

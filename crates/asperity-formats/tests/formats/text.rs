@@ -220,7 +220,9 @@ fn channels_of_one_file_are_told_apart() {
     let error = read_bytes_with(text.as_bytes(), &options).unwrap_err().to_string();
     assert_eq!(error, "text: no height map `Phase`; the file holds `Topography`, `Zoom`");
     let broken = text.replace("\n1 2\n", "\n1 x\n");
-    let error = read_bytes_with(broken.as_bytes(), &ReadOptions { channel: Some("2".into()), ..ReadOptions::default() }).unwrap_err();
+    let error =
+        read_bytes_with(broken.as_bytes(), &ReadOptions { channel: Some("2".into()), ..ReadOptions::default() })
+            .unwrap_err();
     assert!(error.to_string().starts_with("text: value 2 (line 19) is `x`"), "{error}");
     let phases = text.replace("units: m", "units: V").replace("units: nm", "units: V");
     let error = read_bytes(phases.as_bytes()).unwrap_err().to_string();

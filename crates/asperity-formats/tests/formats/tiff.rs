@@ -509,7 +509,10 @@ fn files_of_vendors_are_refused_by_name() {
             for pages in [vec![vendor.clone()], vec![Page::new(16, 1, vec![0; 12]), vendor]] {
                 let error = read_bytes(&tiff(kind, &pages)).unwrap_err();
                 assert!(matches!(error, FormatError::NotRead { .. }), "{error}");
-                assert_eq!(error.to_string(), format!("this is {name}, which is not read; Gwyddion can save it as GWY"));
+                assert_eq!(
+                    error.to_string(),
+                    format!("this is {name}, which is not read; Gwyddion can save it as GWY")
+                );
             }
         }
     }

@@ -188,11 +188,8 @@ pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
     // Residuals of least squares are orthogonal to the form.
     let between = |before: f64, after: f64| (before * before - after * after).max(0.0).sqrt();
     let quadratic = rms_after(Level::Quadratic).unwrap_or(plane);
-    let (level, rest) = if between(plane, quadratic) > quadratic {
-        (Level::Quadratic, quadratic)
-    } else {
-        (Level::Plane, plane)
-    };
+    let (level, rest) =
+        if between(plane, quadratic) > quadratic { (Level::Quadratic, quadratic) } else { (Level::Plane, plane) };
     let form_rms_m = between(mean, rest);
     (form_rms_m > rest).then_some(DominantForm { level, form_rms_m, roughness_rms_m: rest })
 }
