@@ -5,12 +5,13 @@ use std::path::Path;
 
 use asperity::map::{HeightMap, MapError, checked_pitch_m};
 use asperity::quantity::Length;
-use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
+use asperity_formats::{Channel, Format, FormatError, LengthUnit, ReadOptions, Scan};
 use clap::Args;
 
 use crate::args::{self, OneOrTwo};
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
+use crate::output::Answer;
 
 /// What a file does not say of itself.
 #[derive(Debug, Clone, Args)]
@@ -22,18 +23,21 @@ pub(crate) struct ScanOptions {
     /// others.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     pixel_size: Option<OneOrTwo<Length>>,
+    /// Unit of the heights of a file that states none (NPY, most text, XYZ, TIFF): m, mm, um or nm; overrides that of others.
+    #[arg(long, value_name = "U", value_parser = height_unit)]
+    height_unit: Option<LengthUnit>,
 }
 
 impl ScanOptions {
-    /// The options for another file: the pixel size alone, as a channel belongs to one file.
+    /// The options for another file: pixel size and unit, as a channel belongs to one file.
     pub(crate) fn of_another_file(&self) -> Self {
-        Self { channel: None, pixel_size: self.pixel_size }
+        Self { channel: None, ..self.clone() }
     }
 }
 
 /// Reads a scan, tells its warnings, and applies the pixel size.
 pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Result<Scan, Failure> {
-    let choice = ReadOptions { channel: options.channel.clone() };
+    let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone() };
     let mut scan = asperity_formats::read_with(path, &choice).map_err(|e| unreadable(&e))?;
     for warning in &scan.warnings {
         monitor.warn(&format!("{}: {warning}", path.display()));
@@ -51,10 +55,20 @@ pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Re
 
 /// Reads a height map.
 pub(crate) fn map(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Result<HeightMap, Failure> {
-    HeightMap::try_from(scan(path, options, monitor)?).map_err(|e| match e {
+    height_map(scan(path, options, monitor)?, path)
+}
+
+/// The height map of a scan that was read from `path`.
+pub(crate) fn height_map(scan: Scan, path: &Path) -> Result<HeightMap, Failure> {
+    HeightMap::try_from(scan).map_err(|e| match e {
         MapError::NoPitch => Failure::usage(format_args!("{}: {e}", path.display())),
         e => Failure::data(path.display(), &e),
     })
+}
+
+/// The format that was read, and the channel of files that hold several.
+pub(crate) fn source(scan: &Scan) -> Answer {
+    Answer::default().with("format", scan.format.map(Format::name)).with("channel", scan.channel_name())
 }
 
 /// A file that cannot be read is missing or unusable data; the message names the file already.
@@ -64,6 +78,10 @@ pub(crate) fn unreadable(error: &FormatError) -> Failure {
         _ => Kind::Data,
     };
     Failure::new(kind, chain(error))
+}
+
+fn height_unit(text: &str) -> Result<LengthUnit, FormatError> {
+    text.parse()
 }
 
 fn channel(text: &str) -> Result<Channel, Infallible> {

@@ -10,7 +10,7 @@ use asperity::monitor::{Cancelled, Monitor};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::failure::{Failure, Kind};
-use crate::output::talk;
+use crate::output::{record_warning, talk};
 
 /// Time between two lines when stderr is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
@@ -113,8 +113,9 @@ impl Terminal {
         }
     }
 
-    /// Tells something doubtful, unless quiet.
+    /// Tells something doubtful, unless quiet; a JSON answer holds it in any case.
     pub(crate) fn warn(&self, message: &str) {
+        record_warning(message);
         self.note(&format!("warning: {message}"));
     }
 

@@ -4,6 +4,7 @@ use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use asperity_formats::check_writable;
 use serde::de::{MapAccess, Visitor};
@@ -12,9 +13,20 @@ use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
 
+/// The key of the warnings in every JSON object.
+const WARNINGS_KEY: &str = "warnings";
+
 /// Writes one message to stderr. A closed stderr is nobody's concern.
 pub(crate) fn talk(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{message}");
+}
+
+/// The warnings of the command, for the JSON object that it prints.
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Keeps a warning for the JSON object that the command prints.
+pub(crate) fn record_warning(message: &str) {
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
 }
 
 /// Results in the order in which they are shown. Keys end with their SI unit; an undefined number is null.
@@ -46,10 +58,32 @@ impl Answer {
         self
     }
 
-    /// Prints the answer to stdout: one JSON object, or an aligned table with units.
+    /// Answers with the same results as one, with a list of values for each.
+    pub(crate) fn lists(answers: &[Self]) -> Self {
+        let keys = answers.first().map_or(&[][..], |first| &first.0);
+        let values = |place: usize| answers.iter().map(|answer| answer.0[place].1.clone()).collect::<Vec<Value>>();
+        Self(keys.iter().enumerate().map(|(place, (key, _))| (key.clone(), values(place).into())).collect())
+    }
+
+    /// The answer with its own warnings and the `recorded` ones as the last result. Of those that repeat one of its own behind the
+    /// name of a file, its own stays.
+    fn with_warnings(&self, recorded: &[String]) -> Self {
+        let own = self.0.iter().find(|(key, _)| key == WARNINGS_KEY).and_then(|(_, value)| value.as_array());
+        let mut warnings: Vec<Value> = own.cloned().unwrap_or_default();
+        let is_new = |warning: &&String| {
+            let repeats = |own: &Value| own.as_str().is_some_and(|own| warning.ends_with(own));
+            !own.is_some_and(|own| own.iter().any(repeats))
+        };
+        warnings.extend(recorded.iter().filter(is_new).map(|warning| Value::from(warning.as_str())));
+        self.clone().without(WARNINGS_KEY).with(WARNINGS_KEY, warnings)
+    }
+
+    /// Prints the answer to stdout: one JSON object with the warnings of the command, or an aligned table with units.
     pub(crate) fn print(&self, json: bool) -> Result<(), Failure> {
         let text = if json {
-            let object = serde_json::to_string(self).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let recorded = WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let object = serde_json::to_string(&self.with_warnings(&recorded))
+                .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             format!("{object}\n")
         } else {
             self.table()
@@ -295,6 +329,17 @@ mod tests {
     fn keys_keep_their_order_and_numbers_their_bits() {
         let answer = Answer::default().with("b", 0.1 + 0.2).with("a", 6.372_163_483_739_709);
         assert_eq!(serde_json::to_string(&answer).unwrap(), r#"{"b":0.30000000000000004,"a":6.372163483739709}"#);
+    }
+
+    #[test]
+    fn a_json_object_ends_with_its_warnings_each_once() {
+        let recorded = ["a.npy: one".to_owned(), "two".to_owned(), "three".to_owned()];
+        let json = |answer: Answer| serde_json::to_string(&answer.with_warnings(&recorded)).unwrap();
+        assert_eq!(json(Answer::default().with("a", 1)), r#"{"a":1,"warnings":["a.npy: one","two","three"]}"#);
+        let own = Answer::default().with("warnings", vec!["one", "two"]).with("a", 1);
+        assert_eq!(json(own), r#"{"a":1,"warnings":["one","two","three"]}"#);
+        let none = Answer::default().with_warnings(&[]);
+        assert_eq!(serde_json::to_string(&none).unwrap(), r#"{"warnings":[]}"#);
     }
 
     #[test]

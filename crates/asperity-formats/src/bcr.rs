@@ -192,7 +192,8 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     for (key, value) in &header.pairs {
         notes.insert(key, value);
     }
-    Ok(Scan { metadata: notes.metadata(), warnings, ..Scan::new(heights_m, pitch_m) })
+    let height_unit = crate::unit::name(per_metre).map(str::to_owned);
+    Ok(Scan { metadata: notes.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
 }
 
 /// What turns a number into a height in the unit of heights.

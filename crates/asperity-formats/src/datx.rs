@@ -125,7 +125,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     describe(&file, &object, &mut metadata);
     let lateral_m = attributes_group(&file, &mut metadata);
     let pitch_m = meaning.pitch_m(lateral_m, &mut warnings);
-    let scan = Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) };
+    let height_unit = meaning.unit().and_then(length_unit).and_then(crate::unit::name).map(str::to_owned);
+    let scan = Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, chosen))
 }
 

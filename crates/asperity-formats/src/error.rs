@@ -70,10 +70,24 @@ pub enum FormatError {
     /// The content belongs to no known format.
     #[error("{}; known are {}", unknown(*length, start), crate::format::read_names())]
     Unrecognised {
-        /// Bytes that were looked at: the whole content unless it is long.
-        length: usize,
-        /// Its first bytes, escaped.
+        /// Size of the file in bytes.
+        length: u64,
+        /// The first bytes of its content, escaped.
         start: String,
+    },
+    /// The content belongs to a known format that this crate does not read.
+    #[error("this is {name}, which is not read; {way_out}")]
+    NotRead {
+        /// The format with its article.
+        name: &'static str,
+        /// What to do instead.
+        way_out: &'static str,
+    },
+    /// A text that names no unit of length.
+    #[error("`{}` is not a unit of length; wanted m, mm, um, nm, pm, angstrom or in", shown(unit))]
+    UnknownUnit {
+        /// What was found.
+        unit: String,
     },
     /// A valid file of a kind that this crate does not read or write.
     #[error("{}: {found}; wanted {wanted}", format.name())]
@@ -231,7 +245,7 @@ impl FormatError {
     }
 }
 
-fn unknown(length: usize, start: &str) -> String {
+fn unknown(length: u64, start: &str) -> String {
     match length {
         0 => "the file is empty".into(),
         _ => format!("unknown format: {length} bytes that start with {start}"),

@@ -9,7 +9,7 @@ use crate::large;
 use crate::replace::replace_file;
 use crate::text::{Separator, write_text};
 use crate::x3p::ZIP_MAGIC;
-use crate::{Format, FormatError, Location, ReadOptions, Scan, npy};
+use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
 
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -51,7 +51,7 @@ pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
         Some(format) => {
             Err(FormatError::Unsupported { format, found: "a map".into(), wanted: "a one-dimensional NPY array" })
         }
-        None => Err(unrecognised(&bytes)),
+        None => Err(unrecognised(&bytes, bytes.len() as u64)),
     };
     series.map_err(|error| error.in_file(path))
 }
@@ -61,12 +61,16 @@ fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
     let mut file = File::open(path).map_err(failed)?;
     let mut start = Vec::new();
     (&mut file).take(PROBE_BYTES).read_to_end(&mut start).map_err(failed)?;
+    // A pipe has no size.
+    let size = file.metadata().map_or(0, |metadata| metadata.len()).max(start.len() as u64);
     if start.len() as u64 == PROBE_BYTES && !may_be_known(&start) {
-        return Err(unrecognised(&start).in_file(path));
+        return Err(unrecognised(&start, size).in_file(path));
     }
-    // What the system says of the length only sizes the buffer; a pipe has none.
-    let length = file.metadata().map_or(0, |metadata| metadata.len().min(MAX_FILE_BYTES));
-    let length = usize::try_from(length).unwrap_or_default();
+    if let Some(format) = Format::detect(&start).filter(|_| size > MAX_FILE_BYTES) {
+        return Err(too_large(format, size).in_file(path));
+    }
+    // What the system says of the size only sizes the buffer.
+    let length = usize::try_from(size.min(MAX_FILE_BYTES)).unwrap_or_default();
     let mut bytes = match whole(&file, length) {
         Some(bytes) => {
             file.seek(SeekFrom::Start(length as u64)).map_err(failed)?;
@@ -105,14 +109,27 @@ fn whole(_file: &File, _length: usize) -> Option<Vec<u8>> {
 }
 
 /// Whether the start of a long file leaves hope for the rest, so that a film is not read to its end. The directory of
-/// an archive is at its end.
+/// an archive is at its end, that of an OLE compound file anywhere.
 fn may_be_known(start: &[u8]) -> bool {
-    start.starts_with(ZIP_MAGIC) || Format::detect(start).is_some()
+    start.starts_with(ZIP_MAGIC) || start.starts_with(foreign::OLE_MAGIC) || Format::detect(start).is_some()
 }
 
-fn unrecognised(bytes: &[u8]) -> FormatError {
-    let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii();
-    FormatError::Unrecognised { length: bytes.len(), start: format!("`{start}`") }
+/// The error for content that no reader takes, of a file of so many bytes.
+fn unrecognised(bytes: &[u8], size: u64) -> FormatError {
+    foreign::recognise(bytes, size).or_else(|| foreign::in_archive(bytes)).unwrap_or_else(|| {
+        let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii();
+        FormatError::Unrecognised { length: size, start: format!("`{start}`") }
+    })
+}
+
+fn too_large(format: Format, size: u64) -> FormatError {
+    FormatError::TooLarge {
+        format,
+        field: "the file's size in bytes".into(),
+        at: Location::Byte(0),
+        found: size,
+        limit: MAX_FILE_BYTES,
+    }
 }
 
 /// Reads the content of a file of any known format.
@@ -128,28 +145,33 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
 /// # Errors
 /// As [`read_bytes`].
 pub fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
-    if bytes.starts_with(&GZIP_MAGIC) { read_plain(&gunzip(bytes)?, options) } else { read_plain(bytes, options) }
+    if !bytes.starts_with(&GZIP_MAGIC) {
+        return read_plain(bytes, options);
+    }
+    read_plain(&gunzip(bytes)?, options).map_err(|error| match error {
+        FormatError::Unrecognised { length: 1.., start } => {
+            FormatError::Unrecognised { length: bytes.len() as u64, start: format!("{start} once unpacked") }
+        }
+        error => error,
+    })
 }
 
 /// Reads content that is not compressed as a whole.
 fn read_plain(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
-    let codec = Format::detect(bytes).and_then(Format::codec).ok_or_else(|| unrecognised(bytes))?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(FormatError::TooLarge {
-            format: codec.description.format,
-            field: "the file's size in bytes".into(),
-            at: Location::Byte(0),
-            found: bytes.len() as u64,
-            limit: MAX_FILE_BYTES,
-        });
+    let size = bytes.len() as u64;
+    let codec = Format::detect(bytes).and_then(Format::codec).ok_or_else(|| unrecognised(bytes, size))?;
+    let format = codec.description.format;
+    if size > MAX_FILE_BYTES {
+        return Err(too_large(format, size));
     }
     let mut scan = (codec.read)(bytes, options)?;
     if scan.channels.is_empty() {
         // A file of one map has just the map number 1.
-        options.choose(codec.description.format, &[codec.description.name.to_owned()])?;
+        options.choose(format, &[codec.description.name.to_owned()])?;
     }
-    scan = scan.checked(options);
-    Ok(scan)
+    scan.format = Some(format);
+    scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
+    Ok(scan.in_stated_unit(options).checked(options))
 }
 
 /// Writes a scan in the format of the path's extension; [`descriptions`](crate::descriptions) says which are written.

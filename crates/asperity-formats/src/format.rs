@@ -1,6 +1,6 @@
 //! The formats: what is known of each, and how they are told apart.
 
-use crate::{FormatError, ReadOptions, Scan};
+use crate::{FormatError, ReadOptions, Scan, foreign};
 
 /// A file format for measured surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -149,6 +149,18 @@ pub fn descriptions() -> impl Iterator<Item = &'static Description> {
 }
 
 impl Format {
+    /// The unit of the heights in files of this format whose reader does not name it; `None` where files may lack one.
+    pub(crate) fn height_unit(self) -> Option<&'static str> {
+        match self {
+            Self::Text | Self::Xyz | Self::Npy | Self::Npz | Self::Tiff => None,
+            Self::Plu | Self::Plux | Self::Nms => Some("um"),
+            Self::Opd | Self::Bcr => Some("nm"),
+            Self::Vk => Some("pm"),
+            Self::Tmd => Some("mm"),
+            _ => Some("m"),
+        }
+    }
+
     /// The functions of the format; `None` for [`Format::Gzip`], which is transparent.
     pub(crate) fn codec(self) -> Option<&'static Codec> {
         CODECS.into_iter().find(|codec| codec.description.format == self)
@@ -171,6 +183,10 @@ impl Format {
     pub fn detect(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&crate::file::GZIP_MAGIC) {
             return Some(Self::Gzip);
+        }
+        // Some of them are text.
+        if foreign::recognise(bytes, bytes.len() as u64).is_some() {
+            return None;
         }
         CODECS.into_iter().find(|codec| (codec.detect)(bytes)).map(|codec| codec.description.format)
     }

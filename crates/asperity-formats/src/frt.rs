@@ -14,7 +14,7 @@
 //! Where block 0x007d holds images, block 0x000b repeats one of them, of whichever type, so it is left alone.
 //!
 //! The number 1 marks a point that was not measured. That stands nowhere in the file, but the published readers that
-//! know of missing points agree on it.
+//! know of missing points agree on it. Numbers outside of the valid range are missing as well.
 //!
 //! A range is the number of points times their distance: published files of 500 points on 12 mm, 150 on 30 mm and 300
 //! on 60 mm have round distances only so.
@@ -155,7 +155,6 @@ fn scale(
     if !(scale_m.is_finite() && scale_m != 0.0) {
         return Err(input.wrong("z scale", sensor.start + 4, scale_m, "a finite number other than 0"));
     }
-    // No published reader heeds the valid numbers, so numbers beyond them are only told.
     let valid = blocks.get(&VALID_VALUES).and_then(|block| {
         let limit = |offset| block.u32("valid value", offset).ok();
         let (first, last) = (limit(0)?, limit(4)?);
@@ -170,12 +169,12 @@ fn scale(
     let outside = large::count(heights, |z| {
         let is_void = *z == VOID;
         let is_outside = !is_void && (*z < first || *z > last);
-        *z = if is_void { f64::NAN } else { *z * scale_m };
+        *z = if is_void || is_outside { f64::NAN } else { *z * scale_m };
         is_outside
     });
     if outside > 0 {
         warnings.push(format!(
-            "{outside} heights are outside of the valid numbers that the file states, {first} to {last}; they were kept"
+            "{outside} numbers are outside of the valid range that the file states, {first} to {last}; they count as missing"
         ));
     }
     if let Some(buffers) = blocks.get(&BUFFERS)

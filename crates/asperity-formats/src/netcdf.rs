@@ -19,6 +19,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
+use crate::foreign::TO_MATRIX;
 use crate::format::{Codec, Description, Tested};
 use crate::hdf5;
 use crate::input::Input;
@@ -50,6 +51,8 @@ pub(crate) const CODEC: Codec = Codec {
 /// The variable that SurfaceTopography stores a map in, and the one for its missing points.
 const HEIGHTS: &str = "heights";
 const MASK: &str = "mask";
+/// The group in the root of HDF5 files of 4D Technology that holds the first measurement.
+const MEASUREMENT_OF_4D: &[u8] = b"measurement0";
 /// Attributes that name a unit.
 const UNITS: [&str; 3] = ["unit", "units", "length_unit"];
 /// Dimensions, variables and attributes of one file together.
@@ -140,6 +143,20 @@ enum Source<'a> {
 }
 
 impl Source<'_> {
+    /// The error for HDF5 files of other programs, which have no dimensions of netCDF.
+    fn foreign(&self, contents: &Contents) -> Option<FormatError> {
+        let Self::Enhanced(file) = self else { return None };
+        if !contents.dimensions.is_empty() {
+            return None;
+        }
+        let names = file.names().unwrap_or_default();
+        let name = match names.contains(&MEASUREMENT_OF_4D) {
+            true => "a 4D Technology HDF5 file",
+            false => "an HDF5 file that is neither DATX nor netCDF",
+        };
+        Some(FormatError::NotRead { name, way_out: TO_MATRIX })
+    }
+
     fn numbers(&self, variable: &Variable) -> Result<Vec<f64>, FormatError> {
         match self {
             Self::Classic(input) => classic::numbers(input, variable),
@@ -177,7 +194,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     maps.sort_by_key(|variable| variable.name != HEIGHTS);
     let names: Vec<String> = maps.iter().map(|variable| variable.name.clone()).collect();
     if maps.is_empty() {
-        return Err(first_error.unwrap_or_else(|| no_map(&input, &contents)));
+        return Err(source.foreign(&contents).or(first_error).unwrap_or_else(|| no_map(&input, &contents)));
     }
     let chosen = options.choose(Format::NetCdf, &names)?;
     let map = maps[chosen];
@@ -205,8 +222,9 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     };
     let heights_m = Array2::from_shape_vec(shape, heights)
         .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
+    let height_unit = Some(unit.unwrap_or("m").to_owned());
     let metadata = metadata(contents, &read);
-    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))
+    Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))
 }
 
 /// The heights in metre, NaN where they are missing.

@@ -99,6 +99,7 @@ struct Map {
     header: Header,
     shape: (usize, usize),
     per_metre: f64,
+    states_unit: bool,
 }
 
 /// Reads the chosen array as heights.
@@ -130,10 +131,11 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
             }
             header => header?,
         };
-        match (header.dimensions().as_deref(), quantity(&name).1) {
+        let (stem, quantity) = quantity(&name);
+        match (header.dimensions().as_deref(), quantity) {
             (Some([(1..), (1..)]), Quantity::Length(per_metre)) => {
-                let shape = header.matrix(&input)?;
-                maps.push(Map { header, shape, per_metre, link });
+                let (shape, states_unit) = (header.matrix(&input)?, stem != name.to_lowercase());
+                maps.push(Map { header, shape, per_metre, states_unit, link });
                 names.push(name);
             }
             (Some([] | [0..=SHORT]), _) => {
@@ -158,9 +160,12 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     }
     let pitch_m = pitch(&short, &mut warnings);
     let heights_m = heights(&mut archive, &maps[place])?;
+    // A name without a unit states none.
+    let height_unit = Some(maps[place].per_metre).filter(|_| maps[place].states_unit).and_then(crate::unit::name);
+    let height_unit = height_unit.map(str::to_owned);
     let text = |values: Vec<f64>| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     let metadata = short.into_iter().map(|(name, values)| (name, text(values))).collect();
-    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(names, place))
+    Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(names, place))
 }
 
 /// The place of the map that is called height or z, the first unless there is one.

@@ -27,7 +27,7 @@ pub(crate) const CODEC: Codec = Codec {
         name: "PLUX",
         extensions: &["plux"],
         vendor: "Sensofar",
-        known_by: "zip archive with index.xml and a file of the name *.raw",
+        known_by: "zip archive with index.xml and a file of the name *.raw, or an index.xml with IMAGE_SIZE_X",
         reads: "float32; layers",
         writes: "",
         stores_pitch: true,
@@ -46,6 +46,9 @@ const INDEX: &str = "index.xml";
 const RAW: &str = ".raw";
 /// The largest `index.xml`, in bytes; those of instruments have some ten thousand.
 const MAX_INDEX_BYTES: u64 = 1 << 22;
+/// Bytes of `index.xml` in which the size of a map is looked for, and the name of its field.
+const START_BYTES: usize = 1 << 14;
+const SIZE: &[u8] = b"<IMAGE_SIZE_X>";
 /// The format has no lists of numbers in XML: no path of an element ends with a slash.
 const NO_LIST: &str = "/";
 /// Micrometres in a metre.
@@ -62,11 +65,16 @@ mod path {
     pub(super) const INFO: &str = "INFO/ITEM_";
 }
 
-/// Names of files only: `index.xml` is a common name, and many archives hold one.
+/// `index.xml` is a common name: a file of heights stands beside it, or it states the size of a map.
 fn detect(bytes: &[u8]) -> bool {
+    let states_size = |archive: &mut Archive| {
+        let start = archive.read_start(INDEX, START_BYTES).unwrap_or_default();
+        start.windows(SIZE.len()).any(|window| window == SIZE)
+    };
     bytes.starts_with(ZIP_MAGIC)
         && Archive::open(Format::Plux, bytes).is_ok_and(|mut archive| {
-            archive.enter_folder_of(INDEX).is_ok() && archive.names().iter().any(|name| name.ends_with(RAW))
+            archive.enter_folder_of(INDEX).is_ok()
+                && (archive.names().iter().any(|name| name.ends_with(RAW)) || states_size(&mut archive))
         })
 }
 

@@ -7,6 +7,7 @@ use ndarray::Array2;
 use crate::error::{cut, shown};
 use crate::large;
 use crate::selection::some_of;
+use crate::unit::per_metre;
 use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
@@ -34,17 +35,35 @@ pub struct Scan {
     pub channels: Vec<String>,
     /// The place in `channels` of the map that was read.
     pub channel: usize,
+    /// The format that was read, `None` for a scan that comes from no file.
+    pub format: Option<Format>,
+    /// The unit in which the file states its heights, `None` where it states none; its numbers then count as metre.
+    pub height_unit: Option<String>,
 }
 
 impl Scan {
     /// A scan that says nothing but its heights and pitch.
     pub fn new(heights_m: Array2<f64>, pitch_m: Option<(f64, f64)>) -> Self {
-        Self { heights_m, pitch_m, metadata: BTreeMap::new(), warnings: Vec::new(), channels: Vec::new(), channel: 0 }
+        Self {
+            heights_m,
+            pitch_m,
+            metadata: BTreeMap::new(),
+            warnings: Vec::new(),
+            channels: Vec::new(),
+            channel: 0,
+            format: None,
+            height_unit: None,
+        }
     }
 
     /// The scan with the names of all maps of its file.
     pub(crate) fn with_channels(self, channels: Vec<String>, channel: usize) -> Self {
         Self { channels, channel, ..self }
+    }
+
+    /// The name of the height map that was read, `None` for formats that hold just one.
+    pub fn channel_name(&self) -> Option<&str> {
+        self.channels.get(self.channel).map(String::as_str)
     }
 
     /// Number of heights that are missing.
@@ -59,6 +78,23 @@ impl Scan {
             None => Some((z, z)),
             Some((low, high)) => Some((z.min(low), z.max(high))),
         })
+    }
+
+    /// The scan with its numbers in the unit that `options` state, if they do.
+    pub(crate) fn in_stated_unit(mut self, options: &ReadOptions) -> Self {
+        let Some(unit) = &options.height_unit else { return self };
+        let replaced = self.height_unit.replace(unit.name().to_owned());
+        let replaced_per_metre = replaced.as_deref().and_then(per_metre);
+        if replaced_per_metre == Some(unit.per_metre()) {
+            return self;
+        }
+        if let Some(replaced) = replaced {
+            let (stated, replaced) = (unit.name(), shown(&replaced));
+            self.warnings.push(format!("the stated height unit, {stated}, replaces the file's {replaced}"));
+        }
+        let (replaced, per_metre) = (replaced_per_metre.unwrap_or(1.0), unit.per_metre());
+        self.heights_m.mapv_inplace(|z| z * replaced / per_metre);
+        self
     }
 
     /// The scan as it leaves a reader: every height that is not finite is NaN, a pitch that is none is left out, and
@@ -226,7 +262,7 @@ mod tests {
         assert_eq!(told(2, &default), ["the file holds 2 height maps (n1, n2); `n1` was read"]);
         let many = "the file holds 500 height maps (n1, n2, n3, n4, n5, n6, n7, n8 and 492 more); `n1` was read";
         assert_eq!(told(500, &default), [many]);
-        let chosen = ReadOptions { channel: Some("n1".into()) };
+        let chosen = ReadOptions { channel: Some("n1".into()), ..ReadOptions::default() };
         assert_eq!(told(2, &chosen), [] as [String; 0]);
     }
 

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::error::shown;
-use crate::{Format, FormatError};
+use crate::{Format, FormatError, LengthUnit};
 
 /// One of the height maps in a file that may hold several: channels, layers, pages, arrays.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,10 +22,12 @@ impl From<&str> for Channel {
 }
 
 /// What to read of a file.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
     /// The height map to read; the first, or the one that the format marks as its main one, unless told.
     pub channel: Option<Channel>,
+    /// Unit of the heights of a file that states none. It replaces the unit of other files, with a warning.
+    pub height_unit: Option<LengthUnit>,
 }
 
 impl ReadOptions {
@@ -89,7 +91,7 @@ mod tests {
     use super::*;
 
     fn choose(channel: Option<&str>) -> Option<usize> {
-        let options = ReadOptions { channel: channel.map(Channel::from) };
+        let options = ReadOptions { channel: channel.map(Channel::from), ..ReadOptions::default() };
         options.choose(Format::Gwy, &["Height".into(), "Phase".into(), "height".into()]).ok()
     }
 
@@ -113,7 +115,7 @@ mod tests {
         for wrong in ["0", "4", "amplitude", ""] {
             assert_eq!(choose(Some(wrong)), None, "{wrong}");
         }
-        let options = ReadOptions { channel: Some(Channel::Number(3)) };
+        let options = ReadOptions { channel: Some(Channel::Number(3)), ..ReadOptions::default() };
         let message = options.choose(Format::Gwy, &["a".into(), "b".into()]).unwrap_err().to_string();
         assert_eq!(message, "GWY: no height map number 3; the file holds `a`, `b`");
     }

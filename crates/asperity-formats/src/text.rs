@@ -189,7 +189,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let (bytes, line_end) = lines(&text);
     let blocks = blocks(bytes, line_end);
     if blocks.len() < 2 {
-        return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false));
+        return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false), options);
     }
     let heads: Vec<_> = blocks
         .iter()
@@ -198,8 +198,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
             (&bytes[start..end], lines, head)
         })
         .collect();
-    let is_height = |head: &Head| head.header.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some());
-    let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| is_height(head)).collect();
+    let mut maps: Vec<_> = heads.into_iter().filter(|(_, _, head)| head.header.may_be_heights()).collect();
     let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
     if names.is_empty() {
         return Err(FormatError::Unsupported {
@@ -210,7 +209,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     }
     let channel = options.choose(Format::Text, &names)?;
     let (block, lines, head) = maps.swap_remove(channel);
-    Ok(read_block(block, line_end, lines, head)?.with_channels(names, channel))
+    Ok(read_block(block, line_end, lines, head, options)?.with_channels(names, channel))
 }
 
 /// Where the matrices of a file with several channels start and end, and the lines before each; empty for other files.
@@ -233,7 +232,13 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 }
 
 /// Reads one matrix.
-fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head) -> Result<Scan, FormatError> {
+fn read_block(
+    bytes: &[u8],
+    line_end: u8,
+    lines: usize,
+    head: Head,
+    options: &ReadOptions,
+) -> Result<Scan, FormatError> {
     let Head { mut header, start, lines: header_lines, first_row } = head;
     let layout = Layout::new(Format::Text, Separator::of(&first_row), COMMENT, line_end);
     let columns = layout.count(&first_row);
@@ -255,7 +260,7 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head) -> Result<Sc
         shape = (shape.0 - 1, shape.1 - 1);
         warnings.push("the first row and the first column step evenly: they were taken for labels and left out".into());
     }
-    let meaning = header.meaning(shape);
+    let meaning = header.meaning(shape, options.height_unit.is_some());
     meaning.apply(&mut table.values);
     if table.decimal_comma {
         header.insert("decimal sign", "comma");
@@ -264,8 +269,9 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head) -> Result<Sc
         header.insert("converted", &format!("heights from {unit} to m"));
     }
     warnings.extend(meaning.warnings);
+    let height_unit = meaning.unit;
     let heights_m = Array2::from_shape_vec(shape, table.values).map_err(|_| nothing())?;
-    Ok(Scan { metadata: header.metadata(), warnings, ..Scan::new(heights_m, meaning.pitch_m) })
+    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, meaning.pitch_m) })
 }
 
 /// The shape of a table, without columns and rows that are not heights.

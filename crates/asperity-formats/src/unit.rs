@@ -1,5 +1,9 @@
 //! Units of length as instrument files spell them.
 
+use std::str::FromStr;
+
+use crate::FormatError;
+
 /// How often a unit of length goes into a metre, `None` for what is no length.
 ///
 /// Dividing by it is exact to the last place where multiplying by its inverse is not. The micro sign occurs as U+00B5
@@ -19,5 +23,55 @@ pub(crate) fn per_metre(unit: &str) -> Option<f64> {
         "in" | "inch" | "inches" => Some(1.0 / 0.0254),
         "mil" => Some(1.0 / 2.54e-5),
         _ => None,
+    }
+}
+
+/// The usual name of a unit that goes so often into a metre.
+pub(crate) fn name(unit_per_metre: f64) -> Option<&'static str> {
+    let names = ["m", "dm", "cm", "mm", "um", "nm", "pm", "angstrom", "in", "mil"];
+    names.into_iter().find(|name| per_metre(name) == Some(unit_per_metre))
+}
+
+/// A unit of length, as a user states it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LengthUnit {
+    name: String,
+    per_metre: f64,
+}
+
+impl LengthUnit {
+    /// The unit as it was spelt.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How often the unit goes into a metre.
+    pub(crate) fn per_metre(&self) -> f64 {
+        self.per_metre
+    }
+}
+
+impl FromStr for LengthUnit {
+    type Err = FormatError;
+
+    fn from_str(text: &str) -> Result<Self, FormatError> {
+        let name = text.trim();
+        let unknown = || FormatError::UnknownUnit { unit: name.into() };
+        Ok(Self { name: name.into(), per_metre: per_metre(name).ok_or_else(unknown)? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_of_length_is_read_and_anything_else_refused() {
+        let unit: LengthUnit = " um ".parse().unwrap();
+        assert_eq!((unit.name(), unit.per_metre()), ("um", 1e6));
+        for wrong in ["V", "", "1 um", "UM"] {
+            let error = wrong.parse::<LengthUnit>().unwrap_err().to_string();
+            assert_eq!(error, format!("`{wrong}` is not a unit of length; wanted m, mm, um, nm, pm, angstrom or in"));
+        }
     }
 }

@@ -5,7 +5,7 @@
 //! coarse digits and for the jitter of a stage. Grid points without a point are missing, as are heights `nan`, `BAD`
 //! and `No Data`; points that would leave three of four grid points empty are refused, as two points in one place are.
 //!
-//! y points up, so the largest y is row 0. Units stand in a header: `x [mm] y [mm] z [um]`, `mm, mm, um`, or keys such
+//! y points down, as in SUR files and in those of Zygo: the smallest y is row 0. Units stand in a header: `x [mm] y [mm] z [um]`, `mm, mm, um`, or keys such
 //! as `unit: um` and `z unit: nm`. Without one, all coordinates are in metre, which a spacing beyond a millimetre makes
 //! doubtful.
 //!
@@ -36,7 +36,7 @@ pub(crate) const CODEC: Codec = Codec {
         writes: "",
         stores_pitch: true,
         missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
-        orientation: "y points up: the largest y is row 0; in Zygo files y points down",
+        orientation: "y points down: the smallest y is row 0, as the first line of SUR",
         tested: Tested::Specification,
     },
     detect,
@@ -114,13 +114,13 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
         && if whole { along >= 3 && between >= 1 } else { along >= MIN_STEPS || along >= 3 && between >= 1 }
 }
 
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
-    if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end) }
+    if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end, options) }
 }
 
-fn read_points(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
+fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan, FormatError> {
     let Head { mut header, start, lines, first_row } = Head::read(bytes, line_end, true);
     let list = List { bytes: &bytes[start..], lines, layout: layout(&first_row, line_end), line_end };
     let mut table = list.table()?;
@@ -134,15 +134,14 @@ fn read_points(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
     let [dx_m, dy_m] = [grid.axes[0].step / per_metre_x, grid.axes[1].step / per_metre_y];
     let mut warnings = Vec::new();
     if units[0].is_none() && dx_m.max(dy_m) > MAX_PLAUSIBLE_M {
+        let taken = if options.height_unit.is_some() { "x and y" } else { "x, y and z" };
         warnings.push(format!(
-            "no unit is stated; x, y and z were taken as metre, which makes pixels of {dx_m:e} × {dy_m:e} m"
+            "no unit is stated; {taken} were taken as metre, which makes pixels of {dx_m:e} × {dy_m:e} m"
         ));
     }
-    let mut heights_m = map(grid)?;
-    heights_m.invert_axis(ndarray::Axis(0));
-    heights_m.mapv_inplace(|z| z / per_metre_z);
-    let heights_m = heights_m.as_standard_layout().into_owned();
-    Ok(Scan { metadata: header.metadata(), warnings, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
+    let heights_m = map(grid)?.mapv_into(|z| z / per_metre_z);
+    let height_unit = units[2].and_then(crate::unit::name).map(str::to_owned);
+    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
 }
 
 fn map(grid: Grid) -> Result<Array2<f64>, FormatError> {
@@ -296,5 +295,6 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan, FormatError> {
         header.insert(key, head[line].trim_matches('"').trim());
     }
     let heights_m = map(grid)?.mapv_into(|z| z / ZYGO_PER_METRE);
-    Ok(Scan { metadata: header.metadata(), warnings, ..Scan::new(heights_m, pitch_m) })
+    let height_unit = Some("um".into());
+    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) })
 }

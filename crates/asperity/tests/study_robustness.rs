@@ -370,6 +370,19 @@ fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
 }
 
 #[test]
+fn the_unit_of_the_heights_of_a_scan_without_one_is_the_study_s() {
+    // The same heights in metre and, without a word of it, in micrometre.
+    let of = |factor: f64, unit: &str| {
+        let folder = folder_with(rough(64, 64, 16e-6) * factor);
+        let text = changed(&measured(), &[("scan.npy\"", &format!("scan.npy\"\n{unit}"))]);
+        let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
+        outcome.results.surface.unwrap().statistics.unwrap().Sq_m
+    };
+    let (metre, micrometre) = (of(1.0, ""), of(1e6, "height_unit = \"um\""));
+    assert!((micrometre / metre - 1.0).abs() < 1e-12, "{micrometre:e}, not {metre:e}");
+}
+
+#[test]
 fn a_scan_without_any_complete_profile_has_everything() {
     let mut heights = rough(96, 96, 16e-6);
     (0..96).for_each(|i| heights[[i, (7 * i) % 96]] = f64::NAN);

@@ -19,6 +19,7 @@ use counterface::Counterface;
 use layering::Layering;
 use unloading::Unloaded;
 
+use super::surface::preparation::LevelOption;
 use crate::failure::{Failure, Kind};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
@@ -37,10 +38,12 @@ const FIELD_BYTES: f64 = 20.0;
 /// erf(√2 p/(E* h')) without a hardness, and √(2π) p/(E* h') of Bush, Gibson and Thomas, which is for light elastic contact.
 #[derive(Debug, Args)]
 pub(crate) struct Contact {
-    /// Measured or generated heights: X3P, SUR, NPY or text.
+    /// Measured or generated heights, in any format that `asperity formats` lists; known by its content.
     file: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
+    #[command(flatten)]
+    level: LevelOption,
     /// Young's modulus of the surface.
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     youngs_modulus: Pressure,
@@ -134,12 +137,15 @@ impl Contact {
             let inputs: Vec<&Path> = std::iter::once(self.file.as_path()).chain(self.counterface.file()).collect();
             check_target("--out", out, &inputs)?;
         }
-        let map = input::map(&self.file, &self.options, monitor)?;
+        let scan = input::scan(&self.file, &self.options, monitor)?;
+        let source = input::source(&scan);
+        let map = input::height_map(scan, &self.file)?;
         require_memory(memory_bytes(map.grid().points()), "the contact problem")?;
         if let Some(out) = &self.out {
             require_disk(FIELD_BYTES * map.grid().points() as f64, out, "writing the fields")?;
         }
-        let map = self.counterface.laid_on(map, &self.options, monitor)?;
+        let map = self.level.remove_or_doubt(map, &self.file, monitor)?;
+        let map = self.counterface.laid_on(map, &self.options, self.level, monitor)?;
         let substrate = self.substrate()?;
         let boundary = self.boundary(map.grid(), &substrate, control)?;
         if let Some(doubt) = self.layering.doubt(unloading::span(map.heights_m())) {
@@ -174,6 +180,9 @@ impl Contact {
         let mut answer = answer(&solution, &analysis);
         if let Some(unloaded) = &unloaded {
             answer = Unloaded::add_to(unloaded.as_ref(), answer);
+        }
+        if self.json {
+            answer = answer.and(source);
         }
         answer.print(self.json)?;
         let why = match solution.stop_reason() {

@@ -5,7 +5,7 @@ mod fill;
 mod generate;
 mod maps;
 mod modes;
-mod preparation;
+pub(super) mod preparation;
 mod stats;
 mod twin;
 

@@ -15,14 +15,16 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-const KEYS: [&str; 23] = [
+const KEYS: [&str; 26] = [
     "bgt_contact_fraction",
+    "channel",
     "clusters",
     "contact_fraction",
     "contact_fraction_corrected",
     "contact_modulus_pa",
     "converged",
     "elastic_energy_j",
+    "format",
     "iterations",
     "largest_cluster_fraction",
     "largest_cluster_m2",
@@ -39,6 +41,7 @@ const KEYS: [&str; 23] = [
     "residual",
     "rms_gradient",
     "separation_m",
+    "warnings",
 ];
 
 /// One wave of 1 µm amplitude over 256 points of 1 µm along x.
@@ -332,6 +335,52 @@ fn a_map_that_cannot_be_pressed_is_unusable_data() {
             .refuses(3, &words);
         assert_eq!(listing(folder.path()), ["map.npy"]);
     }
+}
+
+/// `rough` on a plane of ten times its height: 0.2 µm over 1 µm of x, 2 % of slope.
+fn tilted() -> Array2<f64> {
+    Array2::from_shape_fn((24, 32), |(row, column)| rough()[[row, column]] + 2e-8 * column as f64 + 1e-8 * row as f64)
+}
+
+#[test]
+fn a_form_larger_than_the_roughness_is_doubted_and_taken_out_on_request() {
+    let line = "--youngs-modulus 210GPa --boundary free --mean-pressure 50MPa --json";
+    let folder = folder_with(tilted());
+    let ended = press(folder.path(), line);
+    let json = ended.json(0);
+    let warning = json["warnings"][0].as_str().unwrap();
+    // The plane over a grid of n points at distance s has the variance s² (n² − 1)/12 along each axis. What the waves
+    // add to it is small beside that.
+    let plane = 1e-8 * (4.0 * (32.0 * 32.0 - 1.0) / 12.0 + (24.0 * 24.0 - 1.0) / 12.0_f64).sqrt();
+    let shown = format!("{:.0}", plane * 1e9);
+    assert!(
+        warning.starts_with("map.npy: the form (plane) has an rms height of") && warning.contains("--level plane"),
+        "{warning}"
+    );
+    assert!(warning.contains(&shown[..1]) && ended.stderr.contains(warning), "{warning}: {shown} nm");
+    // Levelled, the tilted map is pressed like the level one.
+    let levelled = press(folder.path(), &format!("{line} --level plane")).json(0);
+    assert_eq!(levelled["warnings"], Value::Array(vec![]));
+    let level = folder_with(rough());
+    let wanted = press(level.path(), &format!("{line} --level plane")).json(0);
+    for key in ["contact_fraction", "max_pressure_pa", "mean_gap_m", "penetration_m"] {
+        close(number(&levelled, key), number(&wanted, key), 1e-6);
+    }
+    assert!(number(&json, "mean_gap_m") > 2.0 * number(&levelled, "mean_gap_m"));
+    // A level map raises no doubt.
+    assert_eq!(press(level.path(), line).json(0)["warnings"], Value::Array(vec![]));
+    press(level.path(), &format!("{line} --level cubic")).refuses(2, &["--level", "cubic", "quadratic"]);
+}
+
+#[test]
+fn a_tilted_counterface_is_levelled_and_doubted_like_the_surface() {
+    let folder = folder_with(rough());
+    npy(folder.path(), "upper.npy", tilted());
+    let line = "--youngs-modulus 210GPa --boundary free --mean-pressure 50MPa --json --counterface upper.npy";
+    let json = press(folder.path(), line).json(0);
+    assert!(json["warnings"][0].as_str().unwrap().starts_with("upper.npy: the form (plane)"), "{json}");
+    let levelled = press(folder.path(), &format!("{line} --level plane")).json(0);
+    assert!(number(&levelled, "mean_gap_m") < number(&json, "mean_gap_m"));
 }
 
 #[cfg(target_os = "linux")]

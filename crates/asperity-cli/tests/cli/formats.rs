@@ -4,6 +4,7 @@ use std::fs;
 
 use asperity_formats::read;
 use ndarray::{Array2, array};
+use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::support::{asperity, asperity_in, listing, npy, number};
@@ -152,6 +153,120 @@ fn a_file_in_a_gzip_stream_is_read_and_a_damaged_one_refused() {
     bytes[20] ^= 1;
     fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
     asperity_in(folder.path(), &words("surface stats map.txt.gz --pixel-size 1um")).refuses(3, &["map.txt.gz", "gzip"]);
+}
+
+#[test]
+fn json_names_the_format_the_channel_and_the_warnings_also_when_quiet() {
+    let folder = TempDir::new().unwrap();
+    let run = |line: &str| asperity_in(folder.path(), &words(line));
+    npy(folder.path(), "a.npy", map());
+    let mut archive = zip::ZipWriter::new(fs::File::create(folder.path().join("two.npz")).unwrap());
+    for name in ["a", "b"] {
+        archive.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut archive, &fs::read(folder.path().join("a.npy")).unwrap()).unwrap();
+    }
+    archive.finish().unwrap();
+    for quiet in ["", " --quiet"] {
+        let ended = run(&format!("surface stats two.npz --pixel-size 1um --json{quiet}"));
+        let json = ended.json(0);
+        assert_eq!((&json["format"], &json["channel"]), (&"NPZ".into(), &"a".into()));
+        let warning = json["warnings"][0].as_str().unwrap();
+        assert!(warning.contains("two.npz: the file holds 2 height maps (a, b); `a` was read"), "{warning}");
+        assert_eq!(ended.stderr.contains(warning), quiet.is_empty());
+    }
+    let json = run("surface convert two.npz out.x3p --channel b --pixel-size 1um,2um --json").json(0);
+    assert_eq!(json["format"], "NPZ");
+    assert_eq!((&json["channel"], &json["written_format"]), (&"b".into(), &"X3P".into()));
+    assert_eq!((number(&json, "nx"), number(&json, "ny"), number(&json, "missing_points")), (9.0, 7.0, 2.0));
+    assert_eq!((number(&json, "dx_m"), number(&json, "dy_m")), (1e-6, 2e-6));
+    assert_eq!(json["warnings"], Value::Array(vec![]));
+    let json = run("surface stats a.npy out.x3p --pixel-size 1um,2um --json").json(0);
+    assert_eq!(
+        (json["format"].to_string(), json["channel"].to_string()),
+        (r#"["NPY","X3P"]"#.into(), r#"[null,"layer 1"]"#.into())
+    );
+}
+
+#[test]
+fn every_json_object_carries_its_warnings() {
+    let folder = TempDir::new().unwrap();
+    npy(
+        folder.path(),
+        "a.npy",
+        Array2::from_shape_fn((16, 16), |(row, column)| 1e-7 * ((row * 5 + column * 3) as f64).sin()),
+    );
+    let machine = "--static-friction 0.4323 --stribeck 4.2 --belt-velocity 0.003";
+    for line in [
+        "formats --json",
+        "surface modes --covariance exponential --correlation-length 20um --size 200um --points 32 --modes 3 --json",
+        "surface stats a.npy --pixel-size 1um --json",
+        "contact a.npy --pixel-size 1um --youngs-modulus 1GPa --boundary periodic --mean-pressure 1MPa --json",
+        &format!("vibration critical-damping {machine} --json"),
+        &format!("vibration cycle {machine} --damping-ratio 0.17 --json"),
+        &format!("vibration critical-curve {machine} --json"),
+    ] {
+        let ended = asperity_in(folder.path(), &words(line));
+        assert!(ended.code == 0, "{line}: {ended:?}");
+        assert!(ended.json(0)["warnings"].is_array(), "{line}: {ended:?}");
+    }
+    // An answer that did not converge as well, and a doubt of the vibration commands under --quiet.
+    let json =
+        asperity_in(folder.path(), &words(&format!("vibration cycle {machine} --damping-ratio 0.3 --quiet --json")));
+    assert!(json.json(0)["warnings"][0].as_str().is_some_and(|warning| warning.contains("no limit cycle")), "{json:?}");
+}
+
+#[test]
+fn the_unit_of_heights_is_stated_and_a_contradiction_told() {
+    let folder = TempDir::new().unwrap();
+    let run = |line: &str| asperity_in(folder.path(), &words(line));
+    fs::write(folder.path().join("plain.txt"), "1 2 3\n2 4 1\n5 1 2\n").unwrap();
+    fs::write(folder.path().join("named.txt"), "# unit: nm\n1 2 3\n2 4 1\n5 1 2\n").unwrap();
+    let sq = |line: &str| number(&run(&format!("surface stats {line} --pixel-size 20um --json")).json(0), "Sz_m");
+    // The plain one counts as metre unless told.
+    assert!((sq("plain.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
+    assert!((sq("named.txt --level none") / 4e-9 - 1.0).abs() < 1e-12);
+    assert!((sq("named.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
+    let ended = run("surface convert named.txt out.npy --height-unit um");
+    assert!(
+        ended.stderr.contains("warning: named.txt: the stated height unit, um, replaces the file's nm"),
+        "{ended:?}"
+    );
+    assert_eq!(read(&folder.path().join("out.npy")).unwrap().heights_m[[0, 0]], 1e-6);
+    let contact =
+        "contact plain.txt --pixel-size 20um --height-unit um --youngs-modulus 1GPa --boundary free --percentile 50";
+    let json = run(&format!("{contact} --json")).json(0);
+    assert!(number(&json, "penetration_m") < 5e-6, "{json}");
+    run("surface convert plain.txt out.npy --height-unit V")
+        .refuses(2, &["--height-unit", "`V` is not a unit of length"]);
+}
+
+#[test]
+fn a_map_is_levelled_on_its_way_to_another_format() {
+    let folder = TempDir::new().unwrap();
+    let run = |line: &str| asperity_in(folder.path(), &words(line));
+    // A checkerboard of ±1 µm is orthogonal to a plane but for a small part; the plane goes, voids stay.
+    let mut heights = Array2::from_shape_fn((8, 8), |(row, column)| {
+        1e-6 * (1.0 - 2.0 * ((row + column) % 2) as f64) + 3e-6 * row as f64 - 5e-6 * column as f64 + 1e-3
+    });
+    heights[[2, 3]] = f64::NAN;
+    npy(folder.path(), "map.npy", heights.clone());
+    let line = "surface convert map.npy out.npy --pixel-size 1um";
+    assert_eq!(run(&format!("{line} --level plane")).code, 0);
+    let left = read(&folder.path().join("out.npy")).unwrap().heights_m;
+    assert!(left[[2, 3]].is_nan() && left.iter().filter(|z| z.is_nan()).count() == 1);
+    assert!(left.iter().filter(|z| !z.is_nan()).all(|z| (z.abs() / 1e-6 - 1.0).abs() < 0.2), "{left}");
+    assert_eq!(run(line).code, 0);
+    let same = read(&folder.path().join("out.npy")).unwrap().heights_m;
+    assert!(same.iter().zip(&heights).all(|(a, b)| a == b || b.is_nan()));
+    run("surface convert map.npy out.npy --level plane").refuses(2, &["map.npy", "pixel size"]);
+}
+
+#[test]
+fn a_file_that_is_not_read_is_named_with_a_way_out() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scan.spm"), b"\\*File list\r\n\\Version: 0x09400202\r\n").unwrap();
+    asperity_in(folder.path(), &words("surface stats scan.spm"))
+        .refuses(3, &["scan.spm: this is a Bruker Nanoscope file", "Gwyddion can save it as GWY"]);
 }
 
 /// CRC-32 of gzip, bit by bit.

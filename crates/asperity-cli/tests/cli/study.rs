@@ -94,7 +94,7 @@ fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
         let again = run_in(folder.path(), &format!("check {example}/resolved.toml --json")).json(0);
         let first = run_in(folder.path(), &format!("check {example}/{example}.toml --json")).json(0);
         assert_eq!(again["study"], first["study"]);
-        assert_eq!(keys(&first), ["estimate", "problems", "study"]);
+        assert_eq!(keys(&first), ["estimate", "problems", "study", "warnings"]);
     }
     fs::write(folder.path().join("quickstart/quickstart.toml"), "mine").unwrap();
     fs::remove_file(folder.path().join("quickstart/brake_disc.x3p")).unwrap();

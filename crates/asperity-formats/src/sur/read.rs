@@ -51,7 +51,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
     }
     let heights_m = Array2::from_shape_vec((object.ny, object.nx), heights)
         .map_err(|error| object.header.wrong(LINES, object.ny, &error.to_string()))?;
-    Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
+    let height_unit = Some(object.header.unit(Z.step_unit)?);
+    Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 
 /// Refuses files that hold no surface.

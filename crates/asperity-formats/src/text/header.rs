@@ -3,6 +3,9 @@
 //! Programs name the same thing differently. Known here are the headers of Gwyddion's text export (also in German,
 //! French, Italian, Spanish and Czech), of SPIP, Attocube and Nova, of ESRI grids, and plain keys such as `unit`,
 //! `pixel size`, `dx` and `size`. A length without a unit is in metre where no key names the unit.
+//!
+//! A conversion factor of heights comes before their unit: Koala (Lyncée Tec) states `data unit=rad` and `height conversion
+//! factor (-> m)=2.1e-07`. It leaves numbers alone that are in the target unit of the factor already (`data unit=m`).
 
 use std::collections::BTreeMap;
 
@@ -35,8 +38,10 @@ pub(crate) struct Meaning {
     /// What turns a number into a height: first multiplied, then divided, so that units stay exact.
     pub(crate) factor: f64,
     pub(crate) per_metre: f64,
-    /// The unit of the numbers where they are not metre.
+    /// What the numbers were converted from where they are not metre.
     pub(crate) converted: Option<String>,
+    /// The unit that the header states for the heights, after a factor.
+    pub(crate) unit: Option<String>,
     /// The number that marks a missing point.
     pub(crate) no_data: Option<f64>,
     pub(crate) warnings: Vec<String>,
@@ -107,12 +112,25 @@ const ROWS: &[&str] = &["y pixels", "nrows", "ny"];
 const CHANNEL: &[&str] = &["channel", "kanal", "canal", "canale", "kanál"];
 /// Bytes of the longest of them.
 const MAX_CHANNEL_KEY: usize = 8;
+const BIT_TO_NM: &str = "bit2nm";
 const NO_DATA: &[&str] = &["nodata value", "no data value", "nodata", "no data", "missing value", "fill value"];
 /// The keys of an ESRI grid, which stand before their values without a sign between.
 pub(super) const ESRI: &[&str] =
     &["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
 /// What marks missing points in an ESRI grid that does not say.
 const ESRI_NO_DATA: f64 = -9999.0;
+
+impl Pair {
+    /// The unit in brackets behind the key.
+    fn bracket(&self) -> String {
+        self.key.split_once(['(', '[']).map_or_else(String::new, |(_, bracket)| bare(target(bracket)).into())
+    }
+}
+
+/// The unit in a bracket, `m)` or `-> m)`.
+fn target(bracket: &str) -> &str {
+    bracket.trim_end_matches([')', ']']).trim_start_matches(['-', '>', ' '])
+}
 
 impl Header {
     /// Adds what a comment or a line of the header says.
@@ -135,9 +153,7 @@ impl Header {
             return;
         }
         let (words, unit) = match key.split_once(['(', '[']) {
-            Some((words, bracket)) => {
-                (words, unit(bracket.trim_end_matches([')', ']']).trim_start_matches(['-', '>', ' '])))
-            }
+            Some((words, bracket)) => (words, unit(target(bracket))),
             None => (key, None),
         };
         let words = words.to_lowercase().replace(['_', '-'], " ");
@@ -190,6 +206,11 @@ impl Header {
         Some((&pair.key, &pair.value, unit(&pair.value)))
     }
 
+    /// Whether the numbers can be heights: they have a conversion factor, a unit of length or no unit.
+    pub(crate) fn may_be_heights(&self) -> bool {
+        self.factor().is_some() || self.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some())
+    }
+
     /// How often the units of x, y and z that the header names go into a metre.
     pub(crate) fn units(&self) -> [Option<f64>; 3] {
         let named = |names| self.find(names).and_then(|pair: &Pair| unit(&pair.value));
@@ -198,43 +219,77 @@ impl Header {
         [x, named(Y_UNIT).or(x), named(HEIGHT_UNIT).or(any)]
     }
 
-    /// What the header says of a matrix of `columns` × `rows` numbers.
-    pub(crate) fn meaning(&self, (rows, columns): (usize, usize)) -> Meaning {
+    /// What the header says of a matrix of `columns` × `rows` numbers. Unknown units are doubted unless the unit
+    /// `is_stated` by the user.
+    pub(crate) fn meaning(&self, (rows, columns): (usize, usize), is_stated: bool) -> Meaning {
         let mut warnings = Vec::new();
         let pitch_m = self.pitch((rows, columns), &mut warnings);
         if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
             let (ny, nx) = stated;
             warnings.push(format!("the header states {nx} × {ny} points; there are {columns} × {rows}"));
         }
-        let mut meaning =
-            Meaning { pitch_m, factor: 1.0, per_metre: 1.0, converted: None, no_data: self.no_data(), warnings };
-        match self.height_unit() {
-            Some((_, unit, Some(per_metre))) => meaning.convert(unit, per_metre),
-            Some((key, unit, None)) => meaning.warnings.push(doubt(key, unit)),
-            None => self.scale(&mut meaning),
+        let mut meaning = Meaning {
+            pitch_m,
+            factor: 1.0,
+            per_metre: 1.0,
+            converted: None,
+            unit: None,
+            no_data: self.no_data(),
+            warnings,
+        };
+        let other_unit = || {
+            self.pairs.iter().find(|pair| {
+                let name = pair.name.as_str();
+                name.contains("unit") && !X_UNIT.contains(&name) && !Y_UNIT.contains(&name) && pair.value != "m"
+            })
+        };
+        match (self.factor(), self.height_unit()) {
+            (Some((pair, factor, per_metre)), stated) => {
+                meaning.factor = factor;
+                meaning.convert(&pair.key, per_metre);
+                meaning.unit = Some(if pair.name == BIT_TO_NM { "nm".into() } else { pair.bracket() });
+                if let Some((key, unit, Some(other))) = stated
+                    && other != per_metre
+                {
+                    let (key, unit, factor) = (shown(key), shown(unit), shown(&pair.key));
+                    meaning
+                        .warnings
+                        .push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
+                }
+            }
+            (None, Some((_, unit, Some(per_metre)))) => {
+                meaning.convert(unit, per_metre);
+                meaning.unit = Some(bare(unit).into());
+            }
+            (None, Some((key, unit, None))) => {
+                meaning.unit = Some(unit.into());
+                if !is_stated {
+                    meaning.warnings.push(doubt(key, unit));
+                }
+            }
+            (None, None) => {
+                if let Some(pair) = other_unit().filter(|_| !is_stated) {
+                    meaning.warnings.push(doubt(&pair.key, &pair.value));
+                }
+            }
         }
         meaning
     }
 
-    /// Takes heights by a factor where the header names no unit alone.
-    fn scale(&self, meaning: &mut Meaning) {
+    /// The factor that turns numbers into heights, and how often its unit goes into a metre.
+    ///
+    /// `Bit2nm` of SPIP leads to nanometre, `height conversion factor (-> m)` to any unit, unless the numbers are in it already.
+    fn factor(&self) -> Option<(&Pair, f64, f64)> {
         let number = |pair: &Pair| pair.value.parse().ok().filter(|factor: &f64| factor.is_finite() && *factor != 0.0);
-        let named = |name| self.find(&[name]);
-        // SPIP counts in nanometre, another program in any unit.
-        if let Some(factor) = named("bit2nm").and_then(number) {
-            meaning.factor = factor;
-            meaning.convert("nm", 1e9);
-        } else if let Some(pair) = named("height conversion factor").filter(|pair| pair.unit.is_some())
-            && let (Some(factor), Some(per_metre)) = (number(pair), pair.unit)
-        {
-            meaning.factor = factor;
-            meaning.convert(&pair.key, per_metre);
-        } else if let Some(pair) = self.pairs.iter().find(|pair| {
-            pair.name.contains("unit") && !X_UNIT.contains(&pair.name.as_str()) && !Y_UNIT.contains(&pair.name.as_str())
-        }) && pair.value != "m"
-        {
-            meaning.warnings.push(doubt(&pair.key, &pair.value));
-        }
+        let found = |name: &str, unit: fn(&Pair) -> Option<f64>| {
+            let pair = self.find(&[name])?;
+            Some((pair, number(pair)?, unit(pair)?))
+        };
+        let is_done =
+            |per_metre: f64| self.height_unit().is_some_and(|(_, _, of_numbers)| of_numbers == Some(per_metre));
+        found(BIT_TO_NM, |_| Some(1e9)).or_else(|| {
+            found("height conversion factor", |pair| pair.unit).filter(|&(_, _, per_metre)| !is_done(per_metre))
+        })
     }
 
     fn no_data(&self) -> Option<f64> {
@@ -306,7 +361,12 @@ fn doubt(key: &str, unit: &str) -> String {
 
 /// How often a unit goes into a metre, whatever brackets stand around it.
 pub(crate) fn unit(text: &str) -> Option<f64> {
-    per_metre(text.trim().trim_matches(['[', ']', '(', ')', '"', '\'']).trim())
+    per_metre(bare(text))
+}
+
+/// A unit without the brackets around it.
+fn bare(text: &str) -> &str {
+    text.trim().trim_matches(['[', ']', '(', ')', '"', '\'']).trim()
 }
 
 /// One length or two.

@@ -5,6 +5,7 @@ use ndarray::{Array2, Axis};
 use super::description::{Units, units};
 use super::directory::{Directory, File, Tag, sample};
 use super::{decode, tag};
+use crate::foreign::TO_GWY;
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::{some_of, unique};
@@ -12,6 +13,8 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 
 /// Pages that one file may have.
 const MAX_PAGES: usize = 4096;
+/// Pages whose fields are compared with those of vendors.
+const VENDOR_PAGES: usize = 8;
 /// Bytes of a page's name beyond which it goes without.
 const MAX_NAME_BYTES: u64 = 256;
 /// Resolutions per inch that programs write that know of no size: none, those of screens, those of printers.
@@ -47,6 +50,11 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         }
         seen.push(next);
         let page = file.directory(next)?;
+        if seen.len() <= VENDOR_PAGES
+            && let Some(vendor) = vendor(&page)?
+        {
+            return Err(vendor);
+        }
         let name = Some(tag::PAGE_NAME).filter(|&name| page.length(name) <= MAX_NAME_BYTES);
         let name = name.map_or(Ok(None), |name| page.text(name))?.unwrap_or_else(|| format!("page {}", seen.len()));
         match numbers(&page)? {
@@ -73,13 +81,40 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         None => file.directory(file.first()?)?.text(tag::IMAGE_DESCRIPTION)?,
     };
     let units = description.map_or_else(Units::default, |description| units(&description));
-    let mut scan = map(&page, sample, order, &units)?;
+    let mut scan = map(&page, sample, order, &units, options)?;
     scan.metadata.extend(units.metadata);
     scan.warnings.extend(units.warnings);
     if options.channel.is_none() && !others.is_empty() {
         scan.warnings.push(format!("pages that are no heights were left out: {}", some_of(&others)));
     }
     Ok(scan.with_channels(names, place))
+}
+
+/// The error for the page of a vendor that keeps its heights, or their scale, in fields of its own.
+///
+/// JPK numbers its fields from 32768 on; Park's start at 50432 (its magic number) and hold the heights beside a picture of them.
+/// Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
+fn vendor(page: &Directory) -> Result<Option<FormatError>, FormatError> {
+    // Descriptions of instruments take some kilobytes.
+    const MAX_DESCRIPTION: u64 = 1 << 16;
+    let has = |tag: u16| page.length(Tag(tag, "")) > 0;
+    let name = if (50432..=50435).any(has) {
+        Some("a Park Systems TIFF file")
+    } else if (32768..=32775).chain(32832..=32837).chain(32848..=32850).any(has) {
+        Some("a JPK image file")
+    } else {
+        let text = |tag: Tag| {
+            let tag = Some(tag).filter(|&tag| page.length(tag) <= MAX_DESCRIPTION);
+            Ok::<_, FormatError>(tag.map_or(Ok(None), |tag| page.text(tag))?.unwrap_or_default())
+        };
+        let description = text(tag::IMAGE_DESCRIPTION)?;
+        let is_olympus = description.contains("TiffTagDescData")
+            || description.contains("System Name") && description.contains("OLS")
+            || text(tag::MAKE)?.starts_with("OLYMPUS")
+            || text(tag::MODEL)?.contains("LEXT");
+        is_olympus.then_some("an Olympus LEXT file")
+    };
+    Ok(name.map(|name| FormatError::NotRead { name, way_out: TO_GWY }))
 }
 
 /// The number type of a page of one number per point, or why it is none.
@@ -112,7 +147,13 @@ fn numbers(page: &Directory) -> Result<Result<Sample, String>, FormatError> {
 }
 
 /// The heights and the pitch of a page.
-fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units) -> Result<Scan, FormatError> {
+fn map(
+    page: &Directory,
+    sample: Sample,
+    order: ByteOrder,
+    units: &Units,
+    options: &ReadOptions,
+) -> Result<Scan, FormatError> {
     let dimension = |tag: Tag| {
         let found = page.integer(tag)?.ok_or_else(|| page.input.missing(tag.1, page.offset, "a whole number"))?;
         Ok::<_, FormatError>((tag.1, page.offset, i64::try_from(found).unwrap_or(i64::MAX)))
@@ -123,8 +164,11 @@ fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units) -> Res
     remove_voids(page, sample, &mut values)?;
     let is_integer = !matches!(sample, Sample::F32 | Sample::F64);
     match units.line_m {
-        Some((offset_m, slope_m)) => values.iter_mut().for_each(|z| *z = *z * slope_m + offset_m),
-        None if is_integer => {
+        Some((offset_m, slope_m)) => {
+            values.iter_mut().for_each(|z| *z = *z * slope_m + offset_m);
+            scan.height_unit = units.metadata.get("vunit").cloned();
+        }
+        None if is_integer && options.height_unit.is_none() => {
             let doubt = "the numbers are integers, counts without a unit; they were taken as heights in metre";
             scan.warnings.push(doubt.into());
         }

@@ -386,7 +386,7 @@ fn maps_of_heights_are_channels_and_the_measured_surface_is_the_first() {
     ];
     let bytes = file(&maps, Some(2), &[]);
     let read = |channel: Option<&str>| {
-        let options = ReadOptions { channel: channel.map(|name| Channel::Name(name.into())) };
+        let options = ReadOptions { channel: channel.map(|name| Channel::Name(name.into())), ..ReadOptions::default() };
         read_bytes_with(&bytes, &options)
     };
     let scan = read(None).unwrap();

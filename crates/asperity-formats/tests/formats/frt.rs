@@ -76,7 +76,8 @@ impl Frt {
             image(0x1102_0080, 4, 2, 32, i32s(&[-5, 6, 7, 8, 1, -1, i32::MIN, i32::MAX])),
             image(0x0000_0024, 2, 2, 16, u16s(&[10, 20, 1, 65535])),
         ];
-        Self::single().with(0x000b, u16s(&[9, 9, 9, 9])).with(0x0066, u32s(&[2, 2, 16])).with(0x007d, images.concat())
+        let single = Self::single().without(0x0070);
+        single.with(0x000b, u16s(&[9, 9, 9, 9])).with(0x0066, u32s(&[2, 2, 16])).with(0x007d, images.concat())
     }
 
     /// The file with a block in place of its namesake, or after all others.
@@ -134,7 +135,7 @@ fn warns(frt: &Frt, start: &str) -> bool {
 
 #[test]
 fn numbers_of_16_bits_are_unsigned_1_is_missing_and_the_last_line_is_at_the_top() {
-    let scan = reading(&Frt::single());
+    let scan = reading(&Frt::single().without(0x0070));
     assert_eq!(scan.heights_m.dim(), (2, 3));
     assert_heights(&scan, &[400e-8, 0.0, 600e-8, 100e-8, NAN, 65000e-8]);
     assert!(scan.channels.is_empty());
@@ -159,9 +160,14 @@ fn a_negative_range_counts_by_its_magnitude_and_one_of_0_is_none() {
 }
 
 #[test]
-fn numbers_outside_of_the_valid_ones_are_kept_and_told() {
-    assert!(warns(&Frt::single(), "1 heights are outside of the valid numbers that the file states, 2 to 65000"));
-    assert!(!warns(&Frt::single().without(0x0070), "1 heights"));
+fn numbers_outside_of_the_valid_range_are_missing() {
+    // The fifth number is 0.
+    assert_heights(&reading(&Frt::single()), &[400e-8, NAN, 600e-8, 100e-8, NAN, 65000e-8]);
+    assert!(warns(&Frt::single(), "1 numbers are outside of the valid range that the file states, 2 to 65000"));
+    assert!(!warns(&Frt::single().without(0x0070), "1 numbers"));
+    // Both ends are valid.
+    let whole = Frt::single().with(0x0070, u32s(&[0, 65000]));
+    assert_heights(&reading(&whole), &[400e-8, 0.0, 600e-8, 100e-8, NAN, 65000e-8]);
 }
 
 #[test]
@@ -203,7 +209,7 @@ fn the_first_topography_is_read_of_several_images_and_others_are_no_channels() {
 
 #[test]
 fn numbers_of_32_bits_are_signed_and_ranges_span_every_image() {
-    let options = ReadOptions { channel: Some(Channel::Number(1)) };
+    let options = ReadOptions { channel: Some(Channel::Number(1)), ..ReadOptions::default() };
     let scan = read_bytes_with(&Frt::several().bytes(), &options).unwrap();
     let [least, most] = [-2147483648.0 * 1e-8, 2147483647.0 * 1e-8];
     assert_heights(&scan, &[NAN, -1e-8, least, most, -5e-8, 6e-8, 7e-8, 8e-8]);

@@ -210,13 +210,14 @@ fn images_of_lengths_are_channels_in_the_order_of_their_numbers() {
     assert_eq!(scan.metadata["filename"], "C:\\ground.gwy");
 
     for channel in [Channel::Number(2), Channel::Name("height 2".into())] {
-        let second = read_bytes_with(&full(), &ReadOptions { channel: Some(channel) }).unwrap();
+        let second =
+            read_bytes_with(&full(), &ReadOptions { channel: Some(channel), ..ReadOptions::default() }).unwrap();
         assert_eq!(second.channel, 1);
         assert_heights(&second, &HEIGHTS.map(|z| z + 7e-6));
         assert_eq!(second.warnings, [] as [String; 0]);
         assert!(!second.metadata.contains_key("Instrument"));
     }
-    let phase = ReadOptions { channel: Some(Channel::Name("Phase".into())) };
+    let phase = ReadOptions { channel: Some(Channel::Name("Phase".into())), ..ReadOptions::default() };
     assert!(matches!(read_bytes_with(&full(), &phase), Err(FormatError::NoSuchChannel { .. })));
 }
 

@@ -378,7 +378,7 @@ fn maps_in_a_unit_of_length_are_channels_and_heights_is_the_first() {
     let bytes = file.bytes();
     let scan = read_bytes(&bytes).unwrap();
     assert_eq!((scan.channels.as_slice(), scan.channel), (&["heights".to_owned(), "error".to_owned()][..], 0));
-    let options = ReadOptions { channel: Some(Channel::Name("error".into())) };
+    let options = ReadOptions { channel: Some(Channel::Name("error".into())), ..ReadOptions::default() };
     assert_eq!(read_bytes_with(&bytes, &options).unwrap().heights_m[[0, 0]], 7e-6);
 }
 

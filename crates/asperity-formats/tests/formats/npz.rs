@@ -72,12 +72,12 @@ fn two_dimensional_arrays_of_lengths_are_channels_by_name() {
         assert_heights(&scan, &[7.0; 6]);
         assert_eq!(scan.heights_m.dim(), (2, 3));
         assert!(scan.warnings.iter().any(|warning| warning.ends_with("left out: pressure_pa")), "{:?}", scan.warnings);
-        let options = ReadOptions { channel: Some(Channel::Name("gap_m".into())) };
+        let options = ReadOptions { channel: Some(Channel::Name("gap_m".into())), ..ReadOptions::default() };
         let gap = read_bytes_with(&bytes, &options).unwrap();
         assert_heights(&gap, &[1.0, 2.0, 3.0, 4.0, 5.0, f64::NAN]);
         assert_eq!(gap.pitch_m, Some((2e-6, 3e-6)));
         assert_eq!(gap.metadata["pitch_m"], "0.000002, 0.000003");
-        let options = ReadOptions { channel: Some(Channel::Name("pressure_pa".into())) };
+        let options = ReadOptions { channel: Some(Channel::Name("pressure_pa".into())), ..ReadOptions::default() };
         assert!(matches!(read_bytes_with(&bytes, &options), Err(FormatError::NoSuchChannel { .. })));
     }
 }

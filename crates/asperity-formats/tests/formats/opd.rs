@@ -212,7 +212,7 @@ fn without_a_pixel_size_there_is_a_warning() {
 fn intensities_are_no_channels() {
     let scan = read_bytes(&file(&new_file())).unwrap();
     assert_eq!((scan.channels.as_slice(), scan.channel), (&["Raw".to_owned()][..], 0));
-    let image = ReadOptions { channel: Some(Channel::Name("Image".into())) };
+    let image = ReadOptions { channel: Some(Channel::Name("Image".into())), ..ReadOptions::default() };
     assert!(matches!(read_bytes_with(&file(&new_file()), &image), Err(FormatError::NoSuchChannel { .. })));
 }
 
@@ -222,7 +222,7 @@ fn of_several_maps_the_primary_or_the_first_or_the_chosen_is_read() {
     let mut blocks = old_file();
     blocks.push(second);
     let read = |blocks: &[Block], channel: Option<&str>| {
-        let options = ReadOptions { channel: channel.map(Into::into) };
+        let options = ReadOptions { channel: channel.map(Into::into), ..ReadOptions::default() };
         read_bytes_with(&file(blocks), &options).unwrap()
     };
     let scan = read(&blocks, None);

@@ -134,12 +134,13 @@ fn layers_follow_each_other_behind_range_and_images() {
     assert_heights(&scan, &wanted_m());
     assert_eq!((scan.channels, scan.channel), (vec!["layer 1".to_owned(), "layer 2".to_owned()], 0));
     for channel in [Channel::Number(2), Channel::Name("Layer 2".into())] {
-        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel) }).unwrap();
+        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel), ..ReadOptions::default() }).unwrap();
         assert_eq!(scan.heights_m.dim(), (1, 2));
         assert_heights(&scan, &[4e-6, 5e-6]);
         assert!(scan.warnings.iter().any(|warning| warning.contains("the header states 3 × 2 points")));
     }
-    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Number(3)) }).unwrap_err();
+    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Number(3)), ..ReadOptions::default() })
+        .unwrap_err();
     assert!(error.to_string().contains("`layer 1`, `layer 2`"), "{error}");
 }
 

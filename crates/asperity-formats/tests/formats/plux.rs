@@ -127,11 +127,15 @@ fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
     assert_eq!(scan.channels, ["LAYER_2", "LAYER_10"]);
     assert_heights(&scan, &[2e-6; 6]);
     for channel in [Channel::Number(2), Channel::Name("layer_10".into())] {
-        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel) }).unwrap();
+        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel), ..ReadOptions::default() }).unwrap();
         assert_heights(&scan, &[10e-6; 6]);
         assert_eq!(scan.channel, 1);
     }
-    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())) }).unwrap_err();
+    let error = read_bytes_with(
+        &bytes,
+        &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())), ..ReadOptions::default() },
+    )
+    .unwrap_err();
     assert!(matches!(error, FormatError::NoSuchChannel { format: Format::Plux, .. }), "{error}");
 }
 
@@ -172,9 +176,13 @@ fn dimensions_that_the_files_cannot_bear_out_are_errors() {
 }
 
 #[test]
-fn an_archive_with_an_index_alone_is_no_plux() {
-    let bytes = Content::Zip(vec![("index.xml".into(), Plux::default().index().into_bytes())]).bytes();
-    assert_ne!(Format::detect(&bytes), Some(Format::Plux));
+fn an_index_of_a_map_without_a_layer_is_refused_as_plux_and_any_other_index_is_none() {
+    let archive = |index: String| Content::Zip(vec![("index.xml".into(), index.into_bytes())]).bytes();
+    let plux = archive(Plux { layers: "", ..Plux::default() }.index());
+    assert_eq!(Format::detect(&plux), Some(Format::Plux));
+    let message = read_bytes(&plux).unwrap_err().to_string();
+    assert!(message.starts_with("PLUX: no layer of index.xml has heights (LAYER_n/FILENAME_Z)"), "{message}");
+    assert_ne!(Format::detect(&archive("<xml><GENERAL/></xml>".into())), Some(Format::Plux));
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 }
 
 fn channel(text: &str) -> ReadOptions {
-    ReadOptions { channel: Some(text.into()) }
+    ReadOptions { channel: Some(text.into()), ..ReadOptions::default() }
 }
 
 #[test]

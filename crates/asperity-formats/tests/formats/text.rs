@@ -121,7 +121,7 @@ fn channels_of_the_same_name_are_numbered() {
     let text = "# Channel: Z\n1 2\n# Channel: Z\n3 4\n";
     let scan = read_bytes(text.as_bytes()).unwrap();
     assert_eq!(scan.channels, ["Z", "Z 2"]);
-    let options = ReadOptions { channel: Some("z 2".into()) };
+    let options = ReadOptions { channel: Some("z 2".into()), ..ReadOptions::default() };
     assert_heights(&read_bytes_with(text.as_bytes(), &options).unwrap(), &[3.0, 4.0]);
 }
 
@@ -211,16 +211,18 @@ fn channels_of_one_file_are_told_apart() {
     assert_heights(&scan, &HEIGHTS_M);
     assert_eq!(scan.channels, ["Topography", "Zoom"]);
     assert!(scan.warnings.iter().any(|warning| warning.contains("2 height maps")), "{:?}", scan.warnings);
-    let options = ReadOptions { channel: Some("zoom".into()) };
+    let options = ReadOptions { channel: Some("zoom".into()), ..ReadOptions::default() };
     let scan = read_bytes_with(text.as_bytes(), &options).unwrap();
     assert_eq!((scan.heights_m.dim(), scan.channel), ((1, 2), 1));
     assert_heights(&scan, &[1e-9, 2e-9]);
     assert_eq!(scan.pitch_m, Some((2e-9, 2e-9)));
-    let options = ReadOptions { channel: Some("Phase".into()) };
+    let options = ReadOptions { channel: Some("Phase".into()), ..ReadOptions::default() };
     let error = read_bytes_with(text.as_bytes(), &options).unwrap_err().to_string();
     assert_eq!(error, "text: no height map `Phase`; the file holds `Topography`, `Zoom`");
     let broken = text.replace("\n1 2\n", "\n1 x\n");
-    let error = read_bytes_with(broken.as_bytes(), &ReadOptions { channel: Some("2".into()) }).unwrap_err();
+    let error =
+        read_bytes_with(broken.as_bytes(), &ReadOptions { channel: Some("2".into()), ..ReadOptions::default() })
+            .unwrap_err();
     assert!(error.to_string().starts_with("text: value 2 (line 19) is `x`"), "{error}");
     let phases = text.replace("units: m", "units: V").replace("units: nm", "units: V");
     let error = read_bytes(phases.as_bytes()).unwrap_err().to_string();
@@ -335,6 +337,27 @@ fn heights_in_another_unit_are_converted() {
     }
     let scan = read_bytes(format!("# unit: m\n{MATRIX}").as_bytes()).unwrap();
     assert!(!scan.metadata.contains_key("converted"));
+}
+
+/// The header that Koala (Lyncée Tec) writes above phases.
+const KOALA: &str = "h=2 w=3\npixel size=2.84871e-07 m\ndata unit=rad\nheight conversion factor (-> m)=6.3e-8\n";
+
+#[test]
+fn a_conversion_factor_comes_before_the_unit() {
+    let scan = read_bytes(format!("{KOALA}{MATRIX}").as_bytes()).unwrap();
+    assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
+    assert_eq!(scan.pitch_m, Some((2.84871e-7, 2.84871e-7)));
+    assert_eq!(scan.warnings, [] as [String; 0]);
+    assert_eq!(scan.height_unit.as_deref(), Some("m"));
+    // A factor of its own beside another unit.
+    let contradiction = KOALA.replace("data unit=rad", "data unit=nm");
+    let scan = read_bytes(format!("{contradiction}{MATRIX}").as_bytes()).unwrap();
+    assert!((scan.heights_m[[0, 0]] / 6.3e-8 - 1.0).abs() < 1e-15);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("the factor was used")), "{:?}", scan.warnings);
+    // Koala states the factor of phases also above heights.
+    let heights = KOALA.replace("data unit=rad", "data unit=m");
+    let scan = read_bytes(format!("{heights}{MATRIX}").as_bytes()).unwrap();
+    assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
 }
 
 #[test]

@@ -415,7 +415,7 @@ fn pages_are_channels_and_those_of_other_kinds_are_left_out() {
     assert!(scan.warnings.iter().any(|warning| {
         warning.ends_with("left out: page 1 is in colours (RGB), page 2 is a smaller copy of another")
     }));
-    let options = ReadOptions { channel: Some(Channel::Name("height".into())) };
+    let options = ReadOptions { channel: Some(Channel::Name("height".into())), ..ReadOptions::default() };
     let scan = read_bytes_with(&bytes, &options).unwrap();
     assert_heights(&scan, &[9.0; 6]);
     assert_eq!(scan.metadata["PageName"], "Height");
@@ -484,4 +484,40 @@ fn directories_that_lead_back_are_refused() {
     assert!(matches!(read_bytes(b"II*\0\0\0\0\0"), Err(FormatError::Unsupported { .. })));
     assert!(matches!(read_bytes(b"II*\0"), Err(FormatError::Truncated { .. })));
     assert!(matches!(read_bytes(b"MM\0*\xff\xff\xff\xff"), Err(FormatError::Truncated { .. })));
+}
+
+#[test]
+fn files_of_vendors_are_refused_by_name() {
+    const LEXT: &str = "<?xml version=\"1.0\"?><TiffTagDescData><HeightInfo/></TiffTagDescData>";
+    const OLS: &str = "[System Info]\r\nSystem Name =         OLS3000\r\n";
+    let cases = [
+        // Park: magic number and version.
+        (50432, Value::Long(0x0e03_1301), "a Park Systems TIFF file"),
+        (50435, Value::Long(1), "a Park Systems TIFF file"),
+        // JPK: version of the file, width of the grid, name of the channel.
+        (32768, Value::Long(1), "a JPK image file"),
+        (32834, Value::Double(1e-5), "a JPK image file"),
+        (32848, Value::Text("height"), "a JPK image file"),
+        (270, Value::Text(LEXT), "an Olympus LEXT file"),
+        (270, Value::Text(OLS), "an Olympus LEXT file"),
+        (271, Value::Text("OLYMPUS"), "an Olympus LEXT file"),
+    ];
+    for (tag, value, name) in cases {
+        for kind in KINDS {
+            // In the second page as well.
+            let vendor = Page::new(16, 1, vec![0; 12]).with(tag, value.clone());
+            for pages in [vec![vendor.clone()], vec![Page::new(16, 1, vec![0; 12]), vendor]] {
+                let error = read_bytes(&tiff(kind, &pages)).unwrap_err();
+                assert!(matches!(error, FormatError::NotRead { .. }), "{error}");
+                assert_eq!(
+                    error.to_string(),
+                    format!("this is {name}, which is not read; Gwyddion can save it as GWY")
+                );
+            }
+        }
+    }
+    // Fields of others in the same range: ImageID, ImageDepth.
+    for tag in [32781, 32997] {
+        assert!(read_bytes(&tiff(CLASSIC, &[floats().with(tag, Value::Long(1))])).is_ok(), "{tag}");
+    }
 }

@@ -195,7 +195,11 @@ fn layers_of_heights_are_channels_by_their_numbers() {
     let file = Vk4 { layers: [Some(Layer::of_32_bits()), None, Some(second)], ..Vk4::default() }.bytes();
     let scan = read_bytes(&file).unwrap();
     assert_eq!((scan.channels, scan.channel), (vec!["Height 1".to_owned(), "Height 3".to_owned()], 0));
-    let scan = read_bytes_with(&file, &ReadOptions { channel: Some(Channel::Name("height 3".into())) }).unwrap();
+    let scan = read_bytes_with(
+        &file,
+        &ReadOptions { channel: Some(Channel::Name("height 3".into())), ..ReadOptions::default() },
+    )
+    .unwrap();
     assert_heights(&scan, &[1e-10, 2e-10, 3e-10, 4e-10, 5e-10, 6e-10]);
     assert_eq!(scan.channel, 1);
 }

@@ -218,7 +218,7 @@ fn the_checksum_file_may_hold_the_sum_alone_or_sums_of_other_files() {
 }
 
 fn layer(text: &str) -> ReadOptions {
-    ReadOptions { channel: Some(text.into()) }
+    ReadOptions { channel: Some(text.into()), ..ReadOptions::default() }
 }
 
 /// Three layers of 2 × 3 numbers in nanometre: hundreds tell the layer, tens the line, ones the column. Point (1, 0) of

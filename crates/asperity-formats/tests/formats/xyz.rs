@@ -1,11 +1,11 @@
-use asperity_formats::{Format, Scan, read_bytes};
+use asperity_formats::{Format, Scan, Separator, SurData, read_bytes, write_sur, write_text};
 
 use crate::assert_heights;
 use crate::fixture::Fixture;
 
 const NAN: f64 = f64::NAN;
 
-/// Columns, rows from the largest y on, and the pitch of the maps below.
+/// Columns, rows from the smallest y on, and the pitch of the maps below.
 const SIZE: (usize, usize) = (4, 3);
 const PITCH: (f64, f64) = (0.5, 0.25);
 
@@ -14,9 +14,9 @@ fn height((row, column): (usize, usize)) -> f64 {
     (4 * row + column) as f64 / 8.0
 }
 
-/// Where a point lies: row 0 has the largest y.
+/// Where a point lies: row 0 has the smallest y.
 fn position((row, column): (usize, usize)) -> (f64, f64) {
-    (10.0 + PITCH.0 * column as f64, -1.0 - PITCH.1 * row as f64)
+    (10.0 + PITCH.0 * column as f64, -1.5 + PITCH.1 * row as f64)
 }
 
 fn by_rows() -> Vec<(usize, usize)> {
@@ -97,7 +97,7 @@ fn lines_may_lie_closer_than_the_points_on_them() {
         for points in [one_way, serpentine] {
             let text: String = points
                 .iter()
-                .map(|&(row, column)| format!("{}e-6 {}e-6 {}e-7\n", 5 * column, rows - 1 - row, 10 * row + column))
+                .map(|&(row, column)| format!("{}e-6 {}e-6 {}e-7\n", 5 * column, row, 10 * row + column))
                 .collect();
             let scan = read(&text);
             assert_eq!(scan.heights_m.dim(), (rows, columns));
@@ -171,8 +171,8 @@ fn wide_spacing_without_a_unit_is_doubted() {
 fn missing_points_and_heights_are_nan() {
     let text = list(&by_rows(), " ");
     let mut lines: Vec<&str> = text.lines().collect();
-    lines[2] = "11 -1 nan";
-    lines[3] = "11.5 -1 BAD";
+    lines[2] = "11 -1.5 nan";
+    lines[3] = "11.5 -1.5 BAD";
     lines[4] = "10 -1.25 1.#QNAN";
     lines[7] = "11.5 -1.25 No Data";
     lines.remove(6);
@@ -197,7 +197,7 @@ fn coordinates_may_jitter_by_a_tenth_of_a_step() {
     for row in 0..20 {
         for column in 0..30 {
             let (x, y) = (column as f64 + noise(30 * row + column), row as f64 + noise(31 * row + 5 * column + 1));
-            text += &format!("{x} {y} {}\n", height((19 - row, column)));
+            text += &format!("{x} {y} {}\n", height((row, column)));
         }
     }
     let scan = read(&text);
@@ -286,4 +286,22 @@ fn points_that_span_a_giant_grid_are_refused() {
     text += "1000000000 -1 0\n";
     let message = read_bytes(text.as_bytes()).unwrap_err().to_string();
     assert!(message.starts_with("XYZ: the points would fill less than 1 of 4 places of a grid of"), "{message}");
+}
+
+#[test]
+fn a_map_as_xyz_lies_like_the_same_map_as_sur_and_as_a_matrix() {
+    // Neither symmetric nor square; positions grow from line to line, as ISO 25178-72 and the SUR format count them.
+    let heights = ndarray::Array2::from_shape_fn((5, 7), |(row, column)| 1e-6 * (3 * row * row + column) as f64);
+    let map = Scan::new(heights, Some((2e-6, 3e-6)));
+    let sur = read_bytes(&write_sur(&map, SurData::Int32).unwrap()).unwrap();
+    let matrix = read_bytes(&write_text(&map, Separator::Space)).unwrap();
+    let points: String = sur
+        .heights_m
+        .indexed_iter()
+        .map(|((row, column), z)| format!("{}e-6 {}e-6 {z:e}\n", 2 * column, 3 * row))
+        .collect();
+    let xyz = read(&points);
+    assert_eq!(crate::bits(&xyz), crate::bits(&sur));
+    assert_eq!(xyz.heights_m.dim(), (5, 7));
+    assert!(matrix.heights_m.iter().zip(&xyz.heights_m).all(|(a, b)| (a - b).abs() < 1e-12));
 }

@@ -4,6 +4,7 @@ mod vibration;
 
 use std::str::FromStr;
 
+use asperity_formats::LengthUnit;
 use thiserror::Error;
 
 use crate::chaos::{MAX_TERMS, Propagation, number_of_terms};
@@ -90,6 +91,9 @@ impl Study {
                 let wanted = format!("a size between {low:e} m and {high:e} m");
                 within(SECTION, "pixel_size", side.0, |side| PITCH_RANGE_M.contains(&side), &wanted)?;
             }
+        }
+        if let Some(Err(error)) = s.height_unit.as_deref().map(str::parse::<LengthUnit>) {
+            return Err(problem(SECTION, "height_unit", error.to_string()));
         }
         if let Some(outliers) = s.outliers {
             within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
@@ -451,6 +455,7 @@ impl SurfaceSection {
             ),
             ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
             ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
+            ("height_unit", self.height_unit.is_some() && self.file.is_none(), "without `file`"),
             ("outliers", self.outliers.is_some() && self.file.is_none(), "without `file`"),
             ("s_filter", self.s_filter.is_some() && self.file.is_none(), "without `file`"),
             ("l_filter", self.l_filter.is_some() && self.file.is_none(), "without `file`"),

@@ -134,6 +134,9 @@ pub struct SurfaceSection {
     /// Pixel size (x, y) of a scan that states none, or one for both; overrides the file's.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     pub pixel_size: Option<[Length; 2]>,
+    /// Unit of the heights of a scan that states none, such as `um`; overrides the file's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_unit: Option<String>,
     /// Form removed from the scan.
     #[serde(default)]
     pub level: Level,
@@ -227,6 +230,7 @@ impl Default for SurfaceSection {
             file: None,
             channel: None,
             pixel_size: None,
+            height_unit: None,
             level: Level::default(),
             outliers: None,
             s_filter: None,
@@ -264,10 +268,11 @@ impl SurfaceSection {
     /// The scans, none for a surface without. `folder` is that of the study file.
     ///
     /// # Errors
-    /// A file cannot be read, or holds no such channel.
+    /// A file cannot be read, or holds no such channel; the height unit is no unit of length.
     pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
         let channel = self.channel.as_deref().map(Channel::from);
-        let options = ReadOptions { channel };
+        let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
+        let options = ReadOptions { channel, height_unit };
         self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
     }
 

@@ -165,6 +165,9 @@ percentile = 50.0
         let pixel = STUDY.replace("covariance", "file = \"a.npy\"\npixel_size = \"1e-155 m\"\ncovariance");
         let error = Study::parse(&pixel, "study.toml").unwrap_err();
         assert!(error.line == 5 && error.message.contains("between 1e-15 m and 1e3 m"), "{error}");
+        let unit = STUDY.replace("covariance", "file = \"a.npy\"\nheight_unit = \"V\"\ncovariance");
+        let error = Study::parse(&unit, "study.toml").unwrap_err();
+        assert!(error.line == 5 && error.message.contains("`V` is not a unit of length"), "{error}");
     }
 
     #[test]

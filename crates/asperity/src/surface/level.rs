@@ -163,6 +163,37 @@ pub fn remove_form(map: &HeightMap, level: Level) -> Result<Levelled, LevelError
     Ok(Levelled { map, form_m, radius_m })
 }
 
+/// A form that exceeds the roughness around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DominantForm {
+    /// The form, a plane or a quadratic polynomial.
+    pub level: Level,
+    /// Root mean square height of the form about its mean, in metre.
+    pub form_rms_m: f64,
+    /// Root mean square height of the rest, in metre.
+    pub roughness_rms_m: f64,
+}
+
+/// Returns the least-squares form of an unlevelled map if its root mean square height exceeds that of the rest.
+///
+/// The form is quadratic if what it adds to the plane exceeds the rest, and a plane otherwise. `None` where neither exceeds the rest
+/// or the heights do not determine it.
+pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
+    let rms_after = |level: Level| {
+        let left = remove_form(map, level).ok()?.map;
+        let (count, sum) = left.present_m().fold((0.0, 0.0), |(count, sum), z| (count + 1.0, sum + z * z));
+        Some(f64::sqrt(sum / count))
+    };
+    let (mean, plane) = (rms_after(Level::Mean)?, rms_after(Level::Plane)?);
+    // Residuals of least squares are orthogonal to the form.
+    let between = |before: f64, after: f64| (before * before - after * after).max(0.0).sqrt();
+    let quadratic = rms_after(Level::Quadratic).unwrap_or(plane);
+    let (level, rest) =
+        if between(plane, quadratic) > quadratic { (Level::Quadratic, quadratic) } else { (Level::Plane, plane) };
+    let form_rms_m = between(mean, rest);
+    (form_rms_m > rest).then_some(DominantForm { level, form_rms_m, roughness_rms_m: rest })
+}
+
 /// Sums of `count` values over the rows of a map: rows are worked on by all threads and added in order, so the result does
 /// not depend on how many there are.
 fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {

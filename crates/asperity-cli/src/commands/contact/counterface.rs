@@ -8,6 +8,7 @@ use asperity::quantity::Pressure;
 use clap::Args;
 
 use crate::args;
+use crate::commands::surface::preparation::LevelOption;
 use crate::failure::Failure;
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
@@ -53,11 +54,13 @@ impl Counterface {
         &self,
         map: HeightMap,
         options: &ScanOptions,
+        level: LevelOption,
         monitor: &Terminal,
     ) -> Result<HeightMap, Failure> {
         let Some(file) = &self.counterface else { return Ok(map) };
         let unusable = |e: ContactError| Failure::data(file.display(), &e);
         let upper = input::map(file, &options.of_another_file(), monitor)?;
+        let upper = level.remove_or_doubt(upper, file, monitor)?;
         match upper.missing_points() {
             0 => {}
             missing => return Err(unusable(ContactError::Missing { missing, points: upper.grid().points() })),

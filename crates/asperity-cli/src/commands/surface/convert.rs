@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use asperity_formats::{Format, FormatError};
+use asperity_formats::{Format, FormatError, Scan};
 use clap::Args;
 
+use super::preparation::LevelOption;
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
@@ -20,16 +21,27 @@ pub(crate) struct Convert {
     output: PathBuf,
     #[command(flatten)]
     options: ScanOptions,
+    #[command(flatten)]
+    level: LevelOption,
+    /// Print one JSON object: what was read and written.
+    #[arg(long)]
+    json: bool,
 }
 
 impl Convert {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         check_target("OUTPUT", &self.output, &[&self.input])?;
         let said = said_of_writing(&self.output);
-        let scan = input::scan(&self.input, &self.options, monitor)?;
+        let mut scan = input::scan(&self.input, &self.options, monitor)?;
+        if self.level.is_stated() {
+            let map = input::height_map(scan.clone(), &self.input)?;
+            let levelled = self.level.remove_from(map, &self.input)?;
+            scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };
+        }
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        if let (Some((dx_m, dy_m)), Some(format)) = (scan.pitch_m, Format::from_extension(&extension))
+        let written = Format::from_extension(&extension);
+        if let (Some((dx_m, dy_m)), Some(format)) = (scan.pitch_m, written)
             && !format.stores_pitch()
         {
             let (output, name) = (self.output.display(), format.name());
@@ -38,7 +50,17 @@ impl Convert {
         let (ny, nx) = scan.heights_m.dim();
         let missing = scan.missing_points();
         monitor.note(&format!("{said} {}: {nx} × {ny} points, {missing} missing", self.output.display()));
-        Ok(())
+        if !self.json {
+            return Ok(());
+        }
+        input::source(&scan)
+            .with("written_format", written.map(Format::name))
+            .with("nx", nx)
+            .with("ny", ny)
+            .with("dx_m", scan.pitch_m.map(|(dx_m, _)| dx_m))
+            .with("dy_m", scan.pitch_m.map(|(_, dy_m)| dy_m))
+            .with("missing_points", missing)
+            .print(true)
     }
 }
 

@@ -1,11 +1,58 @@
 //! What is done to a map before anything is read off it.
 
+use std::path::Path;
+
+use asperity::map::HeightMap;
 use asperity::quantity::Length;
-use asperity::surface::level::Level;
+use asperity::surface::level::{Level, dominant_form, remove_form};
 use asperity::surface::preparation::Preparation;
 use clap::Args;
 
 use crate::args;
+use crate::failure::Failure;
+use crate::monitor::Terminal;
+use crate::output::row;
+
+/// The form alone, none unless stated.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct LevelOption {
+    /// Form that is removed by least squares before anything else: none, mean, plane, quadratic, polynomial:N, cylinder or
+    /// sphere.
+    #[arg(long, value_name = "FORM", default_value = "none")]
+    level: Level,
+}
+
+impl LevelOption {
+    /// Whether a form is removed at all.
+    pub(crate) fn is_stated(self) -> bool {
+        self.level != Level::None
+    }
+
+    /// The map without the form. `file` names it in errors.
+    pub(crate) fn remove_from(self, map: HeightMap, file: &Path) -> Result<HeightMap, Failure> {
+        if !self.is_stated() {
+            return Ok(map);
+        }
+        let levelled = remove_form(&map, self.level).map_err(|e| Failure::data(file.display(), &e))?;
+        Ok(levelled.map)
+    }
+
+    /// The map without the form; where none is removed, warns about one that exceeds the roughness.
+    pub(crate) fn remove_or_doubt(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
+        if !self.is_stated()
+            && let Some(form) = dominant_form(&map)
+        {
+            let (level, file) = (form.level, file.display());
+            let shown = |height_m: f64| row("height_m", &height_m.into()).1;
+            let (form, rest) = (shown(form.form_rms_m), shown(form.roughness_rms_m));
+            monitor.warn(&format!(
+                "{file}: the form ({level}) has an rms height of {form}, more than the roughness around it, {rest}; \
+                 --level {level} removes it"
+            ));
+        }
+        self.remove_from(map, file)
+    }
+}
 
 /// Form, outliers and filters.
 #[derive(Debug, Args)]

@@ -42,12 +42,15 @@ pub(crate) struct Stats {
 
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let mut scans = vec![];
+        let (mut scans, mut sources) = (vec![], vec![]);
         for file in &self.files {
-            scans.push((file.display().to_string(), self.statistics(file, monitor)?));
+            let (statistics, source) = self.statistics(file, monitor)?;
+            scans.push((file.display().to_string(), statistics));
+            sources.push(source);
         }
-        if let [(_, statistics)] = scans.as_slice() {
-            return Answer::of(statistics)?.print(self.json);
+        if let ([(_, statistics)], [source]) = (scans.as_slice(), sources.as_slice()) {
+            let answer = Answer::of(statistics)?;
+            return if self.json { answer.and(source.clone()).print(true) } else { answer.print(false) };
         }
         for (place, file) in self.files.iter().enumerate() {
             let same =
@@ -59,11 +62,14 @@ impl Stats {
         }
         let pooled = PooledStatistics::of(scans).map_err(|e| Failure::data("the scans", &e))?;
         let answer = Answer::of(&pooled)?;
-        if self.json { answer.print(true) } else { answer.without("scans").print(false) }
+        if self.json { answer.and(Answer::lists(&sources)).print(true) } else { answer.without("scans").print(false) }
     }
 
-    fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<SurfaceStatistics, Failure> {
-        let map = input::map(file, &self.options, monitor)?;
+    /// The statistics of a file, with its format and channel.
+    fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<(SurfaceStatistics, Answer), Failure> {
+        let scan = input::scan(file, &self.options, monitor)?;
+        let source = input::source(&scan);
+        let map = input::height_map(scan, file)?;
         let preparation = self.preparation.preparation();
         let unusable = |e: &dyn Error| Failure::data(file.display(), e);
         let prepared = monitor.at_once(|| preparation.apply(&map))?.map_err(|e| match e {
@@ -79,6 +85,7 @@ impl Stats {
                 "{file}: the robust filter found no surface around {lost} heights, which count as missing"
             ));
         }
-        monitor.at_once(|| statistics(&prepared))?.map_err(|e| unusable(&e))
+        let statistics = monitor.at_once(|| statistics(&prepared))?.map_err(|e| unusable(&e))?;
+        Ok((statistics, source))
     }
 }

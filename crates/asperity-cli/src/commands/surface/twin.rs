@@ -23,7 +23,7 @@ use crate::commands::study_file;
 use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
-use crate::output::{self, columns};
+use crate::output::{self, Answer, columns};
 use crate::page::{begin_folder, store_failure};
 use crate::provenance::Provenance;
 use crate::resources::{require_disk, require_memory};
@@ -280,7 +280,7 @@ impl Twin {
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         self.note_lost_pitch(&twins, monitor);
         monitor.note(&format!("wrote {}", written.join("twins.html").display()));
-        if self.json { print_json(&comparison) } else { output::print(&table(&comparison)) }
+        if self.json { Answer::of(&comparison)?.print(true) } else { output::print(&table(&comparison)) }
     }
 
     /// Writes one twin; they are numbered from 1.
@@ -373,11 +373,6 @@ fn field(map: &HeightMap) -> Field {
     let grid = map.grid();
     let values = map.heights_m().iter().copied().collect();
     Field { nx: grid.nx(), ny: grid.ny(), dx_m: grid.dx_m(), dy_m: grid.dy_m(), values }
-}
-
-fn print_json(comparison: &Comparison) -> Result<(), Failure> {
-    let text = serde_json::to_string(comparison).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
-    output::print(&format!("{text}\n"))
 }
 
 /// The statistics as lines: name, scan, mean of the twins, band, and a word where the scan lies outside.

@@ -172,3 +172,32 @@ fn forms_are_named_as_in_study_files() {
         assert!(wrong.parse::<Level>().is_err(), "{wrong}");
     }
 }
+
+#[test]
+fn a_form_dominates_when_its_rms_height_exceeds_that_of_the_rest() {
+    let grid = Grid::new(64, 48, 1e-6, 1e-6).unwrap();
+    let (rough, n) = (noise(grid, 7), 64.0_f64);
+    let with = |slope: f64, bend: f64| {
+        let heights = Array2::from_shape_fn(grid.shape(), |(row, column)| {
+            let x = column as f64 - 31.5;
+            rough[[row, column]] + slope * x + bend * (x * x - (n * n - 1.0) / 12.0)
+        });
+        dominant_form(&HeightMap::new(grid, heights).unwrap())
+    };
+    assert_eq!(with(0.0, 0.0), None);
+    // A slope s over n points has the rms height s √((n² − 1)/12), a parabola b x² that of b √((n² − 1)(n² − 4)/180).
+    let (of_slope, of_bend) = (((n * n - 1.0) / 12.0).sqrt(), ((n * n - 1.0) * (n * n - 4.0) / 180.0).sqrt());
+    assert_eq!(with(0.8 / of_slope, 0.0), None);
+    assert_eq!(with(0.0, 0.8 / of_bend), None);
+    for (slope, bend, level) in
+        [(3.0, 0.0, Level::Plane), (3.0, 0.8, Level::Plane), (0.0, 3.0, Level::Quadratic), (3.0, 3.0, Level::Quadratic)]
+    {
+        let found = with(slope / of_slope, bend / of_bend).unwrap();
+        assert_eq!(found.level, level);
+        let wanted = slope.hypot(if level == Level::Plane { 0.0 } else { bend });
+        // Noise of variance 1 on 3072 points tilts and bends by a few per cent.
+        assert!((found.form_rms_m / wanted - 1.0).abs() < 0.05, "{found:?}, wanted {wanted}");
+        let rest = if level == Level::Plane { 1.0_f64.hypot(bend) } else { 1.0 };
+        assert!((found.roughness_rms_m / rest - 1.0).abs() < 0.05, "{found:?}, wanted {rest}");
+    }
+}

@@ -1,0 +1,134 @@
+//! Formats that are recognised and not read, each from the first bytes that its description gives.
+
+use std::fs;
+
+use asperity_formats::{Format, FormatError, read, read_bytes};
+
+use crate::fixtures::{gzip, zip};
+
+fn refusal(bytes: &[u8]) -> String {
+    let error = read_bytes(bytes).unwrap_err();
+    assert!(matches!(error, FormatError::NotRead { .. }), "{error}");
+    error.to_string()
+}
+
+/// An Igor wave of version 5: 384 bytes of headers whose 16-bit numbers sum up to zero.
+fn igor_wave(is_big_endian: bool) -> Vec<u8> {
+    let number = |n: u16| if is_big_endian { n.to_be_bytes() } else { n.to_le_bytes() };
+    let mut bytes = vec![0; 384 + 16];
+    bytes[..2].copy_from_slice(&number(5));
+    bytes[2..4].copy_from_slice(&number(5_u16.wrapping_neg().wrapping_sub(1234)));
+    bytes[100..102].copy_from_slice(&number(1234));
+    bytes
+}
+
+/// An OLE compound file of sectors of 512 bytes, with a directory in sector 2 that names one stream.
+fn ole(stream: &str) -> Vec<u8> {
+    let mut bytes = vec![0; 512 * 5];
+    bytes[..8].copy_from_slice(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1");
+    bytes[30] = 9;
+    bytes[48] = 2;
+    let name: Vec<u8> = stream.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    bytes[512 * 3 + 128..][..name.len()].copy_from_slice(&name);
+    bytes
+}
+
+#[test]
+fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
+    let stl = [[b' '; 80].as_slice(), &2_u32.to_le_bytes(), &[1; 100]].concat();
+    let bitmap = [b"BM".as_slice(), &[70, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0], &[0; 50]].concat();
+    let tar = [[b'a'; 257].as_slice(), b"ustar\x0000"].concat();
+    let keyence: &[u8] = b"\"Date and time\",\"1/2/2020 3:04:05 PM\"\r\n\"Model\",\"VK-X3000 Series\"\r\n\
+        \"XY Calibration\",\"1.394\",\"um\"\r\n\"Output image data\",\"Height\"\r\n\"Unit\",\"um\"\r\n\"Height\"\r\n\
+        \"1.5\",\"2.5\"\r\n";
+    let cases: Vec<(Vec<u8>, &str, &str)> = vec![
+        (b"\\*File list\r\n\\Version: 0x09400202\r\n\x1a\x00\x01".to_vec(), "a Bruker Nanoscope file", "GWY"),
+        (b"\\*Force file list\r\n".to_vec(), "a Bruker Nanoscope file", "GWY"),
+        (b"VCA DATA\x01\x00\x00\x55".to_vec(), "a Bruker OPDx file", "GWY"),
+        (b"Wyko ASCII Data File Format 0\t0\t1\nX Size\t4\n".to_vec(), "a Wyko ASCII file", "OPD"),
+        (b"Zygo ASCII Data File - Format 2\n0 0 0 0 \"\"\n".to_vec(), "a Zygo ASCII file", "DATX"),
+        (b"OLYMPUSRAWFORMAT\x0c\x00\x00\x00".to_vec(), "an Olympus OIR file", "GWY"),
+        (zip(&[("fileinfo.xml", b"<a/>"), ("image.oir", b"OLYMPUSRAWFORMAT")]), "an Olympus POIR file", "GWY"),
+        (b"KPK0\x00\x00".to_vec(), "a Keyence ZON file", "GWY"),
+        (keyence.to_vec(), "a Keyence CSV file", "VK4"),
+        (igor_wave(false), "an Asylum Research (Igor) IBW file", "GWY"),
+        (igor_wave(true), "an Asylum Research (Igor) IBW file", "GWY"),
+        (b"[DataSet]\r\nVersion=2\r\n".to_vec(), "a Nanosurf NID file", "GWY"),
+        (b"Gwyddion Simple Field 1.0\nXRes = 2\n".to_vec(), "a Gwyddion simple field (GSF)", "GWY"),
+        (b"\x01\xb0\x93\xff\x00".to_vec(), "an NT-MDT file (MDT)", "GWY"),
+        (b"WSxM file copyright UAM\r\nSxM Image file\r\n".to_vec(), "a WSxM file", "GWY"),
+        (b":NANONIS_VERSION:\n2\n".to_vec(), "a Nanonis SXM file", "GWY"),
+        (ole("ScopedContents"), "a Mountains file (MNT)", "SUR"),
+        (ole("WordDocument"), "an OLE compound file", "as text"),
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64".to_vec(), "a MATLAB file", "NPY or text"),
+        (b"\x89PNG\r\n\x1a\n\x00".to_vec(), "a PNG image", "no heights"),
+        (b"\xff\xd8\xff\xe0".to_vec(), "a JPEG image", "no heights"),
+        (b"%PDF-1.7\n".to_vec(), "a PDF document", "no heights"),
+        (bitmap, "a BMP image", "no heights"),
+        (stl, "a binary STL mesh", "regular grid"),
+        (b"solid part\n  facet normal 0 0 1\n".to_vec(), "an STL mesh", "regular grid"),
+        (b"ply\nformat ascii 1.0\n".to_vec(), "a PLY mesh", "regular grid"),
+        (zip(&[("[Content_Types].xml", b"<a/>"), ("xl/workbook.xml", b"<a/>")]), "an Excel workbook (XLSX)", "CSV"),
+        (zip(&[("readme.txt", b"hello")]), "a zip archive", "unpack"),
+        (tar, "a tar archive", "unpack"),
+        (b"BZh91AY&SY\x00".to_vec(), "a bzip2 archive", "unpack"),
+    ];
+    for (bytes, name, way_out) in cases {
+        assert_eq!(Format::detect(&bytes), None, "{name}");
+        let message = refusal(&bytes);
+        assert!(
+            message.starts_with(&format!("this is {name}")) && message.contains(", which is not read; "),
+            "{message}"
+        );
+        assert!(message.contains(way_out), "{message}");
+        // Within a gzip stream as well.
+        assert_eq!(refusal(&gzip(&bytes)), message);
+    }
+}
+
+#[test]
+fn ordinary_text_and_bytes_are_taken_for_no_other_format() {
+    for text in ["1 2\n3 4\n", "# solid ground\n1 2\n3 4\n", "# output image data of a plane\n1 2\n3 4\n"] {
+        assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text), "{text}");
+    }
+    // A wave whose headers do not sum up to zero, a bitmap of an unknown header, a mesh of another size.
+    let mut wave = igor_wave(false);
+    wave[7] = 1;
+    let mesh = [[b' '; 80].as_slice(), &3_u32.to_le_bytes(), &[1; 100]].concat();
+    for bytes in [wave, b"BM\x00\x00\x00\x00\x00\x00\x00\x00abcdefgh".to_vec(), mesh] {
+        let error = read_bytes(&bytes).unwrap_err();
+        assert!(matches!(error, FormatError::Unrecognised { .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_message_states_the_size_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let content = [0_u8; 3000];
+    for (name, bytes) in [("long.bin", vec![0; 100_000]), ("packed.bin.gz", gzip(&content))] {
+        let path = folder.path().join(name);
+        fs::write(&path, &bytes).unwrap();
+        let message = read(&path).unwrap_err().to_string();
+        assert!(
+            message.contains(&format!("unknown format: {} bytes that start with `\\x00", bytes.len())),
+            "{message}"
+        );
+        assert_eq!(message.contains("once unpacked"), name.ends_with("gz"), "{message}");
+    }
+    // A long file of a known format is not read to its end.
+    let path = folder.path().join("long.spm");
+    fs::write(&path, [b"\\*File list\r\n".as_slice(), &[0; 100_000]].concat()).unwrap();
+    let message = read(&path).unwrap_err().to_string();
+    assert!(message.contains("long.spm: this is a Bruker Nanoscope file"), "{message}");
+}
+
+#[test]
+fn a_file_beyond_the_limit_is_refused_with_its_own_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.sur");
+    fs::write(&path, [b"DIGITAL SURF".as_slice(), &[0; 1 << 16]].concat()).unwrap();
+    // Five gigabytes that take no room.
+    fs::File::options().write(true).open(&path).unwrap().set_len(5_000_000_000).unwrap();
+    let message = read(&path).unwrap_err().to_string();
+    assert!(message.contains("the file's size in bytes (byte 0) is 5000000000; the limit is"), "{message}");
+}

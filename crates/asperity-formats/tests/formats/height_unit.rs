@@ -1,0 +1,69 @@
+//! The unit of heights that a user states.
+
+use asperity_formats::{
+    Format, FormatError, ReadOptions, Scan, SurData, read_bytes, read_bytes_with, write_npy, write_sur,
+};
+use ndarray::array;
+
+use crate::assert_heights;
+
+fn read(bytes: &[u8], unit: &str) -> Scan {
+    let options = ReadOptions { height_unit: Some(unit.parse().unwrap()), ..ReadOptions::default() };
+    read_bytes_with(bytes, &options).unwrap()
+}
+
+const XYZ: &str = "0 0 1\n1e-6 0 2\n2e-6 0 3\n0 1e-6 4\n1e-6 1e-6 5\n2e-6 1e-6 6\n";
+
+#[test]
+fn heights_without_a_unit_are_in_the_stated_one() {
+    let matrix = array![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+    let npy = write_npy(&Scan::new(matrix, None));
+    for (bytes, format) in
+        [(b"1 2 3\n4 5 6\n".as_slice(), Format::Text), (XYZ.as_bytes(), Format::Xyz), (&npy, Format::Npy)]
+    {
+        for (unit, z) in [("um", 1e-6), ("nm", 1e-9), ("m", 1.0)] {
+            let scan = read(bytes, unit);
+            assert_eq!(scan.format, Some(format));
+            assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
+            assert_eq!(scan.height_unit.as_deref(), Some(unit));
+            assert!(!scan.warnings.iter().any(|warning| warning.contains("height unit")), "{:?}", scan.warnings);
+        }
+    }
+    assert_eq!(read_bytes(&npy).unwrap().height_unit, None);
+    // The positions of points keep their unit.
+    assert_eq!(read(XYZ.as_bytes(), "um").pitch_m, read_bytes(XYZ.as_bytes()).unwrap().pitch_m);
+}
+
+#[test]
+fn a_stated_unit_replaces_that_of_the_file_with_a_warning() {
+    let sur = write_sur(&Scan::new(array![[1e-6, 2e-6], [3e-6, 4e-6]], Some((1e-6, 1e-6))), SurData::Int32).unwrap();
+    let of_sur = read_bytes(&sur).unwrap();
+    let own = of_sur.height_unit.clone().unwrap();
+    for (bytes, own, other) in [(b"# unit: um\n1 2\n3 4\n".as_slice(), "um", "nm"), (&sur, own.as_str(), "mm")] {
+        let (file, same, replaced) = (read_bytes(bytes).unwrap(), read(bytes, own), read(bytes, other));
+        assert_eq!(crate::bits(&same), crate::bits(&file), "the same unit changes nothing");
+        assert!(!same.warnings.iter().any(|warning| warning.contains("replaces")), "{:?}", same.warnings);
+        let metre = |unit: &str| match unit {
+            "mm" => 1e-3,
+            "um" | "µm" => 1e-6,
+            "nm" => 1e-9,
+            _ => 1.0,
+        };
+        let wanted: Vec<f64> = file.heights_m.iter().map(|z| z / metre(own) * metre(other)).collect();
+        for (z, wanted) in replaced.heights_m.iter().zip(wanted) {
+            assert!((z / wanted - 1.0).abs() < 1e-12, "{z:e}, wanted {wanted:e}");
+        }
+        let told = format!("the stated height unit, {other}, replaces the file's {own}");
+        assert!(replaced.warnings.contains(&told), "{:?}", replaced.warnings);
+    }
+    // What is no length has no scale.
+    let scan = read(b"# Value units: V\n1 2\n3 4\n", "um");
+    assert_heights(&scan, &[1e-6, 2e-6, 3e-6, 4e-6]);
+    assert_eq!(scan.warnings, ["the stated height unit, um, replaces the file's V"]);
+}
+
+#[test]
+fn a_word_that_is_no_unit_of_length_is_refused() {
+    let error = "V".parse::<asperity_formats::LengthUnit>().unwrap_err();
+    assert!(matches!(error, FormatError::UnknownUnit { .. }), "{error}");
+}
