@@ -1,6 +1,6 @@
 //! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
 
-mod answers;
+pub(crate) mod answers;
 mod friction;
 mod json;
 mod parameters;

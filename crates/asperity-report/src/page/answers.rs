@@ -84,14 +84,11 @@ fn operating_damping(run: &Run) -> Option<f64> {
     })
 }
 
-/// Whether the machine vibrates without fluctuation of friction, and what starts it.
-fn vibrates(run: &Run) -> Option<Answer> {
-    let vibration = &run.results["vibration"];
-    let cycle = &vibration["cycle"];
-    let exists = cycle["limit_cycle"].as_bool()?;
-    let at = operating_damping(run)
-        .map_or(String::new(), |zeta| format!(" at the study’s damping ζ = {}", significant(zeta, 4)));
-    let answer = match (exists, vibration["steady_sliding_unstable"].as_bool(), vibration["kick_m_per_s"].as_f64()) {
+/// Whether the machine vibrates without fluctuation of friction, and what starts the vibration.
+pub(crate) fn vibration_answer(results: &Value) -> Option<String> {
+    let vibration = &results["vibration"];
+    let exists = vibration["cycle"]["limit_cycle"].as_bool()?;
+    Some(match (exists, vibration["steady_sliding_unstable"].as_bool(), vibration["kick_m_per_s"].as_f64()) {
         (false, Some(_), _) => "No: every motion ends in steady sliding".into(),
         (false, None, _) => "No: no limit cycle is reached from stick".into(),
         (true, Some(true), _) => "Yes: steady sliding is unstable".into(),
@@ -100,7 +97,14 @@ fn vibrates(run: &Run) -> Option<Answer> {
             Dimension::Velocity.show(kick)
         ),
         (true, _, _) => "Yes: a limit cycle is reached from stick".into(),
-    };
+    })
+}
+
+fn vibrates(run: &Run) -> Option<Answer> {
+    let vibration = &run.results["vibration"];
+    let at = operating_damping(run)
+        .map_or(String::new(), |zeta| format!(" at the study’s damping ζ = {}", significant(zeta, 4)));
+    let answer = vibration_answer(&run.results)?;
     let kind = match vibration["kind"].as_str() {
         Some("stick_slip") => " The motion is stick–slip: the mass sticks to the belt in every period.",
         Some("overtaking") => " The mass overtakes the belt in every period and never sticks.",
@@ -108,7 +112,7 @@ fn vibrates(run: &Run) -> Option<Answer> {
         _ => "",
     };
     let period =
-        cycle["period"].as_f64().map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
+        vibration["cycle"]["period"].as_f64().map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
     let detail = format!("Without fluctuation of friction{at}.{kind}{period}");
     Some(Answer { question: "Does it vibrate?", answer, detail })
 }
