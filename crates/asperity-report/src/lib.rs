@@ -186,6 +186,11 @@ pub fn render(run: &Run) -> Result<Report, ReportError> {
     Ok(Report { html, figures })
 }
 
+/// Returns the answer to "Does it vibrate?" from the `results.json` of a run; none without a vibration stage.
+pub fn vibration_answer(results: &serde_json::Value) -> Option<String> {
+    page::answers::vibration_answer(results)
+}
+
 fn validate<'a>(
     tables: impl IntoIterator<Item = (&'a str, &'a Table)>,
     fields: impl IntoIterator<Item = (&'a str, &'a Field)>,

@@ -1,6 +1,6 @@
 //! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
 
-mod answers;
+pub(crate) mod answers;
 mod friction;
 mod json;
 mod parameters;
@@ -145,7 +145,7 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             Stage::Vibration,
             "vibration",
             "Friction-induced vibration",
-            "Whether the machine squeals without roughness, and what the roughness does to it. Displacement and time \
+            "Whether the machine vibrates without roughness, and what the roughness does to it. Displacement and time \
              are dimensionless: X = xc/N, τ = ω₀t.",
             &vibration::tables(run),
         ),

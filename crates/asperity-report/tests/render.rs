@@ -56,7 +56,7 @@ fn a_complete_run_has_every_figure_and_every_section() {
     for wanted in [
         "P(contact) = 0.3200 ± 0.0066",
         "The paper’s effect vanishes at your scale",
-        "Yes: a stick-slip limit cycle exists",
+        "Yes: steady sliding is unstable",
         "ζ = 0.20483",
         "window only",
         "210 GPa",

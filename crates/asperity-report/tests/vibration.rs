@@ -229,7 +229,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
                 ("survival", vec!["Share on the cycle", "never left the cycle", "Time τ"]),
             ],
         ),
-        (basin(), vec![("basin", vec!["steady sliding", "stick-slip", "separatrix", "stick-slip cycle"])]),
+        (basin(), vec![("basin", vec!["steady sliding", "stick-slip", "separatrix", "limit cycle"])]),
         (
             modes(),
             vec![

@@ -147,6 +147,12 @@ const VELOCITY: Dimension = Dimension {
         ("km/h", 1.0 / 3.6),
     ],
 };
+const INVERSE_VELOCITY: Dimension = Dimension {
+    name: "inverse velocity",
+    example: "0.13 s/m",
+    si: "s/m",
+    units: &[("s/m", 1.0), ("s/cm", 1e2), ("s/mm", 1e3), ("ms/m", 1e-3), ("ms/mm", 1.0)],
+};
 const ANGULAR_FREQUENCY: Dimension = Dimension {
     name: "angular frequency",
     example: "316 rad/s",
@@ -312,6 +318,8 @@ quantities! {
     Force = FORCE;
     /// A velocity in metre per second.
     Velocity = VELOCITY;
+    /// A rate per velocity, such as the Stribeck coefficient, in second per metre.
+    InverseVelocity = INVERSE_VELOCITY;
     /// An angular frequency in radian per second.
     AngularFrequency = ANGULAR_FREQUENCY;
     /// A time in second.
@@ -334,6 +342,7 @@ mod tests {
         assert_eq!("0.5um".parse(), Ok(Length(0.5e-6)));
         assert_eq!("-1.5 µm".parse(), Ok(Length(-1.5e-6)));
         assert_eq!("23.7 mm/s".parse(), Ok(Velocity(23.7e-3)));
+        assert_eq!("0.13 s/mm".parse(), Ok(InverseVelocity(130.0)));
         assert_eq!("2 min".parse(), Ok(Time(120.0)));
         assert_eq!("1 kHz".parse(), Ok(Frequency(1000.0)));
     }

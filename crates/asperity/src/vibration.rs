@@ -54,7 +54,7 @@ mod weakening;
 use thiserror::Error;
 
 pub use batch::deterministic_slips;
-pub use critical::{CriticalDamping, critical_damping};
+pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
 pub use events::{Drive, Event, EventKind, Phase};
@@ -68,10 +68,10 @@ pub use sample_law::SampleLaw;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{Machine, MapAxis, MapCell, MapContour, MapPoint, MapSettings, StabilityMap, stability_map};
 pub use structure::{
-    Attractor, Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd,
+    Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd,
     BranchPoint, Criticality, CurveSettings, ForcedCycle, HopfPoint, Mark, MarkKind, Parameter, Separatrix,
     SeparatrixKind, SlipCycle, Turnover, basin, bifurcation_diagram, critical_curve, forced_cycles, hopf_point,
-    locked_curve, separatrix, slip_cycles,
+    locked_curve, separatrix, slip_cycles, smallest_kick,
 };
 pub use sweep::{Crossing, DampingSweep, damping_sweep};
 pub use table::FrictionTable;

@@ -8,7 +8,7 @@ use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
 use asperity::monitor::Silent;
 use asperity::study::Study;
 use asperity::study::result::VibrationResult;
-use asperity::vibration::{Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters};
+use asperity::vibration::{Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, MotionKind, Oscillator, Parameters};
 
 /// The machine of the paper: N/c = .025036 m and N/(mω₀) = 7.911 m/s.
 const MACHINE: &str = r#"
@@ -192,4 +192,69 @@ fn a_map_without_scatter_ends_where_the_cycle_does() {
         let message = refused(&format!("{base}{}", map.replace(old, wrong)));
         assert!(message.contains(word) && message.contains("vibration.map"), "{message}");
     }
+}
+
+#[test]
+fn a_machine_that_vibrates_once_started_has_its_kick_in_si() {
+    let found = run("damping_ratio = 0.111\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+    assert_eq!((found.kind, found.cycle.limit_cycle), (MotionKind::StickSlip, true));
+    assert_eq!(found.steady_sliding_unstable, Some(false));
+    // SciPy, DOP853 with bisection; ζ_c as published.
+    assert!((found.kick_m_per_s.unwrap() / VELOCITY_UNIT - 0.0966).abs() < 2e-4, "{:?}", found.kick_m_per_s);
+    assert!((found.limit_damping_ratio.unwrap() - 0.111_508_270_209_214).abs() < 1e-12);
+    let unstable = run("damping_ratio = 0.1\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+    assert_eq!((unstable.steady_sliding_unstable, unstable.kick_m_per_s), (Some(true), None));
+    let quiet = run("damping_ratio = 0.2\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+    assert_eq!((quiet.kind, quiet.kick_m_per_s, quiet.cycle.limit_cycle), (MotionKind::None, None, false));
+}
+
+#[test]
+fn a_physical_stribeck_coefficient_is_one_law_under_every_load_mass_and_frequency() {
+    let keys = format!(
+        "damping_ratio = 0.1\nbelt_velocity = \"{:?} m/s\"\nstribeck = \"{:?} s/m\"",
+        0.1 * VELOCITY_UNIT,
+        4.2 / VELOCITY_UNIT
+    );
+    let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
+    let of = |old: &str, new: &str| {
+        let study = Study::parse(&format!("{}{keys}", steady.replace(old, new)), "loads.toml").unwrap();
+        study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
+    };
+    // In units of the first load X″ + 2ζX′ + X = rμ/(1 + a|V − X′|) under r times the load: ζ_c of (rμ, a, V), as published.
+    for (old, new, ratio, wanted) in [
+        ("", "", 1.0, 0.111_508_270_209_214_07),
+        ("2.5 kN", "5 kN", 2.0, 0.222_953_501_902_507_68),
+        ("2.5 kN", "7.5 kN", 3.0, 0.334_272_847_322_423_26),
+        ("\"1 kg\"", "\"0.5 kg\"", 2.0, 0.222_953_501_902_507_68),
+        ("316 rad/s", "158 rad/s", 2.0, 0.222_953_501_902_507_68),
+    ] {
+        let found = of(old, new);
+        let hopf = 0.5 * ratio * 4.2 * 0.1 / 1.42_f64.powi(2);
+        assert!((found.hopf_damping_ratio.unwrap() - hopf).abs() < 1e-13, "{new}: {found:?}");
+        assert!((found.critical_damping_ratio.unwrap() - wanted).abs() < 1e-12, "{new}: {found:?}");
+    }
+    // The resolved study states the physical value.
+    let study = Study::parse(&format!("{steady}{keys}"), "loads.toml").unwrap();
+    let resolved = toml::to_string(&study).unwrap();
+    assert!(resolved.contains("s/m\"\n") || resolved.contains("s/mm\"\n"), "{resolved}");
+    assert_eq!(Study::parse(&resolved, "resolved.toml").unwrap().vibration, study.vibration);
+    let message = refused("damping_ratio = 0.1\ndimensionless_belt_velocity = 0.1\nstribeck = \"0.13 m/s\"");
+    assert!(message.contains("`m/s` is not a unit") && message.contains("0.13 s/m"), "{message}");
+}
+
+#[test]
+fn a_dimensionless_law_warns_in_a_study_that_varies_the_load() {
+    let map = "[vibration.map]\nover = \"velocity_load\"\nx = [0.003, 0.004, 1]\ny = [1.0, 2.0, 1]\ndepth = 0\ntrajectories = 4";
+    let warnings = |law: &str| {
+        let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
+        let text = format!("{steady}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\n{law}\n{map}");
+        let study = Study::parse(&text, "map.toml").unwrap();
+        study.run(Path::new(""), None, &Silent).unwrap().results.warnings
+    };
+    for law in ["stribeck = 4.2", "", "velocity_law = \"linear\"\nlinear_weakening = 4.2"] {
+        let found = warnings(law);
+        // 4.2/7.911 m/s.
+        assert!(found.iter().any(|text| text.contains("2.5 kN") && text.contains("0.5309 s/m")), "{law}: {found:?}");
+    }
+    assert_eq!(warnings("stribeck = \"0.5309 s/m\""), Vec::<String>::new());
 }

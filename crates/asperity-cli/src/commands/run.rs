@@ -3,6 +3,7 @@
 use std::path::{self, Path, PathBuf};
 
 use asperity::study::{Outcome, Stage, StoredField, StoredRun, Study, json_bytes};
+use asperity_report::vibration_answer;
 use clap::{Args, ValueEnum};
 
 use super::study_file;
@@ -170,11 +171,14 @@ fn headline(run: &StoredRun, folder: &Path) -> Answer {
         ("friction_std", scatter.as_str()),
         ("friction_correlation_length_m", "/vibration/friction_correlation_length_m"),
         ("critical_damping_ratio", "/vibration/critical_damping_ratio"),
-        ("limit_cycle", "/vibration/cycle/limit_cycle"),
+        ("limit_damping_ratio", "/vibration/limit_damping_ratio"),
+        ("kind", "/vibration/kind"),
         ("period", "/vibration/cycle/period"),
     ];
-    let found = numbers.into_iter().filter_map(|(key, pointer)| Some((key, run.results.pointer(pointer)?)));
+    let found = numbers.into_iter().filter_map(|(key, pointer)| Some((key, run.results.pointer(pointer)?.clone())));
+    let vibrates = vibration_answer(&run.results).map(|answer| ("vibrates", answer.into()));
     found
-        .fold(Answer::default(), |answer, (key, value)| answer.with(key, value.clone()))
+        .chain(vibrates)
+        .fold(Answer::default(), |answer, (key, value)| answer.with(key, value))
         .with("folder", folder.display().to_string())
 }

@@ -19,7 +19,7 @@ mod wav;
 use std::path::{Path, PathBuf};
 
 use asperity::vibration::{
-    Attractor, Forcing, FrictionLaw, FrictionTable, Method, Oscillator, Parameters, VibrationError,
+    Forcing, FrictionLaw, FrictionTable, Method, MotionKind, Oscillator, Parameters, VibrationError,
 };
 use clap::{Args, Subcommand, ValueEnum};
 
@@ -207,12 +207,13 @@ struct Damping {
     damping_ratio: f64,
 }
 
-/// The number of an attractor in tables.
-fn code(attractor: Attractor) -> f64 {
-    match attractor {
-        Attractor::Sliding => 0.0,
-        Attractor::SlipCycle => 1.0,
-        Attractor::StickSlip => 2.0,
+/// The number of a kind of motion in tables.
+fn code(kind: MotionKind) -> f64 {
+    match kind {
+        MotionKind::None => 0.0,
+        MotionKind::SlipCycle => 1.0,
+        MotionKind::StickSlip => 2.0,
+        MotionKind::Overtaking => 3.0,
     }
 }
 

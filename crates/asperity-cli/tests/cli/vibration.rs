@@ -38,15 +38,21 @@ fn the_paper_s_cycle_has_its_period_and_displacements() {
         [
             "displacement_max",
             "displacement_min",
+            "kick",
+            "kind",
             "limit_cycle",
             "period",
             "reattachment_displacement",
             "slip_duration",
+            "steady_sliding_unstable",
             "velocity_min",
             "warnings"
         ]
     );
     assert_eq!(json["limit_cycle"], Value::Bool(true));
+    // ζ_H = .2048: steady sliding needs no kick.
+    assert_eq!((&json["kind"], &json["kick"]), (&"stick_slip".into(), &Value::Null));
+    assert_eq!(json["steady_sliding_unstable"], Value::Bool(true));
     close(number(&json, "period"), 6.372_163_483_739_709, 1e-12);
     close(number(&json, "slip_duration"), 5.644_059_891_168_911, 1e-12);
     close(number(&json, "reattachment_displacement"), 0.096_795_689_222_287_6, 1e-12);
@@ -69,7 +75,9 @@ fn no_limit_cycle_is_an_answer() {
     let ended = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
     let json = ended.json(0);
     assert_eq!(json["limit_cycle"], Value::Bool(false));
-    for key in keys(&json).into_iter().filter(|key| !["limit_cycle", "warnings"].contains(key)) {
+    assert_eq!((&json["kind"], &json["steady_sliding_unstable"]), (&"none".into(), &Value::Bool(false)));
+    let stated = ["limit_cycle", "kind", "steady_sliding_unstable", "warnings"];
+    for key in keys(&json).into_iter().filter(|key| !stated.contains(key)) {
         assert_eq!(json[key], Value::Null, "{key}");
     }
     assert!(ended.stderr.contains("no limit cycle"));
@@ -80,10 +88,30 @@ fn no_limit_cycle_is_an_answer() {
 #[test]
 fn the_critical_damping_is_the_published_one() {
     let json = asperity(&format!("vibration critical-damping {PAPER} --json")).json(0);
-    assert_eq!(keys(&json), ["critical_damping_ratio", "hopf_damping_ratio", "warnings"]);
+    assert_eq!(keys(&json), ["critical_damping_ratio", "hopf_damping_ratio", "limit_damping_ratio", "warnings"]);
+    assert_eq!(json["limit_damping_ratio"], json["critical_damping_ratio"]);
     close(number(&json, "critical_damping_ratio"), 0.204_830_150_584_523_2, 1e-12);
     // 2ζ_H = aμ_st/(1 + aV)².
     close(number(&json, "hopf_damping_ratio"), 0.5 * 4.2 * 0.1 / (1.0 + 4.2 * 0.003_f64).powi(2), 1e-12);
+}
+
+#[test]
+fn between_the_hopf_point_and_the_fold_the_machine_vibrates_once_started() {
+    let base = "vibration cycle --static-friction 0.1 --stribeck 4.2 --belt-velocity 0.1";
+    // SciPy, DOP853 with bisection.
+    for (damping, kick) in [(0.111, 0.0966), (0.109, 0.0821)] {
+        let ended = asperity(&format!("{base} --damping-ratio {damping} --json"));
+        let json = ended.json(0);
+        assert_eq!((&json["kind"], &json["limit_cycle"]), (&"stick_slip".into(), &Value::Bool(true)));
+        assert_eq!(json["steady_sliding_unstable"], Value::Bool(false));
+        assert!((number(&json, "kick") - kick).abs() < 2e-4, "{json}");
+        assert!(ended.stderr.contains("once started"), "{}", ended.stderr);
+    }
+    // An independent integrator: a cycle without stick.
+    let fast = "vibration cycle --static-friction 0.432353 --stribeck 4.2 --belt-velocity 3.1416 --damping-ratio 0.001";
+    let json = asperity(&format!("{fast} --json")).json(0);
+    assert_eq!(json["kind"], "overtaking");
+    assert!((number(&json, "period") - 6.294_67).abs() < 6e-6, "{json}");
 }
 
 #[test]
@@ -432,18 +460,16 @@ fn a_motion_that_neither_sticks_nor_slides_steadily_is_told() {
     let law = "--static-friction 0.1 --friction-table steep.txt --belt-velocity 0.00105";
     let ended = line_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
     let answer = ended.json(0);
-    assert_eq!(answer["limit_cycle"], Value::Bool(false));
-    assert!(ended.stderr.contains("steady sliding is unstable"), "{}", ended.stderr);
+    assert_eq!((&answer["limit_cycle"], &answer["kind"]), (&Value::Bool(true), &"slip_cycle".into()));
+    assert_eq!(answer["steady_sliding_unstable"], Value::Bool(true));
+    assert_eq!(answer["slip_duration"], answer["period"]);
+    let limit = line_in(folder.path(), &format!("vibration critical-damping {law} --json")).json(0);
+    close(number(&limit, "limit_damping_ratio"), number(&limit, "hopf_damping_ratio"), 1e-12);
+    assert!(number(&limit, "critical_damping_ratio") < 23.0);
     // It is the cycle that every start ends in.
-    assert!(answer["slip_cycle"]["velocity_max"].as_f64().unwrap() < 0.00105, "{answer}");
     let starts = "--displacements 0,0.15,8 --velocities -0.001,0.001,8 --json";
     let basin = line_in(folder.path(), &format!("vibration basin {law} --damping-ratio 23 {starts}")).json(0);
     assert_eq!(number(&basin, "slip_cycle_share"), 1.0);
-    let steady = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
-    assert!(!steady.stderr.contains("unstable"));
-    // Springs across the belt hold nothing along it.
-    let line = "vibration mode-coupling --static-friction 0.8 --stribeck 0 --belt-velocity 0.5 --angles 90,90 --json";
-    assert_eq!(asperity(line).code, 2);
 }
 
 #[test]

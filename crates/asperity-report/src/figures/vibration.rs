@@ -19,7 +19,7 @@ use serde_json::Value;
 use super::{Plate, columns};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
-use crate::palette::{BLUE, GREEN, VERMILION};
+use crate::palette::{BLUE, GREEN, ORANGE, VERMILION};
 use crate::{Figure, ReportError, Run, Table};
 
 /// White of the halo around lines on an image.
@@ -100,8 +100,12 @@ fn in_words(parameter: &str) -> String {
 }
 
 /// Where a motion ends: its number in tables, its name and its colour.
-const ATTRACTORS: [(f64, &str, RGBColor); 3] =
-    [(0.0, "steady sliding", BLUE), (1.0, "slip cycle", GREEN), (2.0, "stick-slip", VERMILION)];
+const ATTRACTORS: [(f64, &str, RGBColor); 4] = [
+    (0.0, "steady sliding", BLUE),
+    (1.0, "slip cycle", GREEN),
+    (2.0, "stick-slip", VERMILION),
+    (3.0, "overtaking", ORANGE),
+];
 
 /// Points of several curves, one after the other, parted by undefined ones wherever the curve's number changes.
 fn parted(curve: &[f64], x: &[f64], y: &[f64]) -> (Vec<f64>, Vec<f64>) {

@@ -8,7 +8,7 @@ use super::method_name;
 use super::tables::list;
 use super::vibration::difference;
 use crate::Run;
-use crate::format::{show_range, significant, with_error};
+use crate::format::{Dimension, show_range, significant, with_error};
 
 /// Up to this share of the deterministic cycles an effect is called negligible even where it is resolved.
 const NEGLIGIBLE: f64 = 0.01;
@@ -27,7 +27,7 @@ pub(super) struct Answer {
 /// The answers that the results hold.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
-    [contact(&results["pressure"]), friction(&results["friction"]), squeal(run), damping(run), roughness(run)]
+    [contact(&results["pressure"]), friction(&results["friction"]), vibrates(run), damping(run), roughness(run)]
         .into_iter()
         .flatten()
         .collect()
@@ -68,7 +68,7 @@ fn friction(friction: &Value) -> Option<Answer> {
         .map_or(String::new(), |(low, high)| format!(" The mean is known to {} (95 %).", show_range(low, high)));
     let window = friction["window_m"]
         .as_f64()
-        .map_or("one window".into(), |w| format!("a window of {}", crate::format::Dimension::Length.show(w)));
+        .map_or("one window".into(), |w| format!("a window of {}", Dimension::Length.show(w)));
     Some(Answer {
         question: "Which friction coefficient follows?",
         answer,
@@ -84,35 +84,61 @@ fn operating_damping(run: &Run) -> Option<f64> {
     })
 }
 
-fn squeal(run: &Run) -> Option<Answer> {
-    let cycle = &run.results["vibration"]["cycle"];
-    let exists = cycle["limit_cycle"].as_bool()?;
+/// Whether the machine vibrates without fluctuation of friction, and what starts the vibration.
+pub(crate) fn vibration_answer(results: &Value) -> Option<String> {
+    let vibration = &results["vibration"];
+    let exists = vibration["cycle"]["limit_cycle"].as_bool()?;
+    Some(match (exists, vibration["steady_sliding_unstable"].as_bool(), vibration["kick_m_per_s"].as_f64()) {
+        (false, Some(_), _) => "No: every motion ends in steady sliding".into(),
+        (false, None, _) => "No: no limit cycle is reached from stick".into(),
+        (true, Some(true), _) => "Yes: steady sliding is unstable".into(),
+        (true, Some(false), Some(kick)) => format!(
+            "Yes, once started (from standstill or by a kick of {}); steady sliding alone stays quiet",
+            Dimension::Velocity.show(kick)
+        ),
+        (true, _, _) => "Yes: a limit cycle is reached from stick".into(),
+    })
+}
+
+fn vibrates(run: &Run) -> Option<Answer> {
+    let vibration = &run.results["vibration"];
     let at = operating_damping(run)
         .map_or(String::new(), |zeta| format!(" at the study’s damping ζ = {}", significant(zeta, 4)));
-    let (answer, detail) = if exists {
-        let period =
-            cycle["period"].as_f64().map_or(String::new(), |t| format!(" with the period {}/ω₀", significant(t, 4)));
-        ("Yes: a stick-slip limit cycle exists", format!("Without roughness{at}{period}."))
-    } else {
-        ("No: no stick-slip limit cycle", format!("Without roughness{at}."))
+    let answer = vibration_answer(&run.results)?;
+    let kind = match vibration["kind"].as_str() {
+        Some("stick_slip") => " The motion is stick–slip: the mass sticks to the belt in every period.",
+        Some("overtaking") => " The mass overtakes the belt in every period and never sticks.",
+        Some("slip_cycle") => " The mass stays slower than the belt and never sticks.",
+        _ => "",
     };
-    Some(Answer { question: "Does it squeal?", answer: answer.into(), detail })
+    let period =
+        vibration["cycle"]["period"].as_f64().map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
+    let detail = format!("Without fluctuation of friction{at}.{kind}{period}");
+    Some(Answer { question: "Does it vibrate?", answer, detail })
 }
 
 fn damping(run: &Run) -> Option<Answer> {
     let vibration = &run.results["vibration"];
-    let critical = vibration["critical_damping_ratio"].as_f64()?;
+    let critical = vibration["critical_damping_ratio"].as_f64();
+    // Runs of older versions have the grazing point alone.
+    let limit = vibration["limit_damping_ratio"].as_f64().or(critical)?;
+    let grazing = critical.filter(|critical| *critical < limit).map_or(String::new(), |critical| {
+        format!(
+            " The mass reaches the velocity of the belt up to ζ = {} only; beyond, it vibrates slower than the belt.",
+            significant(critical, 5)
+        )
+    });
     let hopf = vibration["hopf_damping_ratio"].as_f64().map_or(String::new(), |hopf| {
-        format!(" Steady sliding loses its stability below ζ = {} (Hopf point).", significant(hopf, 5))
+        format!(" Steady sliding is unstable below ζ = {} (Hopf point).", significant(hopf, 5))
     });
     let margin = operating_damping(run).map_or(String::new(), |zeta| {
-        let side = if zeta < critical { "below" } else { "above" };
-        format!(" The study’s ζ = {} lies {} {side} it.", significant(zeta, 4), significant((zeta - critical).abs(), 2))
+        let side = if zeta < limit { "below" } else { "above" };
+        format!(" The study’s ζ = {} lies {} {side} it.", significant(zeta, 4), significant((zeta - limit).abs(), 2))
     });
     Some(Answer {
-        question: "Which damping ends it?",
-        answer: format!("ζ = {}", significant(critical, 5)),
-        detail: format!("Above this damping ratio no stick-slip cycle exists.{hopf}{margin}"),
+        question: "How much damping stops it?",
+        answer: format!("ζ = {}", significant(limit, 5)),
+        detail: format!("Above this damping ratio no vibration persists.{grazing}{hopf}{margin}"),
     })
 }
 
@@ -213,6 +239,31 @@ mod tests {
         let nulls = json!({"pressure": {"methods": [{"name": "sobol", "contact_probability": null}]},
                            "vibration": {"cycle": {"limit_cycle": null}, "critical_damping_ratio": null}});
         assert!(answers(&Run { results: nulls, ..Run::default() }).is_empty());
+    }
+
+    #[test]
+    fn the_answer_tells_vibration_once_started_from_unstable_sliding_and_from_none() {
+        let of = |limit_cycle: bool, unstable: Value, kick: Value, kind: &str| {
+            let results = json!({"vibration": {"damping_ratio": 0.11, "critical_damping_ratio": 0.1, "limit_damping_ratio": 0.12,
+                "hopf_damping_ratio": 0.09, "kind": kind, "steady_sliding_unstable": unstable, "kick_m_per_s": kick,
+                "cycle": {"limit_cycle": limit_cycle, "period": 6.3}}});
+            let found = answers(&Run { results, ..Run::default() });
+            assert_eq!(found[0].question, "Does it vibrate?");
+            assert_eq!(found[1].answer, "ζ = 0.12");
+            assert!(found[1].detail.contains("up to ζ = 0.1 only"), "{}", found[1].detail);
+            (found[0].answer.replace('\u{a0}', " "), found[0].detail.clone())
+        };
+        let (answer, detail) = of(true, json!(false), json!(0.0032), "slip_cycle");
+        assert_eq!(
+            answer,
+            "Yes, once started (from standstill or by a kick of 3.2 mm/s); steady sliding alone stays quiet"
+        );
+        assert!(detail.contains("slower than the belt"), "{detail}");
+        assert_eq!(of(true, json!(true), Value::Null, "stick_slip").0, "Yes: steady sliding is unstable");
+        assert!(of(true, json!(true), Value::Null, "overtaking").1.contains("overtakes the belt"));
+        assert!(of(false, json!(false), Value::Null, "none").0.starts_with("No: every motion"));
+        // A machine under a force, or a run of an older version.
+        assert!(of(true, Value::Null, Value::Null, "stick_slip").0.starts_with("Yes: a limit cycle"));
     }
 
     #[test]

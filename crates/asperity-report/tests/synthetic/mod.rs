@@ -567,6 +567,7 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
                      "realisations": 60, "levels": (0..6).map(level).collect::<Vec<_>>()},
         "vibration": {
             "critical_damping_ratio": 0.204_830_150_5, "hopf_damping_ratio": 0.204_805_7,
+            "limit_damping_ratio": 0.204_830_150_5, "kind": "stick_slip", "steady_sliding_unstable": true, "kick_m_per_s": null,
             "cycle": {"limit_cycle": true, "period": 8.068_887_87, "slip_duration": 4.068_887_87, "reattachment_displacement": 0.2,
                       "displacement_min": 0.188_196_6, "displacement_max": 0.411_803_4, "velocity_min": -0.111_803_4},
             "paper": {"friction_std": 0.001, "damping": sweep("paper"), "reattachment": reattachment(9e-3),

@@ -12,7 +12,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
 pub use crate::study::vibration_section::{
-    DriveChoice, FluctuationChoice, IntegratorChoice, MapOver, MapSection, Upscaling, VelocityLaw, VibrationSection,
+    DriveChoice, FluctuationChoice, IntegratorChoice, MapOver, MapSection, Stribeck, Upscaling, VelocityLaw,
+    VibrationSection,
 };
 use crate::surface::level::Level;
 use crate::surface::preparation::Preparation;

@@ -148,7 +148,7 @@ impl Study {
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
             let stribeck_s_per_m = match self.vibration.as_ref().and_then(|v| v.stribeck().zip(Some(v))) {
-                Some((stribeck, section)) => Some(stribeck / section.scales()?.velocity_m_per_s()),
+                Some((stribeck, section)) => Some(stribeck.s_per_m(section.scales()?.velocity_m_per_s())),
                 None => None,
             };
             match friction_process::of_level(&stage.solved, &stage.solved.levels[stage.solved.lead], stribeck_s_per_m) {

@@ -1,15 +1,99 @@
 //! `[vibration]` of a study.
 
+use std::fmt;
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::friction::process::Generator;
-use crate::quantity::{AngularFrequency, Area, Force, Length, Mass, Velocity};
+use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
+use crate::study::sentence;
 use crate::vibration::{Drive, Forcing, FrictionLaw, Method, Oscillator, Parameters, Scales, VibrationError};
 
 /// The paper's coefficient a, where none is stated.
 const USUAL_STRIBECK: f64 = 4.2;
+
+/// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stribeck {
+    /// Per unit of dimensionless velocity, N/(mω₀); it belongs to the stated load, mass and frequency.
+    Dimensionless(f64),
+    /// Per unit of velocity; it holds for every load, mass and frequency.
+    Physical(InverseVelocity),
+}
+
+impl Stribeck {
+    /// The coefficient for the unit of velocity N/(mω₀).
+    pub fn per_unit(self, velocity_m_per_s: f64) -> f64 {
+        match self {
+            Self::Dimensionless(value) => value,
+            Self::Physical(value) => value.0 * velocity_m_per_s,
+        }
+    }
+
+    /// The coefficient in s/m, given the unit of velocity N/(mω₀).
+    pub fn s_per_m(self, velocity_m_per_s: f64) -> f64 {
+        match self {
+            Self::Dimensionless(value) => value / velocity_m_per_s,
+            Self::Physical(value) => value.0,
+        }
+    }
+
+    /// The number as it is stated.
+    pub(super) fn value(self) -> f64 {
+        match self {
+            Self::Dimensionless(value) | Self::Physical(InverseVelocity(value)) => value,
+        }
+    }
+}
+
+impl fmt::Display for Stribeck {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Dimensionless(value) => f.write_str(&sentence::digits(*value)),
+            Self::Physical(value) => value.fmt(f),
+        }
+    }
+}
+
+impl Serialize for Stribeck {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Dimensionless(value) => serializer.serialize_f64(*value),
+            Self::Physical(value) => value.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Stribeck {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = Stribeck;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number per unit of dimensionless velocity, or an inverse velocity such as \"0.13 s/m\"")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Stribeck, E> {
+                Ok(Stribeck::Dimensionless(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Stribeck, E> {
+                Ok(Stribeck::Dimensionless(value as f64))
+            }
+
+            fn visit_u64<E: de::Error>(self, value: u64) -> Result<Stribeck, E> {
+                Ok(Stribeck::Dimensionless(value as f64))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Stribeck, E> {
+                text.parse().map(Stribeck::Physical).map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
 
 /// How friction falls with the sliding velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -176,9 +260,9 @@ pub struct VibrationSection {
     /// How friction falls with the velocity.
     #[serde(default)]
     pub velocity_law: VelocityLaw,
-    /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity; 4.2 when left out.
+    /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity or in s/m; 4.2 when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub stribeck: Option<f64>,
+    pub stribeck: Option<Stribeck>,
     /// Slope b of the linear law, per unit of dimensionless velocity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linear_weakening: Option<f64>,
@@ -241,8 +325,38 @@ impl VibrationSection {
     }
 
     /// The Stribeck coefficient, stated or usual, if the law has one.
-    pub fn stribeck(&self) -> Option<f64> {
-        (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(USUAL_STRIBECK))
+    pub fn stribeck(&self) -> Option<Stribeck> {
+        let usual = Stribeck::Dimensionless(USUAL_STRIBECK);
+        (self.velocity_law == VelocityLaw::Stribeck).then(|| self.stribeck.unwrap_or(usual))
+    }
+
+    /// The same per unit of dimensionless velocity.
+    pub(super) fn dimensionless_stribeck(&self) -> Result<Option<f64>, VibrationError> {
+        let velocity_m_per_s = self.scales()?.velocity_m_per_s();
+        Ok(self.stribeck().map(|stribeck| stribeck.per_unit(velocity_m_per_s)))
+    }
+
+    /// What a dimensionless law stands for in a study that varies the load; none if the law is physical or the load fixed.
+    pub(super) fn load_warning(&self) -> Option<String> {
+        if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
+            return None;
+        }
+        let (key, value) = match (self.stribeck(), self.linear_weakening) {
+            (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
+            (None, Some(value)) => ("linear_weakening", value),
+            _ => return None,
+        };
+        let si = sentence::digits(value / self.scales().ok()?.velocity_m_per_s());
+        let instead = match key {
+            "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
+            _ => String::new(),
+        };
+        Some(format!(
+            "`{key}` = {} is per unit of dimensionless velocity and belongs to the stated normal force of {}: it means {si} s/m, \
+             which the map keeps over the load{instead}",
+            sentence::digits(value),
+            self.normal_force
+        ))
     }
 
     /// Distance that the belt travels in the time of a trajectory; zero without a velocity.

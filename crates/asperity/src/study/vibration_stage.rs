@@ -20,7 +20,7 @@ use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     DampingSweep, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError, critical_damping,
-    cycle_portrait, deterministic_slips, limit_cycle, trajectory_portrait,
+    cycle_portrait, deterministic_slips, limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -66,11 +66,11 @@ pub(super) fn run(
     let area_scatter = Scatter { name: "area", std: area_std, marginal: window.area_marginal() };
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
-    let critical = match critical_damping(&oscillator) {
-        Ok(found) => Some(found),
-        Err(VibrationError::NotFound { .. }) => None,
-        Err(error) => return Err(error.into()),
-    };
+    warnings.extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
+    let critical = if_found(critical_damping(&oscillator))?;
+    let free = oscillator.forcing().is_none();
+    let regime = limit_cycle(&oscillator)?;
+    let kick = if free { if_found(smallest_kick(&oscillator))?.flatten() } else { None };
     let lead = match section.upscaling {
         Upscaling::Area => &area_scatter,
         Upscaling::Paper => &paper_scatter,
@@ -102,13 +102,26 @@ pub(super) fn run(
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
-        cycle: cycle_result(&oscillator)?,
+        limit_damping_ratio: if_found(limit_damping(&oscillator))?,
+        kind: regime.kind(),
+        steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
+        kick_m_per_s: kick.map(|kick| kick * scales.velocity_m_per_s()),
+        cycle: cycle_result(oscillator.damping_ratio(), &regime),
         upscaling: lead.name.into(),
         map: section.map.as_ref().map(|map| map.over.axes()).map(|[x, y]| MapResult { x: x.into(), y: y.into() }),
         paper,
         area,
     };
     Ok(VibrationStage { result, output: StageOutput { tables, fields: Vec::new(), assumptions, warnings } })
+}
+
+/// The answer of a search, or none if it found nothing.
+fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, VibrationError> {
+    match answer {
+        Ok(found) => Ok(Some(found)),
+        Err(VibrationError::NotFound { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// The ensembles of one study.

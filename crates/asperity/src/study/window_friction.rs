@@ -82,7 +82,7 @@ impl WindowFriction {
             marginal,
             generator: None,
             area_m2: Some(strips.window.area_m2()),
-            stribeck: section.stribeck(),
+            stribeck: section.dimensionless_stribeck()?,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
             variance_reduction: level.variance_reduction(&strips.window, section.nominal_area.0),
@@ -107,7 +107,7 @@ impl WindowFriction {
             marginal: section.friction_marginal.as_deref().ok_or_else(absent)?.parse()?,
             generator: None,
             area_m2: Some(window_m * width_m),
-            stribeck: section.stribeck(),
+            stribeck: section.dimensionless_stribeck()?,
             level_percentile: None,
             level_mean_pressure_pa: None,
             variance_reduction: variance_reduction(window_m, width_m, section.nominal_area.0, &exponential(length_m)),
@@ -142,7 +142,7 @@ impl WindowFriction {
             ));
         }
         // The same but for the rounding of units is the same.
-        let mut stribeck = section.stribeck();
+        let mut stribeck = section.stribeck().map(|stribeck| stribeck.per_unit(velocity_m_per_s));
         if let Some((own, stated)) = process.stribeck(velocity_m_per_s).zip(stribeck)
             && (own - stated).abs() > 1e-9 * stated
         {

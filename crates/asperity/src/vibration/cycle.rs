@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::motion::{Motion, SlipState};
-use super::{Drive, EventKind, Oscillator, Phase, VibrationError};
+use super::structure::slip_cycle::{ReturnMap, SlipCycle, return_map};
+use super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use crate::friction::process::Steady;
 
 /// W and W′ closer than this to steady sliding never return to stick.
@@ -24,12 +25,13 @@ const MAX_STEPS: usize = 1_000_000;
 /// One period of the limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LimitCycle {
+    /// Kind of motion; never [`MotionKind::None`].
+    pub kind: MotionKind,
     /// Period in τ.
     pub period: f64,
     /// Time in a period that the mass slips.
     pub slip_duration: f64,
-    /// Displacement X at the (last) re-attachment of the period; none if the mass only passes the belt velocity, in
-    /// over-slip and back, and never sticks.
+    /// Displacement X at the (last) re-attachment of the period; none if the mass never sticks.
     pub reattachment_displacement: Option<f64>,
     /// Least X.
     pub displacement_min: f64,
@@ -37,28 +39,55 @@ pub struct LimitCycle {
     pub displacement_max: f64,
     /// Least X′.
     pub velocity_min: f64,
+    /// Largest X′.
+    pub velocity_max: f64,
     /// Detachments in a period: 1 without forcing, 0 of a cycle without stick.
     pub slips: usize,
 }
 
-/// How the deterministic motion ends.
+impl From<SlipCycle> for LimitCycle {
+    fn from(cycle: SlipCycle) -> Self {
+        Self {
+            kind: MotionKind::SlipCycle,
+            period: cycle.period,
+            slip_duration: cycle.period,
+            reattachment_displacement: None,
+            displacement_min: cycle.displacement_min,
+            displacement_max: cycle.displacement_max,
+            velocity_min: cycle.velocity_min,
+            velocity_max: cycle.velocity_max,
+            slips: 0,
+        }
+    }
+}
+
+/// Motion that a mass which starts in stick settles into, without fluctuation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
-    /// It repeats itself and reaches the belt velocity.
+    /// Periodic vibration.
     Cycle(LimitCycle),
-    /// The mass stays slower than the belt: no stick-slip cycle exists, or under forcing none was reached from the start.
+    /// Steady sliding; under forcing, a periodic response that stays slower than the belt.
     Sliding,
     /// Forced motion that reaches the belt velocity and did not repeat itself within 20,000 slips.
-    Irregular,
+    Irregular(MotionKind),
 }
 
 impl Regime {
-    /// The cycle, if there is one.
+    /// The cycle, if the motion is periodic vibration.
     pub fn cycle(&self) -> Option<&LimitCycle> {
         match self {
             Self::Cycle(cycle) => Some(cycle),
-            Self::Sliding | Self::Irregular => None,
+            Self::Sliding | Self::Irregular(_) => None,
+        }
+    }
+
+    /// Kind of motion.
+    pub fn kind(&self) -> MotionKind {
+        match self {
+            Self::Cycle(cycle) => cycle.kind,
+            Self::Sliding => MotionKind::None,
+            Self::Irregular(kind) => *kind,
         }
     }
 }
@@ -72,6 +101,7 @@ pub(super) struct Turn {
     pub(super) lowest: f64,
     pub(super) highest: f64,
     pub(super) slowest: f64,
+    pub(super) fastest: f64,
 }
 
 impl Turn {
@@ -82,6 +112,7 @@ impl Turn {
         lowest: f64::INFINITY,
         highest: f64::NEG_INFINITY,
         slowest: f64::INFINITY,
+        fastest: f64::NEG_INFINITY,
     };
 
     pub(super) fn include(&mut self, motion: &Motion<Steady>) {
@@ -90,30 +121,35 @@ impl Turn {
             self.lowest = self.lowest.min(x);
             self.highest = self.highest.max(x);
             self.slowest = self.slowest.min(velocity);
+            self.fastest = self.fastest.max(velocity);
         }
     }
 
     pub(super) fn cycle(turns: &[Self]) -> LimitCycle {
         let fold = |f: fn(f64, f64) -> f64, of: fn(&Self) -> f64| turns.iter().map(of).reduce(f).unwrap_or(f64::NAN);
+        let slips = turns.iter().filter(|t| t.reattachment.is_some()).count();
         LimitCycle {
+            kind: if slips > 0 { MotionKind::StickSlip } else { MotionKind::Overtaking },
             period: turns.iter().map(|t| t.duration).sum(),
             slip_duration: turns.iter().map(|t| t.slip).sum(),
             reattachment_displacement: turns.last().and_then(|t| t.reattachment),
             displacement_min: fold(f64::min, |t| t.lowest),
             displacement_max: fold(f64::max, |t| t.highest),
             velocity_min: fold(f64::min, |t| t.slowest),
-            slips: turns.iter().filter(|t| t.reattachment.is_some()).count(),
+            velocity_max: fold(f64::max, |t| t.fastest),
+            slips,
         }
     }
 }
 
-/// The limit cycle of an oscillator without fluctuation.
+/// Returns the motion of an oscillator without fluctuation that starts in stick.
 ///
-/// Without forcing every detachment is the same state, so one turn is the cycle, exactly; if the slip orbit from a
-/// detachment turns back before the belt velocity, planar orbits cannot cross and no stick-slip cycle exists. With little
-/// damping on a fast belt the mass may end in a cycle of slip and over-slip without stick, which is followed until it
-/// repeats. With forcing the motion is followed from [`Oscillator::default_start`] until the phases of its detachments
-/// repeat, which finds the attracting cycle of that start with up to 32 slips in a period.
+/// Without forcing every detachment is the same state, so one turn is the cycle, exactly. With little damping on a fast
+/// belt the mass may overtake the belt in every period and never stick; that motion is followed until it repeats. If the
+/// slip orbit from a detachment turns back before the belt velocity, planar orbits cannot cross and no cycle reaches the
+/// belt; the motion then approaches the outermost cycle of slip ([`super::slip_cycles`]) or steady sliding. With forcing
+/// the motion is followed from [`Oscillator::default_start`] until the phases of its detachments repeat, which finds the
+/// attracting cycle of that start with up to 32 slips in a period.
 ///
 /// Fails if the friction coefficient does not stay positive, and if an orbit needs more than a million steps to repeat, as
 /// on a very fast belt without damping, where friction hardly changes the orbit in a period.
@@ -123,13 +159,22 @@ pub fn limit_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
 
 /// The regime, and a state on its cycle.
 pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationError> {
-    match oscillator.forcing() {
-        None => free_cycle(oscillator),
-        Some(forcing) => forced_cycle(oscillator, TAU / forcing.frequency),
+    if let Some(forcing) = oscillator.forcing() {
+        return forced_cycle(oscillator, TAU / forcing.frequency);
     }
+    if let Some((cycle, state)) = cycle_at_belt(oscillator)? {
+        return Ok((Regime::Cycle(cycle), state));
+    }
+    let map = return_map(oscillator)?;
+    Ok(match map.as_ref().and_then(ReturnMap::from_outside) {
+        Some((state, cycle)) => (Regime::Cycle((*cycle).into()), state),
+        None => (Regime::Sliding, SlipState::detached(0.0)),
+    })
 }
 
-fn free_cycle(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationError> {
+/// Returns the cycle that reaches the belt velocity, without forcing, and a state on it; none if the slip orbit from a
+/// detachment turns back before.
+pub(super) fn cycle_at_belt(oscillator: &Oscillator) -> Result<Option<(LimitCycle, SlipState)>, VibrationError> {
     let start = SlipState::detached(0.0);
     let mut motion = Motion::in_slip(oscillator, Steady, start)?;
     // A turn begins at a detachment, a lap at a return from over-slip.
@@ -142,7 +187,7 @@ fn free_cycle(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationE
         match event.map(|e| e.kind) {
             Some(EventKind::Detach) => {
                 turn.duration = motion.tau;
-                return Ok((Regime::Cycle(Turn::cycle(&[turn])), start));
+                return Ok(Some((Turn::cycle(&[turn]), start)));
             }
             Some(EventKind::Restick) => {
                 turn.slip = motion.tau;
@@ -152,13 +197,13 @@ fn free_cycle(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationE
                 let Some(state) = motion.slip_state().filter(|state| state.phase == Phase::Slip) else { continue };
                 if let Some(before) = returned.filter(|before| state.repeats(before, STATE_TOLERANCE)) {
                     (lap.duration, lap.slip) = (state.tau - before.tau, state.tau - before.tau);
-                    return Ok((Regime::Cycle(Turn::cycle(&[lap])), state));
+                    return Ok(Some((Turn::cycle(&[lap]), state)));
                 }
                 (returned, lap) = (Some(state), Turn::EMPTY);
             }
             None => {
                 if motion.passed_minimum() || motion.has_settled(SETTLED) {
-                    return Ok((Regime::Sliding, start));
+                    return Ok(None);
                 }
             }
         }
@@ -216,7 +261,8 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
             (stroke, reversals) = (Turn::EMPTY, 0);
         }
     }
-    Ok((Regime::Irregular, SlipState::detached(0.0)))
+    let kind = if strokes_without_stick < MAX_PERIODS { MotionKind::StickSlip } else { MotionKind::Overtaking };
+    Ok((Regime::Irregular(kind), SlipState::detached(0.0)))
 }
 
 /// Number of slips after which detachments repeat: the last one and the one before agree with those a period earlier.
@@ -235,7 +281,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, Parameters, PhasePoint, cycle_portrait};
+    use crate::vibration::{Forcing, FrictionLaw, FrictionTable, MotionKind, Parameters, PhasePoint, cycle_portrait};
 
     fn cycle_of(parameters: Parameters) -> LimitCycle {
         *limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap().cycle().unwrap()
@@ -381,6 +427,22 @@ mod tests {
         let forced = oscillator(Some(Forcing { amplitude: 0.3, frequency: 1.0 }));
         let driven = *limit_cycle(&forced).unwrap().cycle().unwrap();
         assert_eq!((driven.slips, driven.period), (0, TAU));
+    }
+
+    #[test]
+    fn a_cycle_faster_than_the_belt_has_a_kind_of_its_own() {
+        // An independent integrator: cycles without stick at ζ = .001 and .002, with stick at .004.
+        for (damping, kind, period) in [
+            (0.001, MotionKind::Overtaking, 6.294_67),
+            (0.002, MotionKind::Overtaking, 6.294_99),
+            (0.004, MotionKind::StickSlip, 6.295_32),
+        ] {
+            let regime = limit_cycle(&Oscillator::stribeck(0.432353, 4.2, damping, 3.1416).unwrap()).unwrap();
+            let cycle = regime.cycle().unwrap();
+            assert_eq!((regime.kind(), cycle.kind), (kind, kind));
+            assert!((cycle.period - period).abs() < 6e-6, "{cycle:?}");
+            assert!(cycle.velocity_max >= 3.1416 - 1e-12 && (cycle.reattachment_displacement.is_some()) == (cycle.slips > 0));
+        }
     }
 
     #[test]

@@ -161,6 +161,11 @@ impl Oscillator {
         self.parameters.belt_velocity
     }
 
+    /// Whether steady sliding is unstable, 2ζ < −dμ/d|v| at the belt velocity; forcing is left aside.
+    pub fn sliding_is_unstable(&self) -> bool {
+        2.0 * self.damping_ratio() < self.law().weakening(self.belt_velocity())
+    }
+
     /// Harmonic force; none when its amplitude is zero.
     pub fn forcing(&self) -> Option<Forcing> {
         self.parameters.forcing.filter(|f| f.amplitude > 0.0)

@@ -4,7 +4,7 @@
 //!   where and how they are born.
 //! - [`forced_cycles`]: cycles with stick under a harmonic force, stable and unstable, with their multipliers.
 //! - [`critical_curve`], [`locked_curve`]: the end of the cycle over another parameter.
-//! - [`basin`], [`separatrix`]: which starts end in steady sliding.
+//! - [`basin`], [`separatrix`], [`smallest_kick`]: which starts end in steady sliding.
 //! - [`bifurcation_diagram`]: what a parameter that rises and falls leads through.
 
 mod basin;
@@ -17,10 +17,10 @@ mod locked_curve;
 mod parameter;
 mod passage;
 mod planar;
-mod slip_cycle;
+pub(super) mod slip_cycle;
 pub(super) mod tangent;
 
-pub use basin::{Attractor, Basin, BasinBox, Separatrix, SeparatrixKind, basin, separatrix};
+pub use basin::{Basin, BasinBox, Separatrix, SeparatrixKind, basin, separatrix, smallest_kick};
 pub use bifurcation::{
     BifurcationDiagram, BifurcationPoint, BifurcationSettings, Mark, MarkKind, Turnover, bifurcation_diagram,
 };

@@ -1,10 +1,10 @@
-//! What starts end in, over the phase plane.
+//! Motions that starts end in, over the phase plane.
 
 use std::path::Path;
 
 use asperity::study::{Table, portrait_table};
 use asperity::vibration::{
-    self, Attractor, Basin as Found, BasinBox, MapAxis, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
+    self, Basin as Found, BasinBox, MapAxis, MotionKind, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
     slip_cycles,
 };
 use clap::Args;
@@ -27,8 +27,8 @@ const CELL_BYTES: f64 = 64.0;
 /// Points of the separatrix.
 const BORDER_POINTS: usize = 800;
 
-/// Tells which starts end in steady sliding and which in a cycle, without fluctuation: the share of each over a box of starts,
-/// and the border between them.
+/// Computes which starts end in steady sliding and which in vibration, without fluctuation: the share of each kind of motion
+/// over a box of starts, and the border between them.
 #[derive(Debug, Args)]
 pub(crate) struct Basin {
     #[command(flatten)]
@@ -87,7 +87,7 @@ impl Basin {
         };
         let around = |low: f64, high: f64| [low - MARGIN * (high - low), high + MARGIN * (high - low)];
         let displacement = around(cycle.displacement_min, cycle.displacement_max);
-        let velocity = around(cycle.velocity_min, oscillator.belt_velocity());
+        let velocity = around(cycle.velocity_min, cycle.velocity_max);
         let stated =
             |axis: Option<MapAxis>, own: [f64; 2]| axis.map_or((own, CELLS), |axis| ([axis.from, axis.to], axis.cells));
         let (x, y) = (stated(self.displacements, displacement), stated(self.velocities, velocity));
@@ -96,14 +96,15 @@ impl Basin {
 }
 
 fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
-    let share = |wanted: Attractor| {
+    let share = |wanted: MotionKind| {
         let count = found.attractors.iter().filter(|attractor| **attractor == wanted).count();
         count as f64 / found.attractors.len() as f64
     };
     Answer::default()
         .with("sliding_share", found.sliding_share)
-        .with("slip_cycle_share", share(Attractor::SlipCycle))
-        .with("stick_slip_share", share(Attractor::StickSlip))
+        .with("slip_cycle_share", share(MotionKind::SlipCycle))
+        .with("stick_slip_share", share(MotionKind::StickSlip))
+        .with("overtaking_share", share(MotionKind::Overtaking))
         .with("displacements", json!(found.area.displacement))
         .with("velocities", json!(found.area.velocity))
         .with("cells", json!(found.area.cells))

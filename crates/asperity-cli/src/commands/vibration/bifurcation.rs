@@ -69,7 +69,7 @@ impl Bifurcation {
                 rows.push([
                     way.to_owned(),
                     format!("{:.8}", point.parameter),
-                    format!("{:?}", point.attractor),
+                    point.attractor.to_string(),
                     match point.multiplicity {
                         Some(multiplicity) => multiplicity.to_string(),
                         None if point.settled => "irregular".to_owned(),

@@ -1,6 +1,6 @@
-//! The damping at which stick-slip ends.
+//! The damping at which vibration ends.
 
-use asperity::vibration::{self, critical_damping};
+use asperity::vibration::{self, VibrationError, critical_damping, limit_damping};
 use clap::Args;
 
 use super::{Machine, refused};
@@ -9,7 +9,8 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Finds the damping ratio above which no cycle sticks, and the one above which steady sliding is stable.
+/// Finds the damping ratios at which the stick-slip cycle ends, above which steady sliding is stable, and above which no
+/// vibration persists.
 #[derive(Debug, Args)]
 pub(crate) struct CriticalDamping {
     #[command(flatten)]
@@ -32,14 +33,15 @@ impl CriticalDamping {
         }
         let oscillator = self.machine.oscillator(0.0)?;
         let critical = monitor
-            .at_once(|| critical_damping(&oscillator))?
+            .at_once(|| Ok::<_, VibrationError>((critical_damping(&oscillator)?, limit_damping(&oscillator)?)))?
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
-        answer(Some(&critical)).print(self.json)
+        answer(Some(critical)).print(self.json)
     }
 }
 
-fn answer(critical: Option<&vibration::CriticalDamping>) -> Answer {
+fn answer(found: Option<(vibration::CriticalDamping, f64)>) -> Answer {
     Answer::default()
-        .with("critical_damping_ratio", critical.map(|c| c.critical_damping_ratio))
-        .with("hopf_damping_ratio", critical.map(|c| c.hopf_damping_ratio))
+        .with("critical_damping_ratio", found.map(|(c, _)| c.critical_damping_ratio))
+        .with("hopf_damping_ratio", found.map(|(c, _)| c.hopf_damping_ratio))
+        .with("limit_damping_ratio", found.map(|(_, limit)| limit))
 }

@@ -1,17 +1,14 @@
-//! The stick-slip limit cycle.
+//! The motion that begins in stick, without fluctuation.
 
-use asperity::vibration::{
-    LimitCycle, Oscillator, Regime, SlipCycle, VibrationError, hopf_point, limit_cycle, slip_cycles,
-};
+use asperity::vibration::{LimitCycle, Regime, VibrationError, limit_cycle, smallest_kick};
 use clap::Args;
-use serde_json::json;
 
 use super::{Damping, Machine, refused};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Finds the limit cycle; that there is none is an answer too.
+/// Finds the vibration that a machine which starts in stick settles into, and whether steady sliding is stable beside it.
 #[derive(Debug, Args)]
 pub(crate) struct Cycle {
     #[command(flatten)]
@@ -23,47 +20,49 @@ pub(crate) struct Cycle {
     json: bool,
 }
 
+/// Motion of the machine, and the stability of its steady sliding.
+struct Found {
+    regime: Regime,
+    /// None under forcing, where there is no steady sliding.
+    steady_sliding_unstable: Option<bool>,
+    kick: Option<f64>,
+}
+
 impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let free = oscillator.forcing().is_none();
         let found = monitor.at_once(|| -> Result<_, VibrationError> {
             let regime = limit_cycle(&oscillator)?;
-            let unsteady = if regime == Regime::Sliding { unsteady(&oscillator)? } else { None };
-            Ok((regime, unsteady))
+            let kick = if free { smallest_kick(&oscillator)? } else { None };
+            Ok(Found { regime, steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()), kick })
         })?;
-        let (regime, unsteady) = found.or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
-        match (regime, &unsteady) {
-            (Regime::Cycle(_), _) => {}
-            (Regime::Sliding, Some(_)) => monitor.warn(
-                "no limit cycle that sticks; but steady sliding is unstable at this damping ratio, so the mass vibrates without \
-                 reaching the velocity of the belt",
-            ),
-            (Regime::Sliding, None) => monitor.note("no limit cycle: the mass slides for ever"),
-            (Regime::Irregular, _) => monitor.note("no limit cycle: the forced motion does not repeat itself"),
+        let found = found.or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
+        match (found.regime, found.kick) {
+            (Regime::Cycle(_), Some(kick)) => monitor.note(&format!(
+                "the machine vibrates once started (from stick, or by a kick of {kick:.4e}); steady sliding alone is stable"
+            )),
+            (Regime::Cycle(_), None) => {}
+            (Regime::Sliding, _) if free => monitor.note("no limit cycle: every motion ends in steady sliding"),
+            (Regime::Sliding, _) => monitor.note("no limit cycle: the mass follows the force, slower than the belt"),
+            (Regime::Irregular(_), _) => monitor.note("no limit cycle: the forced motion does not repeat itself"),
         }
-        let answer = answer(Some(regime.cycle().is_some()), regime.cycle());
-        match unsteady.as_deref().and_then(<[SlipCycle]>::first) {
-            Some(cycle) => answer.with("slip_cycle", json!(cycle)).print(self.json),
-            None => answer.print(self.json),
-        }
+        answer(Some(&found)).print(self.json)
     }
 }
 
-/// Where steady sliding is unstable: the stable cycles without stick that are found, the first being what it is left for.
-fn unsteady(oscillator: &Oscillator) -> Result<Option<Vec<SlipCycle>>, VibrationError> {
-    if oscillator.forcing().is_some() || oscillator.damping_ratio() >= hopf_point(oscillator)?.damping_ratio {
-        return Ok(None);
-    }
-    Ok(Some(slip_cycles(oscillator)?.into_iter().filter(SlipCycle::is_stable).collect()))
-}
-
-fn answer(found: Option<bool>, cycle: Option<&LimitCycle>) -> Answer {
+fn answer(found: Option<&Found>) -> Answer {
+    let cycle = found.and_then(|found| found.regime.cycle());
+    let number = |of: fn(&LimitCycle) -> f64| cycle.map(of);
     Answer::default()
-        .with("limit_cycle", found)
-        .with("period", cycle.map(|c| c.period))
-        .with("slip_duration", cycle.map(|c| c.slip_duration))
-        .with("reattachment_displacement", cycle.map(|c| c.reattachment_displacement))
-        .with("displacement_min", cycle.map(|c| c.displacement_min))
-        .with("displacement_max", cycle.map(|c| c.displacement_max))
-        .with("velocity_min", cycle.map(|c| c.velocity_min))
+        .with("kind", found.map(|found| found.regime.kind().name()))
+        .with("steady_sliding_unstable", found.and_then(|found| found.steady_sliding_unstable))
+        .with("kick", found.and_then(|found| found.kick))
+        .with("limit_cycle", found.map(|_| cycle.is_some()))
+        .with("period", number(|c| c.period))
+        .with("slip_duration", number(|c| c.slip_duration))
+        .with("reattachment_displacement", cycle.and_then(|c| c.reattachment_displacement))
+        .with("displacement_min", number(|c| c.displacement_min))
+        .with("displacement_max", number(|c| c.displacement_max))
+        .with("velocity_min", number(|c| c.velocity_min))
 }

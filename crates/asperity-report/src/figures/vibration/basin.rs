@@ -20,7 +20,7 @@ const WORDS: Words = Words {
     name: "basin",
     title: "What starts end in",
     description: "Every point of the phase plane in the colour of the attractor that a mass started there ends in, with the border \
-                  between them and the stick-slip cycle.",
+                  between them and the limit cycle.",
 };
 
 /// The colour of an area; slip cycles are darker, so that neighbours differ in lightness as well.
@@ -48,7 +48,7 @@ pub(super) fn figure(tables: &BTreeMap<String, Table>) -> Result<Option<Figure>,
         outlined(&mut chart, "separatrix", border, Pen::new(BLACK, 2.0, Dash::Dashed));
     }
     if let Some(cycle) = curve("limit_cycle") {
-        outlined(&mut chart, "stick-slip cycle", cycle, Pen::new(VERMILION, 2.4, Dash::Solid));
+        outlined(&mut chart, "limit cycle", cycle, Pen::new(VERMILION, 2.4, Dash::Solid));
     }
     WORDS.figure(Layout::Column, &[(420.0, chart)])
 }

@@ -138,7 +138,7 @@ fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Proble
         // What has no answer yet is told by the run.
         _ => Ok(()),
     };
-    let machine = match v.oscillator(static_friction, v.stribeck()) {
+    let machine = match v.dimensionless_stribeck().and_then(|stribeck| v.oscillator(static_friction, stribeck)) {
         Ok(machine) => machine,
         Err(error) => return told(error),
     };
@@ -160,7 +160,7 @@ fn check_motion(v: &VibrationSection, static_friction: f64) -> Result<(), Proble
 fn check_machine(v: &VibrationSection) -> Result<(), Problem> {
     within(SECTION, "kinetic_share", v.kinetic_share, share, SHARE)?;
     if let Some(coefficient) = v.stribeck {
-        within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;
+        within(SECTION, "stribeck", coefficient.value(), |a| a >= 0.0, "zero or a positive value")?;
     }
     let needs = |key, law: &str| Err(problem(SECTION, key, format!("velocity_law = \"{law}\" needs this key")));
     match v.velocity_law {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::study::result::{LawResult, Pair};
+use crate::vibration::MotionKind;
 
 /// The vibration stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,11 +26,20 @@ pub struct VibrationResult {
     pub marginal: Option<LawResult>,
     /// Variance of μ over the nominal area over that of one window.
     pub variance_reduction: f64,
-    /// Damping ratio above which there is no deterministic limit cycle; `null` if there is none at any.
+    /// Damping ratio ζ_c above which no cycle reaches the belt velocity; `null` if the search failed.
     pub critical_damping_ratio: Option<f64>,
-    /// Damping ratio below which steady sliding is unstable.
+    /// Damping ratio ζ_H below which steady sliding is unstable.
     pub hopf_damping_ratio: Option<f64>,
-    /// The deterministic cycle at the study's damping ratio.
+    /// Damping ratio ζ_v above which no vibration persists; `null` if the search failed.
+    pub limit_damping_ratio: Option<f64>,
+    /// Kind of motion without fluctuation, started in stick, at the study's damping ratio.
+    pub kind: MotionKind,
+    /// Whether steady sliding is unstable there; `null` under forcing.
+    pub steady_sliding_unstable: Option<bool>,
+    /// Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if none is
+    /// needed, none suffices, or under forcing.
+    pub kick_m_per_s: Option<f64>,
+    /// The deterministic motion at the study's damping ratio.
     pub cycle: CycleResult,
     /// Which upscaling leads.
     pub upscaling: String,
@@ -51,7 +61,7 @@ pub struct MapResult {
     pub y: String,
 }
 
-/// A deterministic limit cycle; keys as in `asperity vibration cycle`.
+/// A deterministic limit cycle of any kind; keys as in `asperity vibration cycle`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CycleResult {
     /// Damping ratio.

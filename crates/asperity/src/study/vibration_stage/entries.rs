@@ -1,15 +1,13 @@
 //! Results of the vibration stage as `results.json` has them.
 
-use crate::study::StudyError;
 use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
 use crate::study::sentence;
-use crate::vibration::{Crossing, Ensemble, FrictionLaw, Oscillator, SampleLaw, limit_cycle};
+use crate::vibration::{Crossing, Ensemble, FrictionLaw, Regime, SampleLaw};
 
-pub(super) fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, StudyError> {
-    let regime = limit_cycle(oscillator)?;
+pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     let cycle = regime.cycle();
-    Ok(CycleResult {
-        damping_ratio: oscillator.damping_ratio(),
+    CycleResult {
+        damping_ratio,
         limit_cycle: cycle.is_some(),
         period: cycle.map(|c| c.period),
         slip_duration: cycle.map(|c| c.slip_duration),
@@ -17,7 +15,7 @@ pub(super) fn cycle_result(oscillator: &Oscillator) -> Result<CycleResult, Study
         displacement_min: cycle.map(|c| c.displacement_min),
         displacement_max: cycle.map(|c| c.displacement_max),
         velocity_min: cycle.map(|c| c.velocity_min),
-    })
+    }
 }
 
 pub(super) fn damping_result(damping_ratio: f64, ensemble: &Ensemble) -> DampingResult {

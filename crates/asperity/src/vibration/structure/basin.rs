@@ -1,4 +1,4 @@
-//! Which starts end in steady sliding, and which in stick-slip.
+//! Which starts end in steady sliding, and which in vibration.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,7 +11,8 @@ use super::super::root::zero_between;
 use super::super::slip_orbit::first_minimum_from;
 use super::super::sway::Sway;
 use super::super::weakening::Weakening;
-use super::super::{Drive, EventKind, Oscillator, Phase, Regime, VibrationError, limit_cycle};
+use super::super::cycle::cycle_at_belt;
+use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use super::planar::Planar;
 use super::slip_cycle::{ReturnMap, return_map};
 use crate::friction::process::Steady;
@@ -19,23 +20,13 @@ use crate::monitor::{Cancelled, Monitor};
 
 /// W and W′ closer than this to steady sliding end there, if it is stable.
 const SETTLED: f64 = 1e-9;
-/// Reversals after which a motion that never sticks counts as a cycle of slip and over-slip.
+/// Reversals after which a motion that never sticks counts as overtaking.
 const MAX_REVERSALS: usize = 2000;
 const MAX_STEPS: usize = 1_000_000;
+/// Relative error of a kick.
+const KICK_TOLERANCE: f64 = 1e-12;
 /// How far, relatively, rounding may put a crossing of the section beyond that of the orbit from a detachment.
 const ROUNDING: f64 = 1e-9;
-
-/// Where a motion without forcing and fluctuation ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Attractor {
-    /// Steady sliding, X′ = 0.
-    Sliding,
-    /// A stable cycle that stays slower than the belt.
-    SlipCycle,
-    /// The cycle that reaches the belt velocity.
-    StickSlip,
-}
 
 /// A rectangle of starts (X, X′).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -75,13 +66,13 @@ impl BasinBox {
     }
 }
 
-/// What the centres of the cells of a box of starts end in.
+/// Motions that the centres of the cells of a box of starts end in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Basin {
     /// The box.
     pub area: BasinBox,
-    /// Attractors, row by row with rising X′, along rising X in a row.
-    pub attractors: Vec<Attractor>,
+    /// Kinds of motion, row by row with rising X′, along rising X in a row.
+    pub attractors: Vec<MotionKind>,
     /// Share of the cells that end in steady sliding.
     pub sliding_share: f64,
 }
@@ -104,38 +95,40 @@ pub(super) fn started_at(
     Motion::in_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
 }
 
-/// Decides where starts end: by the return map of slip as soon as an orbit crosses its section, else by following it.
-pub(super) struct Fates {
+/// Finds the motion that starts end in: by the return map of slip as soon as an orbit crosses its section, else by following it.
+pub(super) struct Outcomes {
     oscillator: Oscillator,
     rest: f64,
     map: Option<ReturnMap>,
-    /// What a detachment leads to.
-    after_stick: Attractor,
+    /// Motion that a detachment leads to.
+    after_stick: MotionKind,
+    /// Least X′ of that motion; 0 of steady sliding.
+    slowest: f64,
 }
 
-impl Fates {
+impl Outcomes {
     /// The forcing is left aside.
     pub(super) fn new(oscillator: &Oscillator) -> Result<Self, VibrationError> {
         let oscillator = oscillator.with_forcing(None)?;
         let map = return_map(&oscillator)?;
         let rest = Planar::new(&oscillator)?.rest;
-        let mut fates = Self { oscillator: oscillator.clone(), rest, map, after_stick: Attractor::StickSlip };
-        if limit_cycle(&oscillator)? == Regime::Sliding {
-            fates.after_stick = match &fates.map {
-                Some(map) => within(map, map.edge),
-                None => Attractor::Sliding,
-            };
-        }
-        Ok(fates)
+        let (after_stick, slowest) = match cycle_at_belt(&oscillator)? {
+            Some((cycle, _)) => (cycle.kind, cycle.velocity_min),
+            None => match map.as_ref().and_then(ReturnMap::from_outside) {
+                Some((_, cycle)) => (MotionKind::SlipCycle, cycle.velocity_min),
+                None => (MotionKind::None, 0.0),
+            },
+        };
+        Ok(Self { oscillator, rest, map, after_stick, slowest })
     }
 
-    /// Whether steady sliding attracts, a continuum of cycles about it included.
-    pub(super) fn near_rest(&self) -> Attractor {
-        self.map.as_ref().map_or(Attractor::Sliding, |map| within(map, 0.0))
+    /// The motion that a small disturbance of steady sliding leads to.
+    pub(super) fn near_rest(&self) -> MotionKind {
+        self.map.as_ref().map_or(MotionKind::None, |map| self.within(map, 0.0))
     }
 
     /// Where the start (X, X′) ends.
-    pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<Attractor, VibrationError> {
+    pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
         let mut motion = started_at(&self.oscillator, displacement, velocity)?;
         let mut reversals = 0;
         for _ in 0..MAX_STEPS {
@@ -153,7 +146,7 @@ impl Fates {
                 None => {}
             }
             if reversals > MAX_REVERSALS {
-                return Ok(Attractor::StickSlip);
+                return Ok(MotionKind::Overtaking);
             }
             if before.phase == Phase::Slip
                 && before.w < 1.0
@@ -161,7 +154,7 @@ impl Fates {
                 && let Some(r) = self.crossing(&motion)
                 && r <= map.edge * (1.0 + ROUNDING)
             {
-                return Ok(within(map, r.min(map.edge)));
+                return Ok(self.within(map, r.min(map.edge)));
             }
         }
         Err(VibrationError::NotFound { what: "attractor of a start", reason: "undecided after a million steps" })
@@ -179,19 +172,51 @@ impl Fates {
         let t = super::super::polynomial::first_zero(&below, step.length)?;
         Some(step.series.state(t).1 - self.rest)
     }
+
+    /// The motion that an orbit settles into which crosses the section at r.
+    fn within(&self, map: &ReturnMap, r: f64) -> MotionKind {
+        let inside = map.cycles.iter().take_while(|(radius, _)| *radius < r).count();
+        // An orbit on a stable cycle or next to one stays; growth leads outwards to the next, decay inwards.
+        if map.growth[inside] > 0.0 {
+            if inside < map.cycles.len() { MotionKind::SlipCycle } else { self.after_stick }
+        } else if inside > 0 {
+            MotionKind::SlipCycle
+        } else {
+            MotionKind::None
+        }
+    }
 }
 
-/// What an orbit ends in that crosses the section at r.
-fn within(map: &ReturnMap, r: f64) -> Attractor {
-    let inside = map.cycles.iter().take_while(|(radius, _)| *radius < r).count();
-    // An orbit on a stable cycle or next to one stays; growth leads outwards to the next, decay inwards.
-    if map.growth[inside] > 0.0 {
-        if inside < map.cycles.len() { Attractor::SlipCycle } else { Attractor::StickSlip }
-    } else if inside > 0 {
-        Attractor::SlipCycle
-    } else {
-        Attractor::Sliding
+/// Returns the smallest kick, |ΔX′| of either sign, after which a machine that slides steadily vibrates for good; forcing is
+/// left aside.
+///
+/// None if steady sliding is unstable, so that no kick is needed, and none if every motion ends in steady sliding. The
+/// border of the basin is the innermost unstable slip cycle if it stays slower than the belt, else an orbit through stick;
+/// it is found by bisection on exact motions, to twelve digits. Orbits in the phase plane do not cross, so all larger kicks
+/// of the same sign end in vibration too.
+pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
+    if oscillator.sliding_is_unstable() {
+        return Ok(None);
     }
+    let belt = oscillator.belt_velocity();
+    let outcomes = Outcomes::new(oscillator)?;
+    if !outcomes.after_stick.is_vibration() || outcomes.near_rest().is_vibration() {
+        return Ok(None);
+    }
+    let rest = oscillator.law().coefficient(belt);
+    let vibrates = |velocity: f64| Ok::<_, VibrationError>(outcomes.of(rest, velocity)?.is_vibration());
+    let threshold = |sign: f64, mut high: f64| -> Result<f64, VibrationError> {
+        let mut low = 0.0;
+        while high - low > KICK_TOLERANCE * high {
+            let middle = 0.5 * (low + high);
+            if vibrates(sign * middle)? { high = middle } else { low = middle }
+        }
+        Ok(high)
+    };
+    // With the velocity of the belt the mass sticks, or is faster than on any orbit that does not reach the belt.
+    let with_belt = threshold(1.0, belt)?;
+    let against_belt = with_belt.min(-outcomes.slowest);
+    Ok(Some(if vibrates(-against_belt)? { threshold(-1.0, against_belt)? } else { with_belt }))
 }
 
 /// What the starts in a box of the phase plane end in. Forcing is left aside.
@@ -202,10 +227,10 @@ fn within(map: &ReturnMap, r: f64) -> Attractor {
 /// Fails for an empty box, if friction does not stay positive, and when cancelled.
 pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) -> Result<Basin, VibrationError> {
     area.validate()?;
-    let fates = Fates::new(oscillator)?;
+    let outcomes = Outcomes::new(oscillator)?;
     let [columns, rows] = area.cells;
     let finished = AtomicUsize::new(0);
-    let lines: Vec<Vec<Attractor>> = (0..rows)
+    let lines: Vec<Vec<MotionKind>> = (0..rows)
         .into_par_iter()
         .map(|row| {
             if monitor.cancelled() {
@@ -213,7 +238,7 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
             }
             let start = |column| {
                 let [displacement, velocity] = area.centre(column, row);
-                fates.of(displacement, velocity)
+                outcomes.of(displacement, velocity)
             };
             let line = (0..columns).map(start).collect::<Result<Vec<_>, _>>();
             monitor.progress("rows of the basin", finished.fetch_add(1, Ordering::Relaxed) + 1, rows);
@@ -221,7 +246,7 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
         })
         .collect::<Result<_, VibrationError>>()?;
     let attractors = lines.concat();
-    let sliding = attractors.iter().filter(|a| **a == Attractor::Sliding).count();
+    let sliding = attractors.iter().filter(|a| **a == MotionKind::None).count();
     let sliding_share = sliding as f64 / attractors.len() as f64;
     Ok(Basin { area: *area, attractors, sliding_share })
 }
@@ -255,21 +280,21 @@ impl Separatrix {
     }
 }
 
-/// The curve that parts the starts that end in stick-slip from those that do not, at `points` ≥ 2 equal times; none if all
-/// end alike. Forcing is left aside.
+/// The curve that separates the starts that end in vibration from those that do not, at `points` ≥ 2 equal times; none if all
+/// end alike. With two stable vibrations it separates the outer one from the inner one. Forcing is left aside.
 pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separatrix>, VibrationError> {
     let free = oscillator.with_forcing(None)?;
-    let fates = Fates::new(&free)?;
-    let Some(map) = fates.map.as_ref().filter(|_| fates.after_stick == Attractor::StickSlip) else { return Ok(None) };
+    let outcomes = Outcomes::new(&free)?;
+    let Some(map) = outcomes.map.as_ref().filter(|_| outcomes.after_stick.is_vibration()) else { return Ok(None) };
     let drawn = |kind, state: SlipState, duration: f64| -> Result<Option<Separatrix>, VibrationError> {
         let motion = Motion::in_slip(&free, Steady, state)?;
         Ok(Some(Separatrix { kind, points: sampled(motion, 0.0, duration, points)? }))
     };
-    let grows = map.growth.last().is_some_and(|g| *g > 0.0);
-    if let Some((r, cycle)) = map.cycles.last().filter(|_| grows) {
-        let start = SlipState { tau: 0.0, phase: Phase::Slip, w: 1.0, e: fates.rest + r };
-        return drawn(SeparatrixKind::UnstableCycle, start, cycle.period);
+    let unstable = map.cycles.iter().zip(&map.growth[1..]).rev().find(|(_, growth)| **growth > 0.0);
+    if let Some(((r, cycle), _)) = unstable {
+        return drawn(SeparatrixKind::UnstableCycle, map.state(*r), cycle.period);
     }
+    let grows = map.growth.last().is_some_and(|g| *g > 0.0);
     let jump = Weakening::new(&free).jump;
     if grows || jump == 0.0 {
         return Ok(None);
@@ -293,7 +318,7 @@ mod tests {
     use super::*;
     use crate::monitor::Silent;
     use crate::random;
-    use crate::vibration::{FrictionLaw, Parameters, critical_damping};
+    use crate::vibration::{FrictionLaw, FrictionTable, Parameters, critical_damping, limit_cycle, limit_damping};
 
     fn midway(friction: f64, velocity: f64, share: f64) -> Oscillator {
         let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
@@ -310,7 +335,7 @@ mod tests {
     const AREA: BasinBox = BasinBox { displacement: [-0.3, 0.8], velocity: [-0.3, 0.3], cells: [120, 90] };
 
     /// Follows a start until it sticks or has settled, with no look at the return map.
-    fn followed(oscillator: &Oscillator, [x, velocity]: [f64; 2]) -> Attractor {
+    fn followed(oscillator: &Oscillator, [x, velocity]: [f64; 2]) -> MotionKind {
         let belt = oscillator.belt_velocity();
         let (phase, sign) = if velocity < belt { (Phase::Slip, 1.0) } else { (Phase::OverSlip, -1.0) };
         let force = sign * (x + 2.0 * oscillator.damping_ratio() * belt);
@@ -319,10 +344,10 @@ mod tests {
         let mut motion = Motion::in_slip(oscillator, Steady, state).unwrap();
         loop {
             if motion.step(f64::INFINITY).unwrap().is_some_and(|event| event.kind == EventKind::Restick) {
-                return Attractor::StickSlip;
+                return MotionKind::StickSlip;
             }
             if motion.has_settled(1e-4) {
-                return Attractor::Sliding;
+                return MotionKind::None;
             }
         }
     }
@@ -334,16 +359,16 @@ mod tests {
             (midway(1.0, 0.2, 0.2), "near the Hopf point"),
             (coulomb(0.05), "a grazing orbit"),
         ] {
-            let fates = Fates::new(&oscillator).unwrap();
+            let outcomes = Outcomes::new(&oscillator).unwrap();
             let scale = oscillator.static_friction();
             let rng = &mut random::stream(8, "test", 0);
             let mut counts = [0, 0];
             for _ in 0..300 {
                 let g = random::standard_normal(rng, 2);
                 let start = [scale * (0.8 + 0.3 * g[0]), 1.3 * oscillator.belt_velocity() * g[1]];
-                let found = fates.of(start[0], start[1]).unwrap();
+                let found = outcomes.of(start[0], start[1]).unwrap();
                 assert_eq!(found, followed(&oscillator, start), "{tell}: {start:?}");
-                counts[usize::from(found == Attractor::Sliding)] += 1;
+                counts[usize::from(found == MotionKind::None)] += 1;
             }
             assert!(counts[0] > 10 && counts[1] > 10, "{tell}: {counts:?}");
         }
@@ -388,9 +413,9 @@ mod tests {
     fn outside_the_two_critical_dampings_all_starts_end_alike() {
         let ends = critical_damping(&midway(0.3, 0.1, 0.5)).unwrap();
         for (damping, wanted) in [
-            (0.9 * ends.hopf_damping_ratio, Attractor::StickSlip),
-            (1.01 * ends.critical_damping_ratio, Attractor::Sliding),
-            (3.0, Attractor::Sliding),
+            (0.9 * ends.hopf_damping_ratio, MotionKind::StickSlip),
+            (1.01 * ends.critical_damping_ratio, MotionKind::None),
+            (3.0, MotionKind::None),
         ] {
             let oscillator = Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
             let area = BasinBox { cells: [20, 20], ..AREA };
@@ -398,6 +423,136 @@ mod tests {
             assert!(found.attractors.iter().all(|a| *a == wanted), "{damping}");
             assert_eq!(separatrix(&oscillator, 100).unwrap(), None);
         }
+    }
+
+    #[test]
+    fn the_smallest_kick_is_the_published_one() {
+        // SciPy, DOP853 with bisection.
+        for (damping, wanted) in [(0.111, 0.0966), (0.109, 0.0821)] {
+            let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
+            assert!((found - wanted).abs() < 2e-4, "{found} instead of {wanted}");
+        }
+        // Below ζ_H = .104 none is needed, above ζ_c = .1115 none suffices.
+        for damping in [0.1041, 0.1116, 0.9] {
+            assert_eq!(smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
+        }
+    }
+
+    #[test]
+    fn the_kick_over_a_jump_of_friction_is_the_closed_form_of_a_damped_oscillation() {
+        let (damping, belt, kinetic) = (0.05_f64, 0.05_f64, 0.25);
+        let law = FrictionLaw::Coulomb { kinetic };
+        let parameters =
+            Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
+        let machine = Oscillator::new(parameters).unwrap();
+        let outcomes = Outcomes::new(&machine).unwrap();
+        // Against the belt: the orbit that grazes it at X − μ_k = −2ζV, X′ = V, half a turn back at X = μ_k.
+        let (x0, frequency) = (-2.0 * damping * belt, (1.0 - damping * damping).sqrt());
+        let rate = (belt + damping * x0) / frequency;
+        let t = ((-x0 / rate).atan() - std::f64::consts::PI) / frequency;
+        let (sin, cos) = (frequency * t).sin_cos();
+        let against = (-damping * t).exp()
+            * ((rate * frequency - damping * x0) * cos - (x0 * frequency + damping * rate) * sin);
+        assert!((against + 0.0583).abs() < 1e-4, "{against}");
+        for (factor, wanted) in [(1.0 - 1e-9, MotionKind::None), (1.0 + 1e-9, MotionKind::StickSlip)] {
+            assert_eq!(outcomes.of(kinetic, factor * against).unwrap(), wanted);
+        }
+        // With the belt: its own velocity, at which the mass sticks.
+        assert!((smallest_kick(&machine).unwrap().unwrap() / belt - 1.0).abs() < 1e-11);
+    }
+
+    /// Steps of a natural period of the independent integrator.
+    const STEPS: f64 = 800.0;
+
+    /// Whether a kick ends in vibration: Runge and Kutta's classical method with sign(V − X′) by branches. A period whose
+    /// largest velocity is half of that of the kick has decayed; stick, or 200 periods without decay, is vibration.
+    fn vibrates(machine: &Oscillator, kick: f64) -> bool {
+        let (belt, zeta) = (machine.belt_velocity(), machine.damping_ratio());
+        let rest = machine.law().coefficient(belt);
+        let (mut x, mut v, mut over) = (rest, kick, kick > belt);
+        let h = std::f64::consts::TAU / STEPS;
+        let (mut largest, mut sticks) = (0.0_f64, 0);
+        for i in 1..=(200.0 * STEPS) as usize {
+            let sign = if over { -1.0 } else { 1.0 };
+            let force = |x: f64, v: f64| sign * machine.law().coefficient((belt - v).abs()) - 2.0 * zeta * v - x;
+            let step = |h: f64| {
+                let (k1, l1) = (v, force(x, v));
+                let (k2, l2) = (v + 0.5 * h * l1, force(x + 0.5 * h * k1, v + 0.5 * h * l1));
+                let (k3, l3) = (v + 0.5 * h * l2, force(x + 0.5 * h * k2, v + 0.5 * h * l2));
+                let (k4, l4) = (v + h * l3, force(x + h * k3, v + h * l3));
+                (x + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4), v + h / 6.0 * (l1 + 2.0 * (l2 + l3) + l4))
+            };
+            let after = step(h);
+            if sign * (belt - after.1) < 0.0 {
+                let (mut low, mut high) = (0.0, h);
+                for _ in 0..40 {
+                    let middle = 0.5 * (low + high);
+                    if sign * (belt - step(middle).1) < 0.0 { high = middle } else { low = middle }
+                }
+                x = step(low).0;
+                v = belt;
+                let held = x + 2.0 * zeta * belt;
+                if held.abs() <= machine.static_friction() {
+                    sticks += 1;
+                    if sticks > 3 {
+                        return true;
+                    }
+                    x = machine.static_friction() - 2.0 * zeta * belt;
+                }
+                over = held < -machine.static_friction();
+                v = if over { belt * (1.0 + 1e-12) } else { belt * (1.0 - 1e-12) };
+                largest = belt;
+                continue;
+            }
+            (x, v) = after;
+            largest = largest.max(v.abs());
+            if i % STEPS as usize == 0 {
+                if largest < 0.5 * kick.abs().min(belt) {
+                    return false;
+                }
+                largest = 0.0;
+            }
+        }
+        true
+    }
+
+    #[test]
+    fn kicks_of_random_machines_part_vibration_from_decay_in_an_independent_integrator() {
+        let rng = &mut random::stream(17, "test", 0);
+        let (mut count, mut slow) = (0, 0);
+        for i in 0..40 {
+            let g = random::standard_normal(rng, 4);
+            let static_friction = 0.25 * (0.4 * g[0]).exp();
+            let kinetic = if i % 2 == 0 { static_friction } else { static_friction * (1.0 - 0.1 * g[1].abs().min(3.0)) };
+            let belt_velocity = 0.2 * (0.5 * g[2]).exp();
+            let reach = 0.8 * belt_velocity * (0.3 * g[3]).exp();
+            let bell = |v: f64| 0.7 * kinetic + 0.3 * kinetic * (-(v / reach).powi(2)).exp();
+            let law = match i % 4 {
+                0 | 1 => FrictionLaw::Stribeck { kinetic, decay: 1.5 / reach },
+                2 => FrictionLaw::Exponential { kinetic, high_speed: 0.6 * kinetic, stribeck_velocity: reach },
+                _ => {
+                    let points: Vec<_> = (0..60).map(|i| 0.1 * reach * f64::from(i)).map(|v| [v, bell(v)]).collect();
+                    FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap())
+                }
+            };
+            let machine = |damping_ratio| {
+                let law = law.clone();
+                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+                    .unwrap()
+            };
+            let hopf = 0.5 * law.weakening(belt_velocity);
+            let limit = limit_damping(&machine(0.0)).unwrap();
+            if limit < 1.02 * hopf {
+                continue;
+            }
+            let machine = machine(hopf + 0.6 * (limit - hopf));
+            let kick = smallest_kick(&machine).unwrap().unwrap();
+            let either = |factor: f64| vibrates(&machine, factor * kick) || vibrates(&machine, -factor * kick);
+            assert!(!either(0.96) && either(1.04), "{kick} of {machine:?}");
+            count += 1;
+            slow += usize::from(limit_cycle(&machine).unwrap().kind() == MotionKind::SlipCycle);
+        }
+        assert!(count > 15 && slow > 0, "{count} machines, {slow} slip cycles");
     }
 
     #[test]

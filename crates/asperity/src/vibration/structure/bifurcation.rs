@@ -6,13 +6,13 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::cycle::Turn;
+use super::super::cycle::{LimitCycle, Turn};
 use super::super::motion::Motion;
 use super::super::root::zero_between;
-use super::super::{EventKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary};
-use super::basin::{Attractor, Fates, started_at};
+use super::super::{EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary};
+use super::basin::{Outcomes, started_at};
 use super::parameter::Parameter;
-use super::slip_cycle::slip_cycles;
+use super::slip_cycle::{SlipCycle, slip_cycles};
 use crate::friction::process::Steady;
 use crate::monitor::{Cancelled, Monitor};
 
@@ -64,8 +64,8 @@ pub struct Turnover {
 pub struct BifurcationPoint {
     /// Value of the parameter.
     pub parameter: f64,
-    /// What the motion ends in; under forcing, whether it reaches the belt velocity.
-    pub attractor: Attractor,
+    /// Kind of the motion; under forcing, a periodic response that stays slower than the belt counts as none.
+    pub attractor: MotionKind,
     /// Forcing periods in a period of the motion; none if it does not repeat itself within 32 or half of those recorded.
     /// Always 1 without forcing.
     pub multiplicity: Option<usize>,
@@ -171,7 +171,7 @@ fn free_point(
     [x, v]: [f64; 2],
 ) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
     let belt = oscillator.belt_velocity();
-    let mut attractor = Fates::new(oscillator)?.of(x, v)?;
+    let attractor = Outcomes::new(oscillator)?.of(x, v)?;
     let rest = oscillator.law().coefficient(belt);
     let mut point = BifurcationPoint {
         parameter: value,
@@ -182,30 +182,34 @@ fn free_point(
         velocity: [0.0; 2],
         turnovers: Vec::new(),
     };
-    if attractor == Attractor::StickSlip {
-        if let Regime::Cycle(cycle) = limit_cycle(oscillator)? {
-            point.displacement = [cycle.displacement_min, cycle.displacement_max];
-            point.velocity = [cycle.velocity_min, belt];
-            point.turnovers = vec![Turnover {
-                duration: cycle.period,
-                reattachment_displacement: cycle.reattachment_displacement,
-                velocity_min: cycle.velocity_min,
-            }];
-            let detachment = oscillator.static_friction() - 2.0 * oscillator.damping_ratio() * belt;
-            return Ok((point, [detachment, belt]));
+    let regime = if attractor.is_vibration() { limit_cycle(oscillator)? } else { Regime::Sliding };
+    let reached = regime.cycle().copied().filter(|cycle| cycle.kind == attractor);
+    let cycle = match reached {
+        None if attractor == MotionKind::SlipCycle => {
+            slip_cycles(oscillator)?.into_iter().find(SlipCycle::is_stable).map(Into::into)
         }
-        // Undecided to rounding at the fold: what has no cycle slides.
-        attractor = Attractor::Sliding;
+        reached => reached,
+    };
+    let Some(LimitCycle { displacement_min, displacement_max, velocity_min, velocity_max, .. }) = cycle else {
+        // Undecided to rounding where a cycle ends: the motion is steady sliding.
+        point.attractor = MotionKind::None;
+        return Ok((point, [rest, 0.0]));
+    };
+    point.displacement = [displacement_min, displacement_max];
+    point.velocity = [velocity_min, velocity_max];
+    if attractor == MotionKind::SlipCycle {
+        return Ok((point, [displacement_max, 0.0]));
     }
-    if attractor == Attractor::SlipCycle
-        && let Some(cycle) = slip_cycles(oscillator)?.into_iter().find(|cycle| cycle.is_stable())
-    {
-        point.displacement = [cycle.displacement_min, cycle.displacement_max];
-        point.velocity = [cycle.velocity_min, cycle.velocity_max];
-        return Ok((point, [cycle.displacement_max, 0.0]));
-    }
-    point.attractor = attractor;
-    Ok((point, [rest, 0.0]))
+    point.turnovers = cycle
+        .map(|cycle| Turnover {
+            duration: cycle.period,
+            reattachment_displacement: cycle.reattachment_displacement,
+            velocity_min,
+        })
+        .into_iter()
+        .collect();
+    let detachment = oscillator.static_friction() - 2.0 * oscillator.damping_ratio() * belt;
+    Ok((point, [detachment, belt]))
 }
 
 /// The motion after its transient, and its state at the end of a forcing period.
@@ -244,7 +248,11 @@ fn forced_point(
     });
     let point = BifurcationPoint {
         parameter: value,
-        attractor: if record.touched { Attractor::StickSlip } else { Attractor::Sliding },
+        attractor: match (record.sticks, record.touched) {
+            (true, _) => MotionKind::StickSlip,
+            (false, true) => MotionKind::Overtaking,
+            (false, false) => MotionKind::None,
+        },
         multiplicity,
         settled,
         displacement: span(&record.displacements),
@@ -277,6 +285,8 @@ struct Record {
     turns: Vec<(usize, Turn)>,
     /// Whether the mass reached the belt velocity.
     touched: bool,
+    /// Whether it stuck.
+    sticks: bool,
 }
 
 impl Strokes {
@@ -293,7 +303,7 @@ impl Strokes {
 
     fn record(&mut self, strokes: usize) -> Result<Record, VibrationError> {
         let (mut states, mut displacements, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut turns, mut touched) = (Vec::new(), false);
+        let (mut turns, mut touched, mut sticks) = (Vec::new(), false, self.motion.slip_state().is_none());
         for stroke in 0..strokes {
             let (mut displacement, mut velocity) = (NOWHERE, NOWHERE);
             while self.motion.tau < self.period {
@@ -305,7 +315,10 @@ impl Strokes {
                 }
                 touched |= event.is_some();
                 match event.map(|e| e.kind) {
-                    Some(EventKind::Restick) => self.turn.reattachment = Some(self.motion.displacement()),
+                    Some(EventKind::Restick) => {
+                        self.turn.reattachment = Some(self.motion.displacement());
+                        sticks = true;
+                    }
                     Some(EventKind::Detach) => {
                         if let Some(begun) = self.begun {
                             self.turn.duration = self.motion.tau - begun;
@@ -322,7 +335,7 @@ impl Strokes {
             self.motion.tau -= self.period;
             self.begun = self.begun.map(|begun| begun - self.period);
         }
-        Ok(Record { states, displacements, velocities, turns, touched })
+        Ok(Record { states, displacements, velocities, turns, touched, sticks })
     }
 }
 
@@ -409,9 +422,9 @@ mod tests {
         let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).unwrap();
         for (points, limit) in [(&found.upward, fold), (&found.downward, hopf)] {
             for point in points {
-                let wanted = if point.parameter < limit { Attractor::StickSlip } else { Attractor::Sliding };
+                let wanted = if point.parameter < limit { MotionKind::StickSlip } else { MotionKind::None };
                 assert_eq!(point.attractor, wanted, "{point:?}, limit {limit}");
-                assert_eq!(point.turnovers.len(), usize::from(wanted == Attractor::StickSlip));
+                assert_eq!(point.turnovers.len(), usize::from(wanted == MotionKind::StickSlip));
             }
         }
         assert_eq!(found.marks.iter().map(|m| m.kind).collect::<Vec<_>>(), [MarkKind::Hopf, MarkKind::Fold]);
@@ -428,7 +441,7 @@ mod tests {
             let turnover = points[0].turnovers[0];
             assert!((turnover.duration / 6.372_163_483_739_709 - 1.0).abs() < 1e-12);
             assert!((turnover.reattachment_displacement.unwrap() / 0.096_795_689_222_287_6 - 1.0).abs() < 1e-12);
-            assert_eq!(points[2].attractor, Attractor::Sliding);
+            assert_eq!(points[2].attractor, MotionKind::None);
             assert!((points[2].displacement[0] - 0.1 / 1.21).abs() < 1e-15);
         }
         // ζ_H(V) = ζ has the closed form V = (√(aμ/2ζ) − 1)/a.
@@ -446,7 +459,7 @@ mod tests {
         let found = bifurcation_diagram(&forced, Parameter::DampingRatio, &settings, &Silent).unwrap();
         assert_eq!(found.marks, [Mark { kind: MarkKind::LockedFold, parameter: boundary }]);
         for point in &found.upward[..3] {
-            assert_eq!((point.attractor, point.multiplicity), (Attractor::StickSlip, Some(1)), "{point:?}");
+            assert_eq!((point.attractor, point.multiplicity), (MotionKind::StickSlip, Some(1)), "{point:?}");
             let oscillator = forced.with_damping(point.parameter).unwrap();
             let cycles = forced_cycles(&oscillator, 1, &Silent).unwrap();
             let stable = cycles.iter().find(|c| c.is_stable()).unwrap().cycle;
@@ -459,7 +472,7 @@ mod tests {
             ];
             assert!(differences.iter().all(|d| d.abs() < 1e-9), "{differences:?}");
         }
-        assert_eq!(found.upward[4].attractor, Attractor::Sliding, "{:?}", found.upward[4]);
+        assert_eq!(found.upward[4].attractor, MotionKind::None, "{:?}", found.upward[4]);
         let beating = free.with_damping(0.1).unwrap().with_forcing(Some(Forcing { amplitude: 0.05, frequency: 0.7 }));
         let settings = BifurcationSettings::new([0.1, 0.11], 2);
         let found = bifurcation_diagram(&beating.unwrap(), Parameter::DampingRatio, &settings, &Silent).unwrap();
@@ -484,7 +497,7 @@ mod tests {
         let point = &found.upward[0];
         assert_eq!(
             (point.attractor, point.multiplicity, point.settled),
-            (Attractor::Sliding, Some(1), true),
+            (MotionKind::None, Some(1), true),
             "{point:?}"
         );
         // The steady swing has the amplitude q/|1 − η² + 2iζη| about μ.

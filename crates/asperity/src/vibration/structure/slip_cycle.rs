@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::super::motion::SlipState;
 use super::super::root::newton_between;
-use super::super::{Oscillator, VibrationError};
+use super::super::{FrictionLaw, Oscillator, Phase, VibrationError};
 use super::planar::{Lap, Planar, Turn};
 
 /// Amplitudes at which the return map is first looked at.
@@ -14,6 +15,12 @@ const NEUTRAL: f64 = 1e-12;
 const SMALLEST: f64 = 1e-6;
 /// |ln(P/r)| of a cycle that was found.
 const CLOSED: f64 = 1e-9;
+/// Evaluations of the return map that look for an extremum of ln(P/r) between neighbours of the grid.
+const EXTREMUM_TRIES: usize = 60;
+/// Step of the damping ratio for the derivative of ln(P/r).
+const DAMPING_STEP: f64 = 1e-6;
+/// Steps of the search for a damping ratio above the last slip cycle.
+const MAX_RAISES: usize = 100;
 
 /// A cycle of slip that never reaches the belt velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -44,15 +51,106 @@ impl SlipCycle {
     }
 }
 
-/// The return map seen as a whole.
+/// Cycles and growth of the return map.
 #[derive(Debug, Clone)]
-pub(super) struct ReturnMap {
+pub(in crate::vibration) struct ReturnMap {
     /// (r, cycle), by rising r.
     pub(super) cycles: Vec<(f64, SlipCycle)>,
     /// Orbits from beyond this r reach the belt velocity within one turn, or lie outside of the one from a detachment.
     pub(super) edge: f64,
     /// Sign of ln(P/r) before the first cycle, between the cycles and after the last.
     pub(super) growth: Vec<f64>,
+    /// Excess e in steady sliding.
+    rest: f64,
+}
+
+impl ReturnMap {
+    /// The cycle that orbits from the edge approach, with a state on it; none if they end in steady sliding.
+    pub(in crate::vibration) fn from_outside(&self) -> Option<(SlipState, &SlipCycle)> {
+        let (r, cycle) = self.cycles.last().filter(|_| self.growth.last().is_some_and(|growth| *growth <= 0.0))?;
+        Some((self.state(*r), cycle))
+    }
+
+    /// The state in which an orbit of amplitude r crosses the section.
+    pub(super) fn state(&self, r: f64) -> SlipState {
+        SlipState { tau: 0.0, phase: Phase::Slip, w: 1.0, e: self.rest + r }
+    }
+
+    fn add(&mut self, oscillator: &Oscillator, r: f64, lap: &Lap, growth: f64) {
+        self.cycles.push((r, cycle(oscillator, self.rest, r, lap)));
+        self.growth.push(growth);
+    }
+}
+
+/// ln(P(r)/r) of one turn and its derivative.
+#[derive(Debug, Clone, Copy)]
+struct Growth {
+    r: f64,
+    value: f64,
+    slope: f64,
+    touches: bool,
+}
+
+impl Growth {
+    fn at(planar: &Planar, r: f64) -> Result<Self, VibrationError> {
+        let (value, slope) = match planar.turn(r)? {
+            Turn::Back(lap) => ((lap.back / r).ln(), (r / lap.back * lap.stretch.exp()) / lap.back - 1.0 / r),
+            Turn::Touches => return Ok(Self { r, value: 1.0, slope: f64::NAN, touches: true }),
+            Turn::Settles => (-1.0, f64::NAN),
+        };
+        Ok(Self { r, value, slope, touches: false })
+    }
+
+    fn sign(&self) -> f64 {
+        sign(self.value)
+    }
+}
+
+fn sign(value: f64) -> f64 {
+    if value.abs() <= NEUTRAL { 0.0 } else { value.signum() }
+}
+
+/// Growth on the grid of amplitudes up to that of the orbit from a detachment, or to the first orbit that reaches the belt.
+fn growths(planar: &Planar, outer: f64) -> Result<Vec<Growth>, VibrationError> {
+    let mut found = Vec::with_capacity(AMPLITUDES);
+    for i in 1..=AMPLITUDES {
+        // Denser towards rest, where cycles are born.
+        found.push(Growth::at(planar, outer * (i as f64 / AMPLITUDES as f64).powi(3))?);
+        if found.last().is_some_and(|growth| growth.touches) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// The extremum of ln(P/r) between two amplitudes whose slopes differ in sign: a maximum for `side` < 0, a minimum for
+/// `side` > 0. The search ends early where `enough` accepts a value.
+fn extremum(
+    planar: &Planar,
+    [mut a, mut b]: [Growth; 2],
+    side: f64,
+    enough: impl Fn(f64) -> bool,
+) -> Result<Option<Growth>, VibrationError> {
+    if !(side * a.slope < 0.0 && side * b.slope > 0.0) {
+        return Ok(None);
+    }
+    let mut best = if side * a.value < side * b.value { a } else { b };
+    for _ in 0..EXTREMUM_TRIES {
+        // The secant of the slopes, kept off the ends of the bracket.
+        let share = (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
+        let here = Growth::at(planar, a.r + share * (b.r - a.r))?;
+        if here.slope.is_nan() {
+            break;
+        }
+        if side * here.value < side * best.value {
+            best = here;
+        }
+        if enough(best.value) || (b.r - a.r) < 1e-7 * b.r {
+            break;
+        }
+        if side * here.slope < 0.0 { a = here } else { b = here }
+    }
+    Ok(Some(best))
 }
 
 /// All cycles without stick and without forcing between steady sliding and the orbit from a detachment, by rising
@@ -60,53 +158,52 @@ pub(super) struct ReturnMap {
 ///
 /// Between ζ_H and ζ_c a velocity-weakening law has an unstable one, which parts the starts that end in steady sliding
 /// from those that end in stick-slip. The zeros of ln(P(r)/r) of the return map r → P(r) are isolated on a grid of 64
-/// amplitudes and found by Newton's method with the exact derivative; two cycles between neighbours of the grid are not
-/// seen. A continuum of cycles, as of Coulomb friction without damping, has none that is isolated, so none is returned.
+/// amplitudes and by the extrema between its points, and found by Newton's method with the exact derivative. A continuum
+/// of cycles, as of Coulomb friction without damping, has none that is isolated, so none is returned.
 pub fn slip_cycles(oscillator: &Oscillator) -> Result<Vec<SlipCycle>, VibrationError> {
     Ok(return_map(oscillator)?.map_or(Vec::new(), |map| map.cycles.into_iter().map(|(_, cycle)| cycle).collect()))
 }
 
 /// None if orbits do not turn around steady sliding.
-pub(super) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, VibrationError> {
+pub(in crate::vibration) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, VibrationError> {
     let planar = Planar::new(oscillator)?;
     let Some(outer) = planar.detachment()? else { return Ok(None) };
-    let growth = |r: f64| -> Result<(f64, f64), VibrationError> {
-        Ok(match planar.turn(r)? {
-            Turn::Back(lap) => ((lap.back / r).ln(), (r / lap.back * lap.stretch.exp()) / lap.back - 1.0 / r),
-            Turn::Touches => (1.0, f64::NAN),
-            Turn::Settles => (-1.0, f64::NAN),
-        })
-    };
-    let sign = |value: f64| if value.abs() <= NEUTRAL { 0.0 } else { value.signum() };
     let half_rate = 0.5 * oscillator.law().weakening(oscillator.belt_velocity()) - oscillator.damping_ratio();
-    let mut map = ReturnMap { cycles: Vec::new(), edge: 0.0, growth: vec![sign(half_rate)] };
-    let (mut before, mut side) = (0.0, sign(half_rate));
-    for i in 1..=AMPLITUDES {
-        // Denser towards rest, where cycles are born.
-        let r = outer * (i as f64 / AMPLITUDES as f64).powi(3);
-        let touches = matches!(planar.turn(r)?, Turn::Touches);
-        let here = if touches { 1.0 } else { sign(growth(r)?.0) };
-        if here * side < 0.0 {
-            let (low, high) = if here > 0.0 { (before, r) } else { (r, before) };
-            let root = newton_between(growth, low, high, 0.5 * (before + r))?;
-            if let Turn::Back(lap) = planar.turn(root)?
-                && (lap.back / root).ln().abs() < CLOSED
-            {
-                map.cycles.push((root, cycle(oscillator, &planar, root, &lap)));
-                map.growth.push(here);
+    let at_rest = sign(half_rate);
+    let mut map = ReturnMap { cycles: Vec::new(), edge: 0.0, growth: vec![at_rest], rest: planar.rest };
+    let mut before = Growth { r: 0.0, value: at_rest, slope: f64::NAN, touches: false };
+    let mut side = at_rest;
+    for here in growths(&planar, outer)? {
+        // Two cycles between neighbours on the grid.
+        let hidden = if here.sign() == side {
+            extremum(&planar, [before, here], side, |value| side * value < -NEUTRAL)?
+        } else {
+            None
+        };
+        let pair = hidden.filter(|point| point.sign() * side < 0.0);
+        for point in pair.into_iter().chain([here]) {
+            if point.sign() * side < 0.0 {
+                let (low, high) = if point.sign() > 0.0 { (before.r, point.r) } else { (point.r, before.r) };
+                let growth = |r: f64| Growth::at(&planar, r).map(|growth| (growth.value, growth.slope));
+                let root = newton_between(growth, low, high, 0.5 * (before.r + point.r))?;
+                if let Turn::Back(lap) = planar.turn(root)?
+                    && (lap.back / root).ln().abs() < CLOSED
+                {
+                    map.add(oscillator, root, &lap, point.sign());
+                }
             }
-        }
-        if touches {
-            map.edge = edge(&planar, before, r)?;
-            return Ok(Some(map));
-        }
-        if here != 0.0 {
-            side = here;
-            if let Some(last) = map.growth.last_mut().filter(|last| **last == 0.0) {
-                *last = here;
+            if point.touches {
+                map.edge = edge(&planar, before.r, point.r)?;
+                return Ok(Some(map));
             }
+            if point.sign() != 0.0 {
+                side = point.sign();
+                if let Some(last) = map.growth.last_mut().filter(|last| **last == 0.0) {
+                    *last = side;
+                }
+            }
+            (before, map.edge) = (point, point.r);
         }
-        (before, map.edge) = (r, r);
     }
     // Under much damping all orbits run together, and the cycle they run into is the orbit from a detachment to rounding.
     if side > 0.0
@@ -115,10 +212,56 @@ pub(super) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
         && lap.stretch < 0.0
         && (lap.back / outer).ln().abs() < CLOSED
     {
-        map.cycles.push((outer, cycle(oscillator, &planar, outer, &lap)));
-        map.growth.push(-1.0);
+        map.add(oscillator, outer, &lap, -1.0);
     }
     Ok(Some(map))
+}
+
+/// Damping ratio of the fold in which the last slip cycles above a given damping ratio end; none if there are none.
+///
+/// Cycles of different damping do not intersect (the field rotates with ζ), so cycles exist exactly as long as the largest
+/// ln(P/r) over the amplitudes is positive. Its zero over ζ is found by Newton's method.
+///
+/// # References
+/// Duff, *Annals of Mathematics* **57** (1953) 15, <https://doi.org/10.2307/1969724>.
+pub(in crate::vibration) fn fold_damping(oscillator: &Oscillator, above: f64) -> Result<Option<f64>, VibrationError> {
+    if matches!(oscillator.law(), FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. }) {
+        return Ok(None);
+    }
+    // −max ln(P/r), and its derivative.
+    let decay = |damping: f64| -> Result<(f64, f64), VibrationError> {
+        let planar = Planar::new(&oscillator.with_damping(damping)?)?;
+        let Some(peak) = peak(&planar)? else { return Ok((1.0, f64::NAN)) };
+        let next = Growth::at(&Planar::new(&oscillator.with_damping(damping + DAMPING_STEP)?)?, peak.r)?;
+        Ok((-peak.value, (peak.value - next.value) / DAMPING_STEP))
+    };
+    let (mut low, (mut value, mut slope)) = (above, decay(above)?);
+    if value > -CLOSED {
+        return Ok(None);
+    }
+    for _ in 0..MAX_RAISES {
+        // Half as far again as the tangent says, so that the zero is passed.
+        let step = if slope > 0.0 { -1.5 * value / slope } else { 0.5 * low };
+        let high = low + step.max(DAMPING_STEP);
+        let (at_high, slope_there) = decay(high)?;
+        if at_high > 0.0 {
+            return newton_between(decay, low, high, low + step / 1.5).map(Some);
+        }
+        (low, value, slope) = (high, at_high, slope_there);
+    }
+    Err(VibrationError::NotFound { what: "fold of slip cycles", reason: "the damping ratio of the last one grows on" })
+}
+
+/// The largest ln(P/r) between the ends of the grid of amplitudes.
+fn peak(planar: &Planar) -> Result<Option<Growth>, VibrationError> {
+    let Some(outer) = planar.detachment()? else { return Ok(None) };
+    let mut best: Option<Growth> = None;
+    for pair in growths(planar, outer)?.windows(2) {
+        if let Some(found) = extremum(planar, [pair[0], pair[1]], -1.0, |_| false)? {
+            best = best.filter(|best| best.value >= found.value).or(Some(found));
+        }
+    }
+    Ok(best)
 }
 
 /// Where the orbits that come back end; zero if all touch, as around a node that repels.
@@ -134,10 +277,10 @@ fn edge(planar: &Planar, mut back: f64, mut touches: f64) -> Result<f64, Vibrati
     Ok(back)
 }
 
-fn cycle(oscillator: &Oscillator, planar: &Planar, r: f64, lap: &Lap) -> SlipCycle {
+fn cycle(oscillator: &Oscillator, rest: f64, r: f64, lap: &Lap) -> SlipCycle {
     let velocity = oscillator.belt_velocity();
     let displacement = |excess: f64| {
-        velocity * (planar.rest + excess) + oscillator.static_friction() - 2.0 * oscillator.damping_ratio() * velocity
+        velocity * (rest + excess) + oscillator.static_friction() - 2.0 * oscillator.damping_ratio() * velocity
     };
     SlipCycle {
         period: lap.time,
