@@ -201,10 +201,10 @@ impl Job {
         let (seconds, found) =
             self.timed(|| Ok(damping_sweep(&self.oscillator, &dampings, &self.process, &settings, &Silent)?))?;
         let means: Vec<f64> = found.ensembles.iter().map(|ensemble| ensemble.cycles.mean).collect();
-        let half = found.falls_through(0.5);
+        let half = found.crossings(&self.oscillator, &self.process, &[0.5], &settings, &Silent)?.swap_remove(0);
         Ok(json!({
             "seconds": seconds, "dampings": dampings, "mean_cycles": means,
-            "half": half.map(|c| c.damping_ratio), "half_interval": half.map(|c| c.interval),
+            "half": half.damping_ratio, "half_interval": half.interval,
         }))
     }
 }

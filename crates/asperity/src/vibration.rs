@@ -4,8 +4,8 @@
 //! friction process m(s) over the sliding distance s in the unit N/c. [`Scales`] converts.
 //!
 //! [`Oscillator`] → [`limit_cycle`] (period, extremes), [`critical_damping`] (where the cycle ends), [`Trajectory`] (events
-//! of one realisation of the friction process), [`Ensemble`] (the law of many), [`damping_sweep`] (how noise smears the
-//! end of the cycle). Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`],
+//! of one realisation of the friction process), [`Ensemble`] (the law of many), [`motion_kind`] (which kind of
+//! vibration), [`damping_sweep`] (how noise smears the end of vibration). Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`],
 //! [`basin`], [`bifurcation_diagram`].
 //!
 //! # Method
@@ -39,6 +39,7 @@ mod root;
 mod runge_kutta;
 mod sample_law;
 mod series;
+mod settled;
 mod slip_orbit;
 mod sound;
 mod stability_map;
@@ -65,19 +66,23 @@ pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Method;
 pub use sample_law::SampleLaw;
+pub use settled::motion_kind;
 pub use sound::{Sound, SoundSettings};
-pub use stability_map::{Machine, MapAxis, MapCell, MapContour, MapPoint, MapSettings, StabilityMap, stability_map};
+pub use stability_map::{
+    Machine, MapAxis, MapCell, MapContour, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
+};
 pub use structure::{
     Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd,
     BranchPoint, Criticality, CurveSettings, ForcedCycle, HopfPoint, Mark, MarkKind, Parameter, Separatrix,
     SeparatrixKind, SlipCycle, Turnover, basin, bifurcation_diagram, critical_curve, forced_cycles, hopf_point,
     locked_curve, separatrix, slip_cycles, smallest_kick,
 };
-pub use sweep::{Crossing, DampingSweep, damping_sweep};
+pub use sweep::{Crossing, DampingSweep, crossings_without_fluctuation, damping_sweep};
 pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 pub use waveform::{Waveform, WaveformSettings};
 
+use self::settled::{swing_level, vibration_limit};
 use crate::friction::process::ProcessError;
 use crate::monitor::Cancelled;
 

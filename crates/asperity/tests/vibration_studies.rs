@@ -182,8 +182,9 @@ fn a_map_without_scatter_ends_where_the_cycle_does() {
     // ζ_c = .2048.
     assert_eq!([at(0.14, 0.0), at(0.21, 0.0), at(0.28, 0.0)], [1.0, 0.0, 0.0]);
     assert!(at(0.14, 0.001) > 0.9 && at(0.28, 0.001) < 0.1);
-    // The study estimates its trajectories: sweeps of both upscalings, and the points of the map.
-    assert_eq!(study.estimate(1)[0].trajectories, 2 * 2 * 20 + 6 * 20);
+    // The study estimates its trajectories: sweeps of both upscalings, the points of the map,
+    // and some twenty ensembles for the crossings of each upscaling.
+    assert_eq!(study.estimate(1)[0].trajectories, 2 * (2 + 20) * 20 + 6 * 20);
     for (wrong, word) in
         [("x = [0.3, 0.2, 2]", "rising"), ("x = [0.1, 0.2, 0]", "at least 1"), ("depth = 9", "at most 8")]
     {

@@ -60,7 +60,7 @@ impl Words {
 ///   `critical_curve`, a curve of critical damping, over the key `parameter`;
 /// - `sound_spectrum`: a spectrum, with the keys `level_db` and `cycle_period`;
 /// - `phase_cloud`, `trajectory`, `limit_cycle`: a phase portrait; with `basin` and `separatrix` a map of attractors;
-/// - `reattachment`, `release`: laws of points, and `survival`, the share that has never left the cycle;
+/// - `reattachment`, `release`: laws of points, and `survival`, the share that has never left vibration;
 /// - `modes_over_friction` and `mode_cycle`: modes over the friction coefficient, with the keys `coalescence`,
 ///   `critical_friction` and `friction`, and the cycle in the plane.
 ///

@@ -27,7 +27,8 @@ pub(super) fn tables(run: &Run) -> Vec<DataTable> {
         if counts.iter().any(|row| row[0] == damping) {
             continue;
         }
-        let mut row = vec![damping, shown(entry, "cycles_deterministic")];
+        let kind = entry["kind"].as_str().map_or("–".into(), |kind| kind.replace('_', "-"));
+        let mut row = vec![damping, kind, shown(entry, "cycles_deterministic")];
         for upscaling in ["area", "paper"] {
             let found = at_damping(&vibration[upscaling], entry["damping_ratio"].as_f64());
             row.push(found.map_or("–".into(), |entry| shown(entry, "cycles_mean")));
@@ -35,7 +36,7 @@ pub(super) fn tables(run: &Run) -> Vec<DataTable> {
         }
         counts.push(row);
     }
-    let headers = ["ζ", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
+    let headers = ["ζ", "Deterministic", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
     let caption =
         "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets hold 95 % intervals";
     tables.push(DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns());
@@ -69,7 +70,7 @@ fn by_upscaling(
     DataTable::new(caption, &headers, rows.collect(), "results.json")
 }
 
-/// Where the number of cycles falls through a share of what it is at the least damping.
+/// Where vibration falls through levels of the time.
 fn crossings(vibration: &Value) -> DataTable {
     let mut shares: Vec<f64> = upscalings(vibration)
         .flat_map(|(_, part)| list(&part["crossings"]).iter().filter_map(|crossing| crossing["share"].as_f64()))
@@ -82,15 +83,18 @@ fn crossings(vibration: &Value) -> DataTable {
             match found.map(|crossing| (&crossing["damping_ratio"], interval(crossing, "damping_ratio"))) {
                 // Trajectories that all agree have no interval.
                 Some((value, Some((low, high)))) if low == high => plain(value),
+                Some((Value::Null, _)) => found
+                    .and_then(|crossing| crossing["reason"].as_str())
+                    .map_or("–".into(), |reason| format!("none: {reason}")),
                 Some(_) => found.map_or("–".into(), |crossing| shown(crossing, "damping_ratio")),
                 None => "–".into(),
             }
         };
         (format!("{} %", significant(100.0 * share, 3)), Box::new(cell))
     });
-    let caption = "Damping ratio at which the number of cycles falls through a share of that at the least damping of the sweep; \
-                   brackets hold 95 % intervals";
-    by_upscaling(vibration, caption, "Share of the cycles", rows)
+    let caption = "Damping ratio at which vibration falls through a share of the time: the mean over the trajectories, which start in \
+                   stick, of the share of the second half of the duration; brackets hold 95 % intervals";
+    by_upscaling(vibration, caption, "Time in vibration", rows)
 }
 
 /// The motion under roughness at the damping of the study.
@@ -110,14 +114,23 @@ fn motion(vibration: &Value) -> DataTable {
             }
         }
     };
-    let rows: [(&str, Cell); 7] = [
+    let kind = |key: &'static str| {
+        move |part: &Value| {
+            let share = part["motion"]["kind_shares"][key].as_f64().filter(|share| *share > 0.0);
+            share.map_or("–".into(), |share| format!("{} %", significant(100.0 * share, 4)))
+        }
+    };
+    let rows: [(&str, Cell); 10] = [
         ("Period τ between detachments", Box::new(number("period_mean"))),
         ("Its jitter (standard deviation)", Box::new(number("period_std"))),
         ("Time in stick", Box::new(percent("stick_share"))),
-        ("Time in the cycle", Box::new(percent("share_in_cycle"))),
-        ("Ways out of the cycle per τ in it", Box::new(number("exit_rate"))),
+        ("Time in vibration", Box::new(percent("share_in_cycle"))),
+        ("of it stick-slip", Box::new(kind("stick_slip"))),
+        ("overtaking the belt without stick", Box::new(kind("overtaking"))),
+        ("slower than the belt throughout", Box::new(kind("slip_cycle"))),
+        ("Ways out of vibration per τ in it", Box::new(number("exit_rate"))),
         ("Ways back per τ out of it", Box::new(number("entry_rate"))),
-        ("Trajectories that leave the cycle", Box::new(percent("left_share"))),
+        ("Trajectories that leave vibration", Box::new(percent("left_share"))),
     ];
     let at =
         vibration["damping_ratio"].as_f64().map_or(String::new(), |zeta| format!(" at ζ = {}", significant(zeta, 4)));

@@ -520,10 +520,12 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
     let reattachment =
         |std: f64| json!({"mean": 0.2, "std": std, "skewness": 0.11, "excess_kurtosis": -0.03, "normality_p": 0.41});
     let motion = json!({"period_mean": 9.114, "period_std": 6.5, "stick_share": 0.1137, "stick_share_se": 0.0007,
-        "share_in_cycle": 0.7997, "exit_rate": 0.00826, "exit_rate_interval": [0.00787, 0.00867], "entry_rate": 0.0325,
+        "share_in_cycle": 0.7997, "kind_shares": {"stick_slip": 0.7, "overtaking": 0.0997, "slip_cycle": 0.0, "none": 0.2003}, "exit_rate": 0.00826, "exit_rate_interval": [0.00787, 0.00867], "entry_rate": 0.0325,
         "entry_rate_interval": [0.0309, 0.0341], "left_share": 0.995, "left_share_interval": [0.982, 0.999]});
     let crossings = json!([{"share": 0.95, "damping_ratio": 0.1516, "damping_ratio_interval": [0.1514, 0.1518]},
-        {"share": 0.5, "damping_ratio": 0.2106, "damping_ratio_interval": [0.2104, 0.2108]}]);
+        {"share": 0.5, "damping_ratio": 0.2106, "damping_ratio_interval": [0.2104, 0.2108]},
+        {"share": 0.05, "damping_ratio": null, "damping_ratio_interval": null,
+         "reason": "vibration takes more than 5 % of the time up to the damping ratio 0.41, where the search ends"}]);
     json!({
         "surface": {
             "nx": 256, "ny": 256, "dx_m": 7.8125e-7, "dy_m": 7.8125e-7, "missing_points": 457, "missing_fraction": 0.00697,

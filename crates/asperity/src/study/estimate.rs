@@ -18,6 +18,8 @@ const STIFFNESS_WORK: f64 = 0.5;
 /// Seconds per unit of dimensionless time of a trajectory, and per value of its fluctuation.
 const TRAJECTORY_SECONDS: f64 = 0.2e-6;
 const FLUCTUATION_SECONDS: f64 = 60e-9;
+/// Ensembles beside those of the sweep that find the crossings of one upscaling.
+const CROSSING_ENSEMBLES: usize = 20;
 /// Values of a fluctuation in its correlation length.
 const FLUCTUATION_VALUES: f64 = 20.0;
 /// Bytes of a point of a stability map, with its share of cells and contours.
@@ -96,7 +98,8 @@ impl Study {
                 (nx + 1) * (ny + 1) + 4 * nx.max(ny) * ((1 << (map.depth + 1)) - 2)
             });
             let map = v.map.as_ref().map_or(0, |map| points.saturating_mul(map.trajectories));
-            let trajectories = (2 * v.damping_sweep.2 * v.trajectories).saturating_add(map);
+            let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
+            let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
             // Friction that a study computes is correlated over a window or more.
             let length_m = v.friction_correlation_length.or(self.friction.as_ref().map(|f| f.window));
             let values = length_m.map_or(0.0, |length| FLUCTUATION_VALUES * v.sliding_distance_m() / length.0);
@@ -182,7 +185,7 @@ trajectories = 50
         let stages = estimate(text);
         // Two stated levels and the one at N/A_nom.
         assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
-        assert_eq!(stages[2].trajectories, 1100);
+        assert_eq!(stages[2].trajectories, 2 * (11 + CROSSING_ENSEMBLES) * 50);
         // The hundred fine solves of the default may be followed by as much work again, four times over, and that on the same maps.
         assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 0.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
@@ -215,8 +218,8 @@ trajectories = 50
         };
         let (short, shorter) = (stated("250 nm"), stated("250 pm"));
         assert!((shorter / short - 1000.0).abs() < 5.0, "{shorter} and {short}");
-        // 20 of them in 250 nm, over 640/316 s at 23.7 mm/s, in each of 1,100 paths.
-        let values = 1100.0 * 20.0 * (640.0 / 316.0 * 23.7e-3) / 250e-9;
+        // 20 of them in 250 nm, over 640/316 s at 23.7 mm/s, in each of 3,100 paths.
+        let values = 3100.0 * 20.0 * (640.0 / 316.0 * 23.7e-3) / 250e-9;
         assert!((short / (FLUCTUATION_SECONDS * values) - 1.0).abs() < 0.01, "{short}");
     }
 }

@@ -210,7 +210,7 @@ impl MapOver {
     }
 }
 
-/// `[vibration.map]`: the probability of a sustained cycle over two parameters, under the leading upscaling.
+/// `[vibration.map]`: the probability of sustained vibration over two parameters, under the leading upscaling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapSection {

@@ -20,7 +20,8 @@ use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     DampingSweep, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError, critical_damping,
-    cycle_portrait, deterministic_slips, limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
+    crossings_without_fluctuation, cycle_portrait, deterministic_slips, limit_cycle, limit_damping, motion_kind, smallest_kick,
+    trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -29,7 +30,7 @@ const TRAJECTORY_POINTS: usize = 6000;
 const TRAJECTORY_SPAN: f64 = 120.0;
 /// Trajectories of a cloud.
 const CLOUD_TRAJECTORIES: usize = 60;
-/// Shares of the number of cycles whose damping ratios are told.
+/// Levels of the mean time in vibration whose damping ratios are results.
 const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
 /// Slip speeds to be prepared for, over the expected ones.
 const SPEEDS: [f64; 3] = [1.0, 5.0, 25.0];
@@ -85,9 +86,12 @@ pub(super) fn run(
     for (name, lead) in [("survival_paper", &paper_lead), ("survival_area", &area_lead)] {
         tables.extend(lead.as_ref().map(|lead| (name, survival_table(&lead.passages, section.duration))));
     }
+    let mut map = None;
     if let Some(section) = &section.map {
         let found = ensembles.map(section, lead, monitor)?;
-        tables.extend(stability_map_tables(&found, section.over.axes()));
+        let [x, y] = section.over.axes();
+        tables.extend(stability_map_tables(&found, [x, y]));
+        map = Some(MapResult { x: x.into(), y: y.into(), resolution: found.resolution });
     }
     let assumptions = ensembles.sentences(area_std);
     let result = VibrationResult {
@@ -108,7 +112,7 @@ pub(super) fn run(
         kick_m_per_s: kick.map(|kick| kick * scales.velocity_m_per_s()),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
         upscaling: lead.name.into(),
-        map: section.map.as_ref().map(|map| map.over.axes()).map(|[x, y]| MapResult { x: x.into(), y: y.into() }),
+        map,
         paper,
         area,
     };
@@ -225,23 +229,28 @@ impl Ensembles<'_> {
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
         let name = scatter.name;
         let Some(process) = self.process(scatter, speeds)? else {
-            return Ok((self.without_scatter(scatter.std, ratios)?, None));
+            return Ok((self.without_scatter(scatter.std, ratios, monitor)?, None));
         };
         let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut damping = Vec::with_capacity(count);
         let mut clamped = 0;
         let task = format!("vibration ({name})");
         for (done, damping_ratio) in ratios.enumerate() {
-            monitor.progress(&task, done, count + 1);
+            monitor.progress(&task, done, count + 2);
             let oscillator = self.oscillator.with_damping(damping_ratio)?;
             let settings = EnsembleSettings { sample_capacity: 0, ..self.settings() };
             let ensemble = Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?;
             clamped += ensemble.clamped_knots;
+            damping.push(damping_result(damping_ratio, motion_kind(&oscillator)?, &ensemble));
             damping_ratios.push(damping_ratio);
             ensembles.push(ensemble);
         }
-        monitor.progress(&task, count, count + 1);
+        monitor.progress(&task, count, count + 2);
         let lead = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
-        monitor.progress(&task, count + 1, count + 1);
+        monitor.progress(&task, count + 1, count + 2);
+        let sweep = DampingSweep { damping_ratios, ensembles };
+        let crossings = sweep.crossings(&self.oscillator, &process, &SHARES, &self.settings(), monitor)?;
+        monitor.progress(&task, count + 2, count + 2);
         if clamped > 0 {
             warnings.push(format!(
                 "with the {name} upscaling, {} of the friction process over the damping sweep lay lower than {} below the mean and \
@@ -250,11 +259,10 @@ impl Ensembles<'_> {
                 sentence::digits(-self.least(&self.oscillator, speeds))
             ));
         }
-        let sweep = DampingSweep { damping_ratios, ensembles };
         let result = EnsembleResult {
             friction_std: scatter.std,
-            damping: sweep.damping_ratios.iter().zip(&sweep.ensembles).map(|(d, e)| damping_result(*d, e)).collect(),
-            crossings: SHARES.iter().filter_map(|share| sweep.falls_through(*share)).map(crossing_result).collect(),
+            damping,
+            crossings: crossings.into_iter().map(crossing_result).collect(),
             reattachment: points_result(&lead.reattachments),
             release: points_result(&lead.releases),
             motion: Some(motion_result(&lead)),
@@ -263,27 +271,39 @@ impl Ensembles<'_> {
     }
 
     /// The same of constant friction: every trajectory is the deterministic one.
-    fn without_scatter(&self, std: f64, ratios: impl Iterator<Item = f64>) -> Result<EnsembleResult, StudyError> {
+    fn without_scatter(
+        &self,
+        std: f64,
+        ratios: impl Iterator<Item = f64>,
+        monitor: &dyn Monitor,
+    ) -> Result<EnsembleResult, StudyError> {
         let machines = ratios.map(|ratio| self.oscillator.with_damping(ratio)).collect::<Result<Vec<_>, _>>()?;
         let mut damping = Vec::new();
         for (oscillator, slips) in machines.iter().zip(deterministic_slips(&machines, &self.followed())) {
             let (damping_ratio, cycles) = (oscillator.damping_ratio(), slips?.cycles);
-            let cycling = limit_cycle(oscillator)?.cycle().is_some_and(|cycle| cycle.slips > 0);
+            let kind = motion_kind(oscillator)?;
+            let share = if kind.is_vibration() { 1.0 } else { 0.0 };
             damping.push(DampingResult {
                 damping_ratio,
+                kind,
                 cycles_deterministic: cycles,
                 cycles_mean: cycles as f64,
                 cycles_se: 0.0,
                 difference_mean: 0.0,
                 difference_interval: [0.0, 0.0],
-                share_in_cycle: if cycling { 1.0 } else { 0.0 },
-                sustained_share: if cycling { 1.0 } else { 0.0 },
-                sustained_share_interval: if cycling { [1.0, 1.0] } else { [0.0, 0.0] },
+                share_in_cycle: share,
+                vibration_share: share,
+                vibration_share_se: 0.0,
+                sustained_share: share,
+                sustained_share_interval: [share, share],
                 failed_samples: 0,
             });
         }
+        let crossings =
+            crossings_without_fluctuation(&self.oscillator, &SHARES, self.section.damping_sweep.1, monitor)?;
+        let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
-        Ok(EnsembleResult { friction_std: std, damping, crossings: Vec::new(), reattachment, release, motion: None })
+        Ok(EnsembleResult { friction_std: std, damping, crossings, reattachment, release, motion: None })
     }
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
@@ -316,7 +336,8 @@ impl Ensembles<'_> {
         let (section, window) = (self.section, self.window);
         let mut sentences = vec![format!(
             "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
-             starting in stick.",
+             starting in stick. The damping ratios at which vibration falls through 95, 50 and 5 % belong to the second half of this \
+             time: the longer it is, the more trajectories leave vibration.",
             law_in_words(self.oscillator.law()),
             sentence::digits(self.oscillator.belt_velocity()),
             self.oscillator.forcing().map_or_else(String::new, |forcing| format!(

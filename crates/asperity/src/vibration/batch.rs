@@ -2,20 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::lanes::{Task, Witness, follow_many};
-use super::trajectory::Slipped;
-use super::{Event, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::lanes::{Task, follow_many};
+use super::trajectory::NoObserver;
+use super::{Oscillator, Slips, TrajectorySettings, VibrationError};
 use crate::friction::process::Steady;
 
 /// Machines that one thread takes at a time.
 const CHUNK: usize = 64;
-
-/// Nobody listens to the events.
-struct Deaf;
-
-impl Witness for Deaf {
-    fn see(&mut self, _: Event, _: Slipped) {}
-}
 
 /// The slips of many oscillators without fluctuation, followed in lockstep on all threads; see
 /// [`super::Trajectory::simulate`] for one.
@@ -30,7 +23,7 @@ pub fn deterministic_slips(
             follow_many(
                 settings,
                 0..chunk.len(),
-                |index| Ok(Task { oscillator: chunk[index].clone(), fluctuation: Steady, witness: Deaf }),
+                |index| Ok(Task::new(chunk[index].clone(), Steady, NoObserver)),
                 |index, ended| slips[index] = ended.map(|followed| followed.slips),
             );
             slips

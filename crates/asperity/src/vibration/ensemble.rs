@@ -14,8 +14,8 @@ use self::passage::Passage;
 pub use self::rate::{Passages, Rate, Share};
 use super::lanes::{Task, follow_many};
 use super::sample_law::{Gathering, RunningMoments, SampleLaw};
-use super::trajectory::follow;
-use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::trajectory::{NoObserver, follow};
+use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
 use crate::friction::process::{FrictionProcess, Steady, Watched};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::NORMAL_95;
@@ -117,7 +117,7 @@ pub struct Failure {
 pub struct Ensemble {
     /// Trajectories asked for.
     pub trajectories: usize,
-    /// Finished slips that reached ẋ < 0, per trajectory.
+    /// Finished slips that reached ẋ < 0, per trajectory; see [`Slips`].
     pub cycles: Count,
     /// Finished slips that did not, per trajectory.
     pub micro_slips: Count,
@@ -131,12 +131,12 @@ pub struct Ensemble {
     pub reattachments: SampleLaw,
     /// Displacements X at which the mass leaves the belt, but for the first time.
     pub releases: SampleLaw,
-    /// Times τ from the detachment of a cycle to the next one's, as long as the cycle is not lost between: their mean is the
-    /// period and their standard deviation its jitter.
+    /// Times τ from the beginning of a cycle to that of the next, as long as vibration is not lost between: their mean is the
+    /// period and their standard deviation its jitter. A cycle begins with a detachment, or where over-slip ends without stick.
     pub periods: SampleLaw,
     /// Share of the time in stick, per trajectory.
     pub stick_share: Count,
-    /// Ways out of the cycle and back.
+    /// Vibration over time, and the ways out of it and back.
     pub passages: Passages,
     /// Knots of the friction process that were raised to its stated least value, in all trajectories.
     pub clamped_knots: u64,
@@ -176,7 +176,8 @@ impl Ensemble {
         }
         let EnsembleSettings { duration, start, drive, method, .. } = *settings;
         let followed = TrajectorySettings { duration, start, drive, method };
-        let cycles_deterministic = follow(oscillator, Steady, &followed, monitor, |_, _| {})?.cycles;
+        let cycles_deterministic = follow(oscillator, Steady, &followed, f64::INFINITY, monitor, &mut NoObserver)?.cycles;
+        let swing_level = swing_level(oscillator);
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;
         let [mut reattachments, mut releases, mut periods] =
@@ -202,14 +203,14 @@ impl Ensemble {
                                 return Err(Cancelled.into());
                             }
                             let fluctuation = Watched::new(process.path(settings.seed, index as u64), monitor);
-                            let witness = Passage::new(index, duration, settings.sample_capacity);
-                            Ok(Task { oscillator: oscillator.clone(), fluctuation, witness })
+                            let passage = Passage::new(index, duration, settings.sample_capacity);
+                            Ok(Task::new(oscillator.clone(), fluctuation, passage).with_swing_level(swing_level))
                         },
                         |index, ended| {
                             outcomes[index - chunk.start] = ended.map(|mut followed| {
-                                followed.witness.finish();
+                                followed.observer.finish();
                                 let clamped = followed.fluctuation.into_inner().clamped();
-                                Outcome { slips: followed.slips, clamped, passage: followed.witness }
+                                Outcome { slips: followed.slips, clamped, passage: followed.observer }
                             });
                             monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
                         },

@@ -3,7 +3,7 @@
 //! All lanes slip all the time: a stick without forcing, under friction that is frozen in it, lasts exactly −e and is left at
 //! once. A lane that has ended takes the next trajectory. Arithmetic is lane by lane, so a trajectory has the same bits in
 //! whatever company it travels. What lanes cannot judge, which is rare, is judged by the polynomials of one lane, and what
-//! they do not know at all (forcing, friction read in time, tabulated laws) by [`follow`].
+//! they do not know at all (forcing, friction read in time, tabulated laws, slip cycles) by [`follow`].
 
 mod kernel;
 
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use self::kernel::{Cuts, Expansion, LANES, Plants, States};
 use super::motion::MAX_IDLE_STEPS;
-use super::trajectory::{Slipped, follow, start_of};
+use super::trajectory::{Observer, Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
 use crate::friction::process::{Cell, Fluctuation};
 use crate::monitor::Silent;
@@ -25,38 +25,45 @@ const STEADY_TOLERANCE: f64 = 1e-12;
 
 /// One trajectory to follow.
 pub(super) struct Task<F, W> {
-    pub(super) oscillator: Oscillator,
-    pub(super) fluctuation: F,
-    pub(super) witness: W,
+    oscillator: Oscillator,
+    fluctuation: F,
+    observer: W,
+    /// See [`follow`].
+    swing_level: f64,
 }
 
-/// Sees the events of one trajectory.
-pub(super) trait Witness {
-    /// An event, and what it finished.
-    fn see(&mut self, event: Event, slipped: Slipped);
+impl<F, W> Task<F, W> {
+    /// A trajectory whose swings below the velocity of the belt are not observed.
+    pub(super) fn new(oscillator: Oscillator, fluctuation: F, observer: W) -> Self {
+        Self { oscillator, fluctuation, observer, swing_level: f64::INFINITY }
+    }
+
+    /// The same trajectory with observed swings; see [`follow`].
+    pub(super) fn with_swing_level(self, swing_level: f64) -> Self {
+        Self { swing_level, ..self }
+    }
 }
 
 /// What is left of a trajectory at its end.
 pub(super) struct Followed<F, W> {
     pub(super) slips: Slips,
     pub(super) fluctuation: F,
-    pub(super) witness: W,
+    pub(super) observer: W,
 }
 
 /// Follows the trajectories `indices`, made by `make`, and hands over each as it ends, in any order.
 ///
 /// `make` may be called twice for one trajectory and then has to give the same.
-pub(super) fn follow_many<F: Fluctuation, W: Witness>(
+pub(super) fn follow_many<F: Fluctuation, W: Observer>(
     settings: &TrajectorySettings,
     indices: Range<usize>,
     make: impl Fn(usize) -> Result<Task<F, W>, VibrationError>,
     mut done: impl FnMut(usize, Result<Followed<F, W>, VibrationError>),
 ) {
     let alone = |index: usize| {
-        let Task { oscillator, mut fluctuation, mut witness } = make(index)?;
-        let slips =
-            follow(&oscillator, &mut fluctuation, settings, &Silent, |event, slipped| witness.see(event, slipped))?;
-        Ok(Followed { slips, fluctuation, witness })
+        let Task { oscillator, mut fluctuation, mut observer, swing_level } = make(index)?;
+        let slips = follow(&oscillator, &mut fluctuation, settings, swing_level, &Silent, &mut observer)?;
+        Ok(Followed { slips, fluctuation, observer })
     };
     let mut waiting = indices;
     if settings.drive == Drive::Time
@@ -105,7 +112,7 @@ trait Company<F, W> {
     fn run(&mut self, to_the_end: bool, done: Done<'_, F, W>);
 }
 
-impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Witness> Company<F, W>
+impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Company<F, W>
     for Lanes<N, EXPONENTIAL, F, W>
 {
     fn join(&mut self, rider: Rider<F, W>) -> usize {
@@ -122,7 +129,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Witness> Compan
 struct Rider<F, W> {
     index: usize,
     fluctuation: F,
-    witness: W,
+    observer: W,
     slips: Slips,
     oscillator: Oscillator,
     velocity: f64,
@@ -134,7 +141,7 @@ struct Rider<F, W> {
     cell: Cell,
     /// e at the start.
     excess: f64,
-    /// Whether the mass moved backwards since it last stuck.
+    /// Whether the mass moved backwards since its last slip was finished.
     reached_backward: bool,
     idle_steps: usize,
 }
@@ -147,10 +154,10 @@ enum Fate {
     Leaves,
 }
 
-impl<F: Fluctuation, W: Witness> Rider<F, W> {
+impl<F: Fluctuation, W: Observer> Rider<F, W> {
     /// A mass at its start; none if lanes cannot follow it.
     fn mount(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
-        let Task { oscillator, mut fluctuation, witness } = task;
+        let Task { oscillator, mut fluctuation, observer, swing_level } = task;
         let known = matches!(
             oscillator.law(),
             FrictionLaw::Stribeck { .. }
@@ -158,7 +165,7 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
                 | FrictionLaw::Linear { .. }
                 | FrictionLaw::Exponential { .. }
         );
-        if !known || oscillator.forcing().is_some() {
+        if !known || oscillator.forcing().is_some() || swing_level.is_finite() {
             return Ok(None);
         }
         let velocity = oscillator.belt_velocity();
@@ -166,7 +173,7 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
         let mut rider = Self {
             index,
             fluctuation,
-            witness,
+            observer,
             slips: Slips::default(),
             oscillator: oscillator.clone(),
             velocity,
@@ -200,11 +207,21 @@ impl<F: Fluctuation, W: Witness> Rider<F, W> {
         }
     }
 
+    /// Passes an event on that may finish a slip.
+    fn finish(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64) {
+        let slipped = Slipped::new(kind, direction < 0.0, self.reached_backward);
+        if slipped != Slipped::Not {
+            self.reached_backward = false;
+        }
+        self.slips.add(slipped);
+        self.show(kind, tau, passed, e, direction, slipped);
+    }
+
     fn show(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64, slipped: Slipped) {
         let m = self.fluctuation_at(passed);
         let displacement = (self.velocity * e + m + self.static_friction) * direction - self.drag;
         let sliding_distance = self.start + passed * self.velocity;
-        self.witness.see(Event { kind, tau, displacement, sliding_distance }, slipped);
+        self.observer.see(Event { kind, tau, displacement, sliding_distance }, slipped);
     }
 }
 
@@ -219,7 +236,7 @@ struct Lanes<const N: usize, const EXPONENTIAL: bool, F, W> {
     queue: Vec<Rider<F, W>>,
 }
 
-impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Witness> Lanes<N, EXPONENTIAL, F, W> {
+impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes<N, EXPONENTIAL, F, W> {
     fn new(settings: &TrajectorySettings) -> Self {
         Self {
             duration: settings.duration,
@@ -272,9 +289,9 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Witness> Lanes<
         if matches!(fate, Fate::Rides) {
             return;
         }
-        if let Some(Rider { index, slips, fluctuation, witness, .. }) = self.riders[lane].take() {
+        if let Some(Rider { index, slips, fluctuation, observer, .. }) = self.riders[lane].take() {
             let ended = matches!(fate, Fate::Ended);
-            done(index, ended.then_some(Followed { slips, fluctuation, witness }));
+            done(index, ended.then_some(Followed { slips, fluctuation, observer }));
         }
         self.states.park(lane);
     }
@@ -384,25 +401,18 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Witness> Lanes<
             (states.direction[lane], states.e[lane]) = (direction, e);
             rider.reached_backward |= from > 0.0 && states.fastest[lane] > 1.0;
             states.fastest[lane] = 0.0;
-            rider.show(EventKind::Reverse, tau, passed, e, direction, Slipped::Not);
+            rider.finish(EventKind::Reverse, tau, passed, e, direction);
             return if tau < self.duration { Fate::Rides } else { Fate::Ended };
         }
         rider.reached_backward |= from > 0.0 && states.fastest[lane] > 1.0;
-        let slipped = if rider.reached_backward {
-            rider.slips.cycles += 1;
-            Slipped::Cycle
-        } else {
-            rider.slips.micro_slips += 1;
-            Slipped::Micro
-        };
-        rider.show(EventKind::Restick, tau, passed, e, 1.0, slipped);
+        rider.finish(EventKind::Restick, tau, passed, e, 1.0);
         self.stick(lane, e)
     }
 }
 
 struct Ride;
 
-impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Witness>
+impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer>
     Kernel<(&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, F, W>)> for Ride
 {
     type Output = ();
@@ -422,7 +432,7 @@ mod tests {
     #[derive(Debug, Default, Clone, PartialEq)]
     struct All(Vec<(Event, Slipped)>);
 
-    impl Witness for All {
+    impl Observer for All {
         fn see(&mut self, event: Event, slipped: Slipped) {
             self.0.push((event, slipped));
         }
@@ -447,12 +457,12 @@ mod tests {
             indices,
             |index| {
                 let fluctuation = process.path(3, index as u64);
-                Ok(Task { oscillator: oscillator.clone(), fluctuation, witness: All::default() })
+                Ok(Task::new(oscillator.clone(), fluctuation, All::default()))
             },
             |index, ended: Result<Followed<Path<'_>, All>, _>| {
                 let place = &mut found[index - first];
                 assert!(place.is_none(), "trajectory {index} ended twice");
-                *place = Some(ended.map(|followed| (followed.slips, followed.witness)));
+                *place = Some(ended.map(|followed| (followed.slips, followed.observer)));
             },
         );
         found.into_iter().map(|ended| ended.expect("every trajectory ends")).collect()
@@ -532,8 +542,8 @@ mod tests {
             follow_many(
                 &settings,
                 0..3,
-                |_| Ok(Task { oscillator: oscillator.clone(), fluctuation: record.path(), witness: All::default() }),
-                |_, ended| assert_eq!(ended.map(|followed| followed.witness).unwrap_err(), alone),
+                |_| Ok(Task::new(oscillator.clone(), record.path(), All::default())),
+                |_, ended| assert_eq!(ended.map(|followed| followed.observer).unwrap_err(), alone),
             );
         }
     }
@@ -555,12 +565,12 @@ mod tests {
         follow_many(
             &settings,
             0..60,
-            |index| Ok(Task { oscillator: of(index), fluctuation: Steady, witness: All::default() }),
+            |index| Ok(Task::new(of(index), Steady, All::default())),
             |index, ended| {
                 let followed = ended.unwrap();
                 let cycle = *crate::vibration::limit_cycle(&of(index)).unwrap().cycle().unwrap();
                 let detached: Vec<f64> = followed
-                    .witness
+                    .observer
                     .0
                     .iter()
                     .filter(|(e, _)| e.kind == EventKind::Detach)
@@ -571,7 +581,7 @@ mod tests {
                     let error = (pair[1] - pair[0] - cycle.period).abs();
                     assert!(error < 1e-12 * cycle.period + 1e-13, "{error:e}");
                 }
-                for (event, _) in followed.witness.0.iter().filter(|(e, _)| e.kind == EventKind::Restick) {
+                for (event, _) in followed.observer.0.iter().filter(|(e, _)| e.kind == EventKind::Restick) {
                     let wanted = cycle.reattachment_displacement.unwrap();
                     let error = (event.displacement - wanted).abs() / of(index).static_friction();
                     assert!(error < 1e-12, "{index}: {error:e}");

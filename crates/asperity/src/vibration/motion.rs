@@ -38,7 +38,7 @@ pub(super) struct Motion<F> {
     w: f64,
     e: f64,
     phase: Phase,
-    /// Whether the mass has moved backwards, ẋ < 0, since it last stuck.
+    /// Whether the mass has moved backwards, ẋ < 0, since its last slip was finished.
     pub(super) reached_backward: bool,
     series: Series,
     /// None: Taylor series.
@@ -198,6 +198,11 @@ impl<F: Fluctuation> Motion<F> {
             return Err(VibrationError::Stalled { tau: self.tau });
         }
         Ok(event)
+    }
+
+    /// Whether the mass is faster than the belt.
+    pub(super) fn is_over_slipping(&self) -> bool {
+        self.phase == Phase::OverSlip
     }
 
     /// A detachment at τ = 0, if the force at the start exceeds the stick limit.

@@ -29,7 +29,7 @@ pub struct SampleLaw {
 }
 
 /// Count, mean and central sums of powers, updated value by value.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct RunningMoments {
     count: u64,
     mean: f64,

@@ -1,4 +1,4 @@
-//! The stability map: how surely a cycle sustains itself, over two parameters of a machine.
+//! The stability map: how surely vibration sustains itself, over two parameters of a machine.
 
 mod contour;
 
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::contour::{boundary, contour};
-use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, critical_damping, limit_cycle};
+use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, motion_kind, vibration_limit};
 use crate::friction::process::FrictionProcess;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 
@@ -77,12 +77,12 @@ pub struct MapPoint {
     pub x: f64,
     /// Second parameter.
     pub y: f64,
-    /// Share of the trajectories that sustain the cycle; see [`super::Passages::sustained`].
+    /// Share of the trajectories that sustain vibration; see [`super::Passages::sustained`].
     pub sustained: Share,
     /// Trajectories it is a share of; 1 without fluctuation.
     pub trajectories: usize,
-    /// ζ_c of the machine there, if it was found.
-    pub critical_damping_ratio: Option<f64>,
+    /// Largest damping ratio at which the machine there vibrates without fluctuation, if there is one.
+    pub limit_damping_ratio: Option<f64>,
     /// ζ of the machine there.
     pub damping_ratio: f64,
 }
@@ -98,6 +98,18 @@ pub struct MapCell {
     pub probability: f64,
 }
 
+/// How finely a map resolves the fall of the probability.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MapResolution {
+    /// Width of the smallest cells along x.
+    pub x: f64,
+    /// Width of the smallest cells along y.
+    pub y: f64,
+    /// Share of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %, so that the width of the transition
+    /// is less than a cell and not known.
+    pub unresolved_share: f64,
+}
+
 /// A level of the map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapContour {
@@ -107,17 +119,19 @@ pub struct MapContour {
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
-/// The probability of a sustained cycle over two parameters.
+/// The probability of sustained vibration over two parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StabilityMap {
     /// All points, by y and then by x.
     pub points: Vec<MapPoint>,
     /// The cells that were not halved.
     pub cells: Vec<MapCell>,
-    /// The levels 5, 50 and 95 %.
+    /// The levels 5, 50 and 95 %. Those of 5 and 95 % have no lines in the cells that do not resolve the transition.
     pub contours: Vec<MapContour>,
-    /// Where the damping ratio is the critical one: the end of the cycle without fluctuation.
+    /// Where vibration ends without fluctuation.
     pub limit: Vec<Vec<[f64; 2]>>,
+    /// Widths of the smallest cells, and whether they resolve the transition.
+    pub resolution: MapResolution,
 }
 
 impl StabilityMap {
@@ -151,8 +165,9 @@ impl Square {
 
 /// Computes the map of the machines `machine(x, y)`.
 ///
-/// A first grid is refined where a level of [`StabilityMap::LEVELS`], or the end of the deterministic cycle, passes between
-/// the corners of a cell. All points share their realisations of friction, so the map has less noise than its points. A point
+/// A first grid is refined where a level of [`StabilityMap::LEVELS`], or the end of vibration without fluctuation, passes between
+/// the corners of a cell. A smallest cell through which both 5 and 95 % pass does not resolve the transition: it has only the
+/// contour of 50 %, and counts in [`MapResolution::unresolved_share`]. All points share their realisations of friction, so the map has less noise than its points. A point
 /// where the first quarter of the trajectories agree is not computed further.
 ///
 /// Fails as [`Ensemble::simulate`] does at the first point that fails, if an axis is empty, and when cancelled.
@@ -202,9 +217,23 @@ pub fn stability_map(
     }
     let place = |(i, j): Place| [settings.x.at(i, nx), settings.y.at(j, ny)];
     let probability = |point: &MapPoint| point.sustained.value;
-    let contours = StabilityMap::LEVELS
-        .map(|level| MapContour { level, lines: contour(&leaves, &points, &|p| Some(probability(p) - level), &place) });
-    let limit = contour(&leaves, &points, &|p| p.critical_damping_ratio.map(|c| c - p.damping_ratio), &place);
+    let [low, middle, high] = StabilityMap::LEVELS;
+    let holds = |square: &Square, [below, above]: [f64; 2]| {
+        let sides: Vec<f64> = boundary(square, &points).iter().map(|place| probability(&points[place])).collect();
+        sides.iter().any(|p| *p < below) && sides.iter().any(|p| *p >= above)
+    };
+    let resolved: Vec<Square> = leaves.iter().filter(|square| !holds(square, [low, high])).copied().collect();
+    let front = leaves.iter().filter(|square| holds(square, [middle, middle])).count();
+    let resolution = MapResolution {
+        x: (settings.x.to - settings.x.from) / nx as f64,
+        y: (settings.y.to - settings.y.from) / ny as f64,
+        unresolved_share: (leaves.len() - resolved.len()) as f64 / front.max(1) as f64,
+    };
+    let contours = StabilityMap::LEVELS.map(|level| {
+        let squares = if level == middle { &leaves } else { &resolved };
+        MapContour { level, lines: contour(squares, &points, &|p| Some(probability(p) - level), &place) }
+    });
+    let limit = contour(&leaves, &points, &|p| p.limit_damping_ratio.map(|c| c - p.damping_ratio), &place);
     let cells = leaves
         .iter()
         .map(|square| {
@@ -216,7 +245,7 @@ pub fn stability_map(
     let mut points: Vec<(Place, MapPoint)> = points.into_iter().collect();
     points.sort_by_key(|((i, j), _)| (*j, *i));
     let points = points.into_iter().map(|(_, point)| point).collect();
-    Ok(StabilityMap { points, cells, contours: contours.into(), limit })
+    Ok(StabilityMap { points, cells, contours: contours.into(), limit, resolution })
 }
 
 /// Whether a level or the deterministic limit passes between points on the sides.
@@ -226,7 +255,7 @@ fn is_crossed(square: &Square, points: &BTreeMap<Place, MapPoint>) -> bool {
         sides.iter().any(|p| value(p) < level) && sides.iter().any(|p| value(p) >= level)
     };
     StabilityMap::LEVELS.iter().any(|level| between(&|p| p.sustained.value, *level))
-        || between(&|p| p.critical_damping_ratio.map_or(f64::NAN, |c| c - p.damping_ratio), 0.0)
+        || between(&|p| p.limit_damping_ratio.map_or(f64::NAN, |c| c - p.damping_ratio), 0.0)
 }
 
 fn point(
@@ -237,13 +266,12 @@ fn point(
     monitor: &dyn Monitor,
 ) -> Result<MapPoint, VibrationError> {
     let (oscillator, process) = machine(x, y)?;
-    let critical_damping_ratio = critical_damping(&oscillator).ok().map(|c| c.critical_damping_ratio);
+    let limit_damping_ratio = vibration_limit(&oscillator).ok().flatten();
     let damping_ratio = oscillator.damping_ratio();
     let at =
-        |sustained, trajectories| MapPoint { x, y, sustained, trajectories, critical_damping_ratio, damping_ratio };
+        |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
-        let sustained = limit_cycle(&oscillator)?.cycle().is_some_and(|cycle| cycle.slips > 0);
-        let value = if sustained { 1.0 } else { 0.0 };
+        let value = if motion_kind(&oscillator)?.is_vibration() { 1.0 } else { 0.0 };
         return Ok(at(Share { value, interval: [value, value] }, 1));
     };
     let of = |trajectories| -> Result<Share, VibrationError> {
@@ -265,6 +293,7 @@ mod tests {
     use super::*;
     use crate::friction::process::ProcessModel;
     use crate::monitor::Silent;
+    use crate::vibration::critical_damping;
 
     fn settings(depth: u32, trajectories: usize, duration: f64) -> MapSettings {
         MapSettings {
@@ -276,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn without_fluctuation_the_contours_are_the_end_of_the_cycle() {
+    fn without_fluctuation_the_contour_is_the_end_of_the_cycle_and_the_transition_has_no_width() {
         let machine = |x: f64, y: f64| Ok((Oscillator::stribeck(0.1, 4.2, x, y)?, None));
         let map = stability_map(&machine, &settings(5, 0, 1.0), &Silent).unwrap();
         let spacing = 0.2 / 4.0 / 32.0;
@@ -290,9 +319,12 @@ mod tests {
                 "{damping} at {velocity}"
             );
         }
+        // A jump has no width that a cell could resolve: 5 and 95 % are not drawn a cell apart.
+        assert_eq!(map.resolution.unresolved_share, 1.0);
+        assert!((map.resolution.x / spacing - 1.0).abs() < 1e-12, "{:?}", map.resolution);
         for contour in &map.contours {
-            assert_eq!(contour.lines.len(), 1, "{}", contour.level);
-            let line = &contour.lines[0];
+            assert_eq!(contour.lines.len(), usize::from(contour.level == 0.5), "{}", contour.level);
+            let Some(line) = contour.lines.first() else { continue };
             assert!((line[0][1] - 0.002).abs() < 1e-12 || (line[line.len() - 1][1] - 0.002).abs() < 1e-12);
             for [damping, velocity] in line {
                 let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
@@ -327,6 +359,15 @@ mod tests {
             places.iter().sum::<f64>() / places.len() as f64
         };
         assert!(place(0.95) < place(0.5) - 0.01 && place(0.5) < place(0.05) - 0.01, "{:?}", map.contours);
+        assert_eq!(map.resolution.unresolved_share, 0.0);
+        // Hardly any noise has a transition within a cell, and the map says so.
+        let quiet = |x: f64, y: f64| {
+            let model = ProcessModel::new("beta:2.1,5".parse()?, 1e-7, 0.01);
+            Ok((machine(x, y)?.0, Some(FrictionProcess::new(model)?)))
+        };
+        let sharp = stability_map(&quiet, &settings, &Silent).unwrap();
+        assert_eq!(sharp.resolution.unresolved_share, 1.0);
+        assert_eq!(sharp.contours.iter().map(|c| c.lines.len()).collect::<Vec<_>>(), [0, 1, 0]);
         let at = map.points.iter().find(|p| p.trajectories == 100).unwrap();
         let (oscillator, process) = machine(at.x, at.y).unwrap();
         let alone = Ensemble::simulate(&oscillator, &process.unwrap(), &settings.ensemble, &Silent).unwrap();

@@ -22,7 +22,7 @@ pub struct TrajectorySettings {
     pub method: Method,
 }
 
-/// Counts of finished slips.
+/// Counts of finished slips. A slip ends when the mass sticks, or when it returns from over-slip without having stuck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Slips {
     /// Slips that reached ẋ < 0: the cycles.
@@ -49,9 +49,9 @@ impl Trajectory {
         fluctuation: impl Fluctuation,
         settings: &TrajectorySettings,
     ) -> Result<Self, VibrationError> {
-        let mut events = Vec::new();
-        let slips = follow(oscillator, fluctuation, settings, &Silent, |event, _| events.push(event))?;
-        Ok(Self { events, slips })
+        let mut events = Events(Vec::new());
+        let slips = follow(oscillator, fluctuation, settings, f64::INFINITY, &Silent, &mut events)?;
+        Ok(Self { events: events.0, slips })
     }
 }
 
@@ -78,42 +78,75 @@ pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -
 /// Steps between two looks at the monitor.
 const STEPS: u32 = 16_384;
 
-/// Follows a mass and shows every event with the counts so far.
+/// Receives the events of one trajectory.
+pub(super) trait Observer {
+    /// Receives an event and the kind of slip that it finished.
+    fn see(&mut self, event: Event, slipped: Slipped);
+
+    /// Receives the time at which a swing of the velocity past the swing level ended, X′ = 0.
+    fn see_swing(&mut self, _tau: f64) {}
+}
+
+/// Ignores all events.
+pub(super) struct NoObserver;
+
+impl Observer for NoObserver {
+    fn see(&mut self, _: Event, _: Slipped) {}
+}
+
+/// Stores all events.
+struct Events(Vec<Event>);
+
+impl Observer for Events {
+    fn see(&mut self, event: Event, _: Slipped) {
+        self.0.push(event);
+    }
+}
+
+/// Follows a mass, passes its events to `observer` and counts its slips.
+///
+/// The observer also receives the swings of the velocity during which W = |v_rel|/V exceeds `swing_level`, unless they end in stick
+/// or over-slip; see [`super::swing_level`].
 pub(super) fn follow(
     oscillator: &Oscillator,
     fluctuation: impl Fluctuation,
     settings: &TrajectorySettings,
+    swing_level: f64,
     monitor: &dyn Monitor,
-    mut show: impl FnMut(Event, Slipped),
+    observer: &mut impl Observer,
 ) -> Result<Slips, VibrationError> {
     let mut motion = started(oscillator, fluctuation, settings)?;
     let mut slips = Slips::default();
     if let Some(event) = motion.first_event() {
-        show(event, Slipped::Not);
+        observer.see(event, Slipped::Not);
     }
+    let mut swings = false;
     let mut steps = 0_u32;
     while motion.tau < settings.duration {
         steps = steps.wrapping_add(1);
         if steps.is_multiple_of(STEPS) && monitor.cancelled() {
             return Err(Cancelled.into());
         }
-        let Some(event) = motion.step(settings.duration)? else { continue };
-        let mut slipped = Slipped::Not;
-        if event.kind == EventKind::Restick {
-            if motion.reached_backward {
-                slips.cycles += 1;
-                slipped = Slipped::Cycle;
-            } else {
-                slips.micro_slips += 1;
-                slipped = Slipped::Micro;
+        if let Some(event) = motion.step(settings.duration)? {
+            let slipped = Slipped::new(event.kind, motion.is_over_slipping(), motion.reached_backward);
+            if slipped != Slipped::Not {
+                motion.reached_backward = false;
+            }
+            slips.add(slipped);
+            observer.see(event, slipped);
+            swings = false;
+        } else if swing_level.is_finite() {
+            swings |= motion.exceeds(swing_level);
+            if swings && let Some(tau) = motion.turned_forward() {
+                observer.see_swing(tau);
+                swings = false;
             }
         }
-        show(event, slipped);
     }
     Ok(slips)
 }
 
-/// What an event finished.
+/// Kind of slip that an event finished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slipped {
     /// No slip.
@@ -122,6 +155,33 @@ pub(super) enum Slipped {
     Cycle,
     /// A slip that did not.
     Micro,
+}
+
+impl Slipped {
+    /// Returns the kind of slip that an event finished, given whether the mass is now faster than the belt and whether it moved
+    /// backwards since its last slip was finished.
+    #[inline(always)]
+    pub(super) fn new(kind: EventKind, over_slips: bool, reached_backward: bool) -> Self {
+        match kind {
+            EventKind::Restick if !reached_backward => Self::Micro,
+            EventKind::Restick => Self::Cycle,
+            // Over-slip may still end in stick, so the slip before it ends with it.
+            EventKind::Reverse if !over_slips && reached_backward => Self::Cycle,
+            EventKind::Reverse | EventKind::Detach => Self::Not,
+        }
+    }
+}
+
+impl Slips {
+    /// Counts a finished slip.
+    #[inline(always)]
+    pub(super) fn add(&mut self, slipped: Slipped) {
+        match slipped {
+            Slipped::Not => {}
+            Slipped::Cycle => self.cycles += 1,
+            Slipped::Micro => self.micro_slips += 1,
+        }
+    }
 }
 
 #[cfg(test)]

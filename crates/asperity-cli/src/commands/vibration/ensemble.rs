@@ -16,7 +16,7 @@ use crate::output::Answer;
 /// Paths of a cloud.
 const CLOUD: usize = 200;
 
-/// Follows many paths and counts their cycles: slips that reach a negative velocity.
+/// Follows many paths, counts their cycles (slips that reach a negative velocity) and the time in vibration of any kind.
 #[derive(Debug, Args)]
 pub(crate) struct Ensemble {
     #[command(flatten)]
@@ -72,12 +72,13 @@ impl Ensemble {
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.announce(&process, monitor);
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
-            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
+            .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
             monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
         }
-        let answer = answer(Some(&ensemble));
+        let kind = monitor.at_once(|| vibration::motion_kind(&oscillator))?.map_err(|e| refused(&e))?;
+        let answer = answer(Some(kind), Some(&ensemble));
         if wanted {
             let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;
             let mut tables =
@@ -92,13 +93,14 @@ impl Ensemble {
     }
 }
 
-fn answer(ensemble: Option<&vibration::Ensemble>) -> Answer {
+fn answer(kind: Option<vibration::MotionKind>, ensemble: Option<&vibration::Ensemble>) -> Answer {
     let rate = |of: fn(&vibration::Passages) -> Option<vibration::Rate>| ensemble.and_then(|e| of(&e.passages));
     let share = |of: fn(&vibration::Passages) -> vibration::Share| ensemble.map(|e| of(&e.passages));
     let (exit, entry) = (rate(|p| p.exit_rate), rate(|p| p.entry_rate));
     let (left, sustained) = (share(|p| p.left), share(|p| p.sustained));
     let pair = |interval: Option<[f64; 2]>| interval.map_or(Value::Null, |[low, high]| json!([low, high]));
     Answer::default()
+        .with("kind", kind.map(vibration::MotionKind::name))
         .with("cycles_mean", ensemble.map(|e| e.cycles.mean))
         .with("cycles_se", ensemble.map(|e| e.cycles.se))
         .with("cycles_deterministic", ensemble.map(|e| e.cycles_deterministic))
@@ -118,6 +120,9 @@ fn answer(ensemble: Option<&vibration::Ensemble>) -> Answer {
         .with("stick_share_mean", ensemble.map(|e| e.stick_share.mean))
         .with("stick_share_se", ensemble.map(|e| e.stick_share.se))
         .with("share_in_cycle", ensemble.map(|e| e.passages.share_in_cycle))
+        .with("kind_shares", ensemble.map(|e| json!(e.passages.kinds)))
+        .with("vibration_share", ensemble.map(|e| e.passages.late_share.mean))
+        .with("vibration_share_se", ensemble.map(|e| e.passages.late_share.se))
         .with("exit_rate", exit.map(|r| r.value))
         .with("exit_rate_interval", pair(exit.map(|r| r.interval)))
         .with("entry_rate", entry.map(|r| r.value))

@@ -1,4 +1,4 @@
-//! Cycles, and the cycle itself, lost to roughness against damping.
+//! Cycles and vibration lost to roughness against damping.
 
 use serde_json::Value;
 
@@ -134,12 +134,12 @@ fn cycles(sweep: &Sweep<'_>, plates: &mut Vec<Plate>) -> Result<(), ReportError>
     push(sweep, NAME, "Cycles lost to roughness against damping", caption, charts, plates)
 }
 
-/// The share of the trajectories that sustain the cycle, and how often a cycle comes.
+/// The share of the trajectories that sustain vibration, and the rate of cycles.
 fn lost(sweep: &Sweep<'_>, duration: Option<f64>, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let mut charts = Vec::new();
     let share = |prefix: &str, end: &str| sweep.column(prefix, &format!("sustained_share{end}"));
     if UPSCALINGS.iter().any(|upscaling| share(upscaling.0, "").is_some()) {
-        let y = Axis::linear("Sustained cycle, share", Unit::none(), (-0.04, 1.04));
+        let y = Axis::linear("Sustained vibration, share", Unit::none(), (-0.04, 1.04));
         let mut chart = Chart::new(sweep.axis(), y);
         for upscaling in UPSCALINGS {
             let band = share(upscaling.0, "_low").zip(share(upscaling.0, "_high"));
@@ -148,9 +148,9 @@ fn lost(sweep: &Sweep<'_>, duration: Option<f64>, plates: &mut Vec<Plate>) -> Re
         charts.push(chart);
     }
     charts.extend(duration.and_then(|duration| rate(sweep, duration)));
-    let caption = "Above: share of the trajectories that are in the cycle for at least half of the second half of their time. Below: \
+    let caption = "Above: share of the trajectories that vibrate for at least half of the second half of their time. Below: \
                    cycles per natural period 2π/ω₀, over the whole time. Bands are 95 % intervals.";
-    push(sweep, "sustained_over_damping", "The cycle against damping", caption, charts, plates)
+    push(sweep, "sustained_over_damping", "Vibration against damping", caption, charts, plates)
 }
 
 /// Cycles per natural period.

@@ -1,4 +1,4 @@
-//! The probability of a sustained cycle over two parameters.
+//! The probability of sustained vibration over two parameters.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::axis::{Axis, range};
 use crate::canvas::{Canvas, Dash, Pen, Rect, draw};
 use crate::chart::{Backdrop, Chart};
 use crate::figures::{Plate, Stage, csv};
-use crate::format::Unit;
+use crate::format::{Unit, significant};
 use crate::image;
 use crate::palette::{BLACK, VERMILION};
 use crate::{Figure, ReportError, Run, Table};
@@ -24,23 +24,44 @@ const BAR: f64 = 92.0;
 const LEVELS: [(f64, &str, Dash); 3] =
     [(0.05, "5 %", Dash::Dotted), (0.5, "50 %", Dash::Solid), (0.95, "95 %", Dash::Dashed)];
 
-const TITLE: &str = "Probability of a sustained cycle";
-const DESCRIPTION: &str = "Colours: share of the trajectories that are in the cycle for at least half of the second half of their \
-                           time. Lines: where it is 5, 50 and 95 %, and where the cycle without fluctuation ends.";
+const TITLE: &str = "Probability of sustained vibration";
+const DESCRIPTION: &str = "Colours: share of the trajectories that vibrate for at least half of the second half of their time, whatever \
+                           the kind of vibration. Lines: where it is 5, 50 and 95 %, and where vibration ends without fluctuation.";
 
 /// The map of a study.
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let Some(Figure { svg, .. }) = figure(&run.results["vibration"]["map"], &run.tables)? else { return Ok(()) };
+    let map = &run.results["vibration"]["map"];
+    let Some(Figure { svg, .. }) = figure(map, &run.tables)? else { return Ok(()) };
     let sources = ["map_cells", "map_contours", "map_limit"].into_iter().filter(|name| run.tables.contains_key(*name));
     plates.push(Plate {
         name: "stability_map",
         stage: Stage::Vibration,
         title: TITLE.into(),
-        caption: DESCRIPTION.into(),
+        caption: description(map),
         sources: sources.map(csv).collect(),
         svg,
     });
     Ok(())
+}
+
+/// What the map shows, and where its cells are too wide for the transition.
+fn description(map: &Value) -> String {
+    let resolution = &map["resolution"];
+    let unresolved = resolution["unresolved_share"].as_f64().unwrap_or(0.0);
+    let (Some(width), Some(height)) = (resolution["x"].as_f64(), resolution["y"].as_f64()) else {
+        return DESCRIPTION.into();
+    };
+    if unresolved <= 0.0 {
+        return DESCRIPTION.into();
+    }
+    let along =
+        if unresolved >= 1.0 { "the whole front".into() } else { format!("{} % of the front", significant(100.0 * unresolved, 2)) };
+    format!(
+        "{DESCRIPTION} Along {along} the probability falls from 95 % to 5 % within one of the smallest cells ({} × {}): the width of the \
+         transition is less than that and not resolved, so the lines of 5 and 95 % are left out there.",
+        significant(width, 2),
+        significant(height, 2)
+    )
 }
 
 pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
@@ -65,13 +86,13 @@ pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result
     if let Some(line) = lines("map_limit", None) {
         outlined(
             &mut chart,
-            "end of the cycle without fluctuation, ζ = ζ_c",
+            "end of vibration without fluctuation",
             line,
             Pen::new(VERMILION, 2.6, Dash::Solid),
         );
     }
-    let bar = Axis::linear("Probability of a sustained cycle", Unit::none(), (0.0, 1.0));
-    let svg = with_bar(&chart, &bar, TITLE, DESCRIPTION)?;
+    let bar = Axis::linear(TITLE, Unit::none(), (0.0, 1.0));
+    let svg = with_bar(&chart, &bar, TITLE, &description(answer))?;
     Ok(Some(Figure { name: "stability_map".into(), svg }))
 }
 
@@ -127,5 +148,19 @@ impl<'a> Cells<'a> {
             }
         }
         image::indexed(nx, ny, &indices, image::scale_palette())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_transition_within_a_cell_is_not_shown_as_if_the_cell_were_its_width() {
+        let at = |share: f64| description(&json!({"resolution": {"x": 0.0125, "y": 0.001, "unresolved_share": share}}));
+        assert_eq!((at(0.0), description(&json!({}))), (DESCRIPTION.to_owned(), DESCRIPTION.to_owned()));
+        assert!(at(1.0).contains("Along the whole front") && at(0.4).contains("Along 40 % of the front"));
+        assert!(at(0.4).contains("0.013 × 0.0010") && at(0.4).contains("not resolved"), "{}", at(0.4));
     }
 }

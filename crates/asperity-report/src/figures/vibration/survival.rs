@@ -1,4 +1,4 @@
-//! How long the cycle lasts.
+//! How long vibration lasts.
 
 use std::collections::BTreeMap;
 
@@ -14,9 +14,10 @@ use crate::palette::{BLUE, VERMILION};
 use crate::{Figure, ReportError, Run, Table};
 
 const HEIGHT: f64 = 300.0;
-const TITLE: &str = "How long the cycle lasts";
-const CAPTION: &str = "Share of the trajectories that have never left the cycle up to the time τ, with 95 % intervals. The cycle is left \
-                       when the mass then slips for three natural periods without finishing one; those that never finish one leave it at τ = 0.";
+const TITLE: &str = "How long vibration lasts";
+const CAPTION: &str = "Share of the trajectories that have vibrated without a break up to the time τ, with 95 % intervals. Vibration ends \
+                       when the mass then slips for three natural periods without a swing that sticks, passes the velocity of the belt or \
+                       belongs to a slip cycle; trajectories without such a swing leave it at τ = 0.";
 
 /// A table with the name, colour and line of its curve.
 type Curve<'a> = (&'a Table, &'static str, RGBColor, Dash);
@@ -40,14 +41,14 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
 pub(super) fn figure(tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
     let Some(table) = tables.get("survival") else { return Ok(None) };
     let charts: Vec<(f64, Chart)> =
-        drawn(&[(table, "never left the cycle", BLUE, Dash::Solid)]).map(|chart| (HEIGHT, chart)).into_iter().collect();
+        drawn(&[(table, "never left vibration", BLUE, Dash::Solid)]).map(|chart| (HEIGHT, chart)).into_iter().collect();
     Words { name: "survival", title: TITLE, description: CAPTION }.figure(Layout::Column, &charts)
 }
 
 fn drawn(curves: &[Curve<'_>]) -> Option<Chart> {
     let times = curves.iter().filter_map(|curve| curve.0.column("tau")).flatten();
     let x = Axis::linear("Time τ", Unit::none(), range(times)?);
-    let mut chart = Chart::new(x, Axis::linear("Share on the cycle", Unit::none(), (-0.04, 1.04)));
+    let mut chart = Chart::new(x, Axis::linear("Share in vibration", Unit::none(), (-0.04, 1.04)));
     for (table, name, colour, dash) in curves {
         let Some([tau, share]) = columns(table, ["tau", "share"]) else { continue };
         if let Some([low, high]) = columns(table, ["share_low", "share_high"]) {

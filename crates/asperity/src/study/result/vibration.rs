@@ -1,9 +1,11 @@
 //! The vibration stage in `results.json`.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::study::result::{LawResult, Pair};
-use crate::vibration::MotionKind;
+use crate::vibration::{MapResolution, MotionKind};
 
 /// The vibration stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,12 +55,14 @@ pub struct VibrationResult {
 }
 
 /// What a stability map is drawn over.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapResult {
     /// First parameter: `damping_ratio` or `belt_velocity`.
     pub x: String,
     /// Second parameter: `belt_velocity`, `friction_std` or `load_ratio`.
     pub y: String,
+    /// Widths of the smallest cells, and whether they resolve the transition.
+    pub resolution: MapResolution,
 }
 
 /// A deterministic limit cycle of any kind; keys as in `asperity vibration cycle`.
@@ -89,7 +93,7 @@ pub struct EnsembleResult {
     pub friction_std: f64,
     /// One entry per damping ratio.
     pub damping: Vec<DampingResult>,
-    /// Where the mean number of cycles falls through shares of its value at the least damping ratio.
+    /// Where vibration falls through 95, 50 and 5 % of the second half of the duration.
     pub crossings: Vec<CrossingResult>,
     /// The law of the re-attachment points at the study's damping ratio.
     pub reattachment: PointsResult,
@@ -99,21 +103,25 @@ pub struct EnsembleResult {
     pub motion: Option<MotionResult>,
 }
 
-/// Where the mean number of cycles falls through a share.
+/// Damping ratio at which the mean fraction of the second half of the duration spent in vibration, started in stick, falls through a
+/// level.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CrossingResult {
-    /// Share of the number at the least damping ratio of the sweep.
+    /// The level.
     pub share: f64,
-    /// The damping ratio, interpolated.
-    pub damping_ratio: f64,
+    /// The damping ratio; `null` where there is none.
+    pub damping_ratio: Option<f64>,
     /// Its interval.
-    pub damping_ratio_interval: Pair,
+    pub damping_ratio_interval: Option<Pair>,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
 }
 
-/// The cycle in time: how regular it is, and how surely it goes on.
+/// Vibration in time: how regular it is, and how surely it goes on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MotionResult {
-    /// Mean time τ from one cycle to the next, as long as the cycle is not lost.
+    /// Mean time τ from one cycle to the next, as long as vibration is not lost.
     pub period_mean: Option<f64>,
     /// Its standard deviation.
     pub period_std: Option<f64>,
@@ -121,17 +129,19 @@ pub struct MotionResult {
     pub stick_share: f64,
     /// Its standard error over trajectories.
     pub stick_share_se: f64,
-    /// Share of the time in the cycle.
+    /// Share of the time in vibration.
     pub share_in_cycle: f64,
-    /// Losses of the cycle per τ in it.
+    /// Share of the time in each kind of motion.
+    pub kind_shares: BTreeMap<MotionKind, f64>,
+    /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,
     /// Its interval.
     pub exit_rate_interval: Option<Pair>,
-    /// Returns to the cycle per τ out of it.
+    /// Returns to vibration per τ out of it.
     pub entry_rate: Option<f64>,
     /// Its interval.
     pub entry_rate_interval: Option<Pair>,
-    /// Share of the trajectories that lose the cycle at all.
+    /// Share of the trajectories that leave vibration at all.
     pub left_share: f64,
     /// Its interval.
     pub left_share_interval: Pair,
@@ -142,6 +152,8 @@ pub struct MotionResult {
 pub struct DampingResult {
     /// Damping ratio.
     pub damping_ratio: f64,
+    /// Kind of motion without noise.
+    pub kind: MotionKind,
     /// Slips that reach a negative velocity, without noise.
     pub cycles_deterministic: u64,
     /// Their mean number with noise.
@@ -152,9 +164,13 @@ pub struct DampingResult {
     pub difference_mean: f64,
     /// Its interval.
     pub difference_interval: Pair,
-    /// Share of the time in the cycle.
+    /// Share of the time in vibration.
     pub share_in_cycle: f64,
-    /// Share of the trajectories that sustain the cycle: they are in it for half of the second half of their time at least.
+    /// Mean fraction of the second half of the time in vibration.
+    pub vibration_share: f64,
+    /// Its standard error.
+    pub vibration_share_se: f64,
+    /// Share of the trajectories that sustain vibration: it takes half of the second half of their time at least.
     pub sustained_share: f64,
     /// Its interval.
     pub sustained_share_interval: Pair,

@@ -2,7 +2,7 @@
 
 use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
 use crate::study::sentence;
-use crate::vibration::{Crossing, Ensemble, FrictionLaw, Regime, SampleLaw};
+use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleLaw};
 
 pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     let cycle = regime.cycle();
@@ -18,15 +18,18 @@ pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     }
 }
 
-pub(super) fn damping_result(damping_ratio: f64, ensemble: &Ensemble) -> DampingResult {
+pub(super) fn damping_result(damping_ratio: f64, kind: MotionKind, ensemble: &Ensemble) -> DampingResult {
     DampingResult {
         damping_ratio,
+        kind,
         cycles_deterministic: ensemble.cycles_deterministic,
         cycles_mean: ensemble.cycles.mean,
         cycles_se: ensemble.cycles.se,
         difference_mean: ensemble.difference_mean,
         difference_interval: ensemble.difference_interval,
         share_in_cycle: ensemble.passages.share_in_cycle,
+        vibration_share: ensemble.passages.late_share.mean,
+        vibration_share_se: ensemble.passages.late_share.se,
         sustained_share: ensemble.passages.sustained.value,
         sustained_share_interval: ensemble.passages.sustained.interval,
         failed_samples: ensemble.failures.len(),
@@ -34,8 +37,8 @@ pub(super) fn damping_result(damping_ratio: f64, ensemble: &Ensemble) -> Damping
 }
 
 pub(super) fn crossing_result(crossing: Crossing) -> CrossingResult {
-    let Crossing { share, damping_ratio, interval } = crossing;
-    CrossingResult { share, damping_ratio, damping_ratio_interval: interval }
+    let Crossing { share, damping_ratio, interval, reason } = crossing;
+    CrossingResult { share, damping_ratio, damping_ratio_interval: interval, reason }
 }
 
 pub(super) fn points_result(points: &SampleLaw) -> PointsResult {
@@ -57,6 +60,7 @@ pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
         stick_share: ensemble.stick_share.mean,
         stick_share_se: ensemble.stick_share.se,
         share_in_cycle: passages.share_in_cycle,
+        kind_shares: passages.kinds.clone(),
         exit_rate: passages.exit_rate.map(|rate| rate.value),
         exit_rate_interval: passages.exit_rate.map(|rate| rate.interval),
         entry_rate: passages.entry_rate.map(|rate| rate.value),

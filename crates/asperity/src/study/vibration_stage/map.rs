@@ -46,8 +46,8 @@ impl Ensembles<'_> {
     }
 }
 
-/// Tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the end of the cycle
-/// without fluctuation, `map_limit`.
+/// Tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the end of
+/// vibration without fluctuation, `map_limit`.
 pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
     let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
     let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
@@ -58,7 +58,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
         ("sustained_share_low", of_points(|p| p.sustained.interval[0])),
         ("sustained_share_high", of_points(|p| p.sustained.interval[1])),
         ("trajectories", of_points(|p| p.trajectories as f64)),
-        ("critical_damping_ratio", of_points(|p| p.critical_damping_ratio.unwrap_or(f64::NAN))),
+        ("limit_damping_ratio", of_points(|p| p.limit_damping_ratio.unwrap_or(f64::NAN))),
     ]);
     let cells = Table::new([
         (format!("{x}_low"), of_cells(|c| c.x[0])),

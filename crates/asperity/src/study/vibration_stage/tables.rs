@@ -53,7 +53,7 @@ pub fn points_table(points: &SampleLaw) -> Option<Table> {
     Some(Table::new(columns).led_by("displacement"))
 }
 
-/// The share of the trajectories that have never left the cycle, over their time, with 95 % intervals: `tau`, `share`,
+/// The share of the trajectories that have never left vibration, over their time, with 95 % intervals: `tau`, `share`,
 /// `share_low`, `share_high`.
 pub fn survival_table(passages: &Passages, duration: f64) -> Table {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;

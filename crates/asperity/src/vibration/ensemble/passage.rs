@@ -1,17 +1,23 @@
-//! What one trajectory tells of the cycle: where it sticks and slides, and when it is lost and found.
+//! What one trajectory tells of its vibration: where it sticks and slides, and when vibration is lost and found.
 
 use std::f64::consts::TAU;
 
-use super::super::lanes::Witness;
 use super::super::sample_law::Gathering;
-use super::super::trajectory::Slipped;
-use super::super::{Event, EventKind};
+use super::super::trajectory::{Observer, Slipped};
+use super::super::{Event, EventKind, MotionKind};
 
-/// Time of slip without a finished cycle after which the cycle counts as lost: three natural periods. A slip of a cycle is
-/// shorter than one, whatever the time in stick.
+/// Time of slip without a swing after which vibration counts as lost: three natural periods. A slip of a cycle is shorter than one,
+/// whatever the time in stick.
 const PATIENCE: f64 = 3.0 * TAU;
 
-/// The story of one trajectory.
+/// Kinds of vibration, in the order of [`Passage::kinds`].
+pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Overtaking, MotionKind::SlipCycle];
+
+/// The vibration of one trajectory.
+///
+/// A mass vibrates as long as swing follows swing. A swing is a slip that reached ẋ < 0 and ended in stick, the same with a passage
+/// of the velocity of the belt instead of stick, or a swing of the velocity past the level of a slip cycle; see
+/// [`super::super::swing_level`].
 #[derive(Debug, Clone)]
 pub(super) struct Passage {
     duration: f64,
@@ -19,32 +25,41 @@ pub(super) struct Passage {
     pub(super) reattachments: Gathering,
     /// Displacements at detachments after a stick that is not the first.
     pub(super) releases: Gathering,
-    /// Times from the detachment of a cycle to that of the next, where the cycle was not lost between.
+    /// Times from the beginning of a swing to that of the next, where vibration was not lost between.
     pub(super) periods: Gathering,
     /// Time in stick.
     pub(super) stick: f64,
-    /// Times in the cycle and out of it, and the former in the second half.
+    /// Times in vibration and out of it, and the former in the second half.
     pub(super) inside: f64,
     pub(super) outside: f64,
     pub(super) late_inside: f64,
-    /// Number of ways out of the cycle and back.
+    /// Time in each of the [`KINDS`] of vibration.
+    pub(super) kinds: [f64; 3],
+    /// Number of ways out of vibration and back.
     pub(super) exits: u64,
     pub(super) entries: u64,
-    /// When the cycle was lost first.
+    /// When vibration was lost first.
     pub(super) first_exit: Option<f64>,
     stuck_since: Option<f64>,
-    detached: Option<f64>,
-    last_start: Option<f64>,
-    /// End of the last cycle, or the start.
+    /// Whether the mass has left the belt.
+    detached: bool,
+    /// Beginning of the present slip; slips slower than the belt begin with a detachment or with the end of over-slip.
+    start: f64,
+    /// Beginning of the last swing, and its kind.
+    last_start: Option<(f64, usize)>,
+    /// End of the last swing, or the start.
     last_end: f64,
-    /// When the mass came into the cycle.
+    /// When the mass came into vibration.
     entered: f64,
-    /// Time of slip since the end of the last cycle.
+    /// Time of slip since the end of the last swing, up to `slides_from`.
     slipped: f64,
+    slides_from: f64,
+    /// End of a swing slower than the belt, which may yet end in stick or over-slip.
+    pending: Option<f64>,
 }
 
 impl Passage {
-    /// The trajectory of an index, which begins on the cycle, in stick; of each law at most `capacity` values are kept.
+    /// The trajectory of an index, which begins in stick, vibrating; of each law at most `capacity` values are kept.
     pub(super) fn new(trajectory: usize, duration: f64, capacity: usize) -> Self {
         let [reattachments, releases, periods] = [(); 3].map(|()| Gathering::new(trajectory as u64, capacity));
         Self {
@@ -56,82 +71,126 @@ impl Passage {
             inside: 0.0,
             outside: 0.0,
             late_inside: 0.0,
+            kinds: [0.0; 3],
             exits: 0,
             entries: 0,
             first_exit: None,
             stuck_since: Some(0.0),
-            detached: None,
+            detached: false,
+            start: 0.0,
             last_start: None,
             last_end: 0.0,
             entered: 0.0,
             slipped: 0.0,
+            slides_from: 0.0,
+            pending: None,
         }
     }
 
     /// The end: what is open is closed.
     pub(super) fn finish(&mut self) {
-        match (self.stuck_since, self.detached) {
-            (Some(since), _) => self.stick += self.duration - since,
-            (None, Some(since)) => self.slipped += self.duration - since,
-            (None, None) => self.slipped += self.duration,
+        self.settle();
+        match self.stuck_since {
+            Some(since) => self.stick += self.duration - since,
+            None => self.slipped += self.duration - self.slides_from,
         }
         if self.slipped > PATIENCE {
             self.lose();
             self.outside += self.duration - self.last_end;
         } else {
+            let kind = self.last_start.map_or(0, |(_, kind)| kind);
+            self.kinds[kind] += self.duration - self.last_end.max(self.entered);
             self.stay(self.duration);
         }
     }
 
-    /// Adds the time in the cycle, up to its end.
+    /// Share of the second half of the time in vibration.
+    pub(super) fn late_share(&self) -> f64 {
+        (self.late_inside / (0.5 * self.duration)).min(1.0)
+    }
+
+    /// Adds the time in vibration, up to its end.
     fn stay(&mut self, end: f64) {
         self.inside += end - self.entered;
         self.late_inside += (end - self.entered.max(0.5 * self.duration)).max(0.0);
     }
 
-    /// The cycle was lost with its last end.
+    /// Vibration was lost with the end of the last swing.
     fn lose(&mut self) {
         self.stay(self.last_end);
         self.exits += 1;
         self.first_exit.get_or_insert(self.last_end);
     }
 
-    fn cycle(&mut self, end: f64) {
-        let start = self.detached;
+    /// Counts a swing slower than the belt after which the mass did not reach the belt.
+    fn settle(&mut self) {
+        if let Some(tau) = self.pending.take() {
+            self.slipped += tau - self.slides_from;
+            self.swing(2, tau, tau);
+        }
+    }
+
+    /// A slip that ended in stick or over-slip.
+    fn contact(&mut self, tau: f64) {
+        // From X′ = 0 to the velocity of the belt it takes less than a natural period.
+        if self.pending.is_some_and(|swung| tau - swung < TAU) {
+            self.pending = None;
+        }
+        self.settle();
+        self.slipped += tau - self.slides_from;
+    }
+
+    /// A swing of one of the [`KINDS`].
+    fn swing(&mut self, kind: usize, start: f64, end: f64) {
         if self.slipped > PATIENCE {
             self.lose();
             self.outside += end - self.last_end;
             self.entries += 1;
             self.entered = end;
-        } else if let (Some(before), Some(start)) = (self.last_start, start) {
-            self.periods.add(start - before);
+        } else {
+            self.kinds[kind] += end - self.last_end;
+            // Swings of slip cycles begin elsewhere in the period.
+            if let Some((before, _)) = self.last_start.filter(|(_, last)| (*last == 2) == (kind == 2)) {
+                self.periods.add(start - before);
+            }
         }
-        (self.last_start, self.last_end, self.slipped) = (start, end, 0.0);
+        (self.last_start, self.last_end, self.slipped, self.slides_from) = (Some((start, kind)), end, 0.0, end);
     }
 }
 
-impl Witness for Passage {
+impl Observer for Passage {
     fn see(&mut self, event: Event, slipped: Slipped) {
+        let tau = event.tau;
         match event.kind {
             EventKind::Detach => {
                 if let Some(since) = self.stuck_since.take() {
-                    self.stick += event.tau - since;
-                    if self.detached.is_some() {
+                    self.stick += tau - since;
+                    if self.detached {
                         self.releases.add(event.displacement);
                     }
                 }
-                self.detached = Some(event.tau);
+                (self.detached, self.start, self.slides_from) = (true, tau, tau);
             }
             EventKind::Restick => {
-                self.slipped += event.tau - self.detached.unwrap_or(0.0);
-                self.stuck_since = Some(event.tau);
+                self.contact(tau);
+                self.stuck_since = Some(tau);
                 if slipped == Slipped::Cycle {
                     self.reattachments.add(event.displacement);
-                    self.cycle(event.tau);
+                    self.swing(0, self.start, tau);
                 }
+            }
+            EventKind::Reverse if slipped == Slipped::Cycle => {
+                self.contact(tau);
+                self.swing(1, self.start, tau);
+                self.start = tau;
             }
             EventKind::Reverse => {}
         }
+    }
+
+    fn see_swing(&mut self, tau: f64) {
+        self.settle();
+        self.pending = Some(tau);
     }
 }
 
@@ -143,13 +202,16 @@ mod tests {
         Event { kind, tau, displacement: tau, sliding_distance: 0.0 }
     }
 
-    /// A story told by its events: detachments and ends of cycles, and of micro-slips.
+    /// The passage of events: detachments (D), ends of cycles (C) and of micro-slips (M), over-slips that end without stick (O) and
+    /// swings slower than the belt (S).
     fn told(duration: f64, events: &[(char, f64)]) -> Passage {
         let mut passage = Passage::new(0, duration, 100);
         for &(kind, tau) in events {
             match kind {
                 'D' => passage.see(event(EventKind::Detach, tau), Slipped::Not),
                 'C' => passage.see(event(EventKind::Restick, tau), Slipped::Cycle),
+                'O' => passage.see(event(EventKind::Reverse, tau), Slipped::Cycle),
+                'S' => passage.see_swing(tau),
                 _ => passage.see(event(EventKind::Restick, tau), Slipped::Micro),
             }
         }
@@ -187,6 +249,23 @@ mod tests {
         // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and from 46 on.
         assert_eq!((passage.inside, passage.outside, passage.late_inside), (12.0, 88.0, 0.0));
         assert_eq!(passage.stick, 1.0 + 2.0 + 1.0 + 1.0 + 1.0);
+    }
+
+    #[test]
+    fn every_kind_of_swing_keeps_up_vibration_and_has_its_time() {
+        // Stick-slip up to 8, overtaking up to 26, slip cycles up to 50; then steady sliding.
+        let events = [('D', 1.0), ('S', 5.0), ('C', 8.0), ('D', 9.0), ('O', 14.0), ('O', 20.0), ('O', 26.0)];
+        let swings = [32.0, 38.0, 44.0, 50.0].map(|tau| ('S', tau));
+        let passage = told(100.0, &[&events[..], &swings[..]].concat());
+        assert_eq!(passage.kinds, [8.0, 18.0, 24.0]);
+        assert_eq!((passage.inside, passage.outside, passage.first_exit), (50.0, 50.0, Some(50.0)));
+        // From detachment to detachment, from one end of over-slip to the next, and from swing to swing.
+        assert_eq!(passage.periods.clone().values(), [8.0, 5.0, 6.0, 6.0, 6.0, 6.0]);
+        assert_eq!((passage.reattachments.clone().values().len(), passage.stick), (1, 2.0));
+        // The same swings up to the end.
+        let lasting = told(52.0, &[&events[..], &swings[..]].concat());
+        assert_eq!((lasting.exits, lasting.inside, lasting.kinds), (0, 52.0, [8.0, 18.0, 26.0]));
+        assert_eq!(lasting.late_share(), 1.0);
     }
 
     #[test]

@@ -1,12 +1,17 @@
-//! How often the cycle is lost and found.
+//! How often vibration is lost and found.
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::passage::Passage;
+use super::super::MotionKind;
+use super::super::sample_law::RunningMoments;
+use super::Count;
+use super::passage::{KINDS, Passage};
 use crate::law::Marginal;
 use crate::stats::wilson_interval;
 
-/// Share of the second half that a sustained cycle holds at least.
+/// Least fraction of the second half of the time that sustained vibration takes.
 const SUSTAINED: f64 = 0.5;
 
 /// Events per unit of τ.
@@ -49,29 +54,35 @@ impl Share {
     }
 }
 
-/// First passages between the cycle and steady sliding, over all trajectories, which begin on the cycle.
+/// First passages between vibration and steady sliding, over all trajectories, which begin in stick, vibrating.
 ///
-/// The cycle is lost when the mass slips for three natural periods without finishing a slip to ẋ < 0; it was left with the last
-/// one. It is found again with the end of the next.
+/// All kinds of vibration count: slips that reach ẋ < 0 and end in stick (the cycles of stick-slip) or pass the velocity of the belt
+/// without stick (overtaking), and swings slower than the belt of an oscillator with an attracting slip cycle that reach midway
+/// between this cycle and the border of its basin. Vibration is lost when the mass slips for three natural periods without
+/// finishing one of them; it was left with the end of the last one. It is found again with the end of the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Passages {
     /// Trajectories that are counted.
     pub trajectories: u64,
-    /// Ways out of the cycle.
+    /// Ways out of vibration.
     pub exits: u64,
     /// Ways back.
     pub entries: u64,
-    /// Share of the time in the cycle.
+    /// Share of the time in vibration.
     pub share_in_cycle: f64,
-    /// Exits per time in the cycle.
+    /// Share of the time in each kind of motion.
+    pub kinds: BTreeMap<MotionKind, f64>,
+    /// Fraction of the second half of the time in vibration, over the trajectories; its mean is φ.
+    pub late_share: Count,
+    /// Exits per time in vibration.
     pub exit_rate: Option<Rate>,
     /// Entries per time out of it.
     pub entry_rate: Option<Rate>,
-    /// Share of the trajectories that leave the cycle at all.
+    /// Share of the trajectories that leave vibration at all.
     pub left: Share,
-    /// Share of the trajectories that are in the cycle for at least half of the second half of their time.
+    /// Share of the trajectories that vibrate for at least half of the second half of their time.
     pub sustained: Share,
-    /// Times τ at which trajectories leave the cycle first, rising; those that do not are no part.
+    /// Times τ at which trajectories leave vibration first, rising; those that do not are no part.
     pub first_exits: Vec<f64>,
     #[serde(skip)]
     sums: Sums,
@@ -82,6 +93,8 @@ struct Sums {
     sustained: u64,
     inside: f64,
     outside: f64,
+    kinds: [f64; 3],
+    late: RunningMoments,
 }
 
 impl Passages {
@@ -90,12 +103,14 @@ impl Passages {
         exits: 0,
         entries: 0,
         share_in_cycle: f64::NAN,
+        kinds: BTreeMap::new(),
+        late_share: Count { mean: f64::NAN, std: f64::NAN, se: f64::NAN },
         exit_rate: None,
         entry_rate: None,
         left: Share { value: f64::NAN, interval: [0.0, 1.0] },
         sustained: Share { value: f64::NAN, interval: [0.0, 1.0] },
         first_exits: Vec::new(),
-        sums: Sums { sustained: 0, inside: 0.0, outside: 0.0 },
+        sums: Sums { sustained: 0, inside: 0.0, outside: 0.0, kinds: [0.0; 3], late: RunningMoments::EMPTY },
     };
 
     pub(super) fn add(&mut self, passage: &Passage, duration: f64) {
@@ -107,12 +122,17 @@ impl Passages {
         sums.sustained += u64::from(passage.late_inside >= SUSTAINED * 0.5 * duration);
         sums.inside += passage.inside;
         sums.outside += passage.outside;
+        sums.kinds.iter_mut().zip(passage.kinds).for_each(|(sum, time)| *sum += time);
+        sums.late.add(passage.late_share());
     }
 
     /// Draws the conclusions after the last trajectory.
     pub(super) fn conclude(&mut self) {
-        let Sums { sustained, inside, outside } = self.sums;
+        let Sums { sustained, inside, outside, kinds, late } = self.sums;
         self.share_in_cycle = inside / (inside + outside);
+        let times = KINDS.into_iter().zip(kinds).chain([(MotionKind::None, outside)]);
+        self.kinds = times.map(|(kind, time)| (kind, time / (inside + outside))).collect();
+        self.late_share = Count::of(&late);
         self.exit_rate = Rate::of(self.exits, inside);
         self.entry_rate = Rate::of(self.entries, outside);
         if self.trajectories > 0 {
@@ -122,7 +142,7 @@ impl Passages {
         self.first_exits.sort_by(f64::total_cmp);
     }
 
-    /// Share of the trajectories that have not left the cycle up to τ, at most their duration.
+    /// Share of the trajectories that have not left vibration up to τ, at most their duration.
     pub fn survival(&self, tau: f64) -> Share {
         let gone = self.first_exits.partition_point(|exit| *exit <= tau) as u64;
         Share::of(self.trajectories - gone, self.trajectories)

@@ -53,6 +53,34 @@ impl<F: Fluctuation> Motion<F> {
         cuts.into_iter().map(|t| tau + t).collect()
     }
 
+    /// Whether W exceeded a level in the last step, if the mass was slower than the belt.
+    pub(in crate::vibration) fn exceeds(&self, level: f64) -> bool {
+        let Segment { duration, phase, .. } = self.segment;
+        phase == Phase::Slip && (self.w > level || self.series.exceeds(level, duration))
+    }
+
+    /// Time in the last step, the last one, at which the mass turned from moving backwards to moving forward; none unless the mass
+    /// moves forward in slip at the end.
+    pub(in crate::vibration) fn turned_forward(&self) -> Option<f64> {
+        let Segment { tau, duration, phase, .. } = self.segment;
+        if phase != Phase::Slip || self.w >= 1.0 {
+            return None;
+        }
+        let excess = |t| {
+            let (w, slope) = polynomial::value_and_slope(self.series.w(), t);
+            (w - 1.0, slope)
+        };
+        // W is monotonic between its extrema.
+        let mut high = duration;
+        for low in self.series.extrema(duration).into_iter().rev().chain([0.0]) {
+            if excess(low).0 >= 0.0 {
+                return Some(tau + bracketed_zero(excess, low, high, true, 0.5 * (low + high)));
+            }
+            high = low;
+        }
+        None
+    }
+
     /// The last step, if it was slip or over-slip.
     pub(in crate::vibration) fn slip_step(&self) -> Option<Step<'_>> {
         let Segment { duration: length, phase, .. } = self.segment;

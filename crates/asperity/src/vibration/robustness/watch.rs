@@ -362,7 +362,13 @@ impl Watch<'_> {
                 self.count();
                 force.abs() - most - self.grazing(scale)
             }
-            (EventKind::Reverse, Some(phase)) => least - phase.direction() * force - self.grazing(scale),
+            (EventKind::Reverse, Some(phase)) => {
+                if phase == Phase::Slip && self.backward {
+                    self.count();
+                    self.backward = false;
+                }
+                least - phase.direction() * force - self.grazing(scale)
+            }
             _ => panic!("{event:?} leads to {after:?}: {:?}", self.case),
         };
         self.vanishes(8, (overshoot - haze).max(0.0), scale, TIGHT);
