@@ -6,7 +6,7 @@ use crate::friction::FrictionError;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::monitor::Monitor;
 use crate::study::config::FrictionSection;
-use crate::study::friction_stage::{Setup, SolvedLevel};
+use crate::study::friction_stage::{Setup, SolvedLevel, no_variance};
 use crate::study::level_control::LevelControl;
 use crate::study::output::StageOutput;
 use crate::study::result::{
@@ -76,7 +76,13 @@ pub(super) fn run(
             return Err(crate::monitor::Cancelled.into());
         }
         let of = |replicates: &[Option<MomentReplicates>]| responses(&propagation, replicates, section.tolerance, seed);
-        let (quotient, at_mean_load) = (of(&found.quotient[place])?, of(&found.at_mean_load[place])?);
+        let (mut quotient, at_mean_load) = (of(&found.quotient[place])?, of(&found.at_mean_load[place])?);
+        if let Some(tail) = &levels[place].heavy_tail {
+            let reason = Some(format!("F/N has no variance: {}", no_variance(tail)));
+            quotient.iter_mut().filter(|response| response.name != "mean" || !tail.has_mean()).for_each(|response| {
+                *response = UncertainResponse { name: response.name, reason: reason.clone(), ..UncertainResponse::default() };
+            });
+        }
         let failures = found.failures[place].clone();
         output.warnings.extend(warnings(*control, &quotient, &failures));
         let prescribed = control.contact(&model.marginal);

@@ -77,6 +77,8 @@ pub struct CycleResult {
 pub struct EnsembleResult {
     /// Standard deviation of μ.
     pub friction_std: f64,
+    /// Fraction of the friction values that are clipped to stay positive.
+    pub clipped_fraction: f64,
     /// One entry per damping ratio.
     pub damping: Vec<DampingResult>,
     /// Where the mean number of cycles falls through shares of its value at the least damping ratio.
