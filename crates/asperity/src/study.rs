@@ -51,4 +51,6 @@ pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use twin::{
     BandMethod, Comparison, CurveComparison, StatisticComparison, TwinError, TwinModel, TwinOptions, Twins,
 };
-pub use vibration_stage::{cloud_table, points_table, portrait_table, stability_map_tables, survival_table};
+pub use vibration_stage::{
+    clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
+};

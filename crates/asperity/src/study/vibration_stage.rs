@@ -6,6 +6,7 @@ mod map;
 mod tables;
 
 use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
+pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
@@ -249,7 +250,8 @@ impl Ensembles<'_> {
         monitor.progress(&task, count, count + 1);
         let lead = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
         monitor.progress(&task, count + 1, count + 1);
-        warnings.extend(clipping::warning(clipped_fraction, name));
+        let clipping = clipping_warning(clipped_fraction);
+        warnings.extend(clipping.map(|warning| format!("with the {name} upscaling, {warning}")));
         let sweep = DampingSweep { damping_ratios, ensembles };
         let result = EnsembleResult {
             friction_std: scatter.std,

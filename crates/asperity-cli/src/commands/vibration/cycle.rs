@@ -25,7 +25,7 @@ pub(crate) struct Cycle {
 
 impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let found = monitor.at_once(|| -> Result<_, VibrationError> {
             let regime = limit_cycle(&oscillator)?;
             let unsteady = if regime == Regime::Sliding { unsteady(&oscillator)? } else { None };

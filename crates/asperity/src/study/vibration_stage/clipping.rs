@@ -10,12 +10,11 @@ use crate::vibration::LARGEST_CLIPPED_FRACTION;
 /// Clipped fraction below which nothing is reported.
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// A warning about clipped friction; none where its fraction is negligible.
-pub(super) fn warning(fraction: f64, upscaling: &str) -> Option<String> {
+/// A warning about friction of which a fraction is clipped to stay positive; none where the fraction is below 0.01 %.
+pub fn clipping_warning(fraction: f64) -> Option<String> {
     (fraction >= NEGLIGIBLE).then(|| {
         format!(
-            "with the {upscaling} upscaling, {} % of the friction values were clipped to stay positive; variability is \
-             understated",
+            "{} % of the friction values were clipped to stay positive; variability is understated",
             sentence::digits(100.0 * fraction)
         )
     })
@@ -59,6 +58,6 @@ impl Ensembles<'_> {
                 }
             }
         }
-        Ok(warning(largest, scatter.name).map(|warning| format!("stability map: at the worst point {warning}")))
+        Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))
     }
 }
