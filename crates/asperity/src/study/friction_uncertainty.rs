@@ -332,13 +332,13 @@ fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     Table::new(columns)
 }
 
-/// Sobol' indices of the moments of the quotient.
+/// Sobol' indices of the moments at the mean load.
 fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
         for (parameter, own) in propagation.parameters().iter().enumerate() {
             let of = |value: fn(&ParameterIndexResult) -> f64| {
-                numbers(levels, |level| level.responses[place].sobol.get(parameter).map(value))
+                numbers(levels, |level| level.at_mean_load[place].sobol.get(parameter).map(value))
             };
             let own = own.name();
             columns.push((format!("{name}_first_{own}"), of(|index| index.first)));

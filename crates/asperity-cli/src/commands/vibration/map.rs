@@ -3,7 +3,7 @@
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapSettings, Oscillator, Parameters, VibrationError, least_fluctuation, stability_map,
+    EnsembleSettings, MapAxis, MapSettings, Oscillator, Parameters, VibrationError, kept_positive, stability_map,
 };
 use clap::Args;
 
@@ -135,8 +135,7 @@ impl Map {
             };
             let at = Parameters { damping_ratio: damping, belt_velocity: velocity, ..stated.parameters().clone() };
             let oscillator = Oscillator::new(at)?.under_load(load)?;
-            let least = Some(least_fluctuation(&oscillator, 1.0));
-            let model = (std > 0.0).then(|| ProcessModel { least, ..self.fluctuation.model(std, load) });
+            let model = (std > 0.0).then(|| kept_positive(&oscillator, self.fluctuation.model(std, load)));
             Ok((oscillator, model))
         };
         let clipped = clipped(&model, [x, y]).map_err(|e| refused(&e))?;

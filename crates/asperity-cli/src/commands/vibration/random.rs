@@ -6,7 +6,7 @@ use asperity::friction::process::{Correlation, FrictionProcess, Generator, Proce
 use asperity::law::Marginal;
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
-use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, least_fluctuation};
+use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, kept_positive};
 use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 
@@ -95,15 +95,14 @@ impl Clipping {
 impl Source {
     /// The process, clipped so that the friction of the oscillator stays positive.
     pub(super) fn process(&self, oscillator: &Oscillator, monitor: &Terminal) -> Result<FrictionProcess, Failure> {
-        let least = Some(least_fluctuation(oscillator, 1.0));
         let process = match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
             (Some(file), Some(unit), ..) => {
                 let model = read_process(file)?.model(unit.0);
-                let made = model.and_then(|model| FrictionProcess::new(ProcessModel { least, ..model }));
+                let made = model.and_then(|model| FrictionProcess::new(kept_positive(oscillator, model)));
                 made.map_err(|e| Failure::data(file.display(), &e))?
             }
             (_, _, Some(std), Some(fluctuation)) => {
-                FrictionProcess::new(ProcessModel { least, ..fluctuation.model(std, 1.0) }).map_err(Failure::usage)?
+                FrictionProcess::new(kept_positive(oscillator, fluctuation.model(std, 1.0))).map_err(Failure::usage)?
             }
             _ => {
                 let wanted = "state --friction-std, --correlation-length and --marginal, or --friction-process";
