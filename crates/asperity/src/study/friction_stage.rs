@@ -250,7 +250,8 @@ pub(super) fn run(
     };
     output.tables = tables::of_levels(&levels);
     output.tables.extend(tables::of_lead(&levels[lead], window));
-    output.warnings.extend(implausible_friction(levels[lead].mean));
+    let place = levels[lead].control.name();
+    output.warnings.extend(implausible_friction(levels[lead].mean).map(|warning| format!("at {place}, {warning}")));
     output.warnings.extend(words::drift(&levels[lead]));
     output.warnings.extend(words::correlation(&levels[lead]));
     if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {
