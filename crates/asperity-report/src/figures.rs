@@ -15,6 +15,8 @@ pub(crate) enum Stage {
     Surface,
     Pressure,
     Friction,
+    /// The quotient F/N of single windows.
+    Quotient,
     Vibration,
 }
 

@@ -141,6 +141,10 @@ impl Dimension {
                 let unit = self.unit(if value == 0.0 { high } else { value });
                 let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
                 let number = match decimals(high - low) {
+                    // A value far smaller than its interval is not rounded to 0.
+                    Some(decimals) if value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) => {
+                        significant(value, 2)
+                    }
                     Some(decimals) => fixed(value, decimals),
                     None => significant(value, 4),
                 };
@@ -240,6 +244,7 @@ mod tests {
         assert_eq!(spaced(Dimension::Pressure.show(-3e6)), "−3 MPa");
         assert_eq!(spaced(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4)))), "250 µm [200, 300]");
         assert_eq!(spaced(Dimension::Length.show_interval(0.0, Some((0.0, 9.07e-6)))), "0.0 µm [0.0, 9.1]");
+        assert_eq!(spaced(Dimension::None.show_interval(0.0621, Some((0.0, 19.0)))), "0.062 [0, 19]");
         assert_eq!(spaced(Dimension::None.show_interval(25.9871, Some((23.49, 28.51)))), "26.0 [23.5, 28.5]");
         assert_eq!(
             spaced(Dimension::None.show_interval(0.005279, Some((0.00468, 0.00607)))),

@@ -134,11 +134,16 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             Stage::Friction,
             "friction",
             "Friction coefficient",
-            &format!(
-                "The friction coefficient of a window that slides over the surface, as a stochastic process. {}",
-                conditions(&results["friction"])
-            ),
+            &friction::lead(&results["friction"]),
             &friction::tables(&results["friction"]),
+        ),
+        section(
+            plates,
+            Stage::Quotient,
+            "quotient",
+            "Quotient F/N of single windows",
+            &friction::quotient_lead(&results["friction"]),
+            &friction::quotient_tables(&results["friction"]),
         ),
         section(
             plates,

@@ -30,8 +30,6 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "pressure_accuracy",
         "pressure_scalars",
         "pressure_sensitivities",
-        "friction_levels",
-        "friction_shape",
         "friction_load_curve",
         "friction_histogram",
         "friction_pit",
@@ -40,6 +38,8 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "friction_windows",
         "friction_spectrum",
         "friction_area_load",
+        "friction_levels",
+        "friction_shape",
         "friction_trace",
         "limit_cycle",
         "reattachment",
@@ -49,12 +49,14 @@ fn a_complete_run_has_every_figure_and_every_section() {
     ];
     assert_eq!(names, wanted);
     for id in
-        ["answers", "surface", "pressure", "friction", "vibration", "inputs", "assumptions", "provenance", "references"]
+        ["answers", "surface", "pressure", "friction", "quotient", "vibration", "inputs", "assumptions", "provenance", "references"]
     {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
     }
     for wanted in [
-        "P(contact) = 0.3200 ± 0.0066",
+        "P(contact) = 0.020 [0.019,\u{a0}0.021]",
+        "it is 0.3200\u{a0}±\u{a0}0.0066",
+        "μ = 0.2249 [0.2227,\u{a0}0.2271]",
         "The paper’s effect vanishes at your scale",
         "Yes: steady sliding is unstable",
         "ζ = 0.20483",
@@ -458,6 +460,24 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     ] {
         assert!(page(&run).contains(wanted), "the page says {wanted:?}");
     }
+    // A level without a variance has neither moments nor a law of the quotient, and says why.
+    let mut heavy = run.clone();
+    let lead = heavy.results["friction"]["levels"][5].as_object_mut().unwrap();
+    for key in ["std", "std_interval", "coefficient_of_variation", "skewness", "excess_kurtosis", "marginal", "gof"] {
+        lead.insert(key.into(), Value::Null);
+    }
+    lead.insert("marginal_parameter_intervals".into(), json!({}));
+    lead.insert("return_levels".into(), json!([]));
+    lead.insert("no_variance".into(), json!("58 % of the windows hold fewer than 30 contact cells"));
+    for column in &mut heavy.tables.get_mut("friction_levels").unwrap().columns {
+        if column.0.starts_with("std") && !column.0.contains("load") {
+            column.1[5] = f64::NAN;
+        }
+    }
+    let said = page(&heavy);
+    assert!(said.contains("Level at 3 MPa: F/N has no variance") && said.contains("58 % of the windows"), "{said}");
+    assert!(!said.contains("exceeded once") && !said.contains("empirical ()"));
+    assert_eq!(words(&heavy, "friction_levels").iter().filter(|text| *text == "at load").count(), 1);
     // What equals the quotient is not drawn twice, and free strips are called so.
     run.results["friction"]["mean_compliance_m_per_pa"] = Value::Null;
     assert!(page(&run).contains("75 µm wide (free)."));
@@ -563,7 +583,7 @@ fn uncertain_parameters_have_a_band_and_their_indices() {
     let sobol = json!([index("rms_height", 0.3), index("correlation_length", 0.74)]);
     let response = |name: &str| json!({"name": name, "value": 0.2, "std": 0.01, "loo_error": 0.02, "sobol": sobol});
     let constant = json!({"name": "std", "value": 0.0, "std": 0.0, "loo_error": 0.0, "sobol": []});
-    let level = json!({"responses": [response("mean"), constant, response("correlation_length_m")]});
+    let level = json!({"at_mean_load": [response("mean"), constant, response("correlation_length_m")]});
     let levels = run.results["friction"]["levels"].as_array().unwrap().len();
     run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": vec![level; levels]});
     let columns = [
@@ -580,7 +600,7 @@ fn uncertain_parameters_have_a_band_and_their_indices() {
     assert!(!said.iter().any(|text| text == "Std of μ"));
     assert!(words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
     // Without indices there is no figure, and without the table no band.
-    run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": [{"responses": [constant]}]});
+    run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": [{"at_mean_load": [constant]}]});
     run.tables.remove("friction_uncertainty");
     let report = render(&run).unwrap();
     assert!(report.figures.iter().all(|figure| figure.name != "friction_sensitivity"));

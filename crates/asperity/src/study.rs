@@ -16,6 +16,7 @@ mod level_control;
 mod measured;
 mod output;
 mod parse;
+mod plausibility;
 mod pooled;
 mod pressure_stage;
 pub mod result;
@@ -40,6 +41,7 @@ pub use estimate::StageEstimate;
 pub use friction_process::simulated_record;
 pub use measured::statistics;
 pub use parse::StudyFileError;
+pub use plausibility::{implausible_damping, implausible_friction, implausible_material};
 pub use pooled::PooledStatistics;
 pub use result::{Outcome, Results};
 pub use run::Stage;
@@ -49,4 +51,6 @@ pub use store::{Staging, StoreError, StoredField, StoredRun, json_bytes};
 pub use twin::{
     BandMethod, Comparison, CurveComparison, StatisticComparison, TwinError, TwinModel, TwinOptions, Twins,
 };
-pub use vibration_stage::{cloud_table, points_table, portrait_table, stability_map_tables, survival_table};
+pub use vibration_stage::{
+    clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
+};

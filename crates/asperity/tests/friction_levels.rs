@@ -166,6 +166,40 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
 }
 
 #[test]
+fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient() {
+    // 3 MPa as on a brake pad: windows of one or two contacts; 1 GPa: hundreds of contact cells in every window.
+    let more = "mean_pressures = [\"3 MPa\", \"1 GPa\"]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
+                damping_ratio = 0.17\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"23.7 mm/s\"\n\
+                trajectories = 2\nduration = 20.0\ndamping_sweep = [0.1, 0.2, 2]\n";
+    let text = format!("{STUDY}{more}").replace("realisations = 4", "realisations = 12").replace("640 um", "1280 um");
+    let text = text.replace("[320, 16]", "[640, 16]");
+    let outcome = Study::parse(&text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap();
+    let (friction, vibration) = (outcome.results.friction.unwrap(), outcome.results.vibration.unwrap());
+    let [_, light, firm, nominal] = &friction.levels[..] else { panic!("four levels") };
+    for level in [light, nominal] {
+        assert!(level.no_variance.as_ref().unwrap().contains("fewer than 30 contact cells"), "{level:?}");
+        let moments = [level.std, level.coefficient_of_variation, level.skewness, level.excess_kurtosis];
+        assert_eq!(moments, [None; 4]);
+        assert_eq!((level.mean_interval, level.std_interval, level.correlation_length_m), (None, None, None));
+        assert!(level.marginal.is_none() && level.gof.is_none() && level.return_levels.is_empty());
+        // At the mean load it has all moments.
+        assert!(level.at_mean_load.std > 0.0 && level.at_mean_load.marginal.is_some());
+    }
+    assert!(firm.no_variance.is_none() && firm.std.unwrap() > 0.0 && firm.marginal.is_some(), "{firm:?}");
+    let point = &friction.operating_point;
+    assert_eq!((point.level.as_str(), point.percentile), ("the nominal pressure", None));
+    assert!((point.mean_pressure_pa / (2500.0 / 833e-6) - 1.0).abs() < 1e-4);
+    // One coefficient: of the level, of the machine and of the file.
+    let process = outcome.friction_process.unwrap();
+    assert!(nominal.leading && point.mean == nominal.at_mean_load.mean);
+    assert_eq!((point.mean, point.mean), (vibration.static_friction, process.mean));
+    assert_eq!((point.std, point.std_nominal_area), (vibration.paper.friction_std, vibration.area.friction_std));
+    assert_eq!(point.contact_fraction, nominal.contact_fraction);
+    let warnings = outcome.results.warnings.join("\n");
+    assert!(warnings.contains("at the nominal pressure, the quotient F/N of single windows has no variance"), "{warnings}");
+}
+
+#[test]
 fn a_study_chooses_law_and_window() {
     let level = |more: &str| {
         let results = run(more).results;
@@ -178,11 +212,11 @@ fn a_study_chooses_law_and_window() {
     );
     let (dependent, words) = level("law = \"pressure_dependent\"\npressure_coefficient = 0.05\n");
     assert!((dependent.at_mean_load.mean - sheared.at_mean_load.mean - 0.05).abs() < 1e-12, "{words}");
-    assert!((dependent.std / sheared.std - 1.0).abs() < 1e-9);
+    assert!((dependent.std.unwrap() / sheared.std.unwrap() - 1.0).abs() < 1e-9);
     let (ploughing, words) = level("law = \"adhesion_ploughing\"\n");
     assert!(ploughing.mean > sheared.mean && words.contains("plough"));
     let (coulomb, _) = level("law = \"coulomb\"\ncoefficient = 0.3\n");
-    assert!((coulomb.mean - 0.3).abs() < 1e-12 && coulomb.std == 0.0);
+    assert!((coulomb.mean.unwrap() - 0.3).abs() < 1e-12 && coulomb.std == Some(0.0));
     // The same strips: narrower windows scatter more about the same mean.
     let (narrow, words) = level("window_width = \"8 um\"\n");
     assert!(words.contains("60 µm × 8 µm, 4 side by side"), "{words}");

@@ -89,7 +89,7 @@ fn a_light_load_shares_the_variance_as_the_slope_does() {
     // The tables say the same.
     let table = &outcome.tables["friction_sensitivity"];
     let total = table.column("mean_total_correlation_length").unwrap()[0];
-    assert_eq!(total, named(&level.responses, "mean").sobol[1].total);
+    assert_eq!(total, named(&level.at_mean_load, "mean").sobol[1].total);
     assert_eq!(
         outcome.tables["friction_uncertainty"].column("mean").unwrap()[0],
         named(&level.responses, "mean").value.unwrap()

@@ -14,12 +14,13 @@ use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 use crate::resources::require_memory;
 
-/// Shows a study with all its values filled in, what it will cost, and what is wrong with it; computes nothing.
+/// Shows a study with all its values filled in, what it will cost, and the warnings of its run that are known beforehand;
+/// computes nothing. Exits with 2 if the study cannot be run as it is, with 5 if the machine has too little memory for it.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
     /// Study file.
     study: PathBuf,
-    /// Print one JSON object: study, estimate, problems.
+    /// Print one JSON object: study, estimate, warnings, problems.
     #[arg(long)]
     json: bool,
 }
@@ -27,41 +28,69 @@ pub(crate) struct Check {
 impl Check {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let study = study_file::study(&self.study, None)?;
-        let mut problems = self.problems(&study)?;
+        let mut warnings = self.doubts_of_scans(&study)?;
+        let mut problems = Vec::new();
+        match study.check_before_run(study_file::folder_of(&self.study)) {
+            Ok(found) => warnings.extend(found),
+            Err(e) => {
+                let failure = study_file::ended(&self.study, &e);
+                // A friction process that cannot be used at all is an error.
+                if failure.kind() == Kind::Data {
+                    return Err(failure);
+                }
+                warnings.extend(study.warnings());
+                problems.push(failure);
+            }
+        }
         let threads = rayon::current_num_threads();
         let stages = study.estimate(threads);
         for stage in &stages {
-            let lacking = require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err();
-            problems.extend(lacking.map(|failure| failure.message().to_owned()));
+            problems.extend(require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err());
         }
         monitor.check()?;
+        warnings.iter().for_each(|warning| monitor.warn(warning));
+        self.print(&study, &stages, threads, &warnings, &problems)?;
+        problems.into_iter().next().map_or(Ok(()), Err)
+    }
+
+    fn print(
+        &self,
+        study: &Study,
+        stages: &[StageEstimate],
+        threads: usize,
+        warnings: &[String],
+        problems: &[Failure],
+    ) -> Result<(), Failure> {
         if self.json {
-            let resolved = serde_json::to_value(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let resolved = serde_json::to_value(study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             let estimate: Vec<Value> = stages.iter().map(|stage| as_json(stage, threads)).collect();
+            let problems: Vec<&str> = problems.iter().map(Failure::message).collect();
             return Answer::default()
                 .with("study", resolved)
                 .with("estimate", estimate)
+                .with("warnings", warnings)
                 .with("problems", problems)
                 .print(true);
         }
-        let resolved = toml::to_string(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+        let resolved = toml::to_string(study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
         let mut text = format!("# {} with all its values; a valid study file itself.\n", self.study.display());
-        for stage in &stages {
+        for stage in stages {
             text += &format!("# {}\n", in_words(stage, threads));
         }
-        for problem in &problems {
-            text += &format!("# problem: {problem}\n");
+        for warning in warnings {
+            text += &format!("# warning: {warning}\n");
+        }
+        for problem in problems {
+            text += &format!("# problem: {}\n", problem.message());
         }
         print(&(text + "\n" + &resolved))
     }
 
-    /// What is doubtful about the scan. A scan or a friction process that cannot be used at all is an error.
-    fn problems(&self, study: &Study) -> Result<Vec<String>, Failure> {
-        let folder = study_file::folder_of(&self.study);
-        study.read_friction_process(folder).map_err(|e| study_file::ended(&self.study, &e))?;
+    /// Warnings about the scans. A scan that cannot be used at all is an error.
+    fn doubts_of_scans(&self, study: &Study) -> Result<Vec<String>, Failure> {
         let Some(section) = &study.surface else { return Ok(Vec::new()) };
-        let scans = section.read_scans(folder).map_err(|e| unreadable(&e))?;
-        let mut problems = Vec::new();
+        let scans = section.read_scans(study_file::folder_of(&self.study)).map_err(|e| unreadable(&e))?;
+        let mut warnings = Vec::new();
         let several = scans.len() > 1;
         for (file, mut scan) in section.files().iter().zip(scans) {
             let mut own = std::mem::take(&mut scan.warnings);
@@ -73,10 +102,10 @@ impl Check {
             if missing > 0 {
                 own.push(format!("{missing} of {points} heights are missing"));
             }
-            let of_file = |problem| if several { format!("{}: {problem}", file.display()) } else { problem };
-            problems.extend(own.into_iter().map(of_file));
+            let of_file = |warning| if several { format!("{}: {warning}", file.display()) } else { warning };
+            warnings.extend(own.into_iter().map(of_file));
         }
-        Ok(problems)
+        Ok(warnings)
     }
 }
 

@@ -12,6 +12,7 @@ use asperity::contact::{
 };
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
+use asperity::study::implausible_material;
 use clap::{Args, ValueEnum};
 
 use analysis::Analysis;
@@ -148,12 +149,15 @@ impl Contact {
         let map = self.counterface.laid_on(map, &self.options, self.level, monitor)?;
         let substrate = self.substrate()?;
         let boundary = self.boundary(map.grid(), &substrate, control)?;
+        let hardness_pa = self.hardness.map(|q| q.0);
+        for doubt in implausible_material(self.youngs_modulus.0, self.poisson_ratio, hardness_pa, None) {
+            monitor.warn(&doubt);
+        }
         if let Some(doubt) = self.layering.doubt(unloading::span(map.heights_m())) {
             monitor.warn(&doubt);
         }
         let refused = |e: ContactError| self.refused(&e);
         let half_space = HalfSpace::on(substrate, map.grid(), boundary).map_err(refused)?;
-        let hardness_pa = self.hardness.map(|q| q.0);
         let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).map_err(refused)?;
         let mut solver = Solver::default();
         if let Some(tolerance) = self.tolerance {

@@ -152,9 +152,19 @@ fn stored(outcome: &Outcome, study: String, provenance: &Provenance) -> Result<S
 
 /// The numbers to look at first, and where the others are.
 fn headline(run: &StoredRun, folder: &Path) -> Answer {
+    let results = &run.results;
+    let point = &results["friction"]["operating_point"];
+    // Contact and friction at the operating point, where there is one: the coefficient that drives the vibration.
+    let [contact, mean, interval] = match point.is_object() {
+        true => ["contact_fraction", "mean", "mean_interval"].map(|key| format!("/friction/operating_point/{key}")),
+        false => ["/pressure/contact_probability", "/vibration/static_friction", ""].map(str::to_owned),
+    };
     // The scatter of the upscaling that the study leads with.
-    let lead = run.results.pointer("/vibration/upscaling").and_then(|name| name.as_str()).unwrap_or("area");
-    let scatter = format!("/vibration/{lead}/friction_std");
+    let lead = results.pointer("/vibration/upscaling").and_then(|name| name.as_str()).unwrap_or("area");
+    let std = match results["vibration"].is_object() {
+        true => format!("/vibration/{lead}/friction_std"),
+        false => "/friction/operating_point/std".to_owned(),
+    };
     let numbers = [
         ("Sq_m", "/surface/Sq_m"),
         // Of the scan, then of the covariance: a fit need not meet the length of the scan, and what its model calls a length
@@ -166,17 +176,23 @@ fn headline(run: &StoredRun, folder: &Path) -> Answer {
         ("covariance_length_y_m", "/surface/covariance/length_y_m"),
         ("covariance_decay_length_x_m", "/surface/covariance/decay_length_x_m"),
         ("covariance_decay_length_y_m", "/surface/covariance/decay_length_y_m"),
-        ("contact_probability", "/pressure/contact_probability"),
-        ("friction_mean", "/vibration/static_friction"),
-        ("friction_std", scatter.as_str()),
+        ("operating_point", "/friction/operating_point/level"),
+        ("mean_pressure_pa", "/friction/operating_point/mean_pressure_pa"),
+        ("contact_probability", contact.as_str()),
+        ("friction_mean", mean.as_str()),
+        ("friction_mean_interval", interval.as_str()),
+        ("friction_std", std.as_str()),
         ("friction_correlation_length_m", "/vibration/friction_correlation_length_m"),
         ("critical_damping_ratio", "/vibration/critical_damping_ratio"),
         ("limit_damping_ratio", "/vibration/limit_damping_ratio"),
         ("kind", "/vibration/kind"),
         ("period", "/vibration/cycle/period"),
     ];
-    let found = numbers.into_iter().filter_map(|(key, pointer)| Some((key, run.results.pointer(pointer)?.clone())));
-    let vibrates = vibration_answer(&run.results).map(|answer| ("vibrates", answer.into()));
+    let found = numbers.into_iter().filter(|(_, pointer)| !pointer.is_empty());
+    let found = found.filter_map(|(key, pointer)| Some((key, results.pointer(pointer)?.clone())));
+    // Short strips leave the mean without an interval.
+    let found = found.filter(|(key, value)| !(key.ends_with("_interval") && value.is_null()));
+    let vibrates = vibration_answer(results).map(|answer| ("vibrates", answer.into()));
     found
         .chain(vibrates)
         .fold(Answer::default(), |answer, (key, value)| answer.with(key, value))

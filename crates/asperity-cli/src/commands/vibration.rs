@@ -18,6 +18,7 @@ mod wav;
 
 use std::path::{Path, PathBuf};
 
+use asperity::study::{implausible_damping, implausible_friction};
 use asperity::vibration::{
     Forcing, FrictionLaw, FrictionTable, Method, MotionKind, Oscillator, Parameters, VibrationError,
 };
@@ -115,7 +116,8 @@ struct Law {
 }
 
 impl Machine {
-    fn oscillator(&self, damping_ratio: f64) -> Result<Oscillator, Failure> {
+    /// The machine, with a warning about implausible values.
+    fn oscillator(&self, damping_ratio: f64, monitor: &Terminal) -> Result<Oscillator, Failure> {
         let parameters = Parameters {
             static_friction: self.friction.static_friction,
             law: self.friction.law()?,
@@ -126,7 +128,10 @@ impl Machine {
                 .zip(self.forcing_frequency)
                 .map(|(amplitude, frequency)| Forcing { amplitude, frequency }),
         };
-        Oscillator::new(parameters).map_err(Failure::usage)
+        let oscillator = Oscillator::new(parameters).map_err(Failure::usage)?;
+        let doubts = [implausible_friction(self.friction.static_friction), implausible_damping(damping_ratio)];
+        doubts.iter().flatten().for_each(|doubt| monitor.warn(doubt));
+        Ok(oscillator)
     }
 }
 

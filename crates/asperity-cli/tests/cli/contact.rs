@@ -400,3 +400,13 @@ fn an_interrupted_solution_ends_at_once_and_leaves_the_old_file() {
     assert_eq!(fs::read_to_string(folder.path().join("f.npz")).unwrap(), "old");
     assert_eq!(listing(folder.path()), ["f.npz", "map.npy"]);
 }
+
+#[test]
+fn an_implausible_material_is_warned_about_and_a_load_beyond_the_hardness_is_refused() {
+    let folder = folder_with(rough());
+    let line = "--youngs-modulus 10GPa --hardness 2GPa --boundary periodic --mean-pressure";
+    let soft = press(folder.path(), &format!("{line} 10MPa"));
+    assert_eq!(soft.code, 0, "{soft:?}");
+    assert!(soft.stderr.contains("warning: Young's modulus 10 GPa is less than ten times the hardness 2 GPa"), "{soft:?}");
+    press(folder.path(), &format!("{line} 3GPa")).refuses(2, &["hardness"]);
+}

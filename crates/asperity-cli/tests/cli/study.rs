@@ -380,11 +380,51 @@ fn a_run_that_fails_leaves_no_folder_behind_and_keeps_those_that_were_there() {
 #[test]
 fn a_study_too_large_for_the_memory_is_a_problem_for_check_and_a_lack_of_resources_for_run() {
     let folder = folder_with(&STUDY.replace("points = [16, 16]", "points = [1000000, 1000000]"));
-    let checked = run_in(folder.path(), "check study.toml --json").json(0);
+    let ended = run_in(folder.path(), "check study.toml --json");
+    let checked = ended.json(5);
+    assert!(ended.stderr.contains("error: the pressure stage needs about"), "{ended:?}");
     let problem = checked["problems"][0].as_str().unwrap();
     assert!(problem.contains("pressure stage") && problem.contains("GB"), "{problem}");
     run_in(folder.path(), "run study.toml").refuses(5, &["pressure stage", "GB"]);
     assert_eq!(listing(folder.path()), ["study.toml"]);
+}
+
+#[test]
+fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
+    // Young's modulus of 15 GPa over a hardness of 2 GPa, friction above 1.5, damping above 1, and a normal force beyond the hardness.
+    let doubtful = STUDY
+        .replace("210 GPa", "15 GPa")
+        .replace("static_friction = 0.1", "static_friction = 1.6")
+        .replace("damping_ratio = 0.17", "damping_ratio = 1.2")
+        .replace("833 mm^2", "1 mm^2");
+    let folder = folder_with(&doubtful);
+    let ended = run_in(folder.path(), "check study.toml --json");
+    let warnings: Vec<String> =
+        ended.json(0)["warnings"].as_array().unwrap().iter().map(|w| w.as_str().unwrap().to_owned()).collect();
+    for wanted in [
+        "[material] Young's modulus 15 GPa is less than ten times the hardness 2 GPa",
+        "[vibration] the friction coefficient 1.6 is above 1.5",
+        "[vibration] the damping ratio 1.2 is above 1",
+        "[vibration] the normal force 2.5 kN presses the nominal area 1 mm^2 with 2.5 GPa, which is not below the hardness 2 GPa",
+    ] {
+        assert!(warnings.iter().any(|warning| warning.starts_with(wanted)), "{wanted} in {warnings:?}");
+    }
+    let text = run_in(folder.path(), "check study.toml");
+    let ran = run_in(folder.path(), "run study.toml --only vibration");
+    assert_eq!((text.code, ran.code), (0, 0), "{ran:?}");
+    for warning in &warnings {
+        assert!(text.stdout.contains(&format!("# warning: {warning}")), "{text:?}");
+        assert!(ran.stderr.contains(&format!("warning: {warning}")), "{ran:?}");
+    }
+    // The standard deviation of the friction is as large as its mean.
+    let wild = folder_with(&STUDY.replace("friction_std = 0.001", "friction_std = 0.1"));
+    let refused = run_in(wild.path(), "check study.toml --json");
+    let problem = refused.json(2)["problems"][0].as_str().unwrap().to_owned();
+    assert!(problem.contains("would be clipped to stay positive, more than 5 %"), "{problem}");
+    run_in(wild.path(), "run study.toml").refuses(2, &["would be clipped", "allow_clipping = true"]);
+    assert_eq!(listing(wild.path()), ["study.toml"]);
+    let allowed = folder_with(&(STUDY.replace("friction_std = 0.001", "friction_std = 0.1") + "allow_clipping = true\n"));
+    assert_eq!(run_in(allowed.path(), "check study.toml").code, 0);
 }
 
 #[test]

@@ -280,16 +280,39 @@ fn an_ensemble_is_the_same_for_any_number_of_threads_and_another_for_another_see
 }
 
 #[test]
-fn friction_that_fluctuates_below_zero_leaves_too_few_paths_and_says_so() {
-    let line = format!(
-        "vibration ensemble {PAPER} --damping-ratio 0.17 --friction-std 0.1 --correlation-length 0.01 --marginal normal \
-         --duration 637.2 --trajectories 20 --seed 1 --json"
+fn clipped_friction_is_reported_and_refused_above_five_percent_unless_allowed() {
+    let law = "--correlation-length 0.01 --marginal beta:2.1,5 --duration 60 --seed 1";
+    let ensemble = |std: f64, more: &str| {
+        asperity(&format!(
+            "vibration ensemble {PAPER} --damping-ratio 0.17 --friction-std {std} {law} --trajectories 20 --json {more}"
+        ))
+    };
+    let calm = ensemble(0.001, "");
+    assert_eq!(number(&calm.json(0), "clipped_fraction"), 0.0);
+    assert!(!calm.stderr.contains("clipped"), "{calm:?}");
+    let wild = "% of the friction values would be clipped to stay positive, more than 5 %";
+    ensemble(0.08, "").refuses(2, &[wild, "--allow-clipping"]);
+    let allowed = ensemble(0.08, "--allow-clipping");
+    let fraction = number(&allowed.json(0), "clipped_fraction");
+    assert!((0.05..0.6).contains(&fraction), "{fraction}");
+    assert!(allowed.stderr.contains("clipped to stay positive; variability is understated"), "{allowed:?}");
+    let sound = format!("vibration sound {PAPER} --damping-ratio 0.17 --friction-std 0.08 {law} --trajectories 2 --json");
+    asperity(&sound).refuses(2, &[wild]);
+    let map = format!(
+        "vibration map {PAPER} --damping-ratio 0.17 --friction-std 0.001 {law} --trajectories 2 --depth 0 --json \
+         --damping-ratios 0.1,0.2,1 --friction-stds 0,0.08,1"
     );
-    let ended = asperity(&line);
-    let json = ended.json(4);
-    assert_eq!(json["converged"], Value::Bool(false));
-    assert_eq!(json["cycles_mean"], Value::Null);
-    assert!(ended.stderr.contains("0 of 20"), "{ended:?}");
+    asperity(&map).refuses(2, &[wild]);
+}
+
+#[test]
+fn implausible_machines_are_warned_about() {
+    let warned = |line: &str| asperity(&format!("vibration {line}")).stderr;
+    let damped = warned("cycle --static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003 --damping-ratio 1.2");
+    assert!(damped.contains("warning: the damping ratio 1.2 is above 1"), "{damped}");
+    let rough = warned("critical-damping --static-friction 1.6 --stribeck 4.2 --belt-velocity 0.003");
+    assert!(rough.contains("warning: the friction coefficient 1.6 is above 1.5"), "{rough}");
+    assert!(!warned(&format!("cycle {PAPER} --damping-ratio 0.17")).contains("warning"));
 }
 
 #[test]

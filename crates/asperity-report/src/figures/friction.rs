@@ -18,7 +18,7 @@ use crate::{ReportError, Run};
 pub(crate) const HEIGHT: f64 = 330.0;
 
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    levels::plates(run, plates)?;
+    levels::load_curve(run, plates)?;
     let lead = leading_level(&run.results["friction"]).unwrap_or(&Value::Null);
     let first = match law_name(&lead["at_mean_load"]["marginal"]) {
         Some(name) => format!("law ranked first ({name})"),
@@ -30,7 +30,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
         (
             "friction_histogram",
             "Law of the friction coefficient",
-            "Histogram of μ over all windows of the leading level, taken at its mean load, with the laws fitted by likelihood: that \
+            "Histogram of μ over all windows of the operating point, taken at the mean load, with the laws fitted by likelihood: that \
              ranked first by Akaike’s criterion, the Beta law of the paper with its bounds fitted too, and the others.",
             alone(table("friction_histogram").and_then(|t| law::histogram(t, "windows", &first)), HEIGHT),
         ),
@@ -50,7 +50,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
         (
             "friction_acf",
             "Autocorrelation of the friction coefficient",
-            "Autocorrelation of μ along the track at the leading level, taken at its mean load. A window that slides over \
+            "Autocorrelation of μ along the track at the operating point, taken at the mean load. A window that slides over \
              uncorrelated friction gives the triangle by itself: only what differs from it is a property of the surface. “Window and \
              exponential” is the triangle convolved with the exponential that all windows share.",
             alone(table("friction_acf").and_then(|t| correlation::autocorrelation(t, "windows")), HEIGHT),
@@ -64,7 +64,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
         (
             "friction_spectrum",
             "Power spectral density of the friction coefficient",
-            "One-sided power spectral density of μ at the leading level, taken at its mean load: its integral over the frequency is \
+            "One-sided power spectral density of μ at the operating point, taken at the mean load: its integral over the frequency is \
              the variance. The window alone has zeros at multiples of 1/W, where the mean over a bin stays above them.",
             alone(table("friction_spectrum").and_then(correlation::spectrum), HEIGHT),
         ),
@@ -81,6 +81,7 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
         }
     }
     uncertainty::plate(run, plates)?;
+    levels::quotient(run, plates)?;
     trace::trace(run, plates)
 }
 

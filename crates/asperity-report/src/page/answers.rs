@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::friction::{leading_level, level_name};
-use super::json::interval;
+use super::friction::{operating_point, place};
+use super::json::shown;
 use super::method_name;
 use super::tables::list;
 use super::vibration::difference;
@@ -27,13 +27,36 @@ pub(super) struct Answer {
 /// The answers that the results hold.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
-    [contact(&results["pressure"]), friction(&results["friction"]), vibrates(run), damping(run), roughness(run)]
+    [contact(run), friction(&results["friction"]), vibrates(run), damping(run), roughness(run)]
         .into_iter()
         .flatten()
         .collect()
 }
 
-fn contact(pressure: &Value) -> Option<Answer> {
+/// At the operating point, where there is one; otherwise at the level of the pressure stage.
+fn contact(run: &Run) -> Option<Answer> {
+    let question = "How likely is contact at a point?";
+    let patch = patch_contact(run);
+    let point = operating_point(&run.results["friction"]).filter(|point| point["contact_fraction"].is_number());
+    if let Some(point) = point {
+        let also = patch.map_or(String::new(), |(probability, level, _)| format!(" {level}, it is {probability}."));
+        return Some(Answer {
+            question,
+            answer: format!("P(contact) = {}", shown(&point, "contact_fraction")),
+            detail: format!(
+                "At the operating point ({}): contact area over nominal area of the strips; brackets hold the 95 % interval.{also}",
+                place(&point)
+            ),
+        });
+    }
+    let (probability, level, origin) = patch?;
+    let answer = format!("P(contact) = {probability}");
+    Some(Answer { question, answer, detail: format!("{level}. {origin}; ± is one standard error.") })
+}
+
+/// The contact probability of the pressure stage with its standard error, its level, and where it is from.
+fn patch_contact(run: &Run) -> Option<(String, String, String)> {
+    let pressure = &run.results["pressure"];
     let known = |entry: &&Value| entry["contact_probability"].is_number();
     let solves =
         |entry: &Value, key: &str| entry[key].as_u64().map_or(String::new(), |n| format!(", {n} contact solutions"));
@@ -50,29 +73,36 @@ fn contact(pressure: &Value) -> Option<Answer> {
     };
     let probability = entry["contact_probability"].as_f64()?;
     let error = entry["contact_probability_se"].as_f64().unwrap_or(f64::NAN);
-    Some(Answer {
-        question: "How likely is contact at a point?",
-        answer: format!("P(contact) = {}", with_error(probability, error)),
-        detail: format!("{origin}; ± is one standard error."),
-    })
+    let stated = |key: &str| {
+        let input = run.inputs.iter().find(|input| input.section == "pressure" && input.key == key)?;
+        Some(input.value.trim().to_owned())
+    };
+    let level = match (stated("percentile"), stated("penetration"), stated("mean_pressure")) {
+        (Some(percent), ..) if percent.parse() == Ok(50.0) => "With the plane at the median height".to_owned(),
+        (Some(percent), ..) => format!("With the plane below {percent} % of the heights"),
+        (_, Some(depth), _) => format!("With the plane {depth} below the highest point"),
+        (.., Some(pressure)) => format!("At a mean pressure of {pressure}"),
+        _ => "At the level of the pressure stage".to_owned(),
+    };
+    Some((with_error(probability, error), level, origin))
 }
 
 fn friction(friction: &Value) -> Option<Answer> {
-    let level = leading_level(friction)?;
-    let mean = level["mean"].as_f64()?;
-    let answer = match level["std"].as_f64() {
-        Some(std) => format!("μ = {}", with_error(mean, std)),
-        None => format!("μ = {}", significant(mean, 3)),
-    };
-    let known = interval(level, "mean")
-        .map_or(String::new(), |(low, high)| format!(" The mean is known to {} (95 %).", show_range(low, high)));
+    let point = operating_point(friction).filter(|point| point["mean"].is_number())?;
     let window = friction["window_m"]
         .as_f64()
         .map_or("one window".into(), |w| format!("a window of {}", Dimension::Length.show(w)));
+    let std = |key: &str| point[key].as_f64().map(|std| significant(std, 2));
+    let scatter = match (std("std"), std("std_nominal_area")) {
+        (Some(own), Some(area)) => format!(" Standard deviation: {own} for {window}, {area} over the nominal area."),
+        (Some(own), None) => format!(" Standard deviation: {own} for {window}."),
+        _ => String::new(),
+    };
+    let brackets = if point["mean_interval"].is_array() { "; brackets hold the 95 % interval" } else { "" };
     Some(Answer {
         question: "Which friction coefficient follows?",
-        answer,
-        detail: format!("Level {}; ± is the standard deviation over {window}.{known}", level_name(level)),
+        answer: format!("μ = {}", shown(&point, "mean")),
+        detail: format!("At the operating point ({}){brackets}.{scatter}", place(&point)),
     })
 }
 
@@ -267,13 +297,39 @@ mod tests {
     }
 
     #[test]
-    fn the_level_at_mean_pressure_leads() {
+    fn a_run_of_an_older_version_answers_with_its_leading_level() {
         let results = json!({"friction": {"levels": [
             {"percentile": 50.0, "mean_pressure_pa": 1e9, "mean": 0.2, "std": 0.01},
             {"percentile": null, "mean_pressure_pa": 3e6, "mean": 0.3312, "std": 0.0123}]}});
         let found = answers(&Run { results, ..Run::default() });
         let plain = |text: &str| text.replace('\u{a0}', " ");
-        assert_eq!(plain(&found[0].answer), "μ = 0.331 ± 0.012");
+        assert_eq!(plain(&found[0].answer), "μ = 0.3312");
         assert!(plain(&found[0].detail).contains("3 MPa"));
+    }
+
+    #[test]
+    fn friction_and_contact_are_those_of_the_operating_point() {
+        let results = json!({
+            "pressure": {"contact_probability": 0.2202, "contact_probability_se": 0.0057},
+            "friction": {
+                "window_m": 6e-4,
+                "operating_point": {"level": "the nominal pressure", "mean_pressure_pa": 3e6, "contact_fraction": 0.0143,
+                    "contact_fraction_interval": [0.014, 0.0146], "mean": 0.204_07, "mean_interval": [0.2027, 0.2055],
+                    "std": 0.0087, "std_nominal_area": 6.4e-5},
+                "levels": [{"leading": true, "mean_pressure_pa": 3e6, "mean": 0.2173, "std": null}]}});
+        let inputs = vec![crate::Input { section: "pressure".into(), key: "percentile".into(), value: "50.0".into() }];
+        let mut run = Run { results, inputs, ..Run::default() };
+        let plain = |text: &str| text.replace('\u{a0}', " ");
+        let found = answers(&run);
+        assert_eq!(plain(&found[0].answer), "P(contact) = 0.01430 [0.01400, 0.01460]");
+        assert!(plain(&found[0].detail).contains("the nominal pressure, 3 MPa"), "{:?}", found[0]);
+        assert!(plain(&found[0].detail).contains("With the plane at the median height, it is 0.2202 ± 0.0057."));
+        assert_eq!(plain(&found[1].answer), "μ = 0.2041 [0.2027, 0.2055]");
+        assert!(plain(&found[1].detail).contains("0.0087 for a window of 600 µm"), "{:?}", found[1]);
+        // Without a friction stage the level of the patches is named.
+        run.results["friction"] = Value::Null;
+        let found = answers(&run);
+        assert_eq!(plain(&found[0].answer), "P(contact) = 0.2202 ± 0.0057");
+        assert!(plain(&found[0].detail).starts_with("With the plane at the median height."), "{:?}", found[0]);
     }
 }

@@ -1,6 +1,6 @@
 //! The tables of the friction stage, and the conditions that its numbers hold under.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::json::{plain, shown};
 use super::tables::list;
@@ -47,14 +47,74 @@ pub(crate) fn conditions(friction: &Value) -> String {
     format!("Window of {window}{width}{strips}.")
 }
 
-/// `friction`: moments, process and drifts by level; then the law and the correlation of the leading one.
+/// The friction coefficient that drives the vibration. Of a run of an older version it is that of the leading level.
+pub(super) fn operating_point(friction: &Value) -> Option<Value> {
+    if friction["operating_point"].is_object() {
+        return Some(friction["operating_point"].clone());
+    }
+    let level = leading_level(friction)?;
+    let process = if level["at_mean_load"].is_object() { &level["at_mean_load"] } else { level };
+    Some(json!({
+        "level": format!("level {}", level_name(level)), "mean_pressure_pa": level["mean_pressure_pa"],
+        "contact_fraction": level["contact_fraction"], "mean": process["mean"], "mean_interval": process["mean_interval"],
+        "std": process["std"], "std_interval": process["std_interval"],
+        "std_nominal_area": level["upscaling"]["area"]["std"],
+    }))
+}
+
+/// The operating point in words: its level and its mean pressure.
+pub(super) fn place(point: &Value) -> String {
+    let level = point["level"].as_str().unwrap_or("–");
+    match point["mean_pressure_pa"].as_f64() {
+        // The pressure is the name of such a level.
+        Some(_) if level.starts_with("the mean pressure") || level.starts_with("level at") => level.to_owned(),
+        Some(pascal) => format!("{level}, {}", Dimension::Pressure.show(pascal)),
+        None => level.to_owned(),
+    }
+}
+
+/// What stands above the friction section.
+pub(super) fn lead(friction: &Value) -> String {
+    let stated = operating_point(friction).filter(|point| point["mean"].is_number()).map_or(String::new(), |point| {
+        format!(" At the operating point ({}) μ = {}.", place(&point), shown(&point, "mean"))
+    });
+    format!(
+        "The friction coefficient of a window that slides over the surface, as a stochastic process in which a window counts by \
+         the load it carries.{stated} {}",
+        conditions(friction)
+    )
+}
+
+/// What stands above the section of the quotient F/N: where it has no variance, and why.
+pub(super) fn quotient_lead(friction: &Value) -> String {
+    let mut lead = "The paper’s definition, friction force over load of every single window. It differs from the friction \
+                    coefficient above where windows carry few contacts, and it does not drive the vibration."
+        .to_owned();
+    for level in list(&friction["levels"]) {
+        if let Some(reason) = level["no_variance"].as_str() {
+            lead += &format!(
+                " Level {}: F/N has no variance, so that no standard deviation, law or return level is stated: {reason}.",
+                level_name(level)
+            );
+        }
+    }
+    lead
+}
+
+/// `friction`: process and drifts by level; then the law and the correlation of the operating point.
 pub(super) fn tables(friction: &Value) -> Vec<DataTable> {
-    let mut tables: Vec<DataTable> = [moments, process, drifts].map(|table| table(friction)).into();
+    let mut tables: Vec<DataTable> = [process, drifts].map(|table| table(friction)).into();
     if let Some(lead) = leading_level(friction) {
-        tables.extend([law(lead), correlation_models(lead)]);
+        tables.extend([law(lead, &lead["at_mean_load"], "at the mean load"), correlation_models(lead)]);
     }
     tables.extend(uncertain(friction));
     tables
+}
+
+/// Moments of F/N by level, and its law at the operating point.
+pub(super) fn quotient_tables(friction: &Value) -> Vec<DataTable> {
+    let lead = leading_level(friction).map(|lead| law(lead, lead, "of the quotient F/N"));
+    std::iter::once(moments(friction)).chain(lead).collect()
 }
 
 /// Moments over the uncertain parameters of the surface, level by level.
@@ -65,7 +125,7 @@ fn uncertain(friction: &Value) -> Option<DataTable> {
     let mut rows = Vec::new();
     for (place, level) in list(&uncertainty["levels"]).iter().enumerate() {
         rows.push(vec![level_name(own.get(place).unwrap_or(level))]);
-        for response in list(&level["responses"]) {
+        for response in list(&level["at_mean_load"]) {
             let name = response["name"].as_str().unwrap_or("–");
             let dimension = Dimension::of_key(name).1;
             let ends = (response["interval"][0].as_f64(), response["interval"][1].as_f64());
@@ -99,9 +159,9 @@ fn uncertain(friction: &Value) -> Option<DataTable> {
     }
     let points = uncertainty["points"].as_u64().map_or(String::new(), |n| format!(" over {n} surfaces of"));
     let caption =
-        format!("Moments of μ{points} uncertain parameters; noise is the strips’, unexplained is by the expansion");
+        format!("Moments of μ at the mean load{points} uncertain parameters; noise is the strips’, unexplained is by the expansion");
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
-    Some(DataTable::new(&caption, &headers, rows, "tables/friction_uncertainty.csv"))
+    Some(DataTable::new(&caption, &headers, rows, "results.json"))
 }
 
 /// One row per level: its name, then the cells.
@@ -204,45 +264,39 @@ fn drifts(friction: &Value) -> DataTable {
     })
 }
 
-/// The laws of the leading level, how well they fit, and what they expect far out.
-fn law(lead: &Value) -> DataTable {
+/// The law of the operating point, at the mean load or of the quotient F/N: how well it fits, and what it expects far out.
+fn law(lead: &Value, part: &Value, of: &str) -> DataTable {
     let mut rows = Vec::new();
-    for (title, part) in [("At the mean load", &lead["at_mean_load"]), ("F/N", lead)] {
-        let mut group = Vec::new();
-        group.extend(law_name(&part["marginal"]).map(|name| vec!["law ranked first".into(), name]));
-        for (name, value) in part["marginal"]["parameters"].as_object().into_iter().flatten() {
-            let ends = pair(&part["marginal_parameter_intervals"][name]);
-            let shown = value.as_f64().map_or_else(|| plain(value), |value| Dimension::None.show_interval(value, ends));
-            group.push(vec![name.clone(), shown]);
-        }
-        for (key, name) in
-            [("kolmogorov_smirnov", "Kolmogorov–Smirnov distance"), ("anderson_darling", "Anderson–Darling A²")]
-        {
-            if let Some(distance) = part["gof"][key].as_f64() {
-                let chance = part["gof"][&format!("{key}_p")].as_f64();
-                let chance = chance.map_or(String::new(), |p| format!(" (p = {})", significant(p, 2)));
-                group.push(vec![name.into(), format!("{}{chance}", significant(distance, 3))]);
-            }
-        }
-        let laws: Vec<String> = list(&part["laws"])
-            .iter()
-            .filter_map(|law| {
-                Some(format!("{} {}", in_words(&law["name"]), significant(law["aic_difference"].as_f64()?, 3)))
-            })
-            .collect();
-        if !laws.is_empty() {
-            group.push(vec!["laws by ΔAIC".into(), laws.join(", ")]);
-        }
-        for level in list(&part["return_levels"]) {
-            let distance = level["distance_m"].as_f64().map_or("–".into(), |metre| Dimension::Length.show(metre));
-            group.push(vec![format!("exceeded once in {distance}"), estimated(level, "mu")]);
-        }
-        if !group.is_empty() {
-            rows.push(vec![title.to_owned()]);
-            rows.append(&mut group);
+    rows.extend(law_name(&part["marginal"]).map(|name| vec!["law ranked first".into(), name]));
+    for (name, value) in part["marginal"]["parameters"].as_object().into_iter().flatten() {
+        let ends = pair(&part["marginal_parameter_intervals"][name]);
+        let shown = value.as_f64().map_or_else(|| plain(value), |value| Dimension::None.show_interval(value, ends));
+        rows.push(vec![name.clone(), shown]);
+    }
+    for (key, name) in
+        [("kolmogorov_smirnov", "Kolmogorov–Smirnov distance"), ("anderson_darling", "Anderson–Darling A²")]
+    {
+        if let Some(distance) = part["gof"][key].as_f64() {
+            let chance = part["gof"][&format!("{key}_p")].as_f64();
+            let chance = chance.map_or(String::new(), |p| format!(" (p = {})", significant(p, 2)));
+            rows.push(vec![name.into(), format!("{}{chance}", significant(distance, 3))]);
         }
     }
-    let caption = format!("Law of μ at the leading level, {}; brackets hold 95 % intervals", level_name(lead));
+    let laws: Vec<String> = list(&part["laws"])
+        .iter()
+        .filter_map(|law| {
+            Some(format!("{} {}", in_words(&law["name"]), significant(law["aic_difference"].as_f64()?, 3)))
+        })
+        .collect();
+    if !laws.is_empty() {
+        rows.push(vec!["laws by ΔAIC".into(), laws.join(", ")]);
+    }
+    for level in list(&part["return_levels"]) {
+        let distance = level["distance_m"].as_f64().map_or("–".into(), |metre| Dimension::Length.show(metre));
+        rows.push(vec![format!("exceeded once in {distance}"), estimated(level, "mu")]);
+    }
+    let caption =
+        format!("Law of μ at the operating point ({}), {of}; brackets hold 95 % intervals", level_name(lead));
     DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
 }
 
@@ -259,7 +313,7 @@ fn correlation_models(lead: &Value) -> DataTable {
         ]
     });
     let caption = format!(
-        "Models of the correlation at the leading level, {}, the best first: curves with the window inside by least squares, and \
+        "Models of the correlation at the operating point ({}), the best first: curves with the window inside by least squares, and \
          with the window taken out by likelihood",
         level_name(lead)
     );
@@ -286,7 +340,7 @@ pub(crate) fn law_name(law: &Value) -> Option<String> {
 
 fn marginal(law: &Value) -> String {
     match law_name(law) {
-        Some(name) if law["parameters"].is_null() => name,
+        Some(name) if law["parameters"].as_object().is_none_or(serde_json::Map::is_empty) => name,
         Some(name) => format!("{name} ({})", plain(&law["parameters"])),
         None => "–".into(),
     }

@@ -26,6 +26,7 @@ pub(super) fn references(stages: &[Stage]) -> Vec<&'static str> {
                  mechanical contact of random rough surfaces. Tribology International 114 (2017) 161–171. \
                  doi:10.1016/j.triboint.2017.04.023",
             ],
+            Stage::Quotient => &[],
             Stage::Vibration => {
                 &["E. Vanmarcke: Random Fields: Analysis and Synthesis. MIT Press, 1983 (the variance function behind \
                    the upscaling “area”)."]

@@ -566,7 +566,11 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
             ],
         },
         "friction": {"window_m": 6e-4, "window_width_m": 7.5e-5, "strip_width_m": 7.5e-5, "mean_compliance_m_per_pa": 8.28e-15,
-                     "realisations": 60, "levels": (0..6).map(level).collect::<Vec<_>>()},
+                     "realisations": 60, "levels": (0..6).map(level).collect::<Vec<_>>(),
+                     "operating_point": {"level": "the nominal pressure", "percentile": null, "penetration_m": 6.2e-7,
+                         "mean_pressure_pa": 3e6, "contact_fraction": 0.02, "contact_fraction_interval": [0.019, 0.021],
+                         "mean": 0.2249, "mean_interval": [0.2227, 0.2271], "std": 0.0058, "std_interval": null,
+                         "std_nominal_area": 4.3e-5}},
         "vibration": {
             "critical_damping_ratio": 0.204_830_150_5, "hopf_damping_ratio": 0.204_805_7,
             "limit_damping_ratio": 0.204_830_150_5, "kind": "stick_slip", "steady_sliding_unstable": true, "kick_m_per_s": null,

@@ -1,5 +1,6 @@
 //! What the records of a level say about μ(s) as a process.
 
+mod heavy_tail;
 mod tail;
 
 use std::borrow::Cow;
@@ -13,6 +14,7 @@ use crate::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
 use crate::law::goodness::ProcessNull;
 use crate::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
 
+pub use heavy_tail::{HeavyTail, ISOLATED_SHARE};
 pub use tail::{LawTail, ReturnLevel, Tail};
 
 /// Scatter over the mean below which friction does not vary.

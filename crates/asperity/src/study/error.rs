@@ -23,7 +23,7 @@ use crate::surface::pooling::PoolingError;
 use crate::surface::preparation::PreparationError;
 use crate::surface::uncertainty::UncertaintyError;
 use crate::surface::{GeneratorError, TranslationError};
-use crate::vibration::VibrationError;
+use crate::vibration::{LARGEST_CLIPPED_FRACTION, VibrationError};
 
 /// Why a study ended early.
 #[derive(Debug, Error)]
@@ -180,6 +180,21 @@ pub enum StudyError {
         /// What is wrong.
         reason: String,
     },
+    /// Too many friction values would be clipped to stay positive.
+    #[error(
+        "vibration: with the {upscaling} upscaling, {} % of the friction values would be clipped to stay positive, more than {} %; \
+         lower the standard deviation of friction or its weakening with velocity, or set `allow_clipping = true` in [vibration]",
+        sentence::digits(100.0 * .fraction),
+        100.0 * LARGEST_CLIPPED_FRACTION
+    )]
+    Clipped {
+        /// The upscaling, `paper` or `area`.
+        upscaling: &'static str,
+        /// Fraction of the values.
+        fraction: f64,
+        /// Whether the friction stage computed the friction, so that this was not known before the run.
+        computed: bool,
+    },
     /// The vibration stage failed.
     #[error("vibration: {0}")]
     Vibration(#[from] VibrationError),
@@ -198,7 +213,7 @@ pub enum FailureKind {
     Configuration,
     /// The scan is missing, corrupt or unusable.
     Input,
-    /// Not converged, or too few valid samples.
+    /// Not converged, too few valid samples, or too many clipped ones.
     NotConverged,
     /// Stopped from outside.
     Cancelled,
@@ -233,6 +248,7 @@ impl StudyError {
             | Self::Friction { error: FrictionError::Cancelled(_), .. }
             | Self::Vibration(VibrationError::Cancelled(_)) => FailureKind::Cancelled,
             Self::Pressure(PressureError::TooFewValid { .. })
+            | Self::Clipped { computed: true, .. }
             | Self::Friction { .. }
             | Self::Vibration(VibrationError::TooFewValid { .. })
             | Self::Generator(GeneratorError::NotConverged { .. }) => FailureKind::NotConverged,
@@ -246,6 +262,7 @@ impl StudyError {
             | Self::Contact { .. }
             | Self::Pressure(_)
             | Self::Window(_)
+            | Self::Clipped { computed: false, .. }
             | Self::Process(_)
             | Self::Propagation(_)
             | Self::ConstantMode

@@ -4,23 +4,26 @@ mod entries;
 mod tables;
 mod words;
 
+pub(super) use self::words::no_variance;
+
 use crate::contact::{Control, HalfSpace, Solver};
 use crate::correlation::{LengthSettings, RecordEnds};
 use crate::friction::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::friction::law::FrictionLaw;
-use crate::friction::statistics::FrictionStatistics;
+use crate::friction::statistics::{FrictionStatistics, HeavyTail};
 use crate::friction::strip::{Level, Record, Strips};
 use crate::friction::upscaling::variance_reduction;
 use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::stats::Layout;
+use crate::stats::{Interval, Layout, ProcessMoments};
 use crate::study::config::{BoundaryChoice, FrictionSection, MaterialSection, WindowShape};
 use crate::study::friction_law::friction_law;
 use crate::study::friction_uncertainty;
 use crate::study::level_control::{Lead, LevelControl};
 use crate::study::output::StageOutput;
+use crate::study::plausibility::implausible_friction;
 use crate::study::pressure_stage::half_space;
 use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, SurfaceResult, UpscalingResult};
 use crate::study::surface_model::SurfaceModel;
@@ -33,6 +36,10 @@ pub(super) struct SolvedLevel {
     pub(super) level: Level,
     /// Of the quotient F/N of each window.
     statistics: FrictionStatistics,
+    /// Where the quotient has no variance.
+    pub(super) heavy_tail: Option<HeavyTail>,
+    /// Contact area over nominal area with its 95 % interval.
+    contact_fraction: (f64, Option<Interval>),
     /// μ̄ = ΣF/ΣN.
     pub(super) mean: f64,
     /// Windows at the mean load.
@@ -71,7 +78,25 @@ impl SolvedLevel {
         let study = || WindowStudy::with(&windows, lanes, &MODELS, settings).ok();
         let window_study = if varies { study() } else { None };
         let analysis = ProcessAnalysis::of(&at_mean_load, window, layout, strip_m);
-        Ok(Self { control, level, statistics, mean, at_mean_load, process, analysis, window_study })
+        let heavy_tail = statistics.heavy_tail();
+        let contact_fraction = contact_fraction(&level, layout);
+        Ok(Self {
+            control,
+            level,
+            statistics,
+            heavy_tail,
+            contact_fraction,
+            mean,
+            at_mean_load,
+            process,
+            analysis,
+            window_study,
+        })
+    }
+
+    /// Mean of the quotient F/N, where it exists.
+    fn quotient_mean(&self) -> Option<f64> {
+        self.heavy_tail.is_none_or(|tail| tail.has_mean()).then_some(self.statistics.moments.mean)
     }
 
     /// Variance of μ over the nominal area over that of one window, by the correlation that is left without the window.
@@ -98,6 +123,15 @@ impl SolvedLevel {
             },
         }
     }
+}
+
+/// Contact area over nominal area, with the relative error of the mean contact area of the windows.
+fn contact_fraction(level: &Level, layout: Layout) -> (f64, Option<Interval>) {
+    let areas_m2: Vec<&[f64]> = level.records.iter().map(|record| record.area_m2.as_slice()).collect();
+    let moments = ProcessMoments::of(&areas_m2, layout);
+    let share = level.contact_fraction / moments.moments.mean;
+    let interval = moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
+    (level.contact_fraction, interval)
 }
 
 /// Every level, and the windows that it was seen through.
@@ -203,6 +237,7 @@ pub(super) fn run(
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
         realisations: section.realisations,
+        operating_point: entries::operating_point(&levels[lead], window, nominal_area_m2),
         levels: levels
             .iter()
             .enumerate()
@@ -215,6 +250,8 @@ pub(super) fn run(
     };
     output.tables = tables::of_levels(&levels);
     output.tables.extend(tables::of_lead(&levels[lead], window));
+    let place = levels[lead].control.name();
+    output.warnings.extend(implausible_friction(levels[lead].mean).map(|warning| format!("at {place}, {warning}")));
     output.warnings.extend(words::drift(&levels[lead]));
     output.warnings.extend(words::correlation(&levels[lead]));
     if let Some(pressure_pa) = &levels[lead].level.sample_pressure_pa {

@@ -6,7 +6,7 @@ use crate::friction::FrictionError;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::monitor::Monitor;
 use crate::study::config::FrictionSection;
-use crate::study::friction_stage::{Setup, SolvedLevel};
+use crate::study::friction_stage::{Setup, SolvedLevel, no_variance};
 use crate::study::level_control::LevelControl;
 use crate::study::output::StageOutput;
 use crate::study::result::{
@@ -76,7 +76,13 @@ pub(super) fn run(
             return Err(crate::monitor::Cancelled.into());
         }
         let of = |replicates: &[Option<MomentReplicates>]| responses(&propagation, replicates, section.tolerance, seed);
-        let (quotient, at_mean_load) = (of(&found.quotient[place])?, of(&found.at_mean_load[place])?);
+        let (mut quotient, at_mean_load) = (of(&found.quotient[place])?, of(&found.at_mean_load[place])?);
+        if let Some(tail) = &levels[place].heavy_tail {
+            let reason = Some(format!("F/N has no variance: {}", no_variance(tail)));
+            quotient.iter_mut().filter(|response| response.name != "mean" || !tail.has_mean()).for_each(|response| {
+                *response = UncertainResponse { name: response.name, reason: reason.clone(), ..UncertainResponse::default() };
+            });
+        }
         let failures = found.failures[place].clone();
         output.warnings.extend(warnings(*control, &quotient, &failures));
         let prescribed = control.contact(&model.marginal);
@@ -326,13 +332,13 @@ fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     Table::new(columns)
 }
 
-/// Sobol' indices of the moments of the quotient.
+/// Sobol' indices of the moments at the mean load.
 fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
         for (parameter, own) in propagation.parameters().iter().enumerate() {
             let of = |value: fn(&ParameterIndexResult) -> f64| {
-                numbers(levels, |level| level.responses[place].sobol.get(parameter).map(value))
+                numbers(levels, |level| level.at_mean_load[place].sobol.get(parameter).map(value))
             };
             let own = own.name();
             columns.push((format!("{name}_first_{own}"), of(|index| index.first)));

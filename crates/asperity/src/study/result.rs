@@ -19,7 +19,7 @@ use crate::study::{Field, Table};
 
 pub use friction::{
     AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult,
+    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult,
     UpscalingResult,
 };
 pub use pressure::{

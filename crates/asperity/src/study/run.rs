@@ -88,6 +88,33 @@ impl Study {
         }
     }
 
+    /// The friction that the study states or reads; none where its friction stage computes it.
+    fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
+        let Some(section) = self.vibration.as_ref().filter(|_| self.friction.is_none()) else { return Ok(None) };
+        Ok(Some(match self.read_friction_process(folder)? {
+            Some(process) => WindowFriction::fitted(section, &process, section.scales()?.velocity_m_per_s()),
+            None => WindowFriction::stated(section)?,
+        }))
+    }
+
+    /// The warnings that are known before anything is computed, those of the known friction included.
+    fn foreseen(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
+        let mut warnings = self.warnings();
+        if let (Some(section), Some(known)) = (&self.vibration, known) {
+            vibration_stage::refuse_clipping(section, known)?;
+            warnings.append(&mut known.warnings);
+        }
+        Ok(warnings)
+    }
+
+    /// The warnings of a run that are known before anything is computed; `folder` is that of the study file.
+    ///
+    /// # Errors
+    /// The study cannot be run: its friction process cannot be read, or more of the friction is clipped than it allows.
+    pub fn check_before_run(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
+        self.foreseen(self.known_friction(folder)?.as_mut())
+    }
+
     /// Runs the stages that the study has, or, with `only`, one stage and those it needs. `folder` is that of the study
     /// file. Nothing is written.
     ///
@@ -101,7 +128,8 @@ impl Study {
         }
         let mut gathered = Gathered::default();
         gathered.results.seed = self.seed;
-        gathered.results.warnings = self.idle_keys();
+        let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
+        gathered.results.warnings = self.foreseen(known.as_mut())?;
         let mut surface = None;
         if let Some(section) = &self.surface {
             monitor.progress("surface", 0, 1);
@@ -158,12 +186,10 @@ impl Study {
             friction = Some(stage.solved);
         }
         if let (Some(section), true) = (&self.vibration, wants(Stage::Vibration)) {
-            let friction = match (&friction, self.read_friction_process(folder)?) {
+            let friction = match (&friction, known) {
                 (Some(solved), _) => WindowFriction::computed(section, solved)?,
-                (None, Some(process)) => {
-                    WindowFriction::fitted(section, &process, section.scales()?.velocity_m_per_s())
-                }
-                (None, None) => WindowFriction::stated(section)?,
+                (None, Some(known)) => known,
+                (None, None) => return Err(StudyError::NoStage("friction")),
             };
             let stage = vibration_stage::run(section, &friction, self.seed, monitor)?;
             gathered.add(stage.output);

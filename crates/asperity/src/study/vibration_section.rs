@@ -287,6 +287,9 @@ pub struct VibrationSection {
     /// Friction level, as a percentile of `[friction]`; without it, the one solved at N/nominal_area.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
+    /// Whether more than 5 % of the friction values may be clipped to stay positive.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub allow_clipping: bool,
     /// Damping ratios: from, to, count.
     #[serde(default = "damping_sweep")]
     pub damping_sweep: (f64, f64, usize),

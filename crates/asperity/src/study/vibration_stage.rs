@@ -1,15 +1,18 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
+mod clipping;
 mod entries;
 mod map;
 mod tables;
 
 use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
+pub use self::clipping::clipping_warning;
+pub(super) use self::clipping::refuse_clipping;
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
-use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, Watched};
+use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, Watched};
 use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
@@ -20,8 +23,8 @@ use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     DampingSweep, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError, critical_damping,
-    crossings_without_fluctuation, cycle_portrait, deterministic_slips, limit_cycle, limit_damping, motion_kind, smallest_kick,
-    trajectory_portrait,
+    crossings_without_fluctuation, cycle_portrait, deterministic_slips, least_fluctuation, limit_cycle, limit_damping,
+    smallest_kick, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -44,6 +47,15 @@ struct Scatter {
     marginal: Marginal,
 }
 
+/// The fluctuation under both upscalings, that of one window first.
+fn scatters(window: &WindowFriction) -> [Scatter; 2] {
+    let area_std = window.std * window.variance_reduction.sqrt();
+    [
+        Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() },
+        Scatter { name: "area", std: area_std, marginal: window.area_marginal() },
+    ]
+}
+
 /// What the vibration stage hands on.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
@@ -56,15 +68,11 @@ pub(super) fn run(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
-    let scales = section.scales()?;
-    let oscillator = section.oscillator(window.mean, window.stribeck)?;
-    let correlation_length = window.length_m / scales.length_m();
-    let shape = window.shape.in_unit(scales.length_m());
-    let ensembles = Ensembles { section, oscillator: oscillator.clone(), window, shape, correlation_length, seed };
+    let ensembles = ensembles(section, window, seed)?;
+    let (oscillator, correlation_length) = (ensembles.oscillator.clone(), ensembles.correlation_length);
     let mut warnings = window.warnings.clone();
-    let paper_scatter = Scatter { name: "paper", std: window.std, marginal: window.marginal.clone() };
-    let area_std = window.std * window.variance_reduction.sqrt();
-    let area_scatter = Scatter { name: "area", std: area_std, marginal: window.area_marginal() };
+    let [paper_scatter, area_scatter] = scatters(window);
+    let area_std = area_scatter.std;
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
     warnings.extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
@@ -88,6 +96,7 @@ pub(super) fn run(
     }
     let mut map = None;
     if let Some(section) = &section.map {
+        warnings.extend(ensembles.clipping_of_map(section, lead)?);
         let found = ensembles.map(section, lead, monitor)?;
         let [x, y] = section.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
@@ -128,6 +137,23 @@ fn if_found<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, Vibration
     }
 }
 
+/// The ensembles of a study that slides on this friction.
+fn ensembles<'a>(
+    section: &'a VibrationSection,
+    window: &'a WindowFriction,
+    seed: u64,
+) -> Result<Ensembles<'a>, StudyError> {
+    let scales = section.scales()?;
+    Ok(Ensembles {
+        section,
+        oscillator: section.oscillator(window.mean, window.stribeck)?,
+        window,
+        shape: window.shape.in_unit(scales.length_m()),
+        correlation_length: window.length_m / scales.length_m(),
+        seed,
+    })
+}
+
 /// The ensembles of one study.
 struct Ensembles<'a> {
     section: &'a VibrationSection,
@@ -140,29 +166,34 @@ struct Ensembles<'a> {
 
 impl Ensembles<'_> {
     /// The process of a scatter; `None` where friction is constant.
+    ///
+    /// # Errors
+    /// More of its values are clipped than the study allows.
     fn process(&self, scatter: &Scatter, speeds: f64) -> Result<Option<FrictionProcess>, StudyError> {
         if scatter.std < NO_SCATTER {
             return Ok(None);
         }
-        Ok(Some(self.process_of(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, speeds)?))
+        let model = self.model(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, speeds);
+        self.clipped(&model, scatter.name)?;
+        Ok(Some(FrictionProcess::new(model)?))
     }
 
     /// The process of a machine under a multiple of the load.
-    fn process_of(
+    fn model(
         &self,
         oscillator: &Oscillator,
         marginal: Marginal,
         std: f64,
         load: f64,
         speeds: f64,
-    ) -> Result<FrictionProcess, ProcessError> {
-        FrictionProcess::new(ProcessModel {
+    ) -> ProcessModel {
+        ProcessModel {
             shape: self.shape.in_unit(load),
             generator: self.generator(&marginal),
             correlation: self.window.correlation,
-            least: Some(self.least(oscillator, speeds)),
+            least: Some(least_fluctuation(oscillator, speeds)),
             ..ProcessModel::new(marginal, std, self.correlation_length / load)
-        })
+        }
     }
 
     /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
@@ -173,15 +204,6 @@ impl Ensembles<'_> {
             *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.window.holds_many()
         });
         able.unwrap_or_else(|| Generator::of(self.shape))
-    }
-
-    /// Least fluctuation that leaves the kinetic coefficient positive at the fastest slip to be expected: displacements
-    /// scale with μ_st, so |v_rel| hardly exceeds V + μ_st, or `speeds` times that under violent friction.
-    fn least(&self, oscillator: &Oscillator, speeds: f64) -> f64 {
-        let fastest = speeds * (oscillator.belt_velocity() + self.window.mean);
-        let coefficient = oscillator.law().coefficient(fastest);
-        // A linear law may end there; then the run tells that friction does not stay positive.
-        -0.9 * coefficient.max(0.01 * self.window.mean)
     }
 
     fn settings(&self) -> EnsembleSettings {
@@ -231,17 +253,16 @@ impl Ensembles<'_> {
         let Some(process) = self.process(scatter, speeds)? else {
             return Ok((self.without_scatter(scatter.std, ratios, monitor)?, None));
         };
+        let clipped_fraction = process.model().clipped_fraction();
         let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut damping = Vec::with_capacity(count);
-        let mut clamped = 0;
         let task = format!("vibration ({name})");
         for (done, damping_ratio) in ratios.enumerate() {
             monitor.progress(&task, done, count + 2);
             let oscillator = self.oscillator.with_damping(damping_ratio)?;
             let settings = EnsembleSettings { sample_capacity: 0, ..self.settings() };
             let ensemble = Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?;
-            clamped += ensemble.clamped_knots;
-            damping.push(damping_result(damping_ratio, motion_kind(&oscillator)?, &ensemble));
+            damping.push(damping_result(damping_ratio, limit_cycle(&oscillator)?.kind(), &ensemble));
             damping_ratios.push(damping_ratio);
             ensembles.push(ensemble);
         }
@@ -251,16 +272,11 @@ impl Ensembles<'_> {
         let sweep = DampingSweep { damping_ratios, ensembles };
         let crossings = sweep.crossings(&self.oscillator, &process, &SHARES, &self.settings(), monitor)?;
         monitor.progress(&task, count + 2, count + 2);
-        if clamped > 0 {
-            warnings.push(format!(
-                "with the {name} upscaling, {} of the friction process over the damping sweep lay lower than {} below the mean and \
-                 were raised to there, so that friction stays positive: the least values of its law are cut off",
-                sentence::count(clamped as usize, "value", "values"),
-                sentence::digits(-self.least(&self.oscillator, speeds))
-            ));
-        }
+        let clipping = clipping_warning(clipped_fraction);
+        warnings.extend(clipping.map(|warning| format!("with the {name} upscaling, {warning}")));
         let result = EnsembleResult {
             friction_std: scatter.std,
+            clipped_fraction,
             damping,
             crossings: crossings.into_iter().map(crossing_result).collect(),
             reattachment: points_result(&lead.reattachments),
@@ -303,7 +319,15 @@ impl Ensembles<'_> {
             crossings_without_fluctuation(&self.oscillator, &SHARES, self.section.damping_sweep.1, monitor)?;
         let crossings = crossings.into_iter().map(crossing_result).collect();
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
-        Ok(EnsembleResult { friction_std: std, damping, crossings, reattachment, release, motion: None })
+        Ok(EnsembleResult {
+            friction_std: std,
+            clipped_fraction: 0.0,
+            damping,
+            crossings,
+            reattachment,
+            release,
+            motion: None,
+        })
     }
 
     /// The limit cycle, and the end of one trajectory, for a phase portrait.
@@ -315,7 +339,12 @@ impl Ensembles<'_> {
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for speeds in SPEEDS {
-            let Some(process) = self.process(scatter, speeds)? else { break };
+            let process = match self.process(scatter, speeds) {
+                Ok(Some(process)) => process,
+                // The ensembles needed no such speed.
+                Ok(None) | Err(StudyError::Clipped { .. }) => break,
+                Err(error) => return Err(error),
+            };
             let path = Watched::new(process.path(self.seed, 0), monitor);
             match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
                 Ok(points) => {

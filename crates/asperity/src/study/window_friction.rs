@@ -8,6 +8,7 @@ use crate::law::Marginal;
 use crate::study::StudyError;
 use crate::study::config::{FrictionSection, VibrationSection};
 use crate::study::friction_stage::SolvedStrips;
+use crate::study::plausibility::implausible_friction;
 use crate::study::sentence;
 
 /// Windows above which their mean counts as normal, whatever the law of one.
@@ -34,6 +35,8 @@ pub(super) struct WindowFriction {
     pub(super) level_mean_pressure_pa: Option<f64>,
     /// Variance over the nominal area over that of one window.
     pub(super) variance_reduction: f64,
+    /// Whether the friction stage computed it.
+    pub(super) computed: bool,
     /// Where it comes from, in words.
     pub(super) origin: String,
     pub(super) warnings: Vec<String>,
@@ -86,6 +89,7 @@ impl WindowFriction {
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
             variance_reduction: level.variance_reduction(&strips.window, section.nominal_area.0),
+            computed: true,
             origin,
             warnings,
         })
@@ -111,6 +115,7 @@ impl WindowFriction {
             level_percentile: None,
             level_mean_pressure_pa: None,
             variance_reduction: variance_reduction(window_m, width_m, section.nominal_area.0, &exponential(length_m)),
+            computed: false,
             origin: format!(
                 "stated, taken for that of a window of {} whose correlation is not the window's",
                 sentence::size(window_m, width_m)
@@ -159,6 +164,7 @@ impl WindowFriction {
         if let Some(pressure_pa) = process.mean_pressure_pa {
             warnings.extend(unlike(&format!("from {file}"), pressure_pa, nominal_pa));
         }
+        warnings.extend(implausible_friction(process.mean).map(|warning| format!("{file}: {warning}")));
         let described = if process.origin.description.is_empty() { "stated" } else { &process.origin.description };
         Self {
             mean: process.mean,
@@ -173,6 +179,7 @@ impl WindowFriction {
             level_percentile: None,
             level_mean_pressure_pa: process.mean_pressure_pa,
             variance_reduction,
+            computed: false,
             origin: format!("from {file}: {described}"),
             warnings,
         }

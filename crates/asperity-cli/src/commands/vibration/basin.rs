@@ -53,7 +53,7 @@ impl Basin {
         if self.machine.forcing.is_some() {
             monitor.note("the forcing is left aside: starts are those of the unforced machine");
         }
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let oscillator = oscillator.with_forcing(None).map_err(Failure::usage)?;
         let inputs: Vec<&Path> = self.machine.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;

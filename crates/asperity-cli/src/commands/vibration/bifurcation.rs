@@ -44,7 +44,7 @@ pub(crate) struct Bifurcation {
 
 impl Bifurcation {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         self.over.check(&oscillator)?;
         self.over.check_range(&oscillator, self.from, self.to)?;
         if self.points < 2 {

@@ -106,7 +106,7 @@ impl Over {
 
 impl CriticalCurve {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(0.0)?;
+        let oscillator = self.machine.oscillator(0.0, monitor)?;
         if matches!(self.over, Over::DampingRatio) {
             return Err(Failure::usage("--over damping-ratio: the critical damping ratio is what the curve tells"));
         }

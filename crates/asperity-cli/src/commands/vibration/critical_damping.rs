@@ -31,7 +31,7 @@ impl CriticalDamping {
         if self.machine.forcing.is_some() {
             monitor.note("the forcing is left aside: the damping ratios are those of the unforced machine");
         }
-        let oscillator = self.machine.oscillator(0.0)?;
+        let oscillator = self.machine.oscillator(0.0, monitor)?;
         let critical = monitor
             .at_once(|| Ok::<_, VibrationError>((critical_damping(&oscillator)?, limit_damping(&oscillator)?)))?
             .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;

@@ -30,7 +30,7 @@ struct Found {
 
 impl Cycle {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let free = oscillator.forcing().is_none();
         let found = monitor.at_once(|| -> Result<_, VibrationError> {
             let regime = limit_cycle(&oscillator)?;

@@ -57,8 +57,8 @@ enum Drive {
 
 impl Ensemble {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let process = self.source.process()?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
+        let process = self.source.process(&oscillator, monitor)?;
         let settings = EnsembleSettings {
             drive: match self.drive {
                 Drive::Distance => vibration::Drive::Distance,
@@ -71,6 +71,7 @@ impl Ensemble {
         let wanted = self.folder.wanted(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.announce(&process, monitor);
+        let answer = |ensemble| answer(ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
             .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {

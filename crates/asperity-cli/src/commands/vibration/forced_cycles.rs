@@ -27,7 +27,7 @@ pub(crate) struct ForcedCycles {
 
 impl ForcedCycles {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         if oscillator.forcing().is_none() {
             return Err(Failure::usage("there is no force: state --forcing, above 0, and --forcing-frequency"));
         }

@@ -1,13 +1,14 @@
 //! The probability of sustained vibration over two parameters.
 
+use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, stability_map,
+    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, kept_positive, stability_map,
 };
 use clap::Args;
 
 use super::folder::Folder;
-use super::random::{Fluctuation, Paths};
+use super::random::{Clipping, Fluctuation, Paths};
 use super::{Damping, Machine, refused};
 use crate::args;
 use crate::failure::Failure;
@@ -27,6 +28,8 @@ pub(crate) struct Map {
     friction_std: f64,
     #[command(flatten)]
     fluctuation: Fluctuation,
+    #[command(flatten)]
+    clipping: Clipping,
     /// Damping ratios, the first axis: least, largest, cells of the first grid.
     #[arg(long, value_name = "FROM,TO,N", value_parser = axis, required_unless_present = "loads")]
     damping_ratios: Option<MapAxis>,
@@ -84,9 +87,26 @@ fn depth(text: &str) -> Result<u32, String> {
     }
 }
 
+/// The largest clipped fraction at the points of the first grid.
+fn clipped(
+    model: &impl Fn(f64, f64) -> Result<(Oscillator, Option<ProcessModel>), VibrationError>,
+    [x, y]: [MapAxis; 2],
+) -> Result<f64, VibrationError> {
+    let nodes = |axis: MapAxis| {
+        (0..=axis.cells).map(move |node| axis.from + (axis.to - axis.from) * node as f64 / axis.cells as f64)
+    };
+    let mut largest = 0.0_f64;
+    for x in nodes(x) {
+        for y in nodes(y) {
+            largest = largest.max(model(x, y)?.1.map_or(0.0, |model| model.clipped_fraction()));
+        }
+    }
+    Ok(largest)
+}
+
 impl Map {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let stated = self.machine.oscillator(self.damping.damping_ratio)?;
+        let stated = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let (names, x, y) = match (self.damping_ratios, self.belt_velocities, self.friction_stds, self.loads) {
             (Some(x), Some(y), None, None) => (["damping_ratio", "belt_velocity"], x, y),
             (Some(x), None, Some(y), None) => (["damping_ratio", "friction_std"], x, y),
@@ -97,17 +117,18 @@ impl Map {
                 return Err(Failure::usage(wanted));
             }
         };
-        // The process is checked once, so that a wrong law is a word about the flag and not about a point.
-        let process = self.fluctuation.process(self.friction_std, 1.0)?;
         // Every point of the first grid; those in between and the front hardly change the order.
         let belt_velocity = match names {
             ["damping_ratio", "friction_std"] => stated.belt_velocity(),
             ["damping_ratio", _] => 0.5 * (y.from + y.to),
             _ => 0.5 * (x.from + x.to),
         };
+        // The process is checked once, so that a wrong law is a word about the flag and not about a point.
+        let process =
+            FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
         Paths { belt_velocity, duration: self.duration, count }.announce(&process, monitor);
-        let machine = |x: f64, y: f64| {
+        let model = |x: f64, y: f64| {
             let (damping, velocity, std, load) = match names {
                 ["damping_ratio", "belt_velocity"] => (x, y, self.friction_std, 1.0),
                 ["damping_ratio", _] => (x, stated.belt_velocity(), y, 1.0),
@@ -115,11 +136,14 @@ impl Map {
             };
             let at = Parameters { damping_ratio: damping, belt_velocity: velocity, ..stated.parameters().clone() };
             let oscillator = Oscillator::new(at)?.under_load(load)?;
-            if std == 0.0 {
-                return Ok((oscillator, None));
-            }
-            let process = self.fluctuation.made(std, load).map_err(VibrationError::from)?;
-            Ok((oscillator, Some(process)))
+            let model = (std > 0.0).then(|| kept_positive(&oscillator, self.fluctuation.model(std, load)));
+            Ok((oscillator, model))
+        };
+        let clipped = clipped(&model, [x, y]).map_err(|e| refused(&e))?;
+        self.clipping.accept(clipped, monitor)?;
+        let machine = |x: f64, y: f64| {
+            let (oscillator, model) = model(x, y)?;
+            Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         let ensemble = EnsembleSettings::new(self.trajectories, self.duration, self.seed);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
@@ -138,6 +162,7 @@ impl Map {
         }
         if wanted || self.json {
             let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::of(&map)?);
+            let answer = answer.with("clipped_fraction", clipped);
             if wanted {
                 self.folder.write(&inputs, &answer, stability_map_tables(&map, names), monitor)?;
             }

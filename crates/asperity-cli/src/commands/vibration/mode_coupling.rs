@@ -4,7 +4,7 @@ mod answer;
 
 use std::path::Path;
 
-use asperity::friction::process::Steady;
+use asperity::friction::process::{FrictionProcess, Steady};
 use asperity::study::Table;
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
@@ -209,7 +209,7 @@ impl ModeCoupling {
 
 impl Noise {
     fn add(&self, fluctuation: &Fluctuation, found: &mut Found, monitor: &Terminal) -> Result<(), Failure> {
-        let process = fluctuation.process(self.friction_std, 1.0)?;
+        let process = FrictionProcess::new(fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let (trajectories, duration, seed) = (self.trajectories, self.duration, self.seed);
         let model = &found.model;
         let threshold = match (self.threshold, found.regime.cycle()) {

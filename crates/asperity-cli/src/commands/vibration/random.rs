@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::friction::process::{Correlation, FrictionProcess, Generator, ProcessError, ProcessModel};
+use asperity::friction::process::{Correlation, FrictionProcess, Generator, ProcessModel};
 use asperity::law::Marginal;
 use asperity::quantity::Length;
+use asperity::study::clipping_warning;
+use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, kept_positive};
 use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 
@@ -62,20 +64,53 @@ pub(super) struct Source {
     #[arg(long, value_name = "Q", requires = "friction_process", value_parser = args::positive_quantity::<Length>,
           allow_hyphen_values = true)]
     length_unit: Option<Length>,
+    #[command(flatten)]
+    clipping: Clipping,
+}
+
+/// What happens to friction values that would not be positive.
+#[derive(Debug, Args)]
+pub(super) struct Clipping {
+    /// Allow more than 5 % of the friction values to be clipped to stay positive.
+    #[arg(long)]
+    allow_clipping: bool,
+}
+
+impl Clipping {
+    /// Reports the fraction of clipped values; fails if it is above 5 % and not allowed.
+    pub(super) fn accept(&self, fraction: f64, monitor: &Terminal) -> Result<(), Failure> {
+        if fraction > LARGEST_CLIPPED_FRACTION && !self.allow_clipping {
+            return Err(Failure::usage(format_args!(
+                "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower the standard deviation \
+                 of friction or its weakening with velocity, or allow it with --allow-clipping",
+                100.0 * fraction,
+                100.0 * LARGEST_CLIPPED_FRACTION
+            )));
+        }
+        clipping_warning(fraction).iter().for_each(|warning| monitor.warn(warning));
+        Ok(())
+    }
 }
 
 impl Source {
-    pub(super) fn process(&self) -> Result<FrictionProcess, Failure> {
-        match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
+    /// The process, clipped so that the friction of the oscillator stays positive.
+    pub(super) fn process(&self, oscillator: &Oscillator, monitor: &Terminal) -> Result<FrictionProcess, Failure> {
+        let process = match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
             (Some(file), Some(unit), ..) => {
                 let model = read_process(file)?.model(unit.0);
-                model.and_then(FrictionProcess::new).map_err(|e| Failure::data(file.display(), &e))
+                let made = model.and_then(|model| FrictionProcess::new(kept_positive(oscillator, model)));
+                made.map_err(|e| Failure::data(file.display(), &e))?
             }
-            (_, _, Some(std), Some(fluctuation)) => fluctuation.process(std, 1.0),
+            (_, _, Some(std), Some(fluctuation)) => {
+                FrictionProcess::new(kept_positive(oscillator, fluctuation.model(std, 1.0))).map_err(Failure::usage)?
+            }
             _ => {
-                Err(Failure::usage("state --friction-std, --correlation-length and --marginal, or --friction-process"))
+                let wanted = "state --friction-std, --correlation-length and --marginal, or --friction-process";
+                return Err(Failure::usage(wanted));
             }
-        }
+        };
+        self.clipping.accept(process.model().clipped_fraction(), monitor)?;
+        Ok(process)
     }
 
     /// Files that are read.
@@ -123,15 +158,9 @@ enum Translation {
 }
 
 impl Fluctuation {
-    /// The process of a standard deviation and with lengths in another unit.
-    pub(super) fn process(&self, std: f64, unit: f64) -> Result<FrictionProcess, Failure> {
-        self.made(std, unit).map_err(Failure::usage)
-    }
-
-    /// The same, with the library's error.
-    pub(super) fn made(&self, std: f64, unit: f64) -> Result<FrictionProcess, ProcessError> {
-        let model = ProcessModel::new(self.marginal.clone(), std, self.correlation_length / unit);
-        FrictionProcess::new(ProcessModel {
+    /// The model of a standard deviation and with lengths in another unit.
+    pub(super) fn model(&self, std: f64, unit: f64) -> ProcessModel {
+        ProcessModel {
             steps_per_length: self.steps_per_length,
             generator: match self.generator {
                 Way::Autoregressive => Generator::Autoregressive,
@@ -143,7 +172,7 @@ impl Fluctuation {
                 Translation::Plain => Correlation::Plain,
                 Translation::Corrected => Correlation::Corrected,
             },
-            ..model
-        })
+            ..ProcessModel::new(self.marginal.clone(), std, self.correlation_length / unit)
+        }
     }
 }

@@ -51,8 +51,8 @@ pub(crate) struct Sound {
 
 impl Sound {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
-        let process = self.source.process()?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
+        let process = self.source.process(&oscillator, monitor)?;
         let settings = SoundSettings {
             trajectories: self.trajectories,
             points_per_period: 64,
@@ -76,7 +76,8 @@ impl Sound {
         let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
         let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor).map_err(|e| refused(&e))?;
         let period = cycle_period(&oscillator, monitor)?;
-        let answer = Answer::of(&sound)?.with("cycle_period", period);
+        let clipped = process.model().clipped_fraction();
+        let answer = Answer::of(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
         if wanted {
             self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
         }

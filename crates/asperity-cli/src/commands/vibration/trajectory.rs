@@ -43,7 +43,7 @@ pub(crate) struct Trajectory {
 
 impl Trajectory {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let oscillator = self.machine.oscillator(self.damping.damping_ratio)?;
+        let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let values = asperity_formats::read_series(&self.friction_file).map_err(|e| unreadable(&e))?;
         let record = RecordedProcess::new(self.friction_step, values)
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;

@@ -6,7 +6,7 @@ use super::{plate, positive};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Mark, stacked};
-use crate::figures::{Plate, columns};
+use crate::figures::{Plate, Stage, columns};
 use crate::format::{Dimension, Unit, significant};
 use crate::page::conditions;
 use crate::palette::{BLUE, GREY, ORANGE, VERMILION};
@@ -63,44 +63,58 @@ fn by_depth(penetration: &[f64]) -> Vec<usize> {
     order
 }
 
-pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let both = "“F/N” is the quotient of friction force and load of each window, “at the mean load” is friction where a window \
-                counts by the load it carries; shaded: 95 % intervals, where the strips hold enough windows \
+/// The moments of the quotient F/N at every level, beside those at the mean load.
+pub(super) fn quotient(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    let Some(table) = run.tables.get("friction_levels") else { return Ok(()) };
+    let both = "“F/N” is the quotient of friction force and load of each window, where it has a variance; “at the mean load” is \
+                friction where a window counts by the load it carries; shaded: 95 % intervals, where the strips hold enough windows \
                 for one.";
     let labels = "The numbers at the points are the percentile of heights above the plane; “at load” is the level at the mean \
                   pressure of the machine.";
     let conditions = conditions(&run.results["friction"]);
-    let mut drawn = Vec::new();
     let uncertain = run.tables.get("friction_uncertainty");
-    if let Some(table) = run.tables.get("friction_levels") {
-        let mean = [("Mean of μ", "mean", "at_mean_load"), ("Std of μ", "std", "std_at_mean_load")];
-        let shape = [("CoV of μ", "coefficient_of_variation", ""), ("Skewness of μ", "skewness", "")];
-        let caption = |what: &str| format!("{what} (the paper’s Fig. 3). {both} {labels} {conditions}");
-        let title = "Mean and scatter of the friction coefficient against penetration";
-        let what = "Mean and standard deviation of μ over the windows at each penetration";
-        let mut said = caption(what);
-        if uncertain.is_some() {
-            said += " Orange: where the moments lie for 95 % of the uncertain parameters of the surface, by their own, fewer strips.";
+    let mean = [("Mean of μ", "mean", "at_mean_load"), ("Std of μ", "std", "std_at_mean_load")];
+    let shape = [("CoV of μ", "coefficient_of_variation", ""), ("Skewness of μ", "skewness", "")];
+    let over = match uncertain {
+        Some(_) => " Orange: where the moments of F/N lie for 95 % of the uncertain parameters of the surface, by their own, fewer strips.",
+        None => "",
+    };
+    for (name, title, what, panels, over) in [
+        (
+            "friction_levels",
+            "Mean and scatter of the friction coefficient against penetration",
+            "Mean and standard deviation of μ over the windows at each penetration",
+            mean,
+            over,
+        ),
+        (
+            "friction_shape",
+            "Relative scatter and skewness of the friction coefficient against penetration",
+            "Coefficient of variation, std over mean, and skewness of μ over the windows at each penetration",
+            shape,
+            "",
+        ),
+    ] {
+        let (charts, clipped) = moments(table, uncertain, panels);
+        if charts.is_empty() {
+            continue;
         }
-        let (charts, clipped) = moments(table, uncertain, mean);
-        said += if clipped { CUT_OFF } else { "" };
-        drawn.push(("friction_levels", "friction_levels", title, said, charts));
-        let title = "Relative scatter and skewness of the friction coefficient against penetration";
-        let what = "Coefficient of variation, std over mean, and skewness of μ over the windows at each penetration";
-        let (charts, clipped) = moments(table, uncertain, shape);
-        let said = caption(what) + if clipped { CUT_OFF } else { "" };
-        drawn.push(("friction_shape", "friction_levels", title, said, charts));
+        let cut = if clipped { CUT_OFF } else { "" };
+        let caption = format!("{what} (the paper’s Fig. 3). {both} {labels} {conditions}{over}{cut}");
+        let plate = plate(name, "friction_levels", title, caption.trim_end().to_owned(), &charts)?;
+        plates.push(Plate { stage: Stage::Quotient, ..plate });
     }
-    if let Some(table) = run.tables.get("friction_load_curve") {
-        let caption = "Mean pressure over the nominal area, and contact area over nominal area, against the mean depth of the plane \
-                       below the highest point of each strip; shaded: 95 % interval over the strips.";
-        let charts = load_curve(table);
-        drawn.push(("friction_load_curve", "friction_load_curve", "Load against penetration", caption.into(), charts));
-    }
-    for (name, table, title, caption, charts) in drawn {
-        if !charts.is_empty() {
-            plates.push(plate(name, table, title, caption.trim_end().to_owned(), &charts)?);
-        }
+    Ok(())
+}
+
+/// Load against penetration.
+pub(super) fn load_curve(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
+    const NAME: &str = "friction_load_curve";
+    let caption = "Mean pressure over the nominal area, and contact area over nominal area, against the mean depth of the plane \
+                   below the highest point of each strip; shaded: 95 % interval over the strips.";
+    let charts = run.tables.get(NAME).map_or_else(Vec::new, load_charts);
+    if !charts.is_empty() {
+        plates.push(plate(NAME, NAME, "Load against penetration", caption.into(), &charts)?);
     }
     Ok(())
 }
@@ -131,7 +145,7 @@ fn moments(
         let Some((low, high)) = range(quotient.values()) else { continue };
         let apart = |other: &Course| {
             let pairs = other.y.iter().zip(&quotient.y);
-            pairs.into_iter().any(|(a, b)| (a - b).abs() > 0.01 * (high - low))
+            pairs.into_iter().any(|(a, b)| (a - b).abs() > 0.01 * (high - low) || (b.is_nan() && !a.is_nan()))
         };
         let other = match column {
             "coefficient_of_variation" => at_mean_load(table, &order),
@@ -161,7 +175,10 @@ fn moments(
             chart.add("95 % of the parameters", Mark::Band { x, low, high, colour: ORANGE });
         }
         if charts.is_empty() {
-            name_levels(&mut chart, table, &order, &x, &quotient.y);
+            // Without a quotient the name stands at the value at the mean load.
+            let other = other.as_ref().map_or(&quotient.y, |other| &other.y);
+            let places = quotient.y.iter().zip(other).map(|(own, other)| if own.is_nan() { *other } else { *own });
+            name_levels(&mut chart, table, &order, &x, &places.collect::<Vec<f64>>());
         }
         quotient.draw(&mut chart, &x, ("F/N of a window", "95 %, F/N"), Pen::new(BLUE, 1.8, Dash::Solid));
         if let Some(other) = other {
@@ -198,7 +215,7 @@ fn name_levels(chart: &mut Chart, table: &Table, order: &[usize], x: &[f64], y: 
     }
 }
 
-fn load_curve(table: &Table) -> Vec<(f64, Chart)> {
+fn load_charts(table: &Table) -> Vec<(f64, Chart)> {
     let Some([penetration]) = columns(table, ["penetration_m"]) else { return Vec::new() };
     let order = by_depth(penetration);
     let x = ordered(penetration, &order);

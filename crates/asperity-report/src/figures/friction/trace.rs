@@ -42,7 +42,7 @@ pub(super) fn trace(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
         let ratio = (STRIP_HEIGHT / STRIP_WIDTH) / raster.aspect();
         stretch = Some(ratio);
         caption = format!(
-            "Top: pressure on the strip at the leading level (y stretched {} times; white: no contact).",
+            "Top: pressure on the strip at the operating point (y stretched {} times; white: no contact).",
             significant(ratio, 2)
         );
         sources.push("fields/pressure_strip".to_owned());
@@ -60,7 +60,7 @@ pub(super) fn trace(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
         (Some(raster), chart) => strip_figure(title, &caption, &raster, stretch, chart)?,
         (None, None) => return Ok(()),
     };
-    plates.push(Plate { name: NAME, stage: Stage::Friction, title: title.into(), caption, sources, svg });
+    plates.push(Plate { name: NAME, stage: Stage::Quotient, title: title.into(), caption, sources, svg });
     Ok(())
 }
 

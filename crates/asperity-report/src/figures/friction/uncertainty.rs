@@ -20,7 +20,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let friction = &run.results["friction"];
     let levels = friction["levels"].as_array().map_or(&[][..], Vec::as_slice);
     let lead = levels.iter().position(|level| level["leading"] == true).unwrap_or(0);
-    let responses = friction["uncertainty"]["levels"][lead]["responses"].as_array().map_or(&[][..], Vec::as_slice);
+    let responses = friction["uncertainty"]["levels"][lead]["at_mean_load"].as_array().map_or(&[][..], Vec::as_slice);
     let entry = |name: &str| responses.iter().find(|response| response["name"] == name).and_then(entry);
     let shown: Vec<(&str, Value)> =
         MOMENTS.into_iter().filter_map(|(name, title)| Some((title, entry(name)?))).collect();
@@ -28,7 +28,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
         return Ok(());
     };
     let title = "Which parameter of the surface matters for friction";
-    let caption = "Sobol’ indices of the moments of μ at the leading level, with 95 % intervals: the share of their variance over \
+    let caption = "Sobol’ indices of the moments of μ at the operating point, taken at the mean load, with 95 % intervals: the share of their variance over \
                    the uncertain surfaces that a parameter explains alone (first order), and together with all others (total). How \
                    much of it the expansion explains at all stands above each panel, by leaving one out; a moment without a panel \
                    does not depend on the parameters, or nothing predicts it.";

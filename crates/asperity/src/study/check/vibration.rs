@@ -24,13 +24,7 @@ impl Study {
         let Some(v) = &self.vibration else { return Ok(()) };
         within(SECTION, "mass", v.mass.0, positive, POSITIVE)?;
         within(SECTION, "natural_frequency", v.natural_frequency.0, positive, POSITIVE)?;
-        within(
-            SECTION,
-            "damping_ratio",
-            v.damping_ratio,
-            |z| (0.0..1.0).contains(&z),
-            "a ratio of at least 0, below 1",
-        )?;
+        within(SECTION, "damping_ratio", v.damping_ratio, |z| z >= 0.0, "zero or a positive value")?;
         within(SECTION, "normal_force", v.normal_force.0, positive, POSITIVE)?;
         within(SECTION, "nominal_area", v.nominal_area.0, positive, POSITIVE)?;
         match (v.belt_velocity, v.dimensionless_belt_velocity) {

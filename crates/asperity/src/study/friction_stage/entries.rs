@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use crate::correlation::Stationarity;
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
+use crate::friction::window::Window;
 use crate::friction::window_study::WindowStudy;
 use crate::law::fit::{Fit, Ranking};
 use crate::stats::Estimate;
-use crate::study::friction_stage::SolvedLevel;
+use crate::study::friction_stage::{SolvedLevel, no_variance};
 use crate::study::result::{
-    AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, Pair,
-    RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite, pair,
+    AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, OperatingPoint,
+    Pair, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite, pair,
 };
 use crate::study::surface_stage::law_result;
 
@@ -20,6 +21,11 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();
     let process = &solved.process;
+    // Without a variance no moment above the first exists, and no interval of a moment.
+    let exists = solved.heavy_tail.is_none();
+    let moment = |value: f64| finite(value).filter(|_| exists);
+    let interval = |estimate| interval(estimate).filter(|_| exists);
+    let correlation = correlation.filter(|_| exists);
     LevelResult {
         leading: false,
         control: solved.control.key(),
@@ -28,15 +34,15 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         mean_pressure_pa: level.mean_pressure_pa,
         contact_fraction: level.contact_fraction,
         plastic_share: level.plastic_share,
-        mean: statistics.moments.mean,
+        mean: solved.quotient_mean(),
         mean_interval: interval(statistics.estimates.mean),
-        std: statistics.moments.std,
+        std: moment(statistics.moments.std),
         std_interval: interval(statistics.estimates.std),
-        coefficient_of_variation: statistics.moments.coefficient_of_variation(),
+        coefficient_of_variation: moment(statistics.moments.coefficient_of_variation()),
         coefficient_of_variation_interval: interval(statistics.estimates.coefficient_of_variation),
-        skewness: finite(statistics.moments.skewness),
+        skewness: moment(statistics.moments.skewness),
         skewness_interval: interval(statistics.estimates.skewness),
-        excess_kurtosis: finite(statistics.moments.excess_kurtosis),
+        excess_kurtosis: moment(statistics.moments.excess_kurtosis),
         excess_kurtosis_interval: interval(statistics.estimates.excess_kurtosis),
         correlation_length_m: correlation.map(|c| c.exponential.length_m),
         correlation_length_m_interval: correlation.and_then(|c| c.length_interval).map(pair),
@@ -46,20 +52,22 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
         correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
         window_only: study.map(WindowStudy::window_only),
-        marginal: statistics.marginal().map(|fit| law_result(&fit.law)),
-        marginal_parameter_intervals: parameter_intervals(statistics),
-        gof: goodness(statistics),
+        marginal: statistics.marginal().filter(|_| exists).map(|fit| law_result(&fit.law)),
+        marginal_parameter_intervals: if exists { parameter_intervals(statistics) } else { BTreeMap::new() },
+        gof: goodness(statistics).filter(|_| exists),
         return_levels: statistics
             .tail
             .as_ref()
+            .filter(|_| exists)
             .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
         tail: statistics.tail.as_ref().map(tail),
-        beta: statistics.beta.as_ref().map(|fit| law_result(&fit.law)),
+        beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| law_result(&fit.law)),
+        no_variance: solved.heavy_tail.as_ref().map(no_variance),
         at_mean_load: AtMeanLoad {
             mean: solved.mean,
-            mean_interval: interval(process.estimates.mean),
+            mean_interval: self::interval(process.estimates.mean),
             std: process.moments.std,
-            std_interval: interval(process.estimates.std),
+            std_interval: self::interval(process.estimates.std),
             skewness: finite(process.moments.skewness),
             excess_kurtosis: finite(process.moments.excess_kurtosis),
             correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
@@ -85,6 +93,25 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         sparse_window_share: statistics.sparse_share,
         effective_windows: statistics.effective_windows,
         failed_samples: level.failures.len(),
+    }
+}
+
+/// The friction coefficient of the level that drives the vibration.
+pub(super) fn operating_point(solved: &SolvedLevel, window: &Window, nominal_area_m2: f64) -> OperatingPoint {
+    let process = &solved.process;
+    let (contact_fraction, contact_interval) = solved.contact_fraction;
+    OperatingPoint {
+        level: solved.control.name(),
+        percentile: solved.control.percentile(),
+        penetration_m: solved.level.penetration_m,
+        mean_pressure_pa: solved.level.mean_pressure_pa,
+        contact_fraction,
+        contact_fraction_interval: contact_interval.map(pair),
+        mean: solved.mean,
+        mean_interval: interval(process.estimates.mean),
+        std: process.moments.std,
+        std_interval: interval(process.estimates.std),
+        std_nominal_area: solved.upscaling(window, nominal_area_m2).area.std,
     }
 }
 

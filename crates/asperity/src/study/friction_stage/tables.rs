@@ -42,23 +42,25 @@ fn high(estimate: Option<Estimate>) -> f64 {
 
 fn levels_table(levels: &[SolvedLevel]) -> Table {
     let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
+    // What does not exist without a variance.
+    let of = |l: &SolvedLevel, value: f64| if l.heavy_tail.is_none() { value } else { f64::NAN };
     Table::new([
         ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
         ("penetration_m", column(&|l| l.level.penetration_m)),
         ("mean_pressure_pa", column(&|l| l.level.mean_pressure_pa)),
-        ("mean", column(&|l| l.statistics.moments.mean)),
-        ("mean_low", column(&|l| low(l.statistics.estimates.mean))),
-        ("mean_high", column(&|l| high(l.statistics.estimates.mean))),
-        ("std", column(&|l| l.statistics.moments.std)),
-        ("std_low", column(&|l| low(l.statistics.estimates.std))),
-        ("std_high", column(&|l| high(l.statistics.estimates.std))),
-        ("coefficient_of_variation", column(&|l| l.statistics.moments.coefficient_of_variation())),
-        ("coefficient_of_variation_low", column(&|l| low(l.statistics.estimates.coefficient_of_variation))),
-        ("coefficient_of_variation_high", column(&|l| high(l.statistics.estimates.coefficient_of_variation))),
-        ("skewness", column(&|l| l.statistics.moments.skewness)),
-        ("skewness_low", column(&|l| low(l.statistics.estimates.skewness))),
-        ("skewness_high", column(&|l| high(l.statistics.estimates.skewness))),
-        ("excess_kurtosis", column(&|l| l.statistics.moments.excess_kurtosis)),
+        ("mean", column(&|l| l.quotient_mean().unwrap_or(f64::NAN))),
+        ("mean_low", column(&|l| of(l, low(l.statistics.estimates.mean)))),
+        ("mean_high", column(&|l| of(l, high(l.statistics.estimates.mean)))),
+        ("std", column(&|l| of(l, l.statistics.moments.std))),
+        ("std_low", column(&|l| of(l, low(l.statistics.estimates.std)))),
+        ("std_high", column(&|l| of(l, high(l.statistics.estimates.std)))),
+        ("coefficient_of_variation", column(&|l| of(l, l.statistics.moments.coefficient_of_variation()))),
+        ("coefficient_of_variation_low", column(&|l| of(l, low(l.statistics.estimates.coefficient_of_variation)))),
+        ("coefficient_of_variation_high", column(&|l| of(l, high(l.statistics.estimates.coefficient_of_variation)))),
+        ("skewness", column(&|l| of(l, l.statistics.moments.skewness))),
+        ("skewness_low", column(&|l| of(l, low(l.statistics.estimates.skewness)))),
+        ("skewness_high", column(&|l| of(l, high(l.statistics.estimates.skewness)))),
+        ("excess_kurtosis", column(&|l| of(l, l.statistics.moments.excess_kurtosis))),
         ("at_mean_load", column(&|l| l.mean)),
         ("at_mean_load_low", column(&|l| low(l.process.estimates.mean))),
         ("at_mean_load_high", column(&|l| high(l.process.estimates.mean))),

@@ -1,13 +1,11 @@
 //! What the friction stage assumed, and what to be wary of, in sentences.
 
-use crate::friction::statistics::WANTED_CONTACT_CELLS;
+use crate::friction::statistics::{HeavyTail, ISOLATED_SHARE, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;
 use crate::study::config::{FrictionSection, WindowShape};
 use crate::study::friction_stage::SolvedLevel;
 use crate::study::sentence;
 
-/// Share of windows with too few contact cells above which a level is warned about.
-const SPARSE_SHARE: f64 = 0.1;
 /// Probability of a drift under stationarity below which it is warned about.
 const UNLIKELY: f64 = 0.01;
 
@@ -62,8 +60,8 @@ pub(super) fn sentences(
             strips.realisations,
             sentence::size(section.strip[0].0, section.strip[1].0),
         ),
-        "Levels are described by the quotient F/N of each window; the law and the correlation of the leading level are drawn \
-         at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries."
+        "The friction coefficient is that at the mean load, μ̄ + (F − μ̄N)/N̄, where a window counts by the load it carries; the \
+         plain quotient F/N of each window has a section of its own."
             .into(),
         correlation,
     ];
@@ -80,23 +78,51 @@ pub(super) fn sentences(
 pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
     let (name, statistics) = (solved.control.name(), &solved.statistics);
     let mut warnings = Vec::new();
-    if statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > SPARSE_SHARE {
+    if statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > ISOLATED_SHARE {
         warnings.push(format!(
             "at {name}, {} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells ({} on average): the grid is \
-             too coarse or the window too short for that load, and the scatter of F/N is partly the grid's",
+             too coarse or the window too short for that load, and the variability of friction is partly the grid's",
             sentence::digits(100.0 * statistics.sparse_share),
             sentence::digits(statistics.contact_cells)
         ));
     }
-    if statistics.empty_windows > 0 {
-        let windows = sentence::count(statistics.empty_windows, "window carries", "windows carry");
-        warnings.push(format!("at {name}, {windows} no load, and F/N leaves them out"));
+    if let Some(tail) = &solved.heavy_tail {
+        warnings.push(format!(
+            "at {name}, the quotient F/N of single windows has no variance: {}; the friction coefficient at the mean load, {}, \
+             is not affected",
+            no_variance(tail),
+            sentence::digits(solved.mean)
+        ));
+    } else if statistics.empty_windows > 0 {
+        let windows = statistics.empty_windows + statistics.moments.n;
+        warnings.push(format!(
+            "at {name}, {} of {windows} windows carry no load ({:.2} %); F/N leaves them out",
+            statistics.empty_windows,
+            100.0 * statistics.empty_windows as f64 / windows as f64
+        ));
     }
     if !solved.level.failures.is_empty() {
         let strips = sentence::count(solved.level.failures.len(), "strip", "strips");
         warnings.push(format!("at {name}, {strips} did not converge and were left out"));
     }
     warnings
+}
+
+/// Why the quotient F/N has no variance.
+pub(in crate::study) fn no_variance(tail: &HeavyTail) -> String {
+    let sparse = sentence::digits(100.0 * tail.sparse_share);
+    let contacts = format!("{sparse} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells");
+    // The tail index α is 1/ξ; a shape that may be 0 leaves it without an upper end.
+    let index = |shape: f64| if shape > 0.0 { sentence::digits(1.0 / shape) } else { "∞".to_owned() };
+    match tail.shape {
+        None => format!("{contacts}, and F/N of isolated contacts has the tail index 2, where a variance needs more"),
+        Some((shape, interval)) => format!(
+            "{contacts}, and the tail index of F/N is {} (95 %: {} to {}), where a variance needs more than 2",
+            index(shape),
+            index(interval.high),
+            index(interval.low)
+        ),
+    }
 }
 
 /// Warnings where one length of a model is not all that correlates friction.

@@ -19,6 +19,8 @@ pub struct FrictionResult {
     pub mean_compliance_m_per_pa: Option<f64>,
     /// Strips per level.
     pub realisations: usize,
+    /// The friction coefficient that drives the vibration, and that the report and the program state.
+    pub operating_point: OperatingPoint,
     /// Levels of contact.
     pub levels: Vec<LevelResult>,
     /// What uncertain parameters of the surface do; absent where none is stated.
@@ -26,7 +28,36 @@ pub struct FrictionResult {
     pub uncertainty: Option<UncertaintyResult>,
 }
 
-/// One level of the friction stage.
+/// The friction coefficient at the operating point: of the level at the nominal pressure, of the percentile that the study
+/// names or, without a vibration stage, of the level pressed hardest. Windows count by the load they carry, as in
+/// [`AtMeanLoad`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OperatingPoint {
+    /// The level in words.
+    pub level: String,
+    /// Percentage of the heights above the plane; `null` where that is not prescribed.
+    pub percentile: Option<f64>,
+    /// Mean depth of the plane below the highest point of each strip.
+    pub penetration_m: f64,
+    /// Mean pressure.
+    pub mean_pressure_pa: f64,
+    /// Contact area over nominal area, corrected: the probability of contact at a point.
+    pub contact_fraction: f64,
+    /// Its interval; `null` where the strips hold too few correlation lengths.
+    pub contact_fraction_interval: Option<Pair>,
+    /// The friction coefficient μ̄ = ΣF/ΣN.
+    pub mean: f64,
+    /// Its interval; `null` where the strips hold too few correlation lengths.
+    pub mean_interval: Option<Pair>,
+    /// Standard deviation of one window.
+    pub std: f64,
+    /// Its interval.
+    pub std_interval: Option<Pair>,
+    /// Standard deviation of the mean over the nominal area.
+    pub std_nominal_area: f64,
+}
+
+/// One level of the friction stage: the quotient F/N of each window, and under `at_mean_load` the process.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelResult {
     /// Whether this is the level that is shown in full and handed to the vibration stage.
@@ -43,17 +74,17 @@ pub struct LevelResult {
     pub contact_fraction: f64,
     /// Share of the contact cells at the hardness.
     pub plastic_share: f64,
-    /// Mean of μ.
-    pub mean: f64,
+    /// Mean of F/N; `null` where it does not exist (tail index of at most 1).
+    pub mean: Option<f64>,
     /// Its interval, which as all of μ knows the correlation along the strips; `null` where they hold too few correlation
     /// lengths.
     pub mean_interval: Option<Pair>,
-    /// Standard deviation of μ.
-    pub std: f64,
+    /// Standard deviation of F/N; with all that needs a variance `null` where [`LevelResult::no_variance`] says why.
+    pub std: Option<f64>,
     /// Its interval.
     pub std_interval: Option<Pair>,
     /// Standard deviation over mean.
-    pub coefficient_of_variation: f64,
+    pub coefficient_of_variation: Option<f64>,
     /// Its interval.
     pub coefficient_of_variation_interval: Option<Pair>,
     /// Skewness of μ; `null` where μ does not vary.
@@ -93,6 +124,8 @@ pub struct LevelResult {
     pub tail: Option<TailResult>,
     /// The Beta law with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
+    /// Why F/N has no variance, and so no standard deviation, marginal law or return levels; `null` where it has one.
+    pub no_variance: Option<String>,
     /// Windows without contact, left out.
     pub empty_windows: usize,
     /// The process that a body feels which rests on many windows.

@@ -91,6 +91,8 @@ pub struct CycleResult {
 pub struct EnsembleResult {
     /// Standard deviation of μ.
     pub friction_std: f64,
+    /// Fraction of the friction values that are clipped to stay positive.
+    pub clipped_fraction: f64,
     /// One entry per damping ratio.
     pub damping: Vec<DampingResult>,
     /// Where vibration falls through 95, 50 and 5 % of the second half of the duration.

@@ -1,11 +1,12 @@
 //! The stability map of a study.
 
 use super::{Ensembles, NO_SCATTER, Scatter};
+use crate::friction::process::{FrictionProcess, ProcessModel};
 use crate::monitor::Monitor;
 use crate::study::config::{MapOver, MapSection};
 use crate::study::{StudyError, Table};
 use crate::vibration::{
-    EnsembleSettings, Machine, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap,
+    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap,
     VibrationError, stability_map,
 };
 
@@ -20,29 +21,32 @@ impl Ensembles<'_> {
         let axis = |(from, to, cells)| MapAxis { from, to, cells };
         let ensemble = EnsembleSettings { trajectories: section.trajectories, sample_capacity: 0, ..self.settings() };
         let settings = MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble };
-        let machine = |x: f64, y: f64| match section.over {
-            MapOver::DampingVelocity => self.machine([x, y], 1.0, scatter, scatter.std),
-            MapOver::DampingScatter => self.machine([x, self.oscillator.belt_velocity()], 1.0, scatter, y),
-            MapOver::VelocityLoad => self.machine([self.oscillator.damping_ratio(), x], y, scatter, scatter.std),
+        let machine = |x: f64, y: f64| {
+            let (oscillator, model) = self.machine_and_model(section.over, scatter, [x, y])?;
+            Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         Ok(stability_map(&machine, &settings, monitor)?)
     }
 
-    /// The machine at a damping ratio and a belt velocity, in units of the stated load, under a multiple of that load.
-    fn machine(
+    /// The machine at a point of the map and its friction process, `None` where friction is constant. Velocities are in units of the
+    /// stated load.
+    pub(super) fn machine_and_model(
         &self,
-        [damping_ratio, belt_velocity]: [f64; 2],
-        load: f64,
+        over: MapOver,
         scatter: &Scatter,
-        std: f64,
-    ) -> Result<Machine, VibrationError> {
-        let at = Parameters { damping_ratio, belt_velocity, ..self.oscillator.parameters().clone() };
+        [x, y]: [f64; 2],
+    ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
+        let own = &self.oscillator;
+        let ([damping_ratio, belt_velocity], load, std) = match over {
+            MapOver::DampingVelocity => ([x, y], 1.0, scatter.std),
+            MapOver::DampingScatter => ([x, own.belt_velocity()], 1.0, y),
+            MapOver::VelocityLoad => ([own.damping_ratio(), x], y, scatter.std),
+        };
+        let at = Parameters { damping_ratio, belt_velocity, ..own.parameters().clone() };
         let oscillator = Oscillator::new(at)?.under_load(load)?;
-        if std < NO_SCATTER {
-            return Ok((oscillator, None));
-        }
-        let process = self.process_of(&oscillator, scatter.marginal.clone(), std, load, 1.0)?;
-        Ok((oscillator, Some(process)))
+        let varies = std >= NO_SCATTER;
+        let model = varies.then(|| self.model(&oscillator, scatter.marginal.clone(), std, load, 1.0));
+        Ok((oscillator, model))
     }
 }
 

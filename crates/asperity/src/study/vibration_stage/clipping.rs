@@ -1,0 +1,63 @@
+//! How much of the friction is clipped to stay positive, and when that is too much.
+
+use super::{Ensembles, SPEEDS, Scatter, ensembles, scatters};
+use crate::friction::process::ProcessModel;
+use crate::study::config::{MapSection, VibrationSection};
+use crate::study::window_friction::WindowFriction;
+use crate::study::{StudyError, sentence};
+use crate::vibration::LARGEST_CLIPPED_FRACTION;
+
+/// Clipped fraction below which nothing is reported.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// A warning about friction of which a fraction is clipped to stay positive; none where the fraction is below 0.01 %.
+pub fn clipping_warning(fraction: f64) -> Option<String> {
+    (fraction >= NEGLIGIBLE).then(|| {
+        format!(
+            "{} % of the friction values were clipped to stay positive; variability is understated",
+            sentence::digits(100.0 * fraction)
+        )
+    })
+}
+
+/// Fails where friction that is known before the run is clipped more than the study allows.
+pub(in crate::study) fn refuse_clipping(
+    section: &VibrationSection,
+    window: &WindowFriction,
+) -> Result<(), StudyError> {
+    let ensembles = ensembles(section, window, 0)?;
+    scatters(window).iter().try_for_each(|scatter| ensembles.process(scatter, SPEEDS[0]).map(|_| ()))
+}
+
+impl Ensembles<'_> {
+    /// The fraction of the values that a process clips.
+    ///
+    /// # Errors
+    /// It is more than the study allows.
+    pub(super) fn clipped(&self, model: &ProcessModel, upscaling: &'static str) -> Result<f64, StudyError> {
+        let fraction = model.clipped_fraction();
+        if fraction > LARGEST_CLIPPED_FRACTION && !self.section.allow_clipping {
+            return Err(StudyError::Clipped { upscaling, fraction, computed: self.window.computed });
+        }
+        Ok(fraction)
+    }
+
+    /// A warning about the points of a stability map at which friction is clipped.
+    ///
+    /// # Errors
+    /// At a point of the first grid more is clipped than the study allows.
+    pub(super) fn clipping_of_map(&self, map: &MapSection, scatter: &Scatter) -> Result<Option<String>, StudyError> {
+        let nodes = |(from, to, cells): (f64, f64, usize)| {
+            (0..=cells).map(move |node| from + (to - from) * node as f64 / cells as f64)
+        };
+        let mut largest = 0.0_f64;
+        for x in nodes(map.x) {
+            for y in nodes(map.y) {
+                if let (_, Some(model)) = self.machine_and_model(map.over, scatter, [x, y])? {
+                    largest = largest.max(self.clipped(&model, scatter.name)?);
+                }
+            }
+        }
+        Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))
+    }
+}
