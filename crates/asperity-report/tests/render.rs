@@ -488,7 +488,9 @@ fn friction_is_drawn_against_the_cutoff_with_its_floor_and_the_ends_of_the_band(
         assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
     }
     let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
-    for wanted in ["The friction coefficient is known only as far as the shortest waves are.", "0.1834 [", "0.21", "31 %"] {
+    for wanted in
+        ["The friction coefficient is known only as far as the shortest waves are.", "0.1834 [", "0.21", "31 %"]
+    {
         assert!(html.contains(wanted), "the page says {wanted:?}");
     }
     // An elastic study without a scan has neither a floor nor a band.

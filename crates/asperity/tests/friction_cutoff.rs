@@ -61,7 +61,8 @@ fn elastic_friction_is_inversely_proportional_to_the_slope_that_the_cutoff_leave
     assert!(cutoffs.iter().zip([2.0, 4.0, 8.0, 16.0, 32.0]).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{cutoffs:?}");
     // The study's own point is its own mean.
     assert_eq!(found.points[0].mean, friction.levels[0].at_mean_load.mean);
-    let (own, wanted) = (found.points[0].mean_interval.unwrap(), friction.levels[0].at_mean_load.mean_interval.unwrap());
+    let (own, wanted) =
+        (found.points[0].mean_interval.unwrap(), friction.levels[0].at_mean_load.mean_interval.unwrap());
     assert!(own.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{own:?} {wanted:?}");
     for (index, point) in found.points.iter().enumerate() {
         let slope = filtered_slope((index > 0).then_some(point.cutoff_m));
@@ -78,7 +79,8 @@ fn elastic_friction_is_inversely_proportional_to_the_slope_that_the_cutoff_leave
 
 #[test]
 fn a_pitch_that_resolves_the_surface_says_so_and_one_that_does_not_warns_with_the_change() {
-    let unresolved = |outcome: &Outcome| outcome.results.warnings.iter().any(|w| w.contains("half the pitch changes μ"));
+    let unresolved =
+        |outcome: &Outcome| outcome.results.warnings.iter().any(|w| w.contains("half the pitch changes μ"));
     let resolved = run(ELASTIC);
     let found = resolved.results.friction.as_ref().unwrap();
     let halved = cutoff(found).halved_pitch.as_ref().unwrap();
@@ -100,7 +102,10 @@ fn a_pitch_that_resolves_the_surface_says_so_and_one_that_does_not_warns_with_th
 
 #[test]
 fn under_a_small_hardness_friction_is_the_plastic_floor_at_every_cutoff() {
-    let soft = ELASTIC.replace("[material]", "[material]\nhardness = \"100 MPa\"").replace("60 MPa", "5 MPa").replace("385 MPa", "40 MPa");
+    let soft = ELASTIC
+        .replace("[material]", "[material]\nhardness = \"100 MPa\"")
+        .replace("60 MPa", "5 MPa")
+        .replace("385 MPa", "40 MPa");
     let outcome = run(&soft);
     let friction = outcome.results.friction.as_ref().unwrap();
     let found = cutoff(friction);

@@ -25,7 +25,9 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
 pub(super) fn refused_methods(pressure: &Value) -> String {
     let refused: Vec<String> = list(&pressure["methods"])
         .iter()
-        .filter_map(|method| Some(format!("{} ({})", method_name(method["name"].as_str()?), method["failure"].as_str()?)))
+        .filter_map(|method| {
+            Some(format!("{} ({})", method_name(method["name"].as_str()?), method["failure"].as_str()?))
+        })
         .collect();
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }

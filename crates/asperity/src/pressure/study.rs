@@ -226,9 +226,7 @@ impl Study {
                     Ok(()) => Ok(Estimate::of_sites(&monte_carlo, largest_pa, self.seed)?),
                     Err(reason) => Err(reason),
                 },
-                Method::Default => {
-                    by_nested(&|nested| nested.estimate(Quantity::Pressure, problem, self.seed))
-                }
+                Method::Default => by_nested(&|nested| nested.estimate(Quantity::Pressure, problem, self.seed)),
             };
             let uses_coarse = matches!(method, Method::Multilevel | Method::Default);
             methods.push(MethodResult {

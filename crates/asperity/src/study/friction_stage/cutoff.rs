@@ -10,7 +10,7 @@ use crate::friction::strip::Record;
 use crate::monitor::Monitor;
 use crate::quantity::Length;
 use crate::stats::{Interval, student_quantile};
-use crate::study::config::{BoundaryChoice, FrictionSection, LawChoice, MaterialSection, WindowShape};
+use crate::study::config::{FrictionSection, LawChoice, MaterialSection, WindowShape};
 use crate::study::friction_stage::{Setup, SolvedLevel};
 use crate::study::friction_uncertainty::PartOf;
 use crate::study::output::StageOutput;
@@ -285,7 +285,10 @@ fn band_end_m(surface: &SurfaceResult) -> Option<f64> {
 /// Friction of contacts that all have the hardness: τ_max/H, and α of a pressure-dependent shear strength.
 fn plastic_floor(section: &FrictionSection, material: &MaterialSection) -> Option<f64> {
     let (hardness, shear) = (material.hardness?.0, material.shear_strength?.0);
-    Some(shear / hardness + section.pressure_coefficient.filter(|_| section.law == LawChoice::PressureDependent).unwrap_or(0.0))
+    Some(
+        shear / hardness
+            + section.pressure_coefficient.filter(|_| section.law == LawChoice::PressureDependent).unwrap_or(0.0),
+    )
 }
 
 fn table(result: &CutoffResult) -> Table {
@@ -335,7 +338,11 @@ fn known(result: &CutoffResult, anchor: &Anchor) -> String {
         };
         let band = match result.band_end_m {
             Some(band) if band > own.cutoff_m => {
-                format!(" The scan is reliable down to {}, where it is {}.", metre(band), mu(mean_at(&result.points, band)))
+                format!(
+                    " The scan is reliable down to {}, where it is {}.",
+                    metre(band),
+                    mu(mean_at(&result.points, band))
+                )
             }
             Some(band) => format!(" The scan is reliable down to {}.", metre(band)),
             None => String::new(),
@@ -436,7 +443,9 @@ mod tests {
         let anchor = Anchor { mean: 0.2, half: Some(0.01) };
         let elastic = result([0.2, 0.25, 0.3], 0.1, Some(0.15));
         let text = known(&elastic, &anchor);
-        for wanted in ["only as far as", "0.3 without waves below 8 µm", "0.2 with all waves down to 2 µm", "H = 0.15 at most"] {
+        for wanted in
+            ["only as far as", "0.3 without waves below 8 µm", "0.2 with all waves down to 2 µm", "H = 0.15 at most"]
+        {
             assert!(text.contains(wanted), "{wanted} in {text}");
         }
         assert!(text.contains("reliable down to 4 µm, where it is 0.25"), "{text}");

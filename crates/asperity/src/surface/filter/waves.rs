@@ -198,8 +198,7 @@ mod tests {
             let (kx, ky) = (3.0, -4.0);
             let wave = |x: f64, y: f64| (TAU * (kx * x / grid.width_m() + ky * y / grid.height_m()) + 0.3).cos();
             let at = |row: f64, column: f64| wave(0.5 * column, 0.25 * row);
-            let heights =
-                Array2::from_shape_fn(grid.shape(), |(row, column)| 1.0 + at(row as f64, column as f64));
+            let heights = Array2::from_shape_fn(grid.shape(), |(row, column)| 1.0 + at(row as f64, column as f64));
             let surface = Fixed(HeightMap::new(grid, heights).unwrap());
             let fine = Respaced::with_half_the_pitch(&surface, Edges::Periodic).unwrap();
             assert_eq!((fine.grid().nx(), fine.grid().ny(), fine.grid().dx_m()), (2 * nx, 2 * ny, 0.25));
