@@ -1,6 +1,7 @@
 //! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
 
 pub(crate) mod answers;
+mod cutoff;
 mod friction;
 mod json;
 mod parameters;
@@ -125,8 +126,11 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             Stage::Pressure,
             "pressure",
             "Contact pressure",
-            "How often a point of the surface is in contact, and how the pressure there is distributed, by independent \
-             methods.",
+            &format!(
+                "How often a point of the surface is in contact, and how the pressure there is distributed, by independent \
+                 methods. {}",
+                tables::refused_methods(&run.results["pressure"])
+            ),
             &tables::pressure(run),
         ),
         section(

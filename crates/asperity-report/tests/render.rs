@@ -31,6 +31,7 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "pressure_scalars",
         "pressure_sensitivities",
         "friction_load_curve",
+        "friction_cutoff",
         "friction_histogram",
         "friction_pit",
         "friction_qq",
@@ -331,6 +332,14 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     {
         assert!(html.contains(wanted), "the page says {wanted:?}");
     }
+    // A refused method is named with its reason, not as a row of dashes.
+    let mut refused = run.clone();
+    let methods = refused.results["pressure"]["methods"].as_array_mut().unwrap();
+    methods[3] = json!({"name": "polynomial_chaos", "fine_solves": 60, "failure": "20 samples for 165 coefficients"});
+    let html = text(&render(&refused).unwrap().html).replace('\u{a0}', " ");
+    assert!(html.contains("Methods without an estimate: polynomial chaos (20 samples for 165 coefficients)."));
+    assert!(!html.contains("<th scope=\"row\">polynomial chaos</th>"));
+    assert!(!text(&render(&run).unwrap().html).contains("Methods without an estimate"));
     // A law that has nothing to do with the reference leaves the frames of the others alone.
     let methods = run.results["pressure"]["methods"].as_array_mut().unwrap();
     methods[5]["mean_pa"] = json!(1e20);
@@ -484,6 +493,33 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     let levels = run.tables.get_mut("friction_levels").unwrap();
     levels.columns.retain(|(name, _)| !name.contains("at_mean_load"));
     assert!(!words(&run, "friction_levels").contains(&"at the mean load".to_owned()));
+}
+
+#[test]
+fn friction_is_drawn_against_the_cutoff_with_its_floor_and_the_ends_of_the_band() {
+    let mut run = full_run();
+    let drawn = words(&run, "friction_cutoff");
+    for wanted in [
+        "Cut-off wavelength (µm)",
+        "mean μ, 95 %",
+        "half the pitch",
+        "plastic floor τ/H",
+        "cut-off of the study’s strips",
+        "end of the scan’s band",
+    ] {
+        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
+    }
+    let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
+    for wanted in
+        ["The friction coefficient is known only as far as the shortest waves are.", "0.1834 [", "0.21", "31 %"]
+    {
+        assert!(html.contains(wanted), "the page says {wanted:?}");
+    }
+    // An elastic study without a scan has neither a floor nor a band.
+    let cutoff = &mut run.results["friction"]["cutoff"];
+    (cutoff["plastic_floor"], cutoff["band_end_m"], cutoff["halved_pitch"]) = (Value::Null, Value::Null, Value::Null);
+    let drawn = words(&run, "friction_cutoff");
+    assert!(!drawn.iter().any(|word| word.contains("floor") || word.contains("scan") || word.contains("half")));
 }
 
 #[test]

@@ -124,7 +124,7 @@ fn as_json(stage: &StageEstimate, threads: usize) -> Value {
 fn in_words(stage: &StageEstimate, threads: usize) -> String {
     let work = match (stage.contact_solutions, stage.trajectories) {
         (solutions, 0) if stage.coarse_solutions > 0.0 => format!(
-            "{solutions} contact solutions, and on coarser grids up to the work of {:.0} more",
+            "{solutions} contact solutions, and on other grids up to the work of {:.0} more",
             stage.coarse_solutions.ceil()
         ),
         (solutions, 0) => format!("{solutions} contact solutions"),

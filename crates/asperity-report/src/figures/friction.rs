@@ -1,6 +1,7 @@
 //! The friction coefficient against penetration, its law, its correlation and its course along the track.
 
 pub(crate) mod correlation;
+mod cutoff;
 pub(crate) mod law;
 mod levels;
 mod trace;
@@ -19,6 +20,7 @@ pub(crate) const HEIGHT: f64 = 330.0;
 
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     levels::load_curve(run, plates)?;
+    cutoff::plates(run, plates)?;
     let lead = leading_level(&run.results["friction"]).unwrap_or(&Value::Null);
     let first = match law_name(&lead["at_mean_load"]["marginal"]) {
         Some(name) => format!("law ranked first ({name})"),

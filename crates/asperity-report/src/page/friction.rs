@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::json::{plain, shown};
 use super::tables::list;
-use super::{DataTable, in_words};
+use super::{DataTable, cutoff, in_words};
 use crate::format::{Dimension, significant};
 
 /// How a level is named: by percentile, or by the depth or the mean pressure that defines it.
@@ -107,6 +107,7 @@ pub(super) fn tables(friction: &Value) -> Vec<DataTable> {
     if let Some(lead) = leading_level(friction) {
         tables.extend([law(lead, &lead["at_mean_load"], "at the mean load"), correlation_models(lead)]);
     }
+    tables.extend(cutoff::table(friction));
     tables.extend(uncertain(friction));
     tables
 }

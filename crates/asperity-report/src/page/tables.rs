@@ -21,12 +21,24 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
         .collect()
 }
 
-/// `pressure`: one row per method, then one per scalar of the whole contact.
+/// The methods without an estimate and their reasons as a sentence; empty where every method has one.
+pub(super) fn refused_methods(pressure: &Value) -> String {
+    let refused: Vec<String> = list(&pressure["methods"])
+        .iter()
+        .filter_map(|method| {
+            Some(format!("{} ({})", method_name(method["name"].as_str()?), method["failure"].as_str()?))
+        })
+        .collect();
+    if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
+}
+
+/// `pressure`: one row per method that has an estimate, then one per scalar of the whole contact.
 pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
     let pressure = &run.results["pressure"];
     let cell = |value: &Value, digits| value.as_f64().map_or("–".into(), |v| significant(v, digits));
     let rows = list(&pressure["methods"])
         .iter()
+        .filter(|method| !method["failure"].is_string())
         .map(|method| {
             let probability = match (method["contact_probability"].as_f64(), method["contact_probability_se"].as_f64())
             {

@@ -255,6 +255,19 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
     );
     let depth = grid(0.6e-6, 3.7e-6, 6);
     let pressure = |share: f64| map(&depth, move |d| share * 3e6 * (d / 0.6e-6).powf(2.5));
+    let cutoff = vec![2.9e-6, 5.9e-6, 11.7e-6, 23.4e-6];
+    let kept = map(&cutoff, |metre| 0.19 + 0.03 * (metre / 2.9e-6).ln() / 8_f64.ln());
+    tables.insert(
+        "friction_cutoff".into(),
+        table(&[
+            ("cutoff_m", cutoff),
+            ("mean_low", around(&kept, -0.02)),
+            ("mean_high", around(&kept, 0.02)),
+            ("mean", kept),
+            ("rms_slope", vec![0.21, 0.17, 0.13, 0.09]),
+            ("plastic_fraction", vec![0.31, 0.24, 0.15, 0.06]),
+        ]),
+    );
     tables.insert(
         "friction_load_curve".into(),
         table(&[
@@ -526,6 +539,17 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
         {"share": 0.5, "damping_ratio": 0.2106, "damping_ratio_interval": [0.2104, 0.2108]},
         {"share": 0.05, "damping_ratio": null, "damping_ratio_interval": null,
          "reason": "vibration takes more than 5 % of the time up to the damping ratio 0.41, where the search ends"}]);
+    let cutoffs = || column("friction_cutoff", "cutoff_m").into_iter().enumerate();
+    let of_cutoff = |name: &str, row: usize| column("friction_cutoff", name)[row];
+    let cutoff = json!({
+        "mean_pressure_pa": 3e6, "strips": 4, "strip_length_m": 3e-3, "pitch_m": 1.45e-6, "cutoff_m": 2.9e-6, "band_end_m": 4e-6,
+        "plastic_floor": 0.1925, "known": "The friction coefficient is known only as far as the shortest waves are.",
+        "points": cutoffs().map(|(row, metre)| json!({"cutoff_m": metre, "mean": of_cutoff("mean", row),
+            "mean_interval": [of_cutoff("mean_low", row), of_cutoff("mean_high", row)], "rms_slope": of_cutoff("rms_slope", row),
+            "plastic_fraction": of_cutoff("plastic_fraction", row)})).collect::<Vec<_>>(),
+        "halved_pitch": {"pitch_m": 7.25e-7, "mean": 0.1834, "mean_interval": [0.179, 0.187], "change": -0.0066,
+            "change_interval": [-0.008, -0.005]},
+    });
     json!({
         "surface": {
             "nx": 256, "ny": 256, "dx_m": 7.8125e-7, "dy_m": 7.8125e-7, "missing_points": 457, "missing_fraction": 0.00697,
@@ -570,7 +594,8 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
                      "operating_point": {"level": "the nominal pressure", "percentile": null, "penetration_m": 6.2e-7,
                          "mean_pressure_pa": 3e6, "contact_fraction": 0.02, "contact_fraction_interval": [0.019, 0.021],
                          "mean": 0.2249, "mean_interval": [0.2227, 0.2271], "std": 0.0058, "std_interval": null,
-                         "std_nominal_area": 4.3e-5}},
+                         "std_nominal_area": 4.3e-5},
+                     "cutoff": cutoff},
         "vibration": {
             "critical_damping_ratio": 0.204_830_150_5, "hopf_damping_ratio": 0.204_805_7,
             "limit_damping_ratio": 0.204_830_150_5, "kind": "stick_slip", "steady_sliding_unstable": true, "kick_m_per_s": null,

@@ -186,8 +186,8 @@ impl Strips<'_> {
         Ok(by_level.into_iter().map(|results| self.gather(results)).collect())
     }
 
-    /// The map of one strip.
-    pub(super) fn map(&self, index: usize) -> HeightMap {
+    /// The map of the strip number `index`.
+    pub fn map(&self, index: usize) -> HeightMap {
         let mut stream = random::stream(self.seed, "friction/strip", index as u64);
         self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
     }

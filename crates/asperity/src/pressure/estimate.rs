@@ -40,11 +40,13 @@ pub struct Estimate {
     /// Mean square leave-one-out error of the expanded quantity over its variance, if any. Above 1 the expansion
     /// predicts worse than the mean.
     pub leave_one_out_error: Option<f64>,
+    /// Upper bound of the pressure in pascal: the hardness, or infinity. The distribution, the mean and all intervals keep to it.
+    pub largest_pa: f64,
 }
 
 impl Estimate {
     /// The empirical law of independent samples.
-    pub(super) fn of_independent(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
+    pub(super) fn of_independent(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let law = samples.law()?;
         let n = samples.len();
         let contact_probability = samples.contact_probability();
@@ -62,12 +64,13 @@ impl Estimate {
             interval_failure: None,
             coefficients: None,
             leave_one_out_error: None,
+            largest_pa,
             law,
         })
     }
 
     /// The mean of the empirical laws of independent randomisations; what they differ by tells the errors.
-    pub(super) fn of_replicates(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
+    pub(super) fn of_replicates(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let law = samples.law()?;
         let nodes = nodes(&law, samples.len());
         let mut replicates = vec![Vec::new(); samples.replicates()];
@@ -75,26 +78,24 @@ impl Estimate {
             replicates[samples.replicate_of(position)].push(observation.pressure_pa);
         }
         replicates.retain(|pressures| !pressures.is_empty());
-        Self::of_groups(
-            law,
-            samples,
-            &nodes,
-            replicates.into_iter(),
-            Some(samples.replicates().saturating_sub(1)),
-            seed,
-        )
+        let degrees_of_freedom = Some(samples.replicates().saturating_sub(1));
+        let found = Self::of_groups(law, samples, &nodes, replicates.into_iter(), degrees_of_freedom, seed);
+        Ok(Self::of_telescoped(found, largest_pa))
     }
 
     /// The empirical law of many cells; each sample is one, however many cells it gives.
-    pub(super) fn of_sites(samples: &Samples, seed: u64) -> Result<Self, PressureError> {
+    pub(super) fn of_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let each = samples.sites().first().map_or(1, Vec::len).max(1);
         let kept = (MOST_POOLED / samples.len().max(1)).clamp(1, each);
         let step = each.div_ceil(kept);
-        let pressures = |sites: &Vec<f32>| sites.iter().step_by(step).map(|p| f64::from(*p)).collect::<Vec<f64>>();
+        // Rounding to single precision may exceed the bound.
+        let pressure = |p: &f32| f64::from(*p).min(largest_pa);
+        let pressures = |sites: &Vec<f32>| sites.iter().step_by(step).map(pressure).collect::<Vec<f64>>();
         let pooled: Vec<f64> = samples.sites().iter().flat_map(pressures).collect();
         let law = StepLaw::empirical(&pooled)?;
         let nodes = nodes(&law, samples.len());
-        Self::of_groups(law, samples, &nodes, samples.sites().iter().map(pressures), None, seed)
+        let found = Self::of_groups(law, samples, &nodes, samples.sites().iter().map(pressures), None, seed);
+        Ok(Self::of_telescoped(found, largest_pa))
     }
 
     /// By independent groups of pressures, whose law is that of all; of so few that their number matters, with their degrees of
@@ -106,7 +107,7 @@ impl Estimate {
         groups: impl Iterator<Item = Vec<f64>>,
         degrees_of_freedom: Option<usize>,
         seed: u64,
-    ) -> Result<Self, PressureError> {
+    ) -> Telescoped {
         let mut moments = Moments::new(nodes.len() + 1);
         for mut group in groups {
             group.sort_by(f64::total_cmp);
@@ -118,7 +119,7 @@ impl Estimate {
         }
         let mut total = Total::new(nodes.len() + 1);
         total.add_mean(&moments);
-        let telescoped = Telescoped {
+        Telescoped {
             mean: total.value(nodes.len()),
             mean_se: total.standard_error(nodes.len(), degrees_of_freedom),
             band: total.band(nodes, degrees_of_freedom, seed),
@@ -126,17 +127,17 @@ impl Estimate {
             above: [samples.in_contact(), samples.len()],
             coefficients: None,
             leave_one_out_error: None,
-        };
-        Ok(telescoped.into())
+        }
     }
 }
 
 impl Estimate {
-    /// The 95 % interval of `mean_pa`, none without a standard error.
+    /// The 95 % interval of `mean_pa` within the possible range, none without a standard error.
     pub fn mean_interval_pa(&self) -> Option<Interval> {
         let half = self.band.as_ref().map_or(NORMAL_95, |band| band.pointwise_factor) * self.mean_se_pa;
         let unbiased = self.mean_pa - self.mean_bias_pa.unwrap_or(0.0);
-        half.is_finite().then_some(Interval { low: unbiased - half, high: unbiased + half })
+        let possible = |pressure_pa: f64| pressure_pa.clamp(0.0, self.largest_pa);
+        half.is_finite().then(|| Interval { low: possible(unbiased - half), high: possible(unbiased + half) })
     }
 
     /// The 95 % interval of a quantile in pascal, none without a band.
@@ -145,8 +146,9 @@ impl Estimate {
     }
 }
 
-impl From<Telescoped> for Estimate {
-    fn from(found: Telescoped) -> Self {
+impl Estimate {
+    /// An estimate of the pressure by several models; `largest_pa` is its upper bound.
+    pub(super) fn of_telescoped(found: Telescoped, largest_pa: f64) -> Self {
         let Telescoped { law, mean, mean_se, band, above: [in_contact, samples], coefficients, leave_one_out_error } =
             found;
         let contact_probability = 1.0 - band.cdf.first().copied().unwrap_or_else(|| law.cdf(0.0)).clamp(0.0, 1.0);
@@ -163,13 +165,14 @@ impl From<Telescoped> for Estimate {
             contact_probability_se,
             contact_probability_bias: None,
             contact_probability_interval: Some(contact_probability_interval),
-            mean_pa: mean,
+            mean_pa: mean.clamp(0.0, largest_pa),
             mean_bias_pa: None,
             mean_se_pa: mean_se,
             band: Some(band.widened([in_contact, samples])),
             interval_failure: None,
             coefficients,
             leave_one_out_error,
+            largest_pa,
         }
     }
 }

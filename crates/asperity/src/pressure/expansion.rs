@@ -4,6 +4,9 @@
 //! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh germs. Fitting only p > 0 and clipping afterwards
 //! is truncated regression: the law is biased, and the variance of the variables left out is lost. Standard errors and
 //! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
+//!
+//! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
+//! by orders of magnitude on some germs. Values above the hardness are set to the hardness, as those below zero are set to zero.
 
 use crate::chaos::{Basis, Expansion, LeastSquares, RegressionError};
 use crate::pressure::surrogate::{self, Atoms, Evidence, Fitted, Surrogate, others};
@@ -12,9 +15,9 @@ use crate::pressure::{Estimate, MethodError};
 /// Which function of the pressure is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Response {
-    /// Eq. (8): p_c = [Σ a_i Γ_i(ξ)]⁺.
+    /// Eq. (8): p_c = min([Σ a_i Γ_i(ξ)]⁺, H).
     Pressure,
-    /// Eq. (9): log p_c = Σ b_i Γ_i(ξ).
+    /// Eq. (9): log p_c = min(Σ b_i Γ_i(ξ), log H).
     Logarithm,
 }
 
@@ -26,12 +29,15 @@ struct Conditional<'a> {
     germs: &'a [Vec<f64>],
     pressures_pa: &'a [f64],
     fresh: &'a [Vec<f64>],
+    /// Upper bound of the pressure.
+    largest_pa: f64,
 }
 
 /// The law of the pressure from an expansion in the variables of the basis, those that lead the germs; `fresh` germs evaluate F_c.
 ///
 /// # Errors
-/// The samples in contact are too few or do not tell the functions apart, or the expansion of the logarithm overflows.
+/// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
+/// overflows.
 pub(super) fn estimate(
     response: Response,
     germs: &[Vec<f64>],
@@ -40,7 +46,8 @@ pub(super) fn estimate(
     fresh: &[Vec<f64>],
     seed: u64,
 ) -> Result<Estimate, MethodError> {
-    let conditional = Conditional { response, basis, germs, pressures_pa: evidence.pressures_pa, fresh };
+    let Evidence { pressures_pa, largest_pa, .. } = evidence;
+    let conditional = Conditional { response, basis, germs, pressures_pa, fresh, largest_pa };
     let found = surrogate::estimate(&conditional, evidence, seed)?;
     let in_contact = evidence.pressures_pa.iter().filter(|p| **p > 0.0).count();
     let (contact_probability_se, interval) = evidence.share_in_contact(seed);
@@ -69,8 +76,8 @@ impl Surrogate for Conditional<'_> {
         let fit = LeastSquares::new(self.basis.design_matrix(&germs).view())?.fit(&values)?;
         let expansion = Expansion::new(self.basis.clone(), fit.coefficients.clone());
         let pressure_pa = |value: f64| match self.response {
-            Response::Pressure => value.max(0.0),
-            Response::Logarithm => value.exp(),
+            Response::Pressure => value.clamp(0.0, self.largest_pa),
+            Response::Logarithm => value.exp().min(self.largest_pa),
         };
         let in_contact = count as f64 / samples.len() as f64;
         let law = |values: Vec<f64>| -> Atoms {

@@ -70,11 +70,12 @@ impl Quantity {
     }
 
     /// Bounds of the value.
-    fn bounds(self, problem: &Problem<'_>) -> [f64; 2] {
+    pub(super) fn bounds(self, problem: &Problem<'_>) -> [f64; 2] {
         match self {
-            Self::Pressure => [0.0, problem.hardness_pa().unwrap_or(f64::INFINITY)],
+            Self::Pressure | Self::MeanPressure => [0.0, problem.hardness_pa().unwrap_or(f64::INFINITY)],
+            Self::ContactFraction => [0.0, 1.0],
+            Self::MeanGap => [0.0, f64::INFINITY],
             Self::Stiffness => [0.0, stiffness::largest_pa_per_m(problem.half_space())],
-            _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
 }

@@ -12,7 +12,9 @@ use crate::pressure::sensitivity::{self, Sensitivity};
 use crate::pressure::surrogate::latent::LatentOverlap;
 use crate::pressure::surrogate::two_part::TwoPart;
 use crate::pressure::surrogate::{self, Evidence, Rotated};
+use crate::pressure::telescope::Telescoped;
 use crate::pressure::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
+use crate::stats::{Interval, NORMAL_95};
 
 /// Probabilities whose quantiles are told.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
@@ -63,10 +65,12 @@ pub struct MethodResult {
 pub struct ScalarResult {
     /// The scalar.
     pub quantity: Quantity,
-    /// Its mean and the mean's standard error.
+    /// Its mean,
     pub mean: f64,
-    /// See `mean`.
+    /// the standard error of the mean,
     pub mean_se: f64,
+    /// and its 95 % interval within the possible values.
+    pub mean_interval: Interval,
     /// Its law, estimated as by [`Method::Default`].
     pub law: StepLaw,
     /// 95 % intervals of the 10, 50 and 90 % quantiles.
@@ -125,6 +129,7 @@ impl Study {
     /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
     pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
         self.validate(problem)?;
+        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
         // What scalars are estimated of.
         let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
         let stride = site_stride(problem);
@@ -132,7 +137,7 @@ impl Study {
             let stage = "pressure/reference";
             let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_share);
             let site_stride = problem.cells_are_alike().then_some(stride);
-            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?)?
+            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?, largest_pa)?
         };
         let monte_carlo = {
             let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
@@ -161,12 +166,12 @@ impl Study {
         });
         let rotated =
             Rotated::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
-        let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Estimate, MethodError>| match &nested {
-            Ok(nested) => estimate(nested),
+        let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Telescoped, MethodError>| match &nested {
+            Ok(nested) => Ok(Estimate::of_telescoped(estimate(nested)?, largest_pa)),
             Err(reason) => Err(reason.clone()),
         };
         let replicated = |samples: &Result<Samples, MethodError>| match samples {
-            Ok(samples) => Ok(Estimate::of_replicates(samples, self.seed)?),
+            Ok(samples) => Ok(Estimate::of_replicates(samples, largest_pa, self.seed)?),
             Err(reason) => Err(PressureError::Method(reason.clone())),
         };
         let mut methods = Vec::with_capacity(Method::ALL.len());
@@ -181,7 +186,8 @@ impl Study {
             let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
             let expanded = |response| match &leading {
                 Ok((germs, pressures_pa, groups)) => {
-                    let evidence = Evidence { pressures_pa, groups: Some(groups), evaluations: fresh.len() };
+                    let evaluations = fresh.len();
+                    let evidence = Evidence { pressures_pa, groups: Some(groups), evaluations, largest_pa };
                     expansion::estimate(response, germs, evidence, basis.clone(), &fresh, self.seed)
                 }
                 Err(reason) => Err((*reason).clone()),
@@ -191,7 +197,7 @@ impl Study {
                 Err(reason) => Err(reason.clone()),
             };
             let estimate = match method {
-                Method::MonteCarlo => Ok(Estimate::of_independent(&monte_carlo, self.seed)?),
+                Method::MonteCarlo => Ok(Estimate::of_independent(&monte_carlo, largest_pa, self.seed)?),
                 Method::LatinHypercube => method_error(replicated(&latin))?,
                 Method::Sobol => method_error(replicated(&sobol))?,
                 Method::PolynomialChaos => expanded(Response::Pressure),
@@ -211,18 +217,16 @@ impl Study {
                     surrogate::estimate(&TwoPart::new(rotated, self.degree), rotated.evidence(), self.seed)
                 }),
                 Method::ControlVariate => {
-                    by_nested(&|nested| Ok(nested.estimate_by_germ(Quantity::Pressure, problem, self.seed)?.into()))
+                    by_nested(&|nested| nested.estimate_by_germ(Quantity::Pressure, problem, self.seed))
                 }
                 Method::Multilevel => {
-                    by_nested(&|nested| Ok(nested.estimate_plain(Quantity::Pressure, problem, self.seed)?.into()))
+                    by_nested(&|nested| nested.estimate_plain(Quantity::Pressure, problem, self.seed))
                 }
                 Method::PooledSites => match poolable(problem, &monte_carlo, site_shape) {
-                    Ok(()) => Ok(Estimate::of_sites(&monte_carlo, self.seed)?),
+                    Ok(()) => Ok(Estimate::of_sites(&monte_carlo, largest_pa, self.seed)?),
                     Err(reason) => Err(reason),
                 },
-                Method::Default => {
-                    by_nested(&|nested| Ok(nested.estimate(Quantity::Pressure, problem, self.seed)?.into()))
-                }
+                Method::Default => by_nested(&|nested| nested.estimate(Quantity::Pressure, problem, self.seed)),
             };
             let uses_coarse = matches!(method, Method::Multilevel | Method::Default);
             methods.push(MethodResult {
@@ -261,16 +265,17 @@ impl Study {
         let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
         let samples = solve(problem, sampling, monitor)?;
         let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
-        let estimate = nested.estimate(Quantity::Pressure, problem, self.seed)?.into();
+        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+        let estimate = Estimate::of_telescoped(nested.estimate(Quantity::Pressure, problem, self.seed)?, largest_pa);
         Ok((estimate, nested.coarse_solves(problem)))
     }
 
-    fn reference(&self, samples: &Samples) -> Result<Reference, PressureError> {
+    fn reference(&self, samples: &Samples, largest_pa: f64) -> Result<Reference, PressureError> {
         let sites = samples.sites().first().map_or(0, Vec::len);
         let estimate = if sites > 0 {
-            Estimate::of_sites(samples, self.seed)?
+            Estimate::of_sites(samples, largest_pa, self.seed)?
         } else {
-            Estimate::of_independent(samples, self.seed)?
+            Estimate::of_independent(samples, largest_pa, self.seed)?
         };
         let ks_resolution = match &estimate.band {
             Some(band) if sites > 0 => {
@@ -286,10 +291,14 @@ impl Study {
     fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
         let scalar = |quantity: Quantity| {
             let found = nested.estimate(quantity, problem, self.seed).ok()?;
+            let [least, largest] = quantity.bounds(problem);
+            let half = NORMAL_95 * found.mean_se;
+            let possible = |value: f64| value.clamp(least, largest);
             Some(ScalarResult {
                 quantity,
-                mean: found.mean,
+                mean: possible(found.mean),
                 mean_se: found.mean_se,
+                mean_interval: Interval { low: possible(found.mean - half), high: possible(found.mean + half) },
                 quantiles: PROBABILITIES.into_iter().map(|p| found.band.quantile(&found.law, p)).collect(),
                 law: found.law.clone(),
             })

@@ -70,6 +70,8 @@ pub(super) struct Evidence<'a> {
     pub(super) groups: Option<&'a [usize]>,
     /// Fresh germs on which models are evaluated.
     pub(super) evaluations: usize,
+    /// Upper bound of the pressure: the hardness, or infinity.
+    pub(super) largest_pa: f64,
 }
 
 impl Evidence<'_> {
@@ -143,7 +145,7 @@ pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: 
     }
     let law = StepLaw::weighted(fitted.law)?;
     let contact_probability = 1.0 - law.cdf(0.0);
-    let mean_pa = law.mean();
+    let mean_pa = law.mean().min(evidence.largest_pa);
     let own = Estimate {
         contact_probability,
         contact_probability_se: f64::NAN,
@@ -156,6 +158,7 @@ pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: 
         interval_failure: None,
         coefficients: Some(fitted.coefficients),
         leave_one_out_error: fitted.leave_one_out_error,
+        largest_pa: evidence.largest_pa,
         law,
     };
     let empirical = StepLaw::empirical(evidence.pressures_pa)?;
@@ -171,7 +174,7 @@ pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: 
         contact_probability_interval: Some(evidence.contact_interval(&band)),
         contact_probability_bias: Some(-band.bias[0]),
         mean_se_pa: unbiased.standard_error(nodes.len(), evidence.degrees_of_freedom()),
-        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len())),
+        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len()).clamp(0.0, evidence.largest_pa)),
         band: Some(band.widened([evidence.in_contact(), samples.len()])),
         ..own
     })
@@ -289,7 +292,8 @@ impl Rotated {
 
     /// The samples, independent of each other.
     pub(super) fn evidence(&self) -> Evidence<'_> {
-        Evidence { pressures_pa: &self.pressures_pa, groups: None, evaluations: self.fresh.len() }
+        let Self { pressures_pa, fresh, largest_pa, .. } = self;
+        Evidence { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
     }
 
     /// The rows of some samples.

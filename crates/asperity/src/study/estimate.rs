@@ -2,6 +2,7 @@
 
 use crate::contact::memory_bytes;
 use crate::study::config::{BoundaryChoice, FrictionSection};
+use crate::study::friction_stage::cutoff;
 use crate::study::{Stage, Study};
 use crate::vibration::EnsembleSettings;
 
@@ -40,7 +41,8 @@ pub struct StageEstimate {
     pub stage: Stage,
     /// Contact problems to solve.
     pub contact_solutions: usize,
-    /// Most work of contact problems on coarser grids beside these, in problems on the stage's own grid.
+    /// Most work of contact problems on other grids beside these, in problems on the stage's own grid: coarser ones of the pressure
+    /// stage, shorter strips and finer ones of the friction stage.
     pub coarse_solutions: f64,
     /// Trajectories to follow.
     pub trajectories: usize,
@@ -83,12 +85,25 @@ impl Study {
         if let Some(f) = &self.friction {
             let nominal = self.vibration.as_ref().is_some_and(|v| v.level.is_none());
             let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * f.uncertainty_realisations());
-            let solutions = (f.levels() + usize::from(nominal)) * (f.realisations + uncertain);
-            let mut stage = contact(Stage::Friction, (solutions, 0.0), f.points, f.boundary, 0);
-            // The generator, and on every thread a germ, a map and its transform.
-            let cells = f.points[0] as f64 * f.points[1] as f64;
-            stage.memory_bytes += cells * (GENERATOR_BYTES + threads as f64 * 4.0 * DOUBLE_BYTES);
-            stage.memory_bytes += (f.levels() + usize::from(nominal)) as f64 * f.realisations as f64 * record_bytes(f);
+            let levels = f.levels() + usize::from(nominal);
+            let solutions = levels * (f.realisations + uncertain);
+            let plan = cutoff::Plan::new(f, levels);
+            let others = plan.map_or(0.0, |plan| plan.work(f));
+            let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, 0);
+            // On every thread a solver, a germ, a map and its transform.
+            let solvers = |threads: usize, [nx, ny]: [usize; 2]| {
+                let cells = nx.saturating_mul(ny);
+                threads as f64 * (memory_bytes(cells) + cells as f64 * 4.0 * DOUBLE_BYTES)
+            };
+            let generator = |[nx, ny]: [usize; 2]| nx as f64 * ny as f64 * GENERATOR_BYTES;
+            // The strips of the cut-off have a generator of their own, and are solved with half the pitch, too.
+            let of_cutoff = plan.map_or(0.0, |plan| {
+                let halved = plan.points.map(|points| points.saturating_mul(2));
+                generator(plan.points) + solvers(threads.min(cutoff::STRIPS), halved)
+            });
+            stage.memory_bytes = generator(f.points)
+                + solvers(threads, f.points).max(of_cutoff)
+                + levels as f64 * f.realisations as f64 * record_bytes(f);
             stages.push(stage);
         }
         if let Some(v) = &self.vibration {
@@ -187,7 +202,7 @@ trajectories = 50
         assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
         assert_eq!(stages[2].trajectories, 2 * (11 + CROSSING_ENSEMBLES) * 50);
         // The hundred fine solves of the default may be followed by as much work again, four times over, and that on the same maps.
-        assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 0.0, 0.0]);
+        assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 18.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
         // Maps of 64² points and a strip of doubles, and a few MB of tables, figures and page.
         let disk = |text: &str| Study::parse(text, "study.toml").unwrap().disk_bytes();

@@ -1,5 +1,6 @@
 //! Friction of solved strips at several levels of contact.
 
+pub(super) mod cutoff;
 mod entries;
 mod tables;
 mod words;
@@ -230,6 +231,7 @@ pub(super) fn run(
     let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
     let lead = lead.among(&pressures);
     let uncertain = friction_uncertainty::run(section, &setup, (model, surface), &levels, seed, monitor)?;
+    let (cutoff, of_cutoff) = cutoff::run(section, material, (model, surface), (&levels, lead), seed, monitor)?;
     let window = &setup.window;
     let mut result = FrictionResult {
         window_m: window.length_m(),
@@ -246,6 +248,7 @@ pub(super) fn run(
                 ..entries::level_result(level, level.upscaling(window, nominal_area_m2))
             })
             .collect(),
+        cutoff,
         uncertainty: None,
     };
     output.tables = tables::of_levels(&levels);
@@ -260,6 +263,7 @@ pub(super) fn run(
     output.assumptions =
         words::sentences(section, &strips, &setup.law_in_words, mean_compliance_m_per_pa, &levels[lead]);
     output.assumptions.extend(generated.correction.clone());
+    output.extend(of_cutoff);
     if let Some((found, own)) = uncertain {
         output.extend(own);
         result.uncertainty = Some(found);

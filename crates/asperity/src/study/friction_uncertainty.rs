@@ -23,16 +23,18 @@ const UNEXPLAINED_SHARE: f64 = 0.2;
 /// Name of the task in progress.
 const TASK: &str = "friction uncertainty";
 
-/// Passes on what is done of one point as a part of all.
-struct PartOf<'a> {
-    monitor: &'a dyn Monitor,
-    before: usize,
-    total: usize,
+/// Passes on what is done of one part of a task as a part of all.
+pub(super) struct PartOf<'a> {
+    pub(super) monitor: &'a dyn Monitor,
+    /// Name of the task.
+    pub(super) task: &'static str,
+    pub(super) before: usize,
+    pub(super) total: usize,
 }
 
 impl Monitor for PartOf<'_> {
     fn progress(&self, _what: &str, done: usize, _total: usize) {
-        self.monitor.progress(TASK, self.before + done, self.total);
+        self.monitor.progress(self.task, self.before + done, self.total);
     }
 
     fn cancelled(&self) -> bool {
@@ -134,7 +136,7 @@ fn solve(
         found.warnings.extend(generated.warnings.into_iter().next());
         let strips = setup.strips(generated.surface.as_ref(), realisations, seed);
         let controls: Vec<Control> = levels.iter().map(|level| level.contact(&model.marginal)).collect();
-        let part = PartOf { monitor, before: point * each, total: propagation.points() * each };
+        let part = PartOf { monitor, task: TASK, before: point * each, total: propagation.points() * each };
         for (place, level) in strips.solve(&controls, &part)?.into_iter().enumerate() {
             let step_m = setup.window.step_m();
             let level = level.map_err(|error: FrictionError| error.to_string());

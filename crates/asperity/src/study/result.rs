@@ -3,6 +3,7 @@
 //! Numbers are SI with the unit in the key; an undefined number is `null`; intervals are [low, high] at 95 %. No clock,
 //! host or thread count enters, so equal studies give equal bytes.
 
+mod cutoff;
 mod friction;
 mod pressure;
 mod surface;
@@ -17,6 +18,7 @@ use crate::friction::process::FittedProcess;
 use crate::stats::Interval;
 use crate::study::{Field, Table};
 
+pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
 pub use friction::{
     AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
     GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult,

@@ -2,6 +2,7 @@
 
 mod gaussian;
 mod outliers;
+mod waves;
 
 use thiserror::Error;
 
@@ -9,6 +10,7 @@ use crate::map::MapError;
 
 pub use gaussian::{GaussianFilter, Regression, Smoothed};
 pub use outliers::{Filtered, reject_outliers};
+pub use waves::{Edges, Respaced};
 
 /// Why a map could not be filtered.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -8,7 +8,7 @@ fn germs(stage: &str, samples: usize, dimensions: usize) -> Vec<Vec<f64>> {
 }
 
 fn independent(pressures_pa: &[f64], evaluations: usize) -> Evidence<'_> {
-    Evidence { pressures_pa, groups: None, evaluations }
+    Evidence { pressures_pa, groups: None, evaluations, largest_pa: f64::INFINITY }
 }
 
 fn estimate_of(
@@ -77,6 +77,38 @@ fn an_exponent_beyond_the_largest_number_is_a_reason_not_a_pressure() {
     let pressure = |xi: &[f64]| (260.0 * xi[0].clamp(-2.5, 2.5)).exp();
     let outcome = estimate_of(Response::Logarithm, pressure, 100, Basis::hermite(1, 1).unwrap());
     assert!(matches!(outcome, Err(MethodError::Overflow { overflowed: 1.., evaluations: 3000 })), "{outcome:?}");
+}
+
+#[test]
+fn under_a_hardness_a_lognormal_pressure_has_its_mass_beyond_the_hardness_at_the_hardness() {
+    // ln p = 20 + ξ on samples with |ξ| < 1.4, all below the hardness e^{21.5}: the expansion is exact, and on fresh germs it exceeds
+    // the hardness with probability Φ(−1.5).
+    let hardness = 21.5_f64.exp();
+    let fine: Vec<Vec<f64>> = (0..80).map(|i| vec![-1.4 + 2.8 * f64::from(i) / 79.0]).collect();
+    let pressures: Vec<f64> = fine.iter().map(|xi| (20.0 + xi[0]).exp()).collect();
+    let fresh = germs("fresh", 20_000, 1);
+    let evidence = Evidence { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
+    let basis = Basis::hermite(1, 1).unwrap();
+    let found = estimate(Response::Logarithm, &fine, evidence, basis, &fresh, 1).unwrap();
+    assert_eq!(found.law.quantile(1.0), hardness);
+    // The fresh germs are stratified: each share is met to one stratum.
+    let beyond = standard_normal_cdf(-1.5);
+    assert!((1.0 - found.law.cdf_left(hardness) - beyond).abs() < 2.0 / 20_000.0, "{}", found.law.cdf_left(hardness));
+    // E min(e^{20+ξ}, H) = e^{20.5} Φ(1.5 − 1) + H Φ(−1.5); a stratum of 1/20,000 moves it by less than 1e-3.
+    let mean = 20.5_f64.exp() * standard_normal_cdf(0.5) + hardness * beyond;
+    assert!((found.mean_pa / mean - 1.0).abs() < 1e-3, "{} {mean}", found.mean_pa);
+    let interval = found.mean_interval_pa().unwrap();
+    assert!(interval.low >= 0.0 && interval.high <= hardness, "{interval:?}");
+}
+
+#[test]
+fn under_a_hardness_an_exponent_beyond_the_largest_number_is_the_hardness() {
+    let (fine, fresh) = (germs("fine", 100, 1), germs("fresh", 3000, 1));
+    let pressures: Vec<f64> = fine.iter().map(|xi| (260.0 * xi[0].clamp(-2.5, 2.5)).exp()).collect();
+    let hardness = pressures.iter().copied().fold(0.0, f64::max);
+    let evidence = Evidence { largest_pa: hardness, ..independent(&pressures, fresh.len()) };
+    let found = estimate(Response::Logarithm, &fine, evidence, Basis::hermite(1, 1).unwrap(), &fresh, 1).unwrap();
+    assert!(found.law.quantile(1.0) == hardness && found.mean_pa <= hardness, "{}", found.mean_pa);
 }
 
 #[test]

@@ -87,6 +87,38 @@ fn a_centre_cell_is_in_contact_at_most_half_the_time_at_the_median_plane() {
 }
 
 #[test]
+fn every_statistic_of_every_method_keeps_to_the_hardness() {
+    let (surface, half_space) = gaussian_surface(16, 30);
+    let hardness = 1.3;
+    let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, Some(hardness)).unwrap();
+    let sizes = Study { fine_solves: 200, ..small_study() };
+    let results = sizes.run(&problem, &Silent).unwrap();
+    let within = |what: &str, method: &str, values: &[f64]| {
+        assert!(values.iter().all(|p| (0.0..=hardness).contains(p)), "{what} by {method}: {values:?}");
+    };
+    let found = results.methods.iter().filter_map(|r| Some((r.method.name(), &r.outcome.as_ref().ok()?.0)));
+    let mut methods = 0;
+    for (name, estimate) in found.chain([("reference", &results.reference.estimate)]) {
+        methods += 1;
+        within("distribution", name, &[estimate.law.quantile(0.0), estimate.law.quantile(1.0)]);
+        let mean = estimate.mean_interval_pa().unwrap();
+        within("mean", name, &[estimate.mean_pa, mean.low, mean.high]);
+        within("band", name, &estimate.band.as_ref().unwrap().values);
+        for probability in PROBABILITIES {
+            let interval = estimate.quantile_interval_pa(probability).unwrap();
+            within("quantile", name, &[estimate.law.quantile(probability), interval.low, interval.high]);
+        }
+    }
+    assert!(methods >= 12, "{methods}");
+    // Scalars of the contact keep to their own limits.
+    for (quantity, largest) in [(Quantity::ContactFraction, 1.0), (Quantity::MeanPressure, hardness)] {
+        let scalar = scalar(&results, quantity).unwrap();
+        let values = [scalar.mean, scalar.mean_interval.low, scalar.mean_interval.high, scalar.law.quantile(1.0)];
+        assert!(values.iter().all(|value| (0.0..=largest).contains(value)), "{scalar:?}");
+    }
+}
+
+#[test]
 fn cells_of_a_free_patch_differ_and_are_not_pooled_and_the_height_of_the_cell_matters_most() {
     let (surface, half_space) = gaussian_surface(16, 30);
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();

@@ -1,7 +1,6 @@
 //! The law of the pressure as entries of `results.json`.
 
 use crate::pressure::{Estimate, MethodResult, Quantity, Results, ScalarResult};
-use crate::stats::{Interval, NORMAL_95};
 use crate::study::pressure_stage::{indices, maps};
 use crate::study::result::{
     CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
@@ -109,7 +108,6 @@ pub(super) fn scalar_name(quantity: Quantity) -> &'static str {
 }
 
 fn scalar_entry(scalar: &ScalarResult) -> ScalarEntry {
-    let half = NORMAL_95 * scalar.mean_se;
     let quantile = |q: &crate::pressure::QuantileResult| ScalarQuantile {
         probability: q.probability,
         value: q.value,
@@ -119,7 +117,7 @@ fn scalar_entry(scalar: &ScalarResult) -> ScalarEntry {
         name: scalar_name(scalar.quantity).into(),
         mean: scalar.mean,
         mean_se: scalar.mean_se,
-        mean_interval: pair(Interval { low: scalar.mean - half, high: scalar.mean + half }),
+        mean_interval: pair(scalar.mean_interval),
         std: scalar.law.std(),
         quantiles: scalar.quantiles.iter().map(quantile).collect(),
     }

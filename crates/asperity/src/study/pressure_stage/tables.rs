@@ -5,7 +5,7 @@ use crate::pressure::{Band, Method, Results};
 use crate::study::Table;
 use crate::study::pressure_stage::entries::scalar_name;
 use crate::study::pressure_stage::indices;
-use crate::study::result::{Pair, PressureResult};
+use crate::study::result::{MethodEntry, Pair, PressureResult};
 
 pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'static str, Table)> {
     let mut tables = vec![
@@ -23,7 +23,7 @@ pub(super) fn tables(results: &Results, summary: &PressureResult) -> Vec<(&'stat
     tables
 }
 
-/// The CDF of every method on one grid of pressures: 0, quantiles of the reference, and even steps between.
+/// The CDF of every method that has an estimate on one grid of pressures: 0, quantiles of the reference, and even steps between.
 fn cdf(results: &Results) -> Table {
     const ROWS: usize = 400;
     let reference = &results.reference.estimate.law;
@@ -39,14 +39,10 @@ fn cdf(results: &Results) -> Table {
     pressures.push(highest);
     pressures.sort_by(f64::total_cmp);
     pressures.dedup();
-    let column = |law: Option<&StepLaw>| -> Vec<f64> {
-        pressures.iter().map(|p| law.map_or(f64::NAN, |law| law.cdf(*p))).collect()
-    };
-    let mut columns =
-        vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(Some(reference)))];
+    let column = |law: &StepLaw| -> Vec<f64> { pressures.iter().map(|p| law.cdf(*p)).collect() };
+    let mut columns = vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(reference))];
     for method in Method::ALL {
-        let law = results.estimate(method).map(|(estimate, _)| &estimate.law);
-        columns.push((method.name().into(), column(law)));
+        columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.law))));
     }
     Table::new(columns)
 }
@@ -83,17 +79,18 @@ fn bands(results: &Results) -> Table {
     Table::new(columns)
 }
 
-/// One row for each method, the reference first.
+/// One row for each method that has an estimate, the reference first.
 fn methods(summary: &PressureResult) -> Table {
+    let methods: Vec<&MethodEntry> = summary.methods.iter().filter(|method| method.failure.is_none()).collect();
     let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
-    let names = std::iter::once("reference".to_owned()).chain(summary.methods.iter().map(|m| m.name.clone()));
+    let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.clone()));
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add = |name: &str, reference: f64, values: Vec<Option<f64>>| {
         let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN));
         columns.push((name.to_owned(), std::iter::once(reference).chain(values).collect()));
     };
-    let of = |value: &dyn Fn(&crate::study::result::MethodEntry) -> Option<f64>| -> Vec<Option<f64>> {
-        summary.methods.iter().map(value).collect()
+    let of = |value: &dyn Fn(&MethodEntry) -> Option<f64>| -> Vec<Option<f64>> {
+        methods.iter().map(|method| value(method)).collect()
     };
     let samples = summary.reference_samples as f64;
     add("fine_solves", samples, of(&|m| Some(m.fine_solves as f64)));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::study::result::{LawResult, Pair, UncertaintyResult};
+use crate::study::result::{CutoffResult, LawResult, Pair, UncertaintyResult};
 
 /// The friction stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +23,9 @@ pub struct FrictionResult {
     pub operating_point: OperatingPoint,
     /// Levels of contact.
     pub levels: Vec<LevelResult>,
+    /// Mean friction against the shortest waves kept; absent for Coulomb's law, and where it could not be solved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cutoff: Option<CutoffResult>,
     /// What uncertain parameters of the surface do; absent where none is stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyResult>,

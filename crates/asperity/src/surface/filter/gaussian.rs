@@ -66,6 +66,11 @@ impl GaussianFilter {
         Self { cutoff_m, regression: Regression::Quadratic, robust: true }
     }
 
+    /// Share of the amplitude that the plain filter keeps of a wave with so many periods per metre, exp(−π(αλf)²) = 2^−(λf)².
+    pub fn transmission(&self, frequency_per_m: f64) -> f64 {
+        (-std::f64::consts::PI * (ALPHA * self.cutoff_m * frequency_per_m).powi(2)).exp()
+    }
+
     /// The large scales: what an S-filter keeps. Only present heights count, by their weights; none is filled in.
     ///
     /// # Errors
