@@ -249,6 +249,8 @@ pub struct CovarianceCandidate {
 pub struct KarhunenLoeveResult {
     /// Number of terms.
     pub modes: usize,
-    /// Share of the variance that they hold.
+    /// Fraction of the variance that they hold.
     pub captured_variance: f64,
+    /// Fraction of the mean squared slope on the patch's grid that they hold.
+    pub captured_slope_variance: f64,
 }
