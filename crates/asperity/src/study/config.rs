@@ -57,7 +57,8 @@ pub enum GeneratorChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CovarianceChoice {
-    /// Fitted to the scan: the best of the models below.
+    /// The best of the models below, fitted to the scan's spectrum by likelihood. Where no model has the spectrum and the slopes of
+    /// the scan within its reliable band, the scan's own, changed where the marginal law would distort its slopes.
     #[default]
     Measured,
     /// The scan's own autocorrelation, made positive definite: no model, lays at any angle.

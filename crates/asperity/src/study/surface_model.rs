@@ -404,3 +404,39 @@ impl SurfaceModel {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(kind: CorrelationModel, length_m: f64, modes: Option<usize>) -> SurfaceModel {
+        let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());
+        let expansion = Some(Expansion { modes, mean_mode: true, rescale: None });
+        let texture = Texture::Translated { covariance, translation: TranslationChoice::Plain, expansion };
+        SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture }
+    }
+
+    #[test]
+    fn without_a_stated_number_the_terms_hold_the_slopes_or_all_fourier_modes_do() {
+        let grid = Grid::new(48, 48, 1e-6, 1e-6).unwrap();
+        let smooth = model(CorrelationModel::SquaredExponential, 8e-6, None);
+        for periodic in [false, true] {
+            let generated = smooth.patch(grid, periodic).unwrap();
+            let found = generated.karhunen_loeve.unwrap();
+            assert!(found.captured_slope_variance >= 0.9 && found.modes < 300, "{found:?}");
+            assert!(generated.warnings.is_empty(), "{:?}", generated.warnings);
+        }
+        // Half of the slope of an exponential surface is in waves of a few pixels.
+        let rough = model(CorrelationModel::Exponential, 8e-6, None).patch(grid, false).unwrap();
+        assert!(rough.karhunen_loeve.is_none() && rough.correction.unwrap().contains("all Fourier modes"));
+    }
+
+    #[test]
+    fn a_stated_number_of_terms_is_kept_and_warned_about_with_its_fraction_of_the_slopes() {
+        let grid = Grid::new(48, 48, 1e-6, 1e-6).unwrap();
+        let rough = model(CorrelationModel::Exponential, 8e-6, Some(101)).patch(grid, false).unwrap();
+        let found = rough.karhunen_loeve.unwrap();
+        assert!(found.modes == 101 && found.captured_slope_variance < 0.5, "{found:?}");
+        assert!(rough.warnings.iter().any(|warning| warning.contains("of the slope variance")), "{:?}", rough.warnings);
+    }
+}
