@@ -3,8 +3,10 @@
 //! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`Staging`]
 //! writes the run folder, which appears complete or not at all.
 
+mod band_slopes;
 mod check;
 pub mod config;
+mod covariance_choice;
 mod error;
 mod estimate;
 mod friction_law;

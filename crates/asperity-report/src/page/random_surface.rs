@@ -55,18 +55,20 @@ fn covariance(covariance: &Value) -> Vec<(String, String)> {
         ("decay_length_y_m", "correlation length along y, to 1/e".to_owned()),
         ("smoothness", "smoothness ν".to_owned()),
         ("hurst", "Hurst exponent".to_owned()),
-        ("misfit", "root mean square misfit of the correlation".to_owned()),
+        ("misfit", "misfit, rms of ln(measured/model spectral density)".to_owned()),
+        ("slope_ratio", "Sdq of the random surfaces over the scan's, within the band".to_owned()),
+        ("slope_cutoff_m", "S-filter at the end of that band".to_owned()),
     ];
     let mut rows = vec![("covariance".to_owned(), in_words(&covariance["model"]))];
     let present = named.iter().filter(|(key, _)| covariance[*key].is_number());
     rows.extend(present.map(|(key, name)| (format!("covariance · {name}"), shown(covariance, key))));
     let candidate = |tried: &Value| {
-        let misfit = tried["misfit"].as_f64().map_or("–".into(), |misfit| significant(misfit, 3));
-        format!("{} ({misfit})", in_words(&tried["model"]))
+        let number = |key: &str| tried[key].as_f64().map_or("–".into(), |value| significant(value, 3));
+        format!("{} ({}; {})", in_words(&tried["model"]), number("misfit"), number("slope_ratio"))
     };
     let candidates: Vec<String> = covariance["candidates"].as_array().into_iter().flatten().map(candidate).collect();
     if !candidates.is_empty() {
-        rows.push(("covariance · models tried, with their misfit".to_owned(), candidates.join(", ")));
+        rows.push(("covariance · tried, with misfit and ratio of Sdq".to_owned(), candidates.join(", ")));
     }
     let mut others = covariance.clone();
     if let Value::Object(entries) = &mut others {
@@ -158,12 +160,14 @@ mod tests {
     #[test]
     fn the_length_of_a_model_says_what_it_is() {
         let matern = json!({"covariance": {"model": "matern", "length_x_m": 2e-5, "decay_length_x_m": 3e-5, "smoothness": 1.5,
-            "misfit": 0.012, "hurst": null, "candidates": [{"model": "matern", "misfit": 0.012}, {"model": "self_affine", "misfit": 0.03}],
+            "misfit": 0.012, "hurst": null, "candidates": [{"model": "matern", "misfit": 0.012, "slope_ratio": 1.02}, {"model": "empirical", "misfit": null, "slope_ratio": 0.97}],
+            "slope_ratio": 1.02,
             "extra_m": 1e-6}, "karhunen_loeve": {"modes": 101}});
         assert_eq!(said(&matern, "covariance"), "Matérn");
         assert_eq!(said(&matern, "covariance · length along x (scale of the model)"), "20 µm");
         assert_eq!(said(&matern, "covariance · correlation length along x, to 1/e"), "30 µm");
-        assert_eq!(said(&matern, "covariance · models tried, with their misfit"), "Matérn (0.012), self-affine (0.03)");
+        assert_eq!(said(&matern, "covariance · tried, with misfit and ratio of Sdq"), "Matérn (0.012; 1.02), empirical (–; 0.97)");
+        assert_eq!(said(&matern, "covariance · Sdq of the random surfaces over the scan's, within the band"), "1.02");
         assert_eq!(said(&matern, "covariance · extra"), "1 µm");
         assert_eq!(said(&matern, "Karhunen–Loève · modes"), "101");
         let self_affine = json!({"covariance": {"model": "self_affine", "length_y_m": 2e-5}});

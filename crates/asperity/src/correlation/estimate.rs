@@ -75,7 +75,7 @@ impl std::fmt::Display for Axis {
 ///
 /// It is held for lags up to a reach along x and y, at most half the field unless more was asked for: beyond, few pairs are
 /// left, and the removed mean rules what they say. No height is filled in, so scattered missing points bias nothing.
-/// Removing the sample mean lowers every lag by about the variance of that mean; [`super::fit_covariance`] accounts for it.
+/// Removing the sample mean lowers every lag by about the variance of that mean; [`super::MeasuredCovariance`] accounts for it.
 /// Away from zero the estimate is not positive definite by construction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Autocorrelation {

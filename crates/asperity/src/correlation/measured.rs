@@ -11,7 +11,7 @@ use ndarray::Array2;
 use serde::Serialize;
 use thiserror::Error;
 
-use self::positive::{PositiveCorrelation, Spline, made_positive};
+use self::positive::{Beneath, PositiveCorrelation, Spline, made_positive};
 use self::taper::Taper;
 use super::estimate::{Autocorrelation, EstimateError};
 use super::model::StationaryCovariance;
@@ -178,6 +178,50 @@ impl MeasuredCovariance {
     #[must_use]
     pub fn stretched(self, factor: f64) -> Self {
         Self { dx_m: factor * self.dx_m, dy_m: factor * self.dy_m, ..self }
+    }
+
+    /// The covariance of a Gaussian field that keeps the slopes of this one after a translation with `distortion`, ρ ↦ T(ρ).
+    ///
+    /// The spectrum is first changed so that the distorted correlation has the spectrum of this one, as nearly as a positive
+    /// spectrum allows. A translation with heavy tails turns long waves into short ones; slopes that are then left over (or are
+    /// missing) are taken out (or put in) by the factor (1 + q²/q₀²)^{−w}, q₀ = `corner_rad_per_m`, with w such that
+    /// `slope_ratio` of the result is 1.
+    #[must_use]
+    pub fn beneath(
+        &self,
+        distortion: impl Fn(f64) -> f64,
+        corner_rad_per_m: f64,
+        slope_ratio: impl Fn(&Self) -> f64,
+    ) -> Self {
+        /// Steps of the search for w, its largest size, and the error of the logarithm of the ratio that ends it.
+        const STEPS: usize = 8;
+        const LARGEST: f64 = 4.0;
+        const TOLERANCE: f64 = 0.01;
+
+        let beneath = Beneath::new(&self.spline, distortion);
+        let square = |phase: f64, pitch_m: f64| (phase / (pitch_m * corner_rad_per_m)).powi(2);
+        let with = |w: f64| {
+            let spline = beneath.spline(|x, y| (1.0 + square(x, self.dx_m) + square(y, self.dy_m)).powf(-w));
+            let found = Self { spline, ..self.clone() };
+            let error = slope_ratio(&found).ln();
+            (found, error)
+        };
+        // The secant through the last two points; ln r falls with w, by about 1 per unit.
+        let (mut best, mut error) = with(0.0);
+        let (mut w, mut slope) = (0.0, -1.0);
+        for _ in 0..STEPS {
+            if error.abs() < TOLERANCE || !error.is_finite() {
+                break;
+            }
+            let next = (w - error / slope).clamp(-LARGEST, LARGEST);
+            let (found, left) = with(next);
+            if left.abs() >= error.abs() || next == w {
+                break;
+            }
+            slope = ((left - error) / (next - w)).min(-0.05);
+            (best, error, w) = (found, left, next);
+        }
+        best
     }
 
     /// Power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.

@@ -3,6 +3,7 @@
 mod area;
 mod band;
 mod binned;
+mod blocks;
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,6 +16,7 @@ use super::profiles;
 
 pub use area::{AngularSpectrum, AreaSpectrum, RadialSpectrum, radial_spectrum};
 pub use band::{ReliableBand, UpperLimit};
+pub use blocks::BlockSpectrum;
 pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 pub(super) use binned::{bin_of, edges};
 

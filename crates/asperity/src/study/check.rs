@@ -128,7 +128,7 @@ impl Study {
                 "a value strictly between 2 and 3",
             )?;
         }
-        at_least(SECTION, "modes", s.modes, 1)?;
+        at_least(SECTION, "modes", s.modes.unwrap_or(1), 1)?;
         if s.marginal != "measured" {
             Marginal::from_str(&s.marginal).map_err(|error| problem(SECTION, "marginal", error.to_string()))?;
         }

@@ -58,7 +58,8 @@ pub enum GeneratorChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CovarianceChoice {
-    /// Fitted to the scan: the best of the models below.
+    /// The best of the models below, fitted to the scan's spectrum by likelihood. Where no model has the spectrum and the slopes of
+    /// the scan within its reliable band, the scan's own, changed where the marginal law would distort its slopes.
     #[default]
     Measured,
     /// The scan's own autocorrelation, made positive definite: no model, lays at any angle.
@@ -183,9 +184,10 @@ pub struct SurfaceSection {
     /// How the marginal is imposed.
     #[serde(default)]
     pub translation: TranslationChoice,
-    /// Terms of the Karhunen–Loève expansion.
-    #[serde(default = "modes")]
-    pub modes: usize,
+    /// Terms of the Karhunen–Loève expansion. When left out, as many as hold 90 % of the slope variance of a patch, or all Fourier
+    /// modes where those are more than 400.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes: Option<usize>,
     /// Whether patches have the constant Fourier mode, by which they differ in mean height. Without it the variance of the other
     /// modes is scaled to the whole. Of a Karhunen–Loève expansion on periodic patches.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
@@ -246,7 +248,7 @@ impl Default for SurfaceSection {
             fractal_dimension: None,
             marginal: measured(),
             translation: TranslationChoice::default(),
-            modes: modes(),
+            modes: None,
             mean_mode: yes(),
             rescale: None,
         }
@@ -530,9 +532,6 @@ impl Default for FrictionSection {
 
 fn measured() -> String {
     "measured".into()
-}
-fn modes() -> usize {
-    101
 }
 fn yes() -> bool {
     true

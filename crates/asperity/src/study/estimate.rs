@@ -3,6 +3,7 @@
 use crate::contact::memory_bytes;
 use crate::study::config::{BoundaryChoice, FrictionSection};
 use crate::study::friction_stage::cutoff;
+use crate::study::surface_model::MOST_MODES;
 use crate::study::{Stage, Study};
 use crate::vibration::EnsembleSettings;
 
@@ -70,7 +71,9 @@ impl Study {
         };
         let mut stages = Vec::new();
         if let Some(p) = &self.pressure {
-            let modes = self.surface.as_ref().map_or(0, |surface| surface.modes);
+            // Where the study states none, at most so many terms are expanded.
+            let stated = self.surface.as_ref().map_or(Some(0), |surface| surface.modes);
+            let modes = stated.unwrap_or(MOST_MODES).min(p.points[0].saturating_mul(p.points[1]));
             // The reference, and three samplers that the other methods share.
             let solutions = p.reference_samples + 3 * p.fine_solves;
             let coarse = COARSE_WORK * p.fine_solves as f64;

@@ -6,6 +6,7 @@ use crate::correlation::{
 use crate::law::Marginal;
 use crate::map::HeightMap;
 use crate::stats::Interval;
+use crate::study::band_slopes::Roughness;
 use crate::study::height_fits::{HeightFits, effective_heights};
 use crate::study::pooled::Part;
 use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
@@ -156,9 +157,9 @@ impl Measured {
         }
     }
 
-    /// The correlation of the scan, or of the part: that of the random surfaces.
-    pub(super) fn correlation_of_all(&self) -> &Autocorrelation {
-        self.part.as_ref().map_or(&self.correlation, |part| &part.correlation)
+    /// Spectra and slopes of the scan, or of the scans of the part.
+    pub(super) fn roughness(&self) -> Result<Roughness, StudyError> {
+        self.part.as_ref().map_or_else(|| Roughness::of(&[&self.map]), |part| Ok(part.roughness.clone()))
     }
 
     /// The heights of the scan, or of the part: a sample of the marginal law of the random surfaces.

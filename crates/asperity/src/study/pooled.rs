@@ -6,6 +6,7 @@ use serde::{Serialize, Serializer};
 use crate::correlation::{Autocorrelation, EstimateError};
 use crate::map::HeightMap;
 use crate::study::StudyError;
+use crate::study::band_slopes::Roughness;
 use crate::study::measured::Measured;
 use crate::study::result::{SurfaceStatistics, pair};
 use crate::surface::pooling::{Pooled, PoolingError, Reading, pool, pooled_heights_m};
@@ -142,6 +143,7 @@ impl Serialize for PooledStatistics {
 pub(super) struct Part {
     pub(super) statistics: PooledStatistics,
     pub(super) correlation: Autocorrelation,
+    pub(super) roughness: Roughness,
     /// All heights, those of each scan about their mean, in metre.
     pub(super) heights_m: Vec<f64>,
 }
@@ -160,7 +162,12 @@ impl Part {
             })?;
         let maps: Vec<&HeightMap> = scans.iter().map(|(_, scan)| &scan.map).collect();
         let named = scans.iter().map(|(file, scan)| (file.clone(), scan.statistics.clone())).collect();
-        Ok(Self { statistics: PooledStatistics::of(named)?, correlation, heights_m: pooled_heights_m(&maps) })
+        Ok(Self {
+            statistics: PooledStatistics::of(named)?,
+            correlation,
+            roughness: Roughness::of(&maps)?,
+            heights_m: pooled_heights_m(&maps),
+        })
     }
 }
 

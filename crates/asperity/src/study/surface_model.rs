@@ -11,14 +11,18 @@ use crate::study::result::KarhunenLoeveResult;
 use crate::study::sentence;
 use crate::surface::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
-    TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot,
+    TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes,
 };
 
 /// Ratio of neighbouring wavenumbers and number of ridges of Weierstrass–Mandelbrot surfaces.
 pub(super) const GAMMA: f64 = 1.5;
 pub(super) const RIDGES: usize = 20;
-/// Below this share of captured variance a Karhunen–Loève expansion is warned about.
+/// Below this fraction of captured variance, or of slope variance, a Karhunen–Loève expansion is warned about.
 const WANTED_VARIANCE: f64 = 0.9;
+/// Terms that are looked for where a study states none: more than this many, and the patch has all Fourier modes.
+pub(super) const MOST_MODES: usize = 400;
+/// Terms over those that Fourier modes need, since the modes of a patch are not quite these.
+const MARGIN: f64 = 1.1;
 /// Above this deviation of the correlation a corrected translation is warned about.
 const CORRELATION_LEFT: f64 = 0.01;
 /// Above this share of clipped variance a spectral field is warned about.
@@ -128,7 +132,8 @@ pub(super) enum Texture {
 /// A truncated Karhunen–Loève expansion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expansion {
-    pub(super) modes: usize,
+    /// Terms that a study states; none: as many as hold 90 % of the slope variance.
+    pub(super) modes: Option<usize>,
     /// Whether the constant Fourier mode of a periodic patch is among them.
     pub(super) mean_mode: bool,
     /// Whether one factor makes up for the variance left out, or nothing does; none: the marginal law is imposed at every point.
@@ -158,25 +163,84 @@ impl SurfaceModel {
     /// Surfaces for small patches, by the generator of the study.
     pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         match self.texture {
-            Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => match translation {
-                TranslationChoice::Plain => {
-                    self.karhunen_loeve(covariance, expansion, covariance.is_product(), grid, periodic)
+            Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => {
+                let modes = match expansion.modes {
+                    Some(modes) => modes,
+                    None => {
+                        let needed = modes_for_slopes(covariance, grid, WANTED_VARIANCE);
+                        let modes = ((MARGIN * needed as f64).ceil() as usize + 1).min(grid.points());
+                        if needed > MOST_MODES {
+                            return self.all_fourier_modes(covariance, translation, expansion, needed, grid, periodic);
+                        }
+                        modes
+                    }
+                };
+                let generated = self.expanded(covariance, translation, expansion, modes, grid, periodic)?;
+                match &generated.karhunen_loeve {
+                    Some(found) if expansion.modes.is_none() && found.captured_slope_variance < WANTED_VARIANCE => {
+                        self.all_fourier_modes(covariance, translation, expansion, modes + 1, grid, periodic)
+                    }
+                    _ => Ok(generated),
                 }
-                TranslationChoice::Corrected => {
-                    let corrected = Predistorted::new(covariance, &self.marginal)?;
-                    let correction = Some(format!(
-                        "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
-                         heights of this law cannot have a correlation below {}.",
-                        sentence::digits(corrected.least_correlation())
-                    ));
-                    Ok(Generated { correction, ..self.karhunen_loeve(&corrected, expansion, false, grid, periodic)? })
-                }
-            },
+            }
             Texture::Translated { ref covariance, translation, expansion: None } => {
                 self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)
             }
             Texture::WeierstrassMandelbrot { dimension } => self.weierstrass_mandelbrot(dimension, grid),
         }
+    }
+
+    /// Karhunen–Loève surfaces of this many terms.
+    fn expanded(
+        &self,
+        covariance: &SurfaceCovariance,
+        translation: TranslationChoice,
+        expansion: Expansion,
+        modes: usize,
+        grid: Grid,
+        periodic: bool,
+    ) -> Result<Generated, StudyError> {
+        match translation {
+            TranslationChoice::Plain => {
+                self.karhunen_loeve(covariance, expansion, modes, covariance.is_product(), grid, periodic)
+            }
+            TranslationChoice::Corrected => {
+                let corrected = Predistorted::new(covariance, &self.marginal)?;
+                let correction = Some(format!(
+                    "The correlation beneath the translation was distorted beforehand so that the heights keep theirs; \
+                     heights of this law cannot have a correlation below {}.",
+                    sentence::digits(corrected.least_correlation())
+                ));
+                let generated = self.karhunen_loeve(&corrected, expansion, modes, false, grid, periodic)?;
+                Ok(Generated { correction, ..generated })
+            }
+        }
+    }
+
+    /// Spectral surfaces in place of a Karhunen–Loève expansion that would need too many terms. Where a study says what is done
+    /// about the variance that an expansion leaves out, the expansion has the most terms instead.
+    fn all_fourier_modes(
+        &self,
+        covariance: &SurfaceCovariance,
+        translation: TranslationChoice,
+        expansion: Expansion,
+        needed: usize,
+        grid: Grid,
+        periodic: bool,
+    ) -> Result<Generated, StudyError> {
+        if expansion.rescale.is_some() || !expansion.mean_mode {
+            return self.expanded(covariance, translation, expansion, MOST_MODES, grid, periodic);
+        }
+        let generated = self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)?;
+        let told = format!(
+            "A Karhunen–Loève expansion of a patch of {} would need {} terms or more to hold {} % of the slope variance, so that \
+             its surfaces have all Fourier modes of the grid instead; state `modes` to have an expansion.",
+            sentence::size(grid.width_m(), grid.height_m()),
+            needed,
+            sentence::digits(100.0 * WANTED_VARIANCE),
+        );
+        let correction = Some(generated.correction.map_or(told.clone(), |correction| format!("{told} {correction}")));
+        Ok(Generated { correction, ..generated })
     }
 
     /// Surfaces for long strips. A truncated expansion cannot hold their variance, so all Fourier modes are used in its
@@ -203,7 +267,8 @@ impl SurfaceModel {
     fn karhunen_loeve(
         &self,
         covariance: &dyn StationaryCovariance,
-        Expansion { modes, mean_mode, rescale }: Expansion,
+        Expansion { mean_mode, rescale, .. }: Expansion,
+        modes: usize,
         product: bool,
         grid: Grid,
         periodic: bool,
@@ -239,7 +304,18 @@ impl SurfaceModel {
                 sentence::size(grid.width_m(), grid.height_m())
             ));
         }
-        let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance });
+        let captured_slope_variance = field.captured_slope_variance();
+        if captured_slope_variance < WANTED_VARIANCE {
+            warnings.push(format!(
+                "{modes} Karhunen–Loève terms hold {} % of the slope variance on a patch of {}: the slopes of the random surfaces are \
+                 {} times those of the model, and elastic contact area and friction depend on slopes; leave `modes` out, or use the \
+                 spectral generator",
+                sentence::digits(100.0 * captured_slope_variance),
+                sentence::size(grid.width_m(), grid.height_m()),
+                sentence::digits(captured_slope_variance.sqrt()),
+            ));
+        }
+        let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance, captured_slope_variance });
         let (surface, std_share): (Box<dyn RandomSurface>, f64) = match rescale {
             None => (self.translated(field)?, 1.0),
             Some(true) => (Box::new(field.rescaled()), 1.0),
@@ -326,5 +402,41 @@ impl SurfaceModel {
             warnings: Vec::new(),
             correction: None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(kind: CorrelationModel, length_m: f64, modes: Option<usize>) -> SurfaceModel {
+        let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());
+        let expansion = Some(Expansion { modes, mean_mode: true, rescale: None });
+        let texture = Texture::Translated { covariance, translation: TranslationChoice::Plain, expansion };
+        SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture }
+    }
+
+    #[test]
+    fn without_a_stated_number_the_terms_hold_the_slopes_or_all_fourier_modes_do() {
+        let grid = Grid::new(48, 48, 1e-6, 1e-6).unwrap();
+        let smooth = model(CorrelationModel::SquaredExponential, 8e-6, None);
+        for periodic in [false, true] {
+            let generated = smooth.patch(grid, periodic).unwrap();
+            let found = generated.karhunen_loeve.unwrap();
+            assert!(found.captured_slope_variance >= 0.9 && found.modes < 300, "{found:?}");
+            assert!(generated.warnings.is_empty(), "{:?}", generated.warnings);
+        }
+        // Half of the slope of an exponential surface is in waves of a few pixels.
+        let rough = model(CorrelationModel::Exponential, 8e-6, None).patch(grid, false).unwrap();
+        assert!(rough.karhunen_loeve.is_none() && rough.correction.unwrap().contains("all Fourier modes"));
+    }
+
+    #[test]
+    fn a_stated_number_of_terms_is_kept_and_warned_about_with_its_fraction_of_the_slopes() {
+        let grid = Grid::new(48, 48, 1e-6, 1e-6).unwrap();
+        let rough = model(CorrelationModel::Exponential, 8e-6, Some(101)).patch(grid, false).unwrap();
+        let found = rough.karhunen_loeve.unwrap();
+        assert!(found.modes == 101 && found.captured_slope_variance < 0.5, "{found:?}");
+        assert!(rough.warnings.iter().any(|warning| warning.contains("of the slope variance")), "{:?}", rough.warnings);
     }
 }

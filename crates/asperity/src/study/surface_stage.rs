@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 
 use asperity_formats::Scan;
 
-use crate::correlation::{
-    CorrelationFamily, CorrelationModel, Covariance, CovarianceFit, CovarianceFits, FitError, MeasuredCovariance,
-    StationaryCovariance, fit_covariance,
-};
+use crate::correlation::{CorrelationFamily, CorrelationModel, StationaryCovariance};
 use crate::law::Marginal;
 use crate::map::HeightMap;
 use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use crate::study::covariance_choice::{Chosen, choose, stated};
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
 use crate::study::pooled::Part;
@@ -52,22 +50,22 @@ pub(super) fn model_of(
     families: &[CorrelationFamily],
     output: &mut StageOutput,
 ) -> Result<(SurfaceModel, SurfaceResult), StudyError> {
-    let fits = measured.map(|m| fit_covariance(m.correlation_of_all(), families));
-    let (model, misfit) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
+    let (model, chosen) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
         (fractal_model(section, measured)?, None)
     } else {
-        translated_model(section, measured, fits.as_ref())?
+        let (model, chosen) = translated_model(section, measured, families)?;
+        (model, Some(chosen))
     };
-    let fits = fits.and_then(Result::ok);
-    if let Some(fits) = fits.as_ref().filter(|_| section.covariance == CovarianceChoice::Measured) {
-        output.warnings.extend(fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")));
-    }
     let part = measured.and_then(|m| m.part.as_ref());
     output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
+    if let Some(chosen) = &chosen {
+        output.assumptions.extend(chosen.reason.clone());
+        output.warnings.extend(chosen.warnings.iter().cloned());
+    }
     let result = SurfaceResult {
         statistics: measured.filter(|_| part.is_none()).map(|m| m.statistics.clone()),
         part: part.map(|part| part.statistics.clone()),
-        covariance: model.covariance().map(|covariance| covariance_result(covariance, misfit, fits.as_ref())),
+        covariance: chosen.as_ref().map(covariance_result),
         marginal: law_result(&model.marginal),
         karhunen_loeve: None,
     };
@@ -185,13 +183,18 @@ fn in_words(preparation: &Preparation, prepared: &Prepared) -> String {
     format!("{form} ({outliers}; {short}; {long}{kind})")
 }
 
-/// A translated Gaussian field, and the misfit of its covariance where that was fitted.
+/// A translated Gaussian field, and how its covariance was chosen.
 fn translated_model(
     section: &SurfaceSection,
     measured: Option<&Measured>,
-    fits: Option<&Result<CovarianceFits, FitError>>,
-) -> Result<(SurfaceModel, Option<f64>), StudyError> {
-    let (covariance, misfit) = covariance_of(section, measured, fits)?;
+    families: &[CorrelationFamily],
+) -> Result<(SurfaceModel, Chosen), StudyError> {
+    let std_m = rms_height_m(section, measured)?;
+    let marginal = marginal_of(section, measured, std_m)?;
+    let chosen = match measured {
+        Some(measured) => choose(section, measured, families, &marginal)?,
+        None => Chosen::new(stated(section, std_m)?),
+    };
     let expansion = match section.generator {
         GeneratorChoice::KarhunenLoeve => {
             let &SurfaceSection { modes, mean_mode, rescale, .. } = section;
@@ -199,9 +202,9 @@ fn translated_model(
         }
         GeneratorChoice::Spectral | GeneratorChoice::WeierstrassMandelbrot => None,
     };
-    let marginal = marginal_of(section, measured, covariance.std_m())?;
+    let covariance = chosen.covariance.clone();
     let texture = Texture::Translated { covariance, translation: section.translation, expansion };
-    Ok((SurfaceModel { marginal, texture }, misfit))
+    Ok((SurfaceModel { marginal, texture }, chosen))
 }
 
 /// A Weierstrass–Mandelbrot surface. Its heights sum many cosines of random phase, so their law is nearly normal, whatever
@@ -278,43 +281,6 @@ fn rms_height_m(section: &SurfaceSection, measured: Option<&Measured>) -> Result
     section.rms_height.map(|rms| rms.0).or(sq_m).ok_or(StudyError::NoStage("surface"))
 }
 
-fn covariance_of(
-    section: &SurfaceSection,
-    measured: Option<&Measured>,
-    fits: Option<&Result<CovarianceFits, FitError>>,
-) -> Result<(SurfaceCovariance, Option<f64>), StudyError> {
-    let model = match section.covariance {
-        CovarianceChoice::Measured => {
-            let fits = match fits {
-                Some(Ok(fits)) => fits,
-                Some(Err(error)) => return Err(error.clone().into()),
-                None => return Err(StudyError::NoStage("surface")),
-            };
-            let best = fits.best();
-            // The fit's own variance is extrapolated beyond the scan's field; the scan's Sq is what was measured.
-            let std_m = rms_height_m(section, measured)?;
-            let covariance = Covariance::new(best.model(), std_m, best.length_x_m(), best.length_y_m())?;
-            return Ok((SurfaceCovariance::Model(covariance), Some(fits.fits[0].misfit)));
-        }
-        CovarianceChoice::Empirical => {
-            let own = measured.ok_or(StudyError::NoStage("surface"))?;
-            let covariance = match &own.part {
-                Some(part) => MeasuredCovariance::new(&part.correlation)?,
-                None => MeasuredCovariance::of(&own.map)?,
-            };
-            let covariance = covariance.with_std(rms_height_m(section, measured)?);
-            return Ok((SurfaceCovariance::Empirical(Box::new(covariance)), None));
-        }
-        CovarianceChoice::SquaredExponential => CorrelationModel::SquaredExponential,
-        CovarianceChoice::Exponential => CorrelationModel::Exponential,
-        CovarianceChoice::Matern => CorrelationModel::Matern { nu: section.smoothness.unwrap_or(f64::NAN) },
-        CovarianceChoice::SelfAffine => CorrelationModel::SelfAffine { hurst: section.hurst.unwrap_or(f64::NAN) },
-    };
-    let std_m = rms_height_m(section, measured)?;
-    let [x, y] = section.correlation_length.map_or([f64::NAN; 2], |lengths| lengths.map(|length| length.0));
-    Ok((SurfaceCovariance::Model(Covariance::new(model, std_m, x, y)?), None))
-}
-
 /// The marginal law of mean zero and of the covariance's standard deviation.
 fn marginal_of(section: &SurfaceSection, measured: Option<&Measured>, std_m: f64) -> Result<Marginal, StudyError> {
     let law = match (section.marginal.as_str(), measured) {
@@ -324,19 +290,15 @@ fn marginal_of(section: &SurfaceSection, measured: Option<&Measured>, std_m: f64
     Ok(law.standardised(0.0, std_m)?)
 }
 
-fn covariance_result(
-    covariance: &SurfaceCovariance,
-    misfit: Option<f64>,
-    fits: Option<&CovarianceFits>,
-) -> CovarianceResult {
-    let candidates = fits.map_or_else(Vec::new, |fits| {
-        let candidate = |fit: &CovarianceFit| CovarianceCandidate {
-            model: fit.covariance.model().name().into(),
-            misfit: fit.misfit,
-        };
-        fits.fits.iter().map(candidate).collect()
+fn covariance_result(chosen: &Chosen) -> CovarianceResult {
+    let candidates = chosen.candidates.iter().map(|(model, misfit, slope_ratio)| CovarianceCandidate {
+        model: model.clone(),
+        misfit: *misfit,
+        slope_ratio: *slope_ratio,
     });
-    let model = match covariance {
+    let candidates = candidates.collect();
+    let &Chosen { misfit, slope_ratio, slope_cutoff_m, .. } = chosen;
+    let model = match &chosen.covariance {
         SurfaceCovariance::Model(model) => model,
         SurfaceCovariance::Empirical(own) => {
             let (x_m, y_m) = own.support_m();
@@ -352,6 +314,8 @@ fn covariance_result(
                 smoothness: None,
                 hurst: None,
                 misfit,
+                slope_ratio,
+                slope_cutoff_m,
                 candidates,
                 empirical: Some(own.report()),
             };
@@ -372,6 +336,8 @@ fn covariance_result(
         smoothness,
         hurst,
         misfit,
+        slope_ratio,
+        slope_cutoff_m,
         candidates,
         empirical: None,
     }
@@ -397,12 +363,13 @@ fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correlation::Covariance;
 
     #[test]
     fn the_decay_length_of_a_model_is_where_it_is_1_over_e() {
         let found = |model| {
             let covariance = Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap();
-            let result = covariance_result(&SurfaceCovariance::Model(covariance), None, None);
+            let result = covariance_result(&Chosen::new(SurfaceCovariance::Model(covariance)));
             assert_eq!((result.length_x_m, result.length_y_m), (2e-5, 3e-5));
             assert!((result.decay_length_y_m / result.decay_length_x_m - 1.5).abs() < 1e-9, "{model:?}");
             result.decay_length_x_m / 2e-5

@@ -297,7 +297,7 @@ impl Ensembles<'_> {
         let mut damping = Vec::new();
         for (oscillator, slips) in machines.iter().zip(deterministic_slips(&machines, &self.followed())) {
             let (damping_ratio, cycles) = (oscillator.damping_ratio(), slips?.cycles);
-            let kind = motion_kind(oscillator)?;
+            let kind = limit_cycle(oscillator)?.kind();
             let share = if kind.is_vibration() { 1.0 } else { 0.0 };
             damping.push(DampingResult {
                 damping_ratio,

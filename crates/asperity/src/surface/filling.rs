@@ -7,7 +7,7 @@ use super::RandomSurface;
 use super::conditional::{ConditionalError, LARGEST_DOMAIN, NeighbourhoodSurface, scores, surrounded};
 use super::level::{Level, LevelError, remove_form};
 use crate::correlation::{
-    Autocorrelation, CorrelationFamily, EstimateError, FitError, MeasuredCovariance, MeasuredCovarianceError,
+    Autocorrelation, BlockSpectrum, CorrelationFamily, EstimateError, FitError, MeasuredCovariance, MeasuredCovarianceError,
     StationaryCovariance, fit_covariance,
 };
 use crate::law::{LawError, Marginal};
@@ -195,7 +195,10 @@ fn covariance_of(
     let mean_m = estimate.mean_m();
     Ok(match covariance {
         FillCovariance::Measured => (Box::new(MeasuredCovariance::of(map)?), mean_m),
-        FillCovariance::Fitted => (Box::new(fit_covariance(&estimate, &CorrelationFamily::ALL)?.best()), mean_m),
+        FillCovariance::Fitted => {
+            let fits = fit_covariance(&[&BlockSpectrum::of(map)?], estimate.variance_m2().sqrt(), &CorrelationFamily::ALL)?;
+            (Box::new(fits.best()), mean_m)
+        }
     })
 }
 

@@ -5,7 +5,8 @@ mod lanczos;
 mod parity;
 mod profile;
 
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::general::ClassModes;
@@ -57,6 +58,8 @@ pub struct KarhunenLoeve {
     route: ModesRoute,
     eigenvalues_m2: Vec<f64>,
     basis: Basis,
+    /// Mean squared slope of the whole field of unit variance, by differences of neighbours, in 1/m².
+    slope_variance_per_m2: f64,
 }
 
 /// The functions φ_j, in the form in which they are cheapest to sum.
@@ -101,7 +104,8 @@ impl KarhunenLoeve {
                 (fourier.eigenvalues_m2().collect(), Basis::Fourier(fourier))
             }
         };
-        Ok(Self { grid, std_m: covariance.std_m(), route, eigenvalues_m2, basis })
+        let slope_variance_per_m2 = slope_variance_per_m2(covariance, grid);
+        Ok(Self { grid, std_m: covariance.std_m(), route, eigenvalues_m2, basis, slope_variance_per_m2 })
     }
 
     /// The first `modes` Fourier modes of `covariance` wrapped onto a periodic map, the constant one left out: the variance of the
@@ -130,6 +134,7 @@ impl KarhunenLoeve {
             route: ModesRoute::Periodic,
             eigenvalues_m2,
             basis: Basis::Fourier(fourier),
+            slope_variance_per_m2: slope_variance_per_m2(covariance, grid),
         })
     }
 
@@ -158,6 +163,15 @@ impl KarhunenLoeve {
     /// Share Σλ_j/A of the variance that the modes hold, averaged over the map.
     pub fn captured_variance(&self) -> f64 {
         self.eigenvalues_m2.iter().sum::<f64>() / self.grid.area_m2()
+    }
+
+    /// Fraction of the mean squared slope, by differences of neighbours on the grid, that the modes hold.
+    ///
+    /// Elastic contact depends on slopes, of which the first modes hold far less than of the variance.
+    pub fn captured_slope_variance(&self) -> f64 {
+        let slope = |(j, value): (usize, &f64)| value * mean_squared_slope_per_m2(self.grid, &self.mode_per_m(j));
+        let slopes: Vec<f64> = self.eigenvalues_m2.par_iter().enumerate().map(slope).collect();
+        slopes.iter().sum::<f64>() / self.slope_variance_per_m2
     }
 
     /// The function φ_j on the grid in 1/m, shape `[ny, nx]`, with Σ φ_j² ΔxΔy = 1.
@@ -195,6 +209,62 @@ impl KarhunenLoeve {
             Basis::Fourier(fourier) => fourier.synthesise(weights, ny, nx),
         }
     }
+}
+
+/// Mean squared slope of a field of unit variance, 2(1 − ρ(Δx, 0))/Δx² + 2(1 − ρ(0, Δy))/Δy², in 1/m².
+fn slope_variance_per_m2(covariance: &dyn StationaryCovariance, grid: Grid) -> f64 {
+    let (dx_m, dy_m) = (grid.dx_m(), grid.dy_m());
+    let along_x = if grid.nx() > 1 { (1.0 - covariance.correlation(dx_m, 0.0)) / (dx_m * dx_m) } else { 0.0 };
+    let along_y = if grid.ny() > 1 { (1.0 - covariance.correlation(0.0, dy_m)) / (dy_m * dy_m) } else { 0.0 };
+    2.0 * (along_x + along_y)
+}
+
+/// Mean squared slope of a function on the grid, by differences of neighbours.
+fn mean_squared_slope_per_m2(grid: Grid, values: &Array2<f64>) -> f64 {
+    let mean = |axis: Axis, pitch_m: f64| {
+        let pairs = values.axis_windows(axis, 2).into_iter();
+        let (mut sum, mut count) = (0.0, 0.0);
+        for pair in pairs {
+            let (first, second) = (pair.index_axis(axis, 0), pair.index_axis(axis, 1));
+            sum += first.iter().zip(&second).map(|(a, b)| (b - a).powi(2)).sum::<f64>();
+            count += first.len() as f64;
+        }
+        if count > 0.0 { sum / (count * pitch_m * pitch_m) } else { 0.0 }
+    };
+    mean(Axis(1), grid.dx_m()) + mean(Axis(0), grid.dy_m())
+}
+
+/// About the number of modes of a covariance on a grid that hold the `share` of its mean squared slope and of its variance.
+///
+/// It is that of the Fourier modes of the covariance wrapped onto the grid, which the modes of a patch of several
+/// correlation lengths resemble.
+pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, share: f64) -> usize {
+    let fft = RealFft2::new(grid.nx(), grid.ny());
+    let spectrum = wrapped_spectrum(covariance, grid, &fft);
+    let symbol = |k: usize, n: usize, pitch_m: f64| {
+        (2.0 - 2.0 * (std::f64::consts::TAU * k as f64 / n as f64).cos()) / (pitch_m * pitch_m)
+    };
+    // Eigenvalues with their slopes and with how many modes share them.
+    let ny = grid.ny();
+    let mut modes: Vec<(f64, f64, f64)> = spectrum
+        .eigenvalues_m2
+        .iter()
+        .enumerate()
+        .map(|(place, value)| {
+            let slope = symbol(place / ny, grid.nx(), grid.dx_m()) + symbol(place % ny, ny, grid.dy_m());
+            (*value, value * slope, fft.multiplicity(place / ny))
+        })
+        .collect();
+    modes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let total = modes.iter().fold((0.0, 0.0), |sum, (value, slope, n)| (sum.0 + n * value, sum.1 + n * slope));
+    let (mut variance, mut slopes, mut count) = (0.0, 0.0, 0.0);
+    for (value, slope, n) in modes {
+        if variance >= share * total.0 && slopes >= share * total.1 {
+            break;
+        }
+        (variance, slopes, count) = (variance + n * value, slopes + n * slope, count + n);
+    }
+    (count as usize).clamp(1, grid.points())
 }
 
 /// The largest products of profile eigenvalues.

@@ -92,9 +92,10 @@ struct ModelOptions {
     /// How the marginal law is imposed: corrected keeps the correlation, plain distorts it a little.
     #[arg(long, value_enum, default_value = "corrected")]
     translation: Translation,
-    /// Terms of the Karhunen–Loève generator.
-    #[arg(long, value_name = "M", default_value = "101", value_parser = args::count, allow_hyphen_values = true)]
-    modes: usize,
+    /// Terms of the Karhunen–Loève generator. Left out: as many as hold 90 % of the slope variance, or all Fourier modes where
+    /// those are more than 400.
+    #[arg(long, value_name = "M", value_parser = args::count, allow_hyphen_values = true)]
+    modes: Option<usize>,
     /// Whether a twin continues periodically beyond its edge.
     #[arg(long, value_enum, default_value = "free")]
     boundary: Boundary,
@@ -120,7 +121,7 @@ enum Generator {
 #[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 enum CovarianceOption {
-    /// The best of the models, fitted to the scan.
+    /// The best of the models, fitted to the scan by likelihood; the scan's own where none keeps its spectrum and slopes.
     Measured,
     /// The scan's own, made positive definite: no model, lays at any angle.
     Empirical,

@@ -57,6 +57,84 @@ pub(super) fn made_positive(lags: &Array2<f64>, wavevector: impl Fn(f64, f64) ->
     PositiveCorrelation { spline, clipped_variance, largest_change }
 }
 
+/// Iterations towards the spectrum beneath a distortion.
+const ITERATIONS: usize = 10;
+/// Steps of the table of a distortion over [−1, 1].
+const TABLE: usize = 1 << 14;
+/// Largest factor on a spectral density in one iteration.
+const LARGEST_FACTOR: f64 = 10.0;
+
+/// Spectrum of a correlation that, distorted lag by lag, has the spectrum of `wanted` as nearly as possible, with the torus it
+/// is given on.
+///
+/// Each iteration multiplies the spectrum by the ratio of wanted and met densities, which stays positive.
+///
+/// # References
+/// Shields, Deodatis & Bocchini, *Prob. Eng. Mech.* **26** (2011) 511, <https://doi.org/10.1016/j.probengmech.2011.04.003>.
+pub(super) struct Beneath {
+    torus: Torus,
+    spectrum: Vec<f64>,
+    reach: (isize, isize),
+}
+
+impl Beneath {
+    pub(super) fn new(wanted: &Spline, distortion: impl Fn(f64) -> f64) -> Self {
+        let (reach_x, reach_y) = (wanted.reach().0 as isize, wanted.reach().1 as isize);
+        let torus = Torus::new(2 * reach_x as usize + 1, 2 * reach_y as usize + 1);
+        let real = |spectrum: Vec<Complex64>| spectrum.into_iter().map(|value| value.re).collect::<Vec<f64>>();
+        let target = real(torus.spectrum(reach_x, reach_y, |x, y| wanted.value(x as f64, y as f64)));
+        // Rounding leaves values about zero, where nothing is wanted.
+        let least = 1e-12 * target.iter().fold(0.0_f64, |most, value| most.max(*value));
+        let target: Vec<f64> = target.into_iter().map(|value| value.max(least)).collect();
+        let table: Vec<f64> =
+            (0..=TABLE + 1).map(|i| distortion((2.0 * i as f64 / TABLE as f64 - 1.0).min(1.0))).collect();
+        let distorted = |rho: f64| {
+            let place = 0.5 * (rho.clamp(-1.0, 1.0) + 1.0) * TABLE as f64;
+            let left = place.floor();
+            table[left as usize] + (place - left) * (table[left as usize + 1] - table[left as usize])
+        };
+        let mut found = Self { torus, spectrum: target.clone(), reach: (reach_x, reach_y) };
+        for _ in 0..ITERATIONS {
+            found.normalise();
+            let correlation = found.correlation();
+            let torus = &found.torus;
+            let mut met = torus.fft.spectrum();
+            let values: Vec<f64> = correlation.into_iter().map(distorted).collect();
+            torus.fft.forward(&values, &mut met, &mut torus.fft.workspace());
+            for ((value, target), met) in found.spectrum.iter_mut().zip(&target).zip(&met) {
+                *value *= (target / met.re.max(least)).clamp(1.0 / LARGEST_FACTOR, LARGEST_FACTOR);
+            }
+        }
+        found.normalise();
+        found
+    }
+
+    fn correlation(&self) -> Vec<f64> {
+        self.torus.values(self.spectrum.iter().map(|value| (*value).into()).collect())
+    }
+
+    /// Scales the variance to one.
+    fn normalise(&mut self) {
+        let torus = &self.torus;
+        let weighted = self.spectrum.iter().enumerate().map(|(place, value)| torus.multiplicity(place) * value);
+        let variance = weighted.sum::<f64>() / (torus.fft.nx() * torus.fft.ny()) as f64;
+        self.spectrum.iter_mut().for_each(|value| *value /= variance);
+    }
+
+    /// The correlation whose spectrum is multiplied by `factor` of the wavevector in radian per lag.
+    pub(super) fn spline(&self, factor: impl Fn(f64, f64) -> f64) -> Spline {
+        let factor = |place: usize| {
+            let (x, y) = self.torus.wavevector(place, |x, y| (x, y));
+            factor(x, y)
+        };
+        let spectrum = self.spectrum.iter().enumerate().map(|(place, value)| value * factor(place)).collect();
+        let mut scaled = Self { torus: Torus { fft: self.torus.fft.clone() }, spectrum, reach: self.reach };
+        scaled.normalise();
+        let spectrum = scaled.spectrum.iter().map(|value| (*value).into()).collect();
+        scaled.torus.spline(spectrum, self.reach.0 as usize, self.reach.1 as usize)
+    }
+}
+
 /// Sectors into which a ring of wavevectors is divided.
 const SECTORS: usize = 4;
 

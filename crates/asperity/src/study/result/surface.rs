@@ -219,22 +219,29 @@ pub struct CovarianceResult {
     pub smoothness: Option<f64>,
     /// Hurst exponent of a self-affine model.
     pub hurst: Option<f64>,
-    /// Root mean square misfit of the correlation, where fitted.
+    /// Root mean square of ln(measured/model spectral density) over the reliable band, where fitted.
     pub misfit: Option<f64>,
-    /// Other models that were tried, with their misfits.
+    /// Sdq of the random surfaces, as expected, over that of the scan, both S-filtered at `slope_cutoff_m`, where the covariance is
+    /// the scan's.
+    pub slope_ratio: Option<f64>,
+    /// Cutoff of that S-filter: the end of the scan's reliable band, or four pixels.
+    pub slope_cutoff_m: Option<f64>,
+    /// The covariances that were tried, the most likely model first.
     pub candidates: Vec<CovarianceCandidate>,
     /// What was done to the scan's own autocorrelation to make it a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub empirical: Option<MeasuredReport>,
 }
 
-/// A covariance model that was tried.
+/// A covariance that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CovarianceCandidate {
-    /// Name of the model.
+    /// Name of the model; `empirical` is the scan's own.
     pub model: String,
-    /// Root mean square misfit of the correlation.
-    pub misfit: f64,
+    /// Root mean square of ln(measured/model spectral density) over the reliable band, of a model.
+    pub misfit: Option<f64>,
+    /// Sdq of its random surfaces over that of the scan.
+    pub slope_ratio: Option<f64>,
 }
 
 /// A Karhunen–Loève expansion.
@@ -242,6 +249,8 @@ pub struct CovarianceCandidate {
 pub struct KarhunenLoeveResult {
     /// Number of terms.
     pub modes: usize,
-    /// Share of the variance that they hold.
+    /// Fraction of the variance that they hold.
     pub captured_variance: f64,
+    /// Fraction of the mean squared slope on the patch's grid that they hold.
+    pub captured_slope_variance: f64,
 }

@@ -290,3 +290,46 @@ fn modes_do_not_depend_on_the_number_of_threads() {
         assert!(with(1) == with(3), "not one bit may differ");
     }
 }
+
+#[test]
+fn the_captured_slope_variance_is_that_of_the_covariance_of_the_modes() {
+    let grid = Grid::new(14, 11, 1.0, 0.7).unwrap();
+    let covariance = unit(CorrelationModel::Exponential, 3.0, 4.0);
+    for (route, modes) in [(ModesRoute::General, 20), (ModesRoute::Separable, 20), (ModesRoute::Periodic, 21)] {
+        let surface = KarhunenLoeve::new(&covariance, grid, modes, route).unwrap();
+        // E(z(x) − z(y))² = C(x, x) + C(y, y) − 2C(x, y) over all neighbours, by another path through the modes.
+        let (mut slopes, mut pairs) = ([0.0; 2], [0.0; 2]);
+        let std = surface.pointwise_std_m();
+        for row in 0..grid.ny() {
+            for column in 0..grid.nx() {
+                let with = surface.covariance_with_m2(row, column);
+                for (axis, other) in [(row, column + 1), (row + 1, column)].into_iter().enumerate() {
+                    if let Some(cross) = with.get(other) {
+                        slopes[axis] += std[[row, column]].powi(2) + std[other].powi(2) - 2.0 * cross;
+                        pairs[axis] += 1.0;
+                    }
+                }
+            }
+        }
+        let of_modes = slopes[0] / pairs[0] + slopes[1] / pairs[1] / 0.49;
+        let whole = 2.0 * (1.0 - (-1.0_f64 / 3.0).exp()) + 2.0 * (1.0 - (-0.7_f64 / 4.0).exp()) / 0.49;
+        let found = surface.captured_slope_variance();
+        assert!((found - of_modes / whole).abs() < 1e-9, "{route:?}: {found}");
+        assert!(found < 0.7 * surface.captured_variance(), "first modes hold less of the slopes than of the variance");
+        let all = KarhunenLoeve::new(&covariance, grid, grid.points(), ModesRoute::General).unwrap();
+        assert!((all.captured_slope_variance() - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn as_many_periodic_modes_as_are_foretold_hold_the_share_of_the_slopes() {
+    let grid = Grid::new(48, 40, 1.0, 1.0).unwrap();
+    for covariance in [unit(CorrelationModel::SquaredExponential, 6.0, 6.0), unit(CorrelationModel::Matern { nu: 1.5 }, 4.0, 9.0)] {
+        let needed = modes_for_slopes(&covariance, grid, 0.9);
+        let share = |modes: usize| {
+            KarhunenLoeve::new(&covariance, grid, modes, ModesRoute::Periodic).unwrap().captured_slope_variance()
+        };
+        // Differences of a periodic mode leave out the pair across the edge: about 1/48 of its slope.
+        assert!(share(needed) > 0.88 && share(needed / 2) < 0.9, "{needed}: {}", share(needed));
+    }
+}

@@ -1,0 +1,232 @@
+//! Spectra averaged over blocks of wavevectors, for fits by likelihood.
+
+use crate::fourier::signed_index;
+use crate::map::HeightMap;
+
+use super::SpectrumRoute;
+use super::area::AreaSpectrum;
+use super::band::ReliableBand;
+use crate::correlation::{Covariance, EstimateError};
+
+/// Blocks per octave along each axis, where they hold a wavenumber each.
+const PER_OCTAVE: f64 = 3.0;
+/// Wavevectors of a block at which a model is evaluated at most.
+const SAMPLES: usize = 6;
+/// Fraction of the coefficients that are independent under a Hann window along both axes, (18/35)².
+const INDEPENDENT: f64 = 0.264;
+/// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
+const SMOOTHED_STEPS: f64 = 12.0;
+
+/// Spectral density of a map, averaged over blocks of wavevectors within the reliable band.
+///
+/// Blocks are rectangles in (|qx|, |qy|) with edges a third of an octave apart, so that narrow spectra along an axis are
+/// resolved. Wavevectors (qx, qy) and (−qx, qy) share a block: the covariance models are even in x and in y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockSpectrum {
+    blocks: Vec<Block>,
+    /// Band of the radial spectrum.
+    band: ReliableBand,
+    /// Steps of the wavenumbers along x and y in rad/m.
+    step_rad_per_m: [f64; 2],
+    pitch_m: [f64; 2],
+    /// Half width of the window's smoothing in steps, and the weight of the spectrum at that distance on either side.
+    smoothing: (f64, f64),
+    slope_correlation: f64,
+}
+
+/// One block of wavevectors.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::correlation) struct Block {
+    /// Mean density in m⁴.
+    pub(in crate::correlation) density_m4: f64,
+    /// Degrees of freedom of the mean.
+    pub(in crate::correlation) degrees_of_freedom: f64,
+    /// Wavevectors in rad/m that stand for the block.
+    samples: Vec<[f64; 2]>,
+}
+
+impl BlockSpectrum {
+    /// The spectrum of a map, see [`AreaSpectrum::of`].
+    ///
+    /// # Errors
+    /// The heights present do not vary.
+    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
+        /// Sums over the wavevectors of a block.
+        #[derive(Clone, Default)]
+        struct Sums {
+            density: f64,
+            count: f64,
+            places: Vec<[f64; 2]>,
+        }
+        let spectrum = AreaSpectrum::of(map)?;
+        let band = spectrum.radial().reliable;
+        let grid = map.grid();
+        let (nx, ny) = (grid.nx(), grid.ny());
+        let (qx_min, qy_min, _) = spectrum.wavenumbers();
+        let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
+        let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
+        let mut sums = vec![Sums::default(); edges_x.len() * edges_y.len()];
+        // Products of slopes: of x with x, of x with y, of y with y.
+        let mut slopes = [0.0; 3];
+        for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
+            let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
+            let (qx, block_x) = (kx as f64 * qx_min, place_of(&edges_x, kx as f64));
+            for (ky, density) in column.iter().enumerate() {
+                let ky = signed_index(ky, ny);
+                let qy = ky * qy_min;
+                let q = qx.hypot(qy);
+                if q < band.low_rad_per_m || q > band.high_rad_per_m {
+                    continue;
+                }
+                let block = &mut sums[block_x * edges_y.len() + place_of(&edges_y, ky.abs())];
+                block.density += times * density;
+                block.count += times;
+                block.places.push([qx, qy.abs()]);
+                // The edge of the zone is its own opposite, which has no sign.
+                let both = if kx == 0 || 2 * kx == nx { 0.0 } else { 1.0 };
+                for (sum, product) in slopes.iter_mut().zip([qx * qx, both * qx * qy, qy * qy]) {
+                    *sum += times * density * product;
+                }
+            }
+        }
+        let block = |sums: Sums| {
+            let stride = sums.places.len().div_ceil(SAMPLES).max(1);
+            Block {
+                density_m4: sums.density / sums.count,
+                degrees_of_freedom: (INDEPENDENT * sums.count).max(1.0),
+                samples: sums.places.into_iter().skip(stride / 2).step_by(stride).collect(),
+            }
+        };
+        Ok(Self {
+            blocks: sums.into_iter().map(block).filter(|block| block.density_m4 > 0.0).collect(),
+            band,
+            step_rad_per_m: [qx_min, qy_min],
+            pitch_m: [grid.dx_m(), grid.dy_m()],
+            smoothing: match spectrum.route {
+                // Second moments of the kernels: 1/3 and 12/π² squared steps.
+                SpectrumRoute::Periodogram => (1.0, 1.0 / 6.0),
+                SpectrumRoute::MaskedCorrelogram => (2.0, 0.152),
+            },
+            slope_correlation: slopes[1] / (slopes[0] * slopes[2]).sqrt(),
+        })
+    }
+
+    /// Wavenumbers at which the radial spectrum can be relied on.
+    pub fn reliable(&self) -> ReliableBand {
+        self.band
+    }
+
+    /// Correlation of the slopes along x and y within the band: far from zero, the lay runs at an angle to the axes.
+    pub fn slope_correlation(&self) -> f64 {
+        self.slope_correlation
+    }
+
+    /// Sides of the map in metre.
+    pub(in crate::correlation) fn size_m(&self) -> [f64; 2] {
+        self.step_rad_per_m.map(|step| std::f64::consts::TAU / step)
+    }
+
+    /// Pitches in metre.
+    pub(in crate::correlation) fn pitch_m(&self) -> [f64; 2] {
+        self.pitch_m
+    }
+
+    pub(in crate::correlation) fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// Expected density of a block of a map of this covariance in m⁴: folded at the Nyquist wavenumbers and smoothed by the
+    /// window.
+    pub(in crate::correlation) fn expected_m4(&self, block: &Block, covariance: &Covariance) -> f64 {
+        let sum: f64 = block.samples.iter().map(|q| self.smoothed_m4(*q, covariance)).sum();
+        sum / block.samples.len() as f64
+    }
+
+    fn smoothed_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
+        let (distance, weight) = self.smoothing;
+        let weights = |axis: usize| {
+            let step = self.step_rad_per_m[axis];
+            if q[axis] > SMOOTHED_STEPS * distance * step {
+                [(0.0, 1.0), (0.0, 0.0), (0.0, 0.0)]
+            } else {
+                [(0.0, 1.0 - 2.0 * weight), (-distance * step, weight), (distance * step, weight)]
+            }
+        };
+        let mut sum = 0.0;
+        for (dx, wx) in weights(0).into_iter().filter(|(_, w)| *w > 0.0) {
+            for (dy, wy) in weights(1).into_iter().filter(|(_, w)| *w > 0.0) {
+                sum += wx * wy * self.folded_m4([q[0] + dx, q[1] + dy], covariance);
+            }
+        }
+        sum
+    }
+
+    /// The density with the waves that the pixels show as longer ones.
+    fn folded_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
+        /// Images on either side.
+        const IMAGES: i32 = 2;
+
+        let zone = self.pitch_m.map(|pitch_m| std::f64::consts::TAU / pitch_m);
+        let own = covariance.psd_m4(q[0], q[1]);
+        // The first image is the largest. Where it is negligible, so are all.
+        let nearest = covariance.psd_m4(zone[0] - q[0].abs(), q[1]) + covariance.psd_m4(q[0], zone[1] - q[1].abs());
+        if nearest < 1e-3 * own {
+            return own;
+        }
+        let images = (-IMAGES..=IMAGES).flat_map(|i| (-IMAGES..=IMAGES).map(move |j| (f64::from(i), f64::from(j))));
+        images.map(|(i, j)| covariance.psd_m4(q[0] + i * zone[0], q[1] + j * zone[1])).sum()
+    }
+}
+
+/// Lower edges of the blocks along an axis, from wavenumber 0 to `last`.
+fn edges(last: usize) -> Vec<f64> {
+    let ratio = (1.0 / PER_OCTAVE).exp2();
+    let mut edges = vec![0.0, 0.5];
+    let mut edge: f64 = 0.5;
+    while edge < last as f64 {
+        edge = (edge + 1.0).max((edge * ratio).round() + 0.5);
+        edges.push(edge);
+    }
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlation::CorrelationModel;
+    use crate::map::Grid;
+    use crate::random;
+    use crate::surface::{RandomSurface, SpectralField};
+
+    #[test]
+    fn the_expected_density_is_the_mean_of_the_densities_of_maps() {
+        // Folded tails, the window and a lay: of 24 maps the mean density of each block is compared with the expectation.
+        for covariance in [
+            Covariance::new(CorrelationModel::Exponential, 1.0, 6.0, 6.0).unwrap(),
+            Covariance::new(CorrelationModel::Matern { nu: 1.0 }, 1.0, 3.0, 12.0).unwrap(),
+        ] {
+            let field = SpectralField::free(&covariance, Grid::new(128, 96, 1.0, 1.0).unwrap()).unwrap();
+            let maps: Vec<BlockSpectrum> = (0..24)
+                .map(|index| {
+                    let germ = random::standard_normal(&mut random::stream(3, "blocks", index), field.germ_len());
+                    BlockSpectrum::of(&field.generate(&germ)).unwrap()
+                })
+                .collect();
+            let places = maps.iter().map(|map| map.blocks.len()).min().unwrap();
+            let (mut squares, mut compared) = (0.0, 0.0);
+            for place in 0..places {
+                let found: Vec<&Block> = maps.iter().map(|map| &map.blocks[place]).collect();
+                if found.iter().any(|block| block.samples != found[0].samples) {
+                    continue;
+                }
+                let mean = found.iter().map(|block| block.density_m4).sum::<f64>() / 24.0;
+                let freedom = 24.0 * found[0].degrees_of_freedom;
+                let wanted = maps[0].expected_m4(found[0], &covariance);
+                // The standard error of the mean, and 4 % for the samples that stand for a block.
+                squares += (mean / wanted - 1.0).powi(2) / (2.0 / freedom + 0.04_f64.powi(2));
+                compared += 1.0;
+            }
+            assert!(compared > 40.0 && squares / compared < 2.0, "{covariance:?}: {} of {compared}", squares / compared);
+        }
+    }
+}

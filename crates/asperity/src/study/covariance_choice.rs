@@ -1,0 +1,278 @@
+//! Which covariance the random surfaces of a scan have: the model, or the scan's own, that keeps its spectrum and its slopes.
+
+use crate::correlation::{
+    CorrelationFamily, Covariance, CovarianceFit, CovarianceFits, FitError, MeasuredCovariance, StationaryCovariance,
+    fit_covariance,
+};
+use crate::law::Marginal;
+use crate::law::translation::Translation;
+use crate::study::band_slopes::Roughness;
+use crate::study::config::{CovarianceChoice, SurfaceSection, TranslationChoice};
+use crate::study::measured::Measured;
+use crate::study::surface_model::SurfaceCovariance;
+use crate::study::{StudyError, sentence};
+
+/// A model is taken where ln(measured/model spectral density) is below this, in the root mean square over the band.
+const LARGEST_MISFIT: f64 = 0.3;
+/// A covariance is taken where the Sdq of its surfaces within the band is that of the scan to this fraction.
+const SLOPE_TOLERANCE: f64 = 0.1;
+/// A greater difference is warned about.
+const SLOPE_WARNING: f64 = 0.15;
+/// Corner of the slope correction over the end of the band.
+const CORNER: f64 = 0.25;
+
+/// The covariance that was taken.
+pub(super) struct Chosen {
+    pub(super) covariance: SurfaceCovariance,
+    /// Misfit of a fitted model.
+    pub(super) misfit: Option<f64>,
+    /// Sdq of the random surfaces over that of the scan, within the band.
+    pub(super) slope_ratio: Option<f64>,
+    /// Cutoff of the S-filter at the end of the band in metre.
+    pub(super) slope_cutoff_m: Option<f64>,
+    /// What else was tried: name, misfit, ratio of slopes.
+    pub(super) candidates: Vec<(String, Option<f64>, Option<f64>)>,
+    /// Why it was taken, where there was a choice.
+    pub(super) reason: Option<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Judges covariances by the slopes of their random surfaces.
+struct Judge<'a> {
+    roughness: &'a Roughness,
+    /// Distortion of the correlation by the marginal law, unless that is normal or corrected for.
+    translation: Option<Translation>,
+    /// Rms height of the scan over that of the random surfaces, where a study states another.
+    scale: f64,
+}
+
+impl Judge<'_> {
+    fn ratio(&self, covariance: &dyn StationaryCovariance) -> Option<f64> {
+        let slopes = self.roughness.slopes.as_ref()?;
+        Some(self.scale * slopes.ratio(covariance, self.translation.as_ref()))
+    }
+
+    /// The ratio of the Gaussian field beneath the translation.
+    fn gaussian_ratio(&self, covariance: &dyn StationaryCovariance) -> Option<f64> {
+        Some(self.scale * self.roughness.slopes.as_ref()?.ratio(covariance, None))
+    }
+}
+
+fn is_near(ratio: Option<f64>, tolerance: f64) -> bool {
+    ratio.is_none_or(|ratio| (ratio - 1.0).abs() <= tolerance)
+}
+
+/// The covariance of a section's random surfaces of the marginal law `marginal`, which has their rms height; a measured one is
+/// chosen among `families` and the scan's own.
+pub(super) fn choose(
+    section: &SurfaceSection,
+    measured: &Measured,
+    families: &[CorrelationFamily],
+    marginal: &Marginal,
+) -> Result<Chosen, StudyError> {
+    let std_m = marginal.std();
+    let roughness = measured.roughness()?;
+    let is_plain = section.translation == TranslationChoice::Plain && !matches!(marginal, Marginal::Normal { .. });
+    let translation = if is_plain { Some(Translation::new(marginal)?) } else { None };
+    let judge = Judge { roughness: &roughness, translation, scale: measured.sq_m() / std_m };
+    let spectra: Vec<_> = roughness.spectra.iter().collect();
+    let fits = fit_covariance(&spectra, std_m_of(measured), families);
+    let models: Vec<(CovarianceFit, SurfaceCovariance, Option<f64>)> = match &fits {
+        Err(_) => vec![],
+        Ok(found) => found
+            .fits
+            .iter()
+            .map(|fit| {
+                let own = fit.covariance;
+                let scaled = Covariance::new(own.model(), std_m, own.length_x_m(), own.length_y_m())?;
+                let covariance = SurfaceCovariance::Model(scaled);
+                let ratio = judge.ratio(&covariance);
+                Ok((fit.clone(), covariance, ratio))
+            })
+            .collect::<Result<_, StudyError>>()?,
+    };
+    let candidates: Vec<_> = models
+        .iter()
+        .map(|(fit, _, ratio)| (fit.covariance.model().name().to_owned(), Some(fit.misfit), *ratio))
+        .collect();
+    let mut chosen = match section.covariance {
+        CovarianceChoice::Measured => measured_choice(measured, &judge, models, fits, families, std_m)?,
+        CovarianceChoice::Empirical => {
+            let covariance = own_covariance(measured, std_m)?;
+            Chosen { slope_ratio: judge.ratio(&covariance), ..Chosen::new(covariance) }
+        }
+        _ => {
+            let covariance = stated(section, std_m)?;
+            // A stated surface need not be like the scan.
+            return Ok(Chosen { candidates, ..Chosen::new(covariance) });
+        }
+    };
+    for candidate in candidates.into_iter().rev() {
+        chosen.candidates.insert(0, candidate);
+    }
+    chosen.slope_cutoff_m = roughness.slopes.as_ref().map(|slopes| slopes.cutoff_m);
+    chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
+    Ok(chosen)
+}
+
+/// A covariance whose parameters the study states.
+pub(super) fn stated(section: &SurfaceSection, std_m: f64) -> Result<SurfaceCovariance, StudyError> {
+    use crate::correlation::CorrelationModel as Model;
+
+    let model = match section.covariance {
+        CovarianceChoice::Measured | CovarianceChoice::Empirical => return Err(StudyError::NoStage("surface")),
+        CovarianceChoice::SquaredExponential => Model::SquaredExponential,
+        CovarianceChoice::Exponential => Model::Exponential,
+        CovarianceChoice::Matern => Model::Matern { nu: section.smoothness.unwrap_or(f64::NAN) },
+        CovarianceChoice::SelfAffine => Model::SelfAffine { hurst: section.hurst.unwrap_or(f64::NAN) },
+    };
+    let [x, y] = section.correlation_length.map_or([f64::NAN; 2], |lengths| lengths.map(|length| length.0));
+    Ok(SurfaceCovariance::Model(Covariance::new(model, std_m, x, y)?))
+}
+
+impl Chosen {
+    pub(super) fn new(covariance: SurfaceCovariance) -> Self {
+        Self {
+            covariance,
+            misfit: None,
+            slope_ratio: None,
+            slope_cutoff_m: None,
+            candidates: vec![],
+            reason: None,
+            warnings: vec![],
+        }
+    }
+}
+
+fn std_m_of(measured: &Measured) -> f64 {
+    measured.sq_m()
+}
+
+/// The scan's own covariance.
+fn own_covariance(measured: &Measured, std_m: f64) -> Result<SurfaceCovariance, StudyError> {
+    let covariance = match &measured.part {
+        Some(part) => MeasuredCovariance::new(&part.correlation)?,
+        None => MeasuredCovariance::of(&measured.map)?,
+    };
+    Ok(SurfaceCovariance::Empirical(Box::new(covariance.with_std(std_m))))
+}
+
+/// The best model that meets the spectrum and the slopes; else the scan's own covariance; else that changed for the marginal law.
+/// Where the caller asks for fewer families than all, the best of them is taken.
+fn measured_choice(
+    measured: &Measured,
+    judge: &Judge<'_>,
+    models: Vec<(CovarianceFit, SurfaceCovariance, Option<f64>)>,
+    fits: Result<CovarianceFits, FitError>,
+    families: &[CorrelationFamily],
+    std_m: f64,
+) -> Result<Chosen, StudyError> {
+    let of_model = |fits: &CovarianceFits, (fit, covariance, ratio): (CovarianceFit, SurfaceCovariance, Option<f64>)| {
+        let warnings = fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")).collect();
+        Chosen { misfit: Some(fit.misfit), slope_ratio: ratio, warnings, ..Chosen::new(covariance) }
+    };
+    let failure = match &fits {
+        Err(error) => error.to_string(),
+        Ok(fits) => {
+            let is_oblique = fits.oblique && families.len() == CorrelationFamily::ALL.len();
+            let passes = |(fit, _, ratio): &&(CovarianceFit, SurfaceCovariance, Option<f64>)| {
+                !is_oblique && fit.misfit <= LARGEST_MISFIT && is_near(*ratio, SLOPE_TOLERANCE)
+            };
+            if let Some(model) = models.iter().find(passes) {
+                let mut chosen = of_model(fits, model.clone());
+                chosen.reason = Some(format!(
+                    "The {} model was fitted to the scan's spectrum by likelihood; within the reliable band it meets the \
+                     spectral density to {} % rms{}.",
+                    model.0.covariance.model().name(),
+                    sentence::digits(100.0 * model.0.misfit.exp_m1()),
+                    model.2.map_or(String::new(), |ratio| format!(" and has {} of the scan's Sdq", times(ratio))),
+                ));
+                return Ok(chosen);
+            }
+            let best = &models[0];
+            if is_oblique {
+                "the lay runs at an angle to the axes, which no model has".into()
+            } else {
+                format!(
+                    "no model meets the scan's spectrum and slopes (the best, {}, misses the spectral density by {} % rms{})",
+                    best.0.covariance.model().name(),
+                    sentence::digits(100.0 * best.0.misfit.exp_m1()),
+                    best.2.map_or(String::new(), |ratio| format!(" and has {} of the scan's Sdq", times(ratio))),
+                )
+            }
+        }
+    };
+    if families.len() < CorrelationFamily::ALL.len() {
+        return match fits {
+            Err(error) => Err(error.into()),
+            Ok(fits) => Ok(of_model(&fits, models[0].clone())),
+        };
+    }
+    let own = match own_covariance(measured, std_m) {
+        Ok(own) => own,
+        // A model is better than nothing.
+        Err(error) => {
+            let Ok(fits) = fits else { return Err(error) };
+            let nearest = models.into_iter().min_by(|a, b| distance(a.2).total_cmp(&distance(b.2)));
+            let Some(nearest) = nearest else { return Err(error) };
+            let mut chosen = of_model(&fits, nearest);
+            chosen.warnings.push(format!("{failure}; the scan's own covariance cannot be used: {error}"));
+            return Ok(chosen);
+        }
+    };
+    let ratio = judge.ratio(&own);
+    let mut chosen = Chosen { slope_ratio: ratio, ..Chosen::new(own) };
+    chosen.candidates.push(("empirical".into(), None, ratio));
+    chosen.reason = Some(format!("The scan's own covariance was taken because {failure}."));
+    if is_near(ratio, SLOPE_TOLERANCE) {
+        return Ok(chosen);
+    }
+    if let (Some(translation), Some(slopes), SurfaceCovariance::Empirical(own)) =
+        (&judge.translation, &judge.roughness.slopes, &chosen.covariance)
+    {
+        let corner = CORNER * std::f64::consts::TAU / slopes.cutoff_m;
+        let adjusted =
+            own.beneath(|rho| translation.correlation(rho), corner, |own| judge.ratio(own).unwrap_or(f64::NAN));
+        let adjusted_ratio = judge.ratio(&adjusted);
+        if distance(adjusted_ratio) < distance(ratio) {
+            chosen.reason = Some(format!(
+                "The scan's own covariance was taken because {failure}. Under the marginal law it would have {} of the scan's \
+                 Sdq; the covariance of the normal variables was changed so that the heights keep the slopes.",
+                times(ratio.unwrap_or(f64::NAN)),
+            ));
+            chosen.covariance = SurfaceCovariance::Empirical(Box::new(adjusted));
+            chosen.slope_ratio = adjusted_ratio;
+        }
+    }
+    Ok(chosen)
+}
+
+/// Distance of a ratio from 1, the same for r and 1/r.
+fn distance(ratio: Option<f64>) -> f64 {
+    ratio.map_or(0.0, |ratio| ratio.ln().abs())
+}
+
+/// "1.04 times".
+fn times(ratio: f64) -> String {
+    format!("{} times", sentence::digits(ratio))
+}
+
+fn slope_warning(chosen: &Chosen, judge: &Judge<'_>, marginal: &Marginal) -> Option<String> {
+    let ratio = chosen.slope_ratio.filter(|ratio| !is_near(Some(*ratio), SLOPE_WARNING))?;
+    let gaussian = judge.gaussian_ratio(&chosen.covariance);
+    let reason = if judge.translation.is_some() && distance(gaussian) < 0.5 * distance(Some(ratio)) {
+        format!(
+            "the marginal law of the heights (kurtosis {}) distorts the slopes of the normal variables beneath; reject outliers, or \
+             use marginal = \"normal\"",
+            sentence::digits(3.0 + marginal.excess_kurtosis())
+        )
+    } else {
+        "the covariance does not follow the scan's spectrum up to the end of its band".to_owned()
+    };
+    let cutoff = sentence::si(chosen.slope_cutoff_m?, "m");
+    Some(format!(
+        "the slopes of the random surfaces are {} those of the scan (Sdq, both S-filtered at {cutoff}, the end of the scan's reliable \
+         band): {reason}. Elastic contact area and friction depend on slopes",
+        times(ratio)
+    ))
+}
