@@ -3,10 +3,11 @@
 //! Everything is dimensionless: displacement X = x·c/N, time τ = ω₀t, belt velocity V = v_b·mω₀/N, damping ratio ζ,
 //! friction process m(s) over the sliding distance s in the unit N/c. [`Scales`] converts.
 //!
-//! [`Oscillator`] → [`limit_cycle`] (period, extremes), [`critical_damping`] (where the cycle ends), [`Trajectory`] (events
-//! of one realisation of the friction process), [`Ensemble`] (the law of many), [`motion_kind`] (which kind of
-//! vibration), [`damping_sweep`] (how noise smears the end of vibration). Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`],
-//! [`basin`], [`bifurcation_diagram`].
+//! [`Oscillator`] → [`limit_cycle`] (kind of motion, period, extremes), [`critical_damping`] and [`limit_damping`] (where
+//! vibration ends), [`smallest_kick`] (what starts it from steady sliding), [`Trajectory`] (events of one realisation of the
+//! friction process), [`Ensemble`] (statistics of many), [`damping_sweep`] (how noise smears the end of vibration).
+//! Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`], [`basin`],
+//! [`bifurcation_diagram`].
 //!
 //! # Method
 //! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]), in variables in which nothing cancels; a step
@@ -68,7 +69,6 @@ pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Method;
 pub use sample_law::SampleLaw;
-pub use settled::motion_kind;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{
     Machine, MapAxis, MapCell, MapContour, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
@@ -84,7 +84,7 @@ pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 pub use waveform::{Waveform, WaveformSettings};
 
-use self::settled::{swing_level, vibration_limit};
+use self::settled::swing_level;
 use crate::friction::process::ProcessError;
 use crate::monitor::Cancelled;
 

@@ -79,6 +79,7 @@ pub(super) fn run(
     let critical = if_found(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;
+    let velocity_scale = section.scales()?.velocity_m_per_s();
     let kick = if free { if_found(smallest_kick(&oscillator))?.flatten() } else { None };
     let lead = match section.upscaling {
         Upscaling::Area => &area_scatter,
@@ -118,7 +119,7 @@ pub(super) fn run(
         limit_damping_ratio: if_found(limit_damping(&oscillator))?,
         kind: regime.kind(),
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
-        kick_m_per_s: kick.map(|kick| kick * scales.velocity_m_per_s()),
+        kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
         upscaling: lead.name.into(),
         map,

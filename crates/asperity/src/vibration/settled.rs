@@ -1,33 +1,6 @@
-//! What an oscillator without fluctuation settles into.
+//! The swings of the velocity that belong to a slip cycle.
 
-use super::{MotionKind, Oscillator, Regime, SlipCycle, VibrationError, critical_damping, limit_cycle, slip_cycles};
-
-/// Returns the kind of motion that an oscillator without fluctuation settles into when it starts in stick.
-///
-/// Without forcing, the orbit from a detachment encloses all cycles that stay slower than the belt. So if it does not return to the
-/// belt, it ends in the largest of those cycles that attracts. Forced motion that stays slower than the belt follows the force and
-/// is [`MotionKind::None`]; forced motion that reaches the belt and does not repeat itself counts as [`MotionKind::StickSlip`].
-///
-/// # Errors
-/// As [`limit_cycle`].
-pub fn motion_kind(oscillator: &Oscillator) -> Result<MotionKind, VibrationError> {
-    Ok(match limit_cycle(oscillator)? {
-        Regime::Cycle(cycle) if cycle.slips == 0 => MotionKind::Overtaking,
-        Regime::Cycle(_) | Regime::Irregular => MotionKind::StickSlip,
-        Regime::Sliding if swing_level(oscillator).is_finite() => MotionKind::SlipCycle,
-        Regime::Sliding => MotionKind::None,
-    })
-}
-
-/// Returns the largest damping ratio at which an oscillator without fluctuation and forcing vibrates; none if it does not vibrate at
-/// any.
-///
-/// # Errors
-/// As [`critical_damping`].
-pub(super) fn vibration_limit(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
-    let limit = critical_damping(oscillator)?;
-    Ok(Some(limit.critical_damping_ratio.max(limit.hopf_damping_ratio)).filter(|damping| *damping > 0.0))
-}
+use super::{Oscillator, SlipCycle, slip_cycles};
 
 /// Returns the W = |v_rel|/V that a swing of the velocity slower than the belt has to exceed to be part of a slip cycle; infinite if
 /// no slip cycle attracts.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, motion_kind, positive, trajectory_portrait,
+    MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, limit_cycle, positive, trajectory_portrait,
 };
 use crate::correlation::{RecordEnds, record_spectrum};
 use crate::friction::process::{FrictionProcess, Watched};
@@ -112,7 +112,7 @@ impl Sound {
             .map_err(|_| VibrationError::NotFound { what: "spectrum", reason: "the records are too short" })?;
         let per_frequency = |density: &[f64]| density.iter().map(|d| d / TAU).collect();
         Ok(Self {
-            kind: motion_kind(oscillator)?,
+            kind: limit_cycle(oscillator)?.kind(),
             velocity_rms,
             velocity_rms_interval,
             cycle_velocity_rms,

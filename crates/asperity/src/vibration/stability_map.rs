@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::contour::{boundary, contour};
-use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, motion_kind, vibration_limit};
+use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, limit_cycle, limit_damping};
 use crate::friction::process::FrictionProcess;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 
@@ -266,12 +266,12 @@ fn point(
     monitor: &dyn Monitor,
 ) -> Result<MapPoint, VibrationError> {
     let (oscillator, process) = machine(x, y)?;
-    let limit_damping_ratio = vibration_limit(&oscillator).ok().flatten();
+    let limit_damping_ratio = limit_damping(&oscillator).ok().filter(|limit| *limit > 0.0);
     let damping_ratio = oscillator.damping_ratio();
     let at =
         |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
-        let value = if motion_kind(&oscillator)?.is_vibration() { 1.0 } else { 0.0 };
+        let value = if limit_cycle(&oscillator)?.kind().is_vibration() { 1.0 } else { 0.0 };
         return Ok(at(Share { value, interval: [value, value] }, 1));
     };
     let of = |trajectories| -> Result<Share, VibrationError> {

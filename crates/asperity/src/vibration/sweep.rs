@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Count, Ensemble, EnsembleSettings, Oscillator, VibrationError, motion_kind, vibration_limit};
+use super::{Count, Ensemble, EnsembleSettings, Oscillator, VibrationError, limit_cycle, limit_damping};
 use crate::friction::process::FrictionProcess;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::stats::NORMAL_95;
@@ -82,7 +82,7 @@ impl DampingSweep {
 /// End of the search for crossings, at least `least`.
 fn top(oscillator: &Oscillator, least: f64) -> f64 {
     // Where the limit cannot be computed, the search ends with the sweep.
-    let limit = vibration_limit(oscillator).ok().flatten().unwrap_or(0.0);
+    let limit = limit_damping(oscillator).unwrap_or(0.0);
     least.max(REACH * limit)
 }
 
@@ -103,14 +103,14 @@ pub fn crossings_without_fluctuation(
             if monitor.cancelled() {
                 return Err(Cancelled.into());
             }
-            let vibrates = motion_kind(&oscillator.with_damping(damping)?)?.is_vibration();
+            let vibrates = limit_cycle(&oscillator.with_damping(damping)?)?.kind().is_vibration();
             Ok(Count { mean: if vibrates { 1.0 } else { 0.0 }, std: 0.0, se: 0.0 })
         };
         return Search { points: Vec::new(), top: top(oscillator, least), share: &share }.crossings(levels);
     }
-    let limit = match vibration_limit(oscillator) {
+    let limit = match limit_damping(oscillator) {
         Err(VibrationError::NotFound { .. }) => None,
-        found => found?,
+        found => Some(found?).filter(|limit| *limit > 0.0),
     };
     let crossing = |&share: &f64| match limit {
         Some(limit) => {
