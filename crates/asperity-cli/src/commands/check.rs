@@ -7,12 +7,12 @@ use asperity::study::{StageEstimate, Study};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::study_file;
+use super::{run, study_file};
 use crate::failure::{Failure, Kind};
 use crate::input::unreadable;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 
 /// Shows a study with all its values filled in, what it will cost, and what is wrong with it; computes nothing.
 #[derive(Debug, Args)]
@@ -34,6 +34,9 @@ impl Check {
             let lacking = require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err();
             problems.extend(lacking.map(|failure| failure.message().to_owned()));
         }
+        let destination = run::default_destination(&self.study);
+        problems
+            .extend(require_disk(study.disk_bytes(), &destination, "the run").err().map(|e| e.message().to_owned()));
         monitor.check()?;
         if self.json {
             let resolved = serde_json::to_value(&study).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
