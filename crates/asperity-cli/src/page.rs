@@ -1,5 +1,6 @@
 //! From a run to its report: the library's results in the shape that the report reads.
 
+use std::io;
 use std::path::Path;
 
 use asperity::study::{Staging, StoreError, StoredRun};
@@ -83,9 +84,15 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
 
 /// Begins the folder of a command; `argument` names the flag that chose it.
 pub(crate) fn begin_folder(argument: &str, folder: &Path, force: bool, inputs: &[&Path]) -> Result<Staging, Failure> {
-    Staging::open(folder, force, inputs).map_err(|error| match store_failure(&error) {
-        failure if failure.kind() == Kind::Usage => Failure::usage(format_args!("{argument} {}", failure.message())),
-        failure => failure,
+    Staging::open(folder, force, inputs).map_err(|error| {
+        let is_misnamed = matches!(&error, StoreError::Io { source, .. }
+            if matches!(source.kind(), io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename));
+        match store_failure(&error) {
+            failure if is_misnamed || failure.kind() == Kind::Usage => {
+                Failure::usage(format_args!("{argument} {}", failure.message()))
+            }
+            failure => failure,
+        }
     })
 }
 

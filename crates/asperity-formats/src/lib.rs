@@ -57,7 +57,8 @@ pub use format::{Description, Format, Tested, descriptions};
 pub use gwy::write_gwy;
 pub use npy::{write_npy, write_series};
 pub use replace::{
-    check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file, temporary_suffix,
+    check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file,
+    temporary_suffix,
 };
 pub use scan::{MAX_POINTS, Scan};
 pub use sdf::{SdfData, write_sdf};

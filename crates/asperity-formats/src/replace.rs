@@ -62,7 +62,8 @@ pub fn temporary_suffix() -> String {
 
 /// Returns whether [`temporary_suffix`] on this host can have made `text`.
 pub fn is_temporary_suffix(text: &str) -> bool {
-    let numbers = text.strip_prefix(host()).and_then(|rest| rest.strip_prefix('-')).and_then(|rest| rest.split_once('-'));
+    let numbers =
+        text.strip_prefix(host()).and_then(|rest| rest.strip_prefix('-')).and_then(|rest| rest.split_once('-'));
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     numbers.is_some_and(|(process, count)| is_number(process) && is_number(count))
 }
@@ -87,7 +88,8 @@ pub fn lock_abandoned(path: &Path) -> Option<File> {
     if !fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
         return None;
     }
-    let file = File::open(path).ok()?;
+    // Network file systems lock only what may be written.
+    let file = OpenOptions::new().write(true).open(path).ok()?;
     file.try_lock().ok().map(|()| file)
 }
 

@@ -375,7 +375,8 @@ fn the_formats_know_no_other_crate_of_the_project() {
 
 #[test]
 fn the_library_has_no_terminal_no_page_and_no_interpreter() {
-    let front_end = ["clap", "indicatif", "ctrlc", "signal-hook", "minijinja", "plotters", "pyo3", "tracing-subscriber"];
+    let front_end =
+        ["clap", "indicatif", "ctrlc", "signal-hook", "minijinja", "plotters", "pyo3", "tracing-subscriber"];
     let found: Vec<String> = dependencies("asperity").into_iter().filter(|d| front_end.contains(&d.as_str())).collect();
     assert!(found.is_empty(), "asperity depends on {found:?}");
     let inner: Vec<String> = dependencies("asperity").into_iter().filter(|d| d.starts_with("asperity")).collect();

@@ -354,11 +354,7 @@ fn a_run_folder_appears_whole_and_reads_back() {
         let abandoned = Staging::open(&out, false, &[]).unwrap();
         abandoned.write_outcome(&outcome).unwrap();
     }
-    assert_eq!(
-        fs::read_dir(folder.path().join("runs")).unwrap().count(),
-        0,
-        "an abandoned run leaves something behind"
-    );
+    assert!(!folder.path().join("runs").exists(), "an abandoned run leaves something behind");
     let staging = Staging::open(&out, false, &[]).unwrap();
     staging.write_outcome(&outcome).unwrap();
     staging.write("study.toml", STUDY.as_bytes()).unwrap();

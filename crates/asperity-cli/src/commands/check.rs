@@ -7,12 +7,12 @@ use asperity::study::{StageEstimate, Study};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::study_file;
+use super::{run, study_file};
 use crate::failure::{Failure, Kind};
 use crate::input::unreadable;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
-use crate::resources::require_memory;
+use crate::resources::{require_disk, require_memory};
 
 /// Shows a study with all its values filled in, what it will cost, and the warnings of its run that are known beforehand;
 /// computes nothing. Exits with 2 if the study cannot be run as it is, with 5 if the machine has too little memory for it.
@@ -47,6 +47,9 @@ impl Check {
         for stage in &stages {
             problems.extend(require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err());
         }
+        let destination = run::default_destination(&self.study);
+        problems
+            .extend(require_disk(study.disk_bytes(), &destination, "the run").err().map(|e| e.message().to_owned()));
         monitor.check()?;
         warnings.iter().for_each(|warning| monitor.warn(warning));
         self.print(&study, &stages, threads, &warnings, &problems)?;

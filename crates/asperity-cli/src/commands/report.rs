@@ -21,7 +21,8 @@ impl Report {
         let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let report = rendered(&run)?;
         monitor.check()?;
-        let figures = report.figures.iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.as_bytes()));
+        let figures =
+            report.figures.iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.as_bytes()));
         let files: Vec<(String, &[u8])> = figures.chain([("report.html".to_owned(), report.html.as_bytes())]).collect();
         StoredRun::replace(&self.dir, &files).map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", self.dir.join("report.html").display()));

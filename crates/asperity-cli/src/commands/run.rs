@@ -82,7 +82,7 @@ impl Run {
         }
         let resolved = toml::to_string(&runnable_anywhere(&study, folder))
             .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
-        let destination = self.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+        let destination = self.out.clone().unwrap_or_else(|| default_destination(&self.study));
         // Before hours are spent: may the folder be written?
         let inputs: Vec<&Path> =
             std::iter::once(self.study.as_path()).chain(read.iter().map(PathBuf::as_path)).collect();
@@ -112,6 +112,11 @@ impl Run {
         let answer = if self.json { Answer::of(&outcome.results)? } else { headline(&run, &written) };
         answer.print(self.json)
     }
+}
+
+/// The folder of a run that is not told another.
+pub(super) fn default_destination(study: &Path) -> PathBuf {
+    Path::new("runs").join(study.file_stem().unwrap_or_default())
 }
 
 /// Disk space of the heights of scans in a run folder, raw and prepared, roughly: scans may be compressed.

@@ -74,7 +74,7 @@ fn what_is_read_is_not_replaced() {
     for line in
         ["generate in/measured.toml --count 2 --out in --force", "fill in/scan.x3p --seed 1 --count 2 --out in --force"]
     {
-        surface(at, line).refuses(2, &["in holds", "is read"]);
+        surface(at, line).refuses(2, &["in holds", "the input"]);
     }
     assert_eq!(fs::read(at.join("in/scan.x3p")).unwrap(), bytes);
     assert_eq!(listing(at), ["in", "spec.toml"]);

@@ -38,17 +38,40 @@ pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Ended {
     }
 }
 
+/// A running process, killed when a test fails.
+#[cfg(target_os = "linux")]
+pub(crate) struct Started(Option<Child>);
+
+#[cfg(target_os = "linux")]
+impl Started {
+    fn id(&self) -> u32 {
+        self.0.as_ref().unwrap().id()
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for Started {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+        }
+    }
+}
+
 /// Starts `asperity` with its output kept.
 #[cfg(target_os = "linux")]
-pub(crate) fn started_in(at: &Path, line: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .args(line.split_whitespace())
-        .current_dir(at)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
+pub(crate) fn started_in(at: &Path, line: &str) -> Started {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asperity"));
+    command.args(line.split_whitespace());
+    started(at, command)
+}
+
+/// Starts a command with its output kept.
+#[cfg(target_os = "linux")]
+pub(crate) fn started(at: &Path, mut command: Command) -> Started {
+    let child =
+        command.current_dir(at).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    Started(Some(child))
 }
 
 /// Waits until `condition` holds.
@@ -63,14 +86,14 @@ pub(crate) fn wait_until(what: &str, condition: impl Fn() -> bool) {
 
 /// Sends a signal, such as `-TERM`.
 #[cfg(target_os = "linux")]
-pub(crate) fn send(signal: &str, child: &Child) {
-    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+pub(crate) fn send(signal: &str, started: &Started) {
+    assert!(Command::new("kill").args([signal, &started.id().to_string()]).status().unwrap().success());
 }
 
 /// Waits for the end of `asperity`.
 #[cfg(target_os = "linux")]
-pub(crate) fn ended(child: Child) -> Ended {
-    let output = child.wait_with_output().unwrap();
+pub(crate) fn ended(mut started: Started) -> Ended {
+    let output = started.0.take().unwrap().wait_with_output().unwrap();
     Ended {
         code: output.status.code().unwrap_or(-1),
         stdout: String::from_utf8(output.stdout).unwrap(),

@@ -130,7 +130,7 @@ impl Staging {
             Err(source) => return Err(self.keep_beside(source)),
         };
         let moved = fs::rename(&self.partial, &self.destination);
-        if let Some((aside, old)) = aside {
+        if let Some((aside, old, _lock)) = aside {
             // Where the new folder could not take its place, the old one goes back, unless another process replaced it first.
             if moved.is_ok() || fs::rename(&aside, &self.destination).is_err() {
                 old.remove(&aside).map_err(at(&aside))?;
@@ -153,12 +153,13 @@ impl Staging {
     }
 
     /// Moves the folder that is to be replaced out of the way, and back if it is no longer the same.
-    fn set_aside(&self) -> io::Result<Option<(PathBuf, Manifest)>> {
+    ///
+    /// Returns its new name, its list, and the lock of the list: other processes leave it alone while the list is locked.
+    fn set_aside(&self) -> io::Result<Option<(PathBuf, &Manifest, Option<File>)>> {
         let Some(old) = &self.replaced else { return Ok(None) };
         let name = self.destination.file_name().unwrap_or_default();
         let aside = parent_of(&self.destination).join(hidden_name(name, REPLACED));
-        // Other processes leave the folder alone while its list is locked.
-        let _lock = lock_abandoned(&self.destination.join(MANIFEST));
+        let lock = lock_abandoned(&self.destination.join(MANIFEST));
         match fs::rename(&self.destination, &aside) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             moved => moved?,
@@ -168,7 +169,7 @@ impl Staging {
             .and_then(|found| Ok(found.as_ref() == Some(old) && old.foreign(&aside)?.is_empty()))
             .unwrap_or(false);
         if is_same {
-            return Ok(Some((aside, old.clone())));
+            return Ok(Some((aside, old, lock)));
         }
         fs::rename(&aside, &self.destination)?;
         Err(io::ErrorKind::DirectoryNotEmpty.into())
