@@ -86,6 +86,7 @@ mod path {
     pub(super) const ORIGIN: &str = "Record1/Axes/Origin";
     pub(super) const MANUFACTURER: &str = "Record2/Instrument/Manufacturer";
     pub(super) const SIZE_X: &str = "Record3/MatrixDimension/SizeX";
+    pub(super) const LIST_DIMENSION: &str = "Record3/ListDimension";
     pub(super) const SIZE_Y: &str = "Record3/MatrixDimension/SizeY";
     pub(super) const SIZE_Z: &str = "Record3/MatrixDimension/SizeZ";
     pub(super) const POINT_DATA: &str = "Record3/DataLink/PointDataLink";

@@ -36,6 +36,8 @@ pub(crate) struct Document {
     pub(crate) values: BTreeMap<String, Value>,
     /// The numbers at `list_path`, NaN for empty ones; `None` when there are none.
     pub(crate) list: Option<Vec<f64>>,
+    /// The first text at `list_path` that is no number. It is an error only where the list is used: point clouds list points.
+    pub(crate) wrong_datum: Option<Value>,
 }
 
 impl Document {
@@ -44,7 +46,7 @@ impl Document {
     /// The texts of elements at `list_path` are read as numbers, so that lists of millions cost no more than they must.
     ///
     /// # Errors
-    /// XML that is not well-formed, nested too deep, or that uses entities of its own; a list element that is no number.
+    /// XML that is not well-formed, nested too deep, or that uses entities of its own.
     pub(crate) fn parse(
         format: Format,
         entry: &'static str,
@@ -54,7 +56,7 @@ impl Document {
         let text = decode(bytes);
         let mut reader = Reader::from_str(&text);
         reader.config_mut().expand_empty_elements = true;
-        let mut document = Self { format, entry, list_path, values: BTreeMap::new(), list: None };
+        let mut document = Self { format, entry, list_path, values: BTreeMap::new(), list: None, wrong_datum: None };
         // Names of the open elements below the root, joined, and the lengths to cut back to.
         let (mut open, mut lengths) = (String::new(), Vec::new());
         let (mut content, mut is_leaf) = (String::new(), false);
@@ -117,9 +119,10 @@ impl Document {
     fn add(&mut self, path: &str, text: &str, offset: u64) -> Result<(), FormatError> {
         if path == self.list_path {
             let datum = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
-            let datum =
-                datum.ok_or_else(|| self.wrong(path, text, offset, "one number, or nothing for a missing point"))?;
-            self.list.get_or_insert_default().push(datum);
+            if datum.is_none() {
+                self.wrong_datum.get_or_insert_with(|| Value { text: text.into(), offset });
+            }
+            self.list.get_or_insert_default().push(datum.unwrap_or(f64::NAN));
         } else if !text.is_empty() {
             let is_full = self.values.len() >= MAX_VALUES;
             match self.values.get_mut(path) {

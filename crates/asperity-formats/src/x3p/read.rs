@@ -8,7 +8,7 @@ use crate::archive::{Archive, damaged, hexadecimal};
 use crate::error::shown;
 use crate::sample::Sample;
 use crate::scan::{Dimension, shape};
-use crate::xml::Document;
+use crate::xml::{Document, Value};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 /// The largest `main.xml`, in bytes: room for a data list of two million points.
@@ -178,6 +178,9 @@ fn check_kind(document: &Document) -> Result<(), FormatError> {
         "PCL" => return unsupported("the record is a point cloud (PCL)".into()),
         other => return unsupported(format!("the record has the feature type `{}`", shown(other))),
     }
+    if document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none() {
+        return unsupported("the record is a list of points (ListDimension), a profile or a point cloud".into());
+    }
     for axis in ["CX", "CY"] {
         if document.text(&axis_path(axis, "AxisType")) == Some("A") {
             let found = format!("the axis {axis} is absolute, so that the points lie on no regular grid");
@@ -247,6 +250,9 @@ fn listed(document: &Document, matrix: &Matrix, warnings: &mut Vec<String>) -> R
     let Some(list) = &document.list else {
         return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
     };
+    if let Some(Value { text, offset }) = &document.wrong_datum {
+        return Err(document.wrong(path::DATUM, text, *offset, "one number, or nothing for a missing point"));
+    }
     let total = matrix.total();
     let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
     match list.get(start..).and_then(|rest| rest.get(..matrix.points())) {

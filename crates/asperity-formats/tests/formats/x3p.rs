@@ -311,6 +311,32 @@ fn profiles_point_clouds_and_absolute_axes_are_refused_with_a_reason() {
 }
 
 #[test]
+fn lists_of_points_are_refused_by_name_also_where_the_description_holds_them() {
+    // Points of three coordinates in the description, as the schema has them; the third case lists the heights of profiles.
+    let list = "<ListDimension>2</ListDimension><DataList><Datum>0;0;1e-6</Datum><Datum>1e-6;0;2e-6</Datum></DataList>";
+    for (feature, x_axis_type, reason) in [
+        ("PCL", "A", "a point cloud (PCL)"),
+        ("SUR", "A", "CX is absolute"),
+        ("SUR", "I", "a list of points (ListDimension)"),
+    ] {
+        let file = X3p { feature, x_axis_type, ..X3p::default() };
+        let main = file.main_xml();
+        let (head, rest) = main.split_once("<MatrixDimension>").unwrap();
+        let (_, tail) = rest.split_once("</DataLink>").unwrap();
+        let order = if reason.contains("absolute") {
+            format!("{head}<MatrixDimension>{}", rest.split_once("<DataLink>").unwrap().0)
+        } else {
+            head.into()
+        };
+        let main = format!("{order}{list}{tail}");
+        let files = file.files(main.as_bytes());
+        let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
+        let message = read_bytes(&crate::fixtures::zip(&files)).unwrap_err().to_string();
+        assert!(message.starts_with("X3P: the ") && message.contains(reason), "{message}");
+    }
+}
+
+#[test]
 fn a_data_list_in_the_description_is_read() {
     let file = X3p {
         z_axis: "<AxisType>A</AxisType><DataType>I</DataType><Increment>0.001</Increment><Offset>-0.5</Offset>",
