@@ -432,6 +432,14 @@ mod tests {
             let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
             assert!((found - wanted).abs() < 2e-4, "{found} instead of {wanted}");
         }
+        // A kick into a slip cycle, to relative 2e-5: .3 + .1e^{−(v/.08)²} at V = .11 and ζ = .27, with the belt.
+        let bell = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
+        let points: Vec<_> = (0..=400).map(|i| 1e-3 * f64::from(i)).map(|v| [v, bell(v)]).collect();
+        let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.27, belt_velocity: 0.11, forcing: None };
+        let found = smallest_kick(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
+        assert!((found / 0.040_666 - 1.0).abs() < 1e-4, "{found}");
         // Below ζ_H = .104 none is needed, above ζ_c = .1115 none suffices.
         for damping in [0.1041, 0.1116, 0.9] {
             assert_eq!(smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
@@ -490,7 +498,6 @@ mod tests {
                     if sign * (belt - step(middle).1) < 0.0 { high = middle } else { low = middle }
                 }
                 x = step(low).0;
-                v = belt;
                 let held = x + 2.0 * zeta * belt;
                 if held.abs() <= machine.static_friction() {
                     sticks += 1;
@@ -542,7 +549,8 @@ mod tests {
             };
             let hopf = 0.5 * law.weakening(belt_velocity);
             let limit = limit_damping(&machine(0.0)).unwrap();
-            if limit < 1.02 * hopf {
+            // Close to the Hopf point motions take hundreds of periods to decide.
+            if limit < hopf + 0.01 {
                 continue;
             }
             let machine = machine(hopf + 0.6 * (limit - hopf));

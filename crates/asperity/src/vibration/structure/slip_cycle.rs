@@ -124,18 +124,24 @@ fn growths(planar: &Planar, outer: f64) -> Result<Vec<Growth>, VibrationError> {
 }
 
 /// The extremum of ln(P/r) between two amplitudes whose slopes differ in sign: a maximum for `side` < 0, a minimum for
-/// `side` > 0. The search ends early where `enough` accepts a value.
+/// `side` > 0. The search ends early where `decided` accepts the best value and the bound that the tangents at the ends of
+/// the bracket give.
 fn extremum(
     planar: &Planar,
     [mut a, mut b]: [Growth; 2],
     side: f64,
-    enough: impl Fn(f64) -> bool,
+    decided: impl Fn(f64, f64) -> bool,
 ) -> Result<Option<Growth>, VibrationError> {
     if !(side * a.slope < 0.0 && side * b.slope > 0.0) {
         return Ok(None);
     }
     let mut best = if side * a.value < side * b.value { a } else { b };
     for _ in 0..EXTREMUM_TRIES {
+        let along = (b.value - a.value - b.slope * (b.r - a.r)) / (a.slope - b.slope);
+        let bound = a.value + a.slope * along;
+        if decided(best.value, bound) || (bound - best.value).abs() < NEUTRAL {
+            break;
+        }
         // The secant of the slopes, kept off the ends of the bracket.
         let share = (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
         let here = Growth::at(planar, a.r + share * (b.r - a.r))?;
@@ -144,9 +150,6 @@ fn extremum(
         }
         if side * here.value < side * best.value {
             best = here;
-        }
-        if enough(best.value) || (b.r - a.r) < 1e-7 * b.r {
-            break;
         }
         if side * here.slope < 0.0 { a = here } else { b = here }
     }
@@ -176,7 +179,7 @@ pub(in crate::vibration) fn return_map(oscillator: &Oscillator) -> Result<Option
     for here in growths(&planar, outer)? {
         // Two cycles between neighbours on the grid.
         let hidden = if here.sign() == side {
-            extremum(&planar, [before, here], side, |value| side * value < -NEUTRAL)?
+            extremum(&planar, [before, here], side, |best, bound| side * best < -NEUTRAL || side * bound > 0.0)?
         } else {
             None
         };
@@ -257,7 +260,7 @@ fn peak(planar: &Planar) -> Result<Option<Growth>, VibrationError> {
     let Some(outer) = planar.detachment()? else { return Ok(None) };
     let mut best: Option<Growth> = None;
     for pair in growths(planar, outer)?.windows(2) {
-        if let Some(found) = extremum(planar, [pair[0], pair[1]], -1.0, |_| false)? {
+        if let Some(found) = extremum(planar, [pair[0], pair[1]], -1.0, |_, _| false)? {
             best = best.filter(|best| best.value >= found.value).or(Some(found));
         }
     }
