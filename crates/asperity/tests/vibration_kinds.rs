@@ -125,7 +125,7 @@ fn process(std: f64, length: f64) -> FrictionProcess {
 fn ensemble(oscillator: &Oscillator, duration: f64) -> Ensemble {
     let (velocity, friction) = (oscillator.belt_velocity(), oscillator.static_friction());
     let settings = EnsembleSettings { sample_capacity: 100, ..EnsembleSettings::new(4, duration, 3) };
-    Ensemble::simulate(oscillator, &process(1e-7 * friction, velocity), &settings, &Silent).unwrap()
+    Ensemble::simulate(oscillator, &process(1e-7 * friction, 10.0 * velocity), &settings, &Silent).unwrap()
 }
 
 /// Asserts that the library has the kind and period of the slow integration, and that an ensemble counts vibration as vibration.
@@ -158,8 +158,8 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
         (0.004, MotionKind::StickSlip, 6.295_32),
     ] {
         let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
-        assert_eq!(agree(&oscillator, 3000.0), kind);
-        let (_, slow) = slow(&oscillator, 6000.0);
+        assert_eq!(agree(&oscillator, 2000.0), kind);
+        let (_, slow) = slow(&oscillator, 5000.0);
         for found in [slow.unwrap(), limit_cycle(&oscillator).unwrap().cycle().unwrap().period] {
             assert!((found - period).abs() < 6e-6, "{found} instead of {period}");
         }
@@ -174,14 +174,13 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
 fn kinds_and_periods_are_those_of_an_independent_integrator() {
     let mut kinds = [0; 4];
     for decay in [1.0, 4.2, 12.0] {
-        for velocity in [0.05, 0.6, 3.0] {
-            for damping in [0.002, 0.008, 0.05, 0.3] {
+        for velocity in [0.05, 1.0, 4.0] {
+            for damping in [0.001, 0.003, 0.05, 0.3] {
                 let oscillator = Oscillator::stribeck(0.4, decay, damping, velocity).unwrap();
-                kinds[agree(&oscillator, 2000.0) as usize] += 1;
+                kinds[agree(&oscillator, 1500.0) as usize] += 1;
             }
         }
     }
-    println!("{kinds:?}");
     assert!(kinds[0] >= 5 && kinds[1] >= 3 && kinds[3] >= 5, "{kinds:?}");
 }
 

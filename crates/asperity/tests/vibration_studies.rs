@@ -88,6 +88,35 @@ fn the_force_acts_on_cycle_and_ensembles() {
     assert!(free.paper.motion.unwrap() != found.paper.motion.unwrap());
 }
 
+#[test]
+fn overtaking_is_vibration_in_every_number_of_a_study() {
+    // V = 3.1416 and μ_st = .432353: at ζ = .001 and .002 the mass passes the velocity of the belt and never sticks.
+    let machine = MACHINE
+        .replace("static_friction = 0.1", "static_friction = 0.432353")
+        .replace("[0.16, 0.18, 2]", "[0.001, 0.002, 2]")
+        .replace("duration = 60.0", "duration = 600.0");
+    for std in ["1e-6", "0.0"] {
+        let machine = machine.replace("friction_std = 0.001", &format!("friction_std = {std}"));
+        let text = format!("{machine}damping_ratio = 0.001\ndimensionless_belt_velocity = 3.1416\n")
+            .replace("\"250 um\"", "\"250 mm\"");
+        let study = Study::parse(&text, "fast.toml").unwrap();
+        let found = study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap();
+        let limit = found.critical_damping_ratio.unwrap();
+        for damping in &found.paper.damping {
+            assert_eq!(damping.kind, MotionKind::Overtaking);
+            assert_eq!((damping.sustained_share, damping.vibration_share), (1.0, 1.0), "{damping:?}");
+            assert!((damping.cycles_mean - 600.0 / 6.2948).abs() < 3.0, "{damping:?}");
+        }
+        assert_eq!(found.paper.motion.as_ref().map(|motion| motion.left_share), (std != "0.0").then_some(0.0));
+        for crossing in &found.paper.crossings {
+            let ratio = crossing.damping_ratio.unwrap();
+            // Transients of a motion that begins in stick last longer than the study next to the end.
+            let exact = std == "0.0";
+            assert!(if exact { ratio == limit } else { (ratio / limit - 1.0).abs() < 0.3 }, "{crossing:?} and {limit}");
+        }
+    }
+}
+
 fn machine(damping_ratio: f64, belt_velocity: f64) -> Oscillator {
     let law = FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
     Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio, belt_velocity, forcing: None }).unwrap()

@@ -237,6 +237,8 @@ fn an_ensemble_counts_the_published_cycles() {
         "entry_rate_interval",
         "exit_rate",
         "exit_rate_interval",
+        "kind",
+        "kind_shares",
         "left_share",
         "left_share_interval",
         "micro_slips_mean",
@@ -253,6 +255,8 @@ fn an_ensemble_counts_the_published_cycles() {
         "stick_share_se",
         "sustained_share",
         "sustained_share_interval",
+        "vibration_share",
+        "vibration_share_se",
     ] {
         assert!(!json[key].is_null(), "{key}");
     }
@@ -262,6 +266,34 @@ fn an_ensemble_counts_the_published_cycles() {
     assert!((0.2..0.8).contains(&se), "{se}");
     assert_eq!(number(&json, "cycles_deterministic"), 99.0);
     close(number(&json, "difference_mean"), 99.0 - mean, 1e-12);
+}
+
+#[test]
+fn overtaking_counts_as_vibration() {
+    let machine = "--static-friction 0.432353 --stribeck 4.2 --belt-velocity 3.1416";
+    let noise = "--friction-std 1e-6 --correlation-length 30 --marginal beta:2.1,5 --seed 3";
+    for (damping, kind) in [("0.001", "overtaking"), ("0.002", "overtaking"), ("0.004", "stick_slip")] {
+        let line = format!(
+            "vibration ensemble {machine} --damping-ratio {damping} {noise} --duration 3000 --trajectories 4 --json"
+        );
+        let json = asperity(&line).json(0);
+        assert_eq!(json["kind"], kind);
+        assert_eq!((number(&json, "sustained_share"), number(&json, "vibration_share")), (1.0, 1.0));
+        assert!((number(&json, "cycles_deterministic") - 3000.0 / 6.295).abs() < 3.0);
+        assert!(json["kind_shares"][kind].as_f64().unwrap() > 0.5, "{}", json["kind_shares"]);
+    }
+    let map = format!(
+        "vibration map {machine} --damping-ratio 0.001 {noise} --damping-ratios 0.001,0.2,2 --belt-velocities 3,3.2,1 --depth 0 \
+         --trajectories 4 --duration 600 --json"
+    );
+    let map = asperity(&map).json(0);
+    let points = map["points"].as_array().unwrap();
+    let vibrates = |p: &&Value| p["sustained"]["value"] == 1.0;
+    assert_eq!(points.iter().filter(vibrates).count(), 2, "{points:?}");
+    // The probability falls from 1 to 0 within a cell.
+    assert_eq!(number(&map["resolution"], "unresolved_share"), 1.0);
+    let lines = |k: usize| map["contours"][k]["lines"].as_array().unwrap().len();
+    assert_eq!([lines(0), lines(1), lines(2)], [0, 1, 0]);
 }
 
 #[test]
