@@ -6,6 +6,7 @@
 mod band_slopes;
 mod check;
 pub mod config;
+mod contact_check;
 mod covariance_choice;
 mod error;
 mod estimate;

@@ -50,7 +50,7 @@ impl BandSlopes {
         let (mut sums, mut pairs) = ([0.0; 2], [0.0; 2]);
         for map in maps {
             let own = map.grid();
-            if cutoff_m > own.width_m().max(own.height_m()) {
+            if cutoff_m > own.width_m().min(own.height_m()) {
                 return Ok(None);
             }
             let smooth = GaussianFilter::linear(cutoff_m).smooth(map).map_err(|error| {

@@ -76,7 +76,7 @@ pub(super) fn choose(
     let translation = if is_plain { Some(Translation::new(marginal)?) } else { None };
     let judge = Judge { roughness: &roughness, translation, scale: measured.sq_m() / std_m };
     let spectra: Vec<_> = roughness.spectra.iter().collect();
-    let fits = fit_covariance(&spectra, std_m_of(measured), families);
+    let fits = fit_covariance(&spectra, measured.sq_m(), families);
     let models: Vec<(CovarianceFit, SurfaceCovariance, Option<f64>)> = match &fits {
         Err(_) => vec![],
         Ok(found) => found
@@ -110,6 +110,7 @@ pub(super) fn choose(
     for candidate in candidates.into_iter().rev() {
         chosen.candidates.insert(0, candidate);
     }
+    chosen.warnings.extend(noise_warning(measured));
     chosen.slope_cutoff_m = roughness.slopes.as_ref().map(|slopes| slopes.cutoff_m);
     chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
     Ok(chosen)
@@ -142,10 +143,6 @@ impl Chosen {
             warnings: vec![],
         }
     }
-}
-
-fn std_m_of(measured: &Measured) -> f64 {
-    measured.sq_m()
 }
 
 /// The scan's own covariance.
@@ -245,6 +242,22 @@ fn measured_choice(
         }
     }
     Ok(chosen)
+}
+
+/// Heights that hardly correlate with their neighbours.
+fn noise_warning(measured: &Measured) -> Option<String> {
+    let correlation = measured.part.as_ref().map_or(&measured.correlation, |part| &part.correlation);
+    let (along_x, along_y) = (correlation.correlation(1, 0), correlation.correlation(0, 1));
+    let least = along_x.min(along_y);
+    (least < (-1.0_f64).exp()).then(|| {
+        format!(
+            "neighbouring heights of the scan correlate by {} along x and {} along y, less than 1/e: they are noise, or a texture \
+             shorter than the pixels, and so are the random surfaces; an S-filter or the rejection of outliers leaves what the \
+             scan resolves",
+            sentence::digits(along_x),
+            sentence::digits(along_y)
+        )
+    })
 }
 
 /// Distance of a ratio from 1, the same for r and 1/r.

@@ -8,6 +8,7 @@ use crate::correlation::{CorrelationFamily, CorrelationModel, StationaryCovarian
 use crate::law::Marginal;
 use crate::map::HeightMap;
 use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
+use crate::study::contact_check::contact_warning;
 use crate::study::covariance_choice::{Chosen, choose, stated};
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
@@ -39,6 +40,13 @@ pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Resul
     let (model, result) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
     if let Some(measured) = &measured {
         output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
+        let is_like_the_scan = section.covariance.is_of_the_scan()
+            && section.generator != GeneratorChoice::WeierstrassMandelbrot
+            && section.marginal == "measured"
+            && section.rms_height.is_none();
+        if is_like_the_scan {
+            output.warnings.extend(contact_warning(&measured.map, &model)?);
+        }
     }
     Ok(SurfaceStage { model, result, output })
 }

@@ -333,3 +333,23 @@ fn the_radial_spectrum_is_the_mean_of_the_transform_over_the_directions() {
         assert!((found / wanted - 1.0).abs() < 0.05, "{q}: {found} {wanted}");
     }
 }
+
+#[test]
+fn the_covariance_beneath_a_lognormal_law_is_its_closed_form() {
+    // Heights e^{sg} have ρ = (e^{s²ρ_G} − 1)/(e^{s²} − 1), so that ρ_G = ln(1 + ρ(e^{s²} − 1))/s².
+    let (_, measured) = measure(&sample(&ridge(), unit_grid(96, 80), 3));
+    let square = 0.8_f64.powi(2);
+    let distorted = |rho: f64| (square * rho).exp_m1() / square.exp_m1();
+    let beneath = measured.beneath(distorted, 0.5, |_| 1.0);
+    for (x, y) in [(1.0, 0.0), (0.0, 1.0), (2.0, 3.0), (4.0, -2.0), (6.0, 6.0)] {
+        let wanted = (measured.correlation(x, y) * square.exp_m1()).ln_1p() / square;
+        let found = beneath.correlation(x, y);
+        assert!((found - wanted).abs() < 0.03, "({x}, {y}): {found} {wanted}");
+    }
+    assert!((beneath.correlation(0.0, 1e-9) - 1.0).abs() < 1e-6 && beneath.std_m() == measured.std_m());
+    // Slopes that are 1.3 times too great are lowered by that factor: 1 − ρ at one lag is its square.
+    let target = measured.correlation(1.0, 0.0);
+    let ratio = |own: &MeasuredCovariance| ((1.0 - own.correlation(1.0, 0.0)) / (1.0 - target)).sqrt();
+    let smoother = measured.beneath(|rho| rho, 0.5, |own| 1.3 * ratio(own));
+    assert!((1.3 * ratio(&smoother) - 1.0).abs() < 0.02, "{}", ratio(&smoother));
+}

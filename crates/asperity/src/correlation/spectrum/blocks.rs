@@ -14,6 +14,10 @@ const PER_OCTAVE: f64 = 3.0;
 const SAMPLES: usize = 6;
 /// Fraction of the coefficients that are independent under a Hann window along both axes, (18/35)².
 const INDEPENDENT: f64 = 0.264;
+/// A band of fewer octaves than one is that of a surface smooth on the scale of the map's size; then the first wavenumbers are used,
+/// up to this many steps, and densities below this fraction of the largest count as leakage of the window.
+const FIRST_STEPS: f64 = 4.0;
+const LEAKAGE: f64 = 1e-3;
 /// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
 const SMOOTHED_STEPS: f64 = 12.0;
 
@@ -32,6 +36,8 @@ pub struct BlockSpectrum {
     /// Half width of the window's smoothing in steps, and the weight of the spectrum at that distance on either side.
     smoothing: (f64, f64),
     slope_correlation: f64,
+    /// Density in m⁴ that is added to measured and expected densities.
+    floor_m4: f64,
 }
 
 /// One block of wavevectors.
@@ -62,7 +68,15 @@ impl BlockSpectrum {
         let band = spectrum.radial().reliable;
         let grid = map.grid();
         let (nx, ny) = (grid.nx(), grid.ny());
-        let (qx_min, qy_min, _) = spectrum.wavenumbers();
+        let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
+        let is_short = band.high_rad_per_m < 2.0 * band.low_rad_per_m;
+        let step = qx_min.max(qy_min);
+        let (low, high) = if is_short {
+            (0.5 * step, (FIRST_STEPS + 0.5) * step)
+        } else {
+            (band.low_rad_per_m, band.high_rad_per_m)
+        };
+        let high = high.min(0.5 * nyquist);
         let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
         let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
         let mut sums = vec![Sums::default(); edges_x.len() * edges_y.len()];
@@ -75,7 +89,7 @@ impl BlockSpectrum {
                 let ky = signed_index(ky, ny);
                 let qy = ky * qy_min;
                 let q = qx.hypot(qy);
-                if q < band.low_rad_per_m || q > band.high_rad_per_m {
+                if q < low || q > high {
                     continue;
                 }
                 let block = &mut sums[block_x * edges_y.len() + place_of(&edges_y, ky.abs())];
@@ -89,16 +103,19 @@ impl BlockSpectrum {
                 }
             }
         }
+        let largest = sums.iter().filter(|sums| sums.count > 0.0).map(|sums| sums.density / sums.count).fold(0.0, f64::max);
+        let floor_m4 = if is_short { LEAKAGE * largest } else { 0.0 };
         let block = |sums: Sums| {
             let stride = sums.places.len().div_ceil(SAMPLES).max(1);
             Block {
-                density_m4: sums.density / sums.count,
+                density_m4: sums.density / sums.count + floor_m4,
                 degrees_of_freedom: (INDEPENDENT * sums.count).max(1.0),
                 samples: sums.places.into_iter().skip(stride / 2).step_by(stride).collect(),
             }
         };
         Ok(Self {
             blocks: sums.into_iter().map(block).filter(|block| block.density_m4 > 0.0).collect(),
+            floor_m4,
             band,
             step_rad_per_m: [qx_min, qy_min],
             pitch_m: [grid.dx_m(), grid.dy_m()],
@@ -139,7 +156,7 @@ impl BlockSpectrum {
     /// window.
     pub(in crate::correlation) fn expected_m4(&self, block: &Block, covariance: &Covariance) -> f64 {
         let sum: f64 = block.samples.iter().map(|q| self.smoothed_m4(*q, covariance)).sum();
-        sum / block.samples.len() as f64
+        sum / block.samples.len() as f64 + self.floor_m4
     }
 
     fn smoothed_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
