@@ -152,7 +152,7 @@ impl Format {
     /// The unit of the heights in files of this format whose reader does not name it; `None` where files may lack one.
     pub(crate) fn height_unit(self) -> Option<&'static str> {
         match self {
-            Self::Text | Self::Xyz | Self::Npy | Self::Npz | Self::Tiff => None,
+            Self::Text | Self::Xyz | Self::Npy | Self::Npz | Self::Tiff | Self::Gwy | Self::NetCdf => None,
             Self::Plu | Self::Plux | Self::Nms => Some("um"),
             Self::Opd | Self::Bcr => Some("nm"),
             Self::Vk => Some("pm"),

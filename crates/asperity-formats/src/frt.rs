@@ -47,7 +47,7 @@ pub(crate) const CODEC: Codec = Codec {
         reads: "versions 1.00 and 1.01; topography, thickness and AFM images of 16 and 32 bits",
         writes: "",
         stores_pitch: true,
-        missing_points: "1",
+        missing_points: "1, numbers outside of the valid range that the file states",
         orientation: "the last stored line is row 0",
         tested: Tested::Specification,
     },

@@ -222,7 +222,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     };
     let heights_m = Array2::from_shape_vec(shape, heights)
         .map_err(|_| input.wrong(&map.name, map.at, "numbers of another count", "rows × columns"))?;
-    let height_unit = Some(unit.unwrap_or("m").to_owned());
+    let height_unit = unit.map(str::to_owned);
     let metadata = metadata(contents, &read);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(names, chosen))
 }

@@ -203,7 +203,7 @@ fn every_json_object_carries_its_warnings() {
         "contact a.npy --pixel-size 1um --youngs-modulus 1GPa --boundary periodic --mean-pressure 1MPa --json",
         &format!("vibration critical-damping {machine} --json"),
         &format!("vibration cycle {machine} --damping-ratio 0.17 --json"),
-        &format!("vibration critical-curve {machine} --json"),
+        &format!("vibration forced-cycles {machine} --damping-ratio 0.17 --forcing 0.01 --forcing-frequency 1 --json"),
     ] {
         let ended = asperity_in(folder.path(), &words(line));
         assert!(ended.code == 0, "{line}: {ended:?}");

@@ -239,6 +239,7 @@ fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan, FormatErr
     let number = |name: &str| fields.get(name).map(|component| input.f64(name, component.value.0)).transpose();
     let (width, height) = (number("xreal")?, number("yreal")?);
     let mut scan = Scan::new(heights_m, None);
+    scan.height_unit = Some(units.z.clone()).filter(|unit| !unit.is_empty());
     units.warnings(&mut scan.warnings);
     match (width.zip(height), units.per_metre_xy()) {
         (Some((width, height)), Some(per_metre)) => {

@@ -4,6 +4,7 @@ use std::fs;
 
 use asperity_formats::{Format, FormatError, read, read_bytes};
 
+use crate::datx::hdf5::Hdf5;
 use crate::fixtures::{gzip, zip};
 
 fn refusal(bytes: &[u8]) -> String {
@@ -83,6 +84,19 @@ fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
         assert!(message.contains(way_out), "{message}");
         // Within a gzip stream as well.
         assert_eq!(refusal(&gzip(&bytes)), message);
+    }
+}
+
+#[test]
+fn hdf5_files_that_are_neither_datx_nor_netcdf_are_refused_by_name() {
+    for (group, name) in
+        [("measurement0", "a 4D Technology HDF5 file"), ("results", "an HDF5 file that is neither DATX nor netCDF")]
+    {
+        let mut file = Hdf5::new();
+        let inner = file.object(&[]);
+        let root = file.group(&[(group, inner)], &[]);
+        let message = refusal(&file.finish(0, root));
+        assert!(message.starts_with(&format!("this is {name}, which is not read; save the matrix")), "{message}");
     }
 }
 

@@ -35,7 +35,7 @@ impl Convert {
         let mut scan = input::scan(&self.input, &self.options, monitor)?;
         if self.level.is_stated() {
             let map = input::height_map(scan.clone(), &self.input)?;
-            let levelled = self.level.remove_from(map, &self.input)?;
+            let levelled = self.level.remove_from(map, &self.input, monitor)?;
             scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };
         }
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;

@@ -29,18 +29,18 @@ impl LevelOption {
     }
 
     /// The map without the form. `file` names it in errors.
-    pub(crate) fn remove_from(self, map: HeightMap, file: &Path) -> Result<HeightMap, Failure> {
+    pub(crate) fn remove_from(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
         if !self.is_stated() {
             return Ok(map);
         }
-        let levelled = remove_form(&map, self.level).map_err(|e| Failure::data(file.display(), &e))?;
-        Ok(levelled.map)
+        let levelled = monitor.at_once(|| remove_form(&map, self.level))?;
+        Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
     }
 
     /// The map without the form; where none is removed, warns about one that exceeds the roughness.
     pub(crate) fn remove_or_doubt(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
         if !self.is_stated()
-            && let Some(form) = dominant_form(&map)
+            && let Some(form) = monitor.at_once(|| dominant_form(&map))?
         {
             let (level, file) = (form.level, file.display());
             let shown = |height_m: f64| row("height_m", &height_m.into()).1;
@@ -50,7 +50,7 @@ impl LevelOption {
                  --level {level} removes it"
             ));
         }
-        self.remove_from(map, file)
+        self.remove_from(map, file, monitor)
     }
 }
 
