@@ -66,7 +66,8 @@ pub(super) fn run(
     let area_scatter = Scatter { name: "area", std: area_std, marginal: window.area_marginal() };
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
-    warnings.extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
+    warnings
+        .extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
     let critical = if_found(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;
