@@ -60,7 +60,10 @@ fn the_paper_s_study_holds_the_paper_s_numbers() {
     let shear = material.hardness.unwrap().0 / (3.0 * 3_f64.sqrt());
     assert!((material.shear_strength.unwrap().0 / shear - 1.0).abs() < 1e-3);
     let vibration = study.vibration.unwrap();
-    assert_eq!((vibration.damping_ratio, vibration.stribeck, vibration.normal_force.0), (0.17, Some(Stribeck::Dimensionless(4.2)), 2500.0));
+    assert_eq!(
+        (vibration.damping_ratio, vibration.stribeck, vibration.normal_force.0),
+        (0.17, Some(Stribeck::Dimensionless(4.2)), 2500.0)
+    );
     assert_eq!((vibration.natural_frequency.0, vibration.dimensionless_belt_velocity), (316.0, Some(0.003)));
     assert_eq!((vibration.upscaling, vibration.level), (Upscaling::Paper, Some(50.0)));
 }

@@ -141,8 +141,9 @@ fn vibrates(run: &Run) -> Option<Answer> {
         Some("slip_cycle") => " The mass stays slower than the belt and never sticks.",
         _ => "",
     };
-    let period =
-        vibration["cycle"]["period"].as_f64().map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
+    let period = vibration["cycle"]["period"]
+        .as_f64()
+        .map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
     let detail = format!("Without fluctuation of friction{at}.{kind}{period}");
     Some(Answer { question: "Does it vibrate?", answer, detail })
 }

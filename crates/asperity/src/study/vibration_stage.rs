@@ -75,7 +75,8 @@ pub(super) fn run(
     let area_std = area_scatter.std;
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
-    warnings.extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
+    warnings
+        .extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
     let critical = if_found(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;

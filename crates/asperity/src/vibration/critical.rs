@@ -163,10 +163,10 @@ mod tests {
             assert_eq!(regime.cycle().is_some(), exists);
         }
     }
-    /// .3 + .1e^{−(v/.08)²} as a table; the cubics err by about 1e-9.
+    /// .3 + .1e^{−(v/.08)²} as a table; the slopes of its cubics err by about 7e-6 of their size.
     fn gaussian(belt_velocity: f64) -> Oscillator {
         let coefficient = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
-        let points: Vec<_> = (0..=400).map(|i| 1e-3 * f64::from(i)).map(|v| [v, coefficient(v)]).collect();
+        let points: Vec<_> = (0..=1200).map(|i| 2.5e-4 * f64::from(i)).map(|v| [v, coefficient(v)]).collect();
         let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
         let parameters = Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity, forcing: None };
         Oscillator::new(parameters).unwrap()
@@ -180,12 +180,12 @@ mod tests {
             let machine = gaussian(velocity);
             let ends = critical_damping(&machine).unwrap();
             let hopf = 0.1 * velocity / 0.0064 * (-(velocity / 0.08_f64).powi(2)).exp();
-            assert!((ends.hopf_damping_ratio / hopf - 1.0).abs() < 1e-4, "{ends:?} {hopf}");
+            assert!((ends.hopf_damping_ratio / hopf - 1.0).abs() < 2e-5, "{ends:?} {hopf}");
             // Published to three digits.
             assert!(velocity > 0.06 || (ends.critical_damping_ratio - 0.418).abs() < 5e-4, "{ends:?}");
             let limit = limit_damping(&machine).unwrap();
             let wanted = fold.unwrap_or(hopf);
-            assert!((limit / wanted - 1.0).abs() < if fold.is_some() { 1e-6 } else { 1e-4 }, "{limit} instead of {wanted}");
+            assert!((limit / wanted - 1.0).abs() < 2e-5, "{limit} instead of {wanted}");
             let kind = |factor: f64| limit_cycle(&machine.with_damping(factor * limit).unwrap()).unwrap().kind();
             assert_eq!([kind(0.999), kind(1.001)], [MotionKind::SlipCycle, MotionKind::None], "{velocity}");
             assert_eq!(kind(0.99 * ends.critical_damping_ratio / limit), MotionKind::StickSlip);

@@ -441,7 +441,10 @@ mod tests {
             let cycle = regime.cycle().unwrap();
             assert_eq!((regime.kind(), cycle.kind), (kind, kind));
             assert!((cycle.period - period).abs() < 6e-6, "{cycle:?}");
-            assert!(cycle.velocity_max >= 3.1416 - 1e-12 && (cycle.reattachment_displacement.is_some()) == (cycle.slips > 0));
+            assert!(
+                cycle.velocity_max >= 3.1416 - 1e-12
+                    && (cycle.reattachment_displacement.is_some()) == (cycle.slips > 0)
+            );
         }
     }
 

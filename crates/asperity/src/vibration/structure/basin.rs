@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::super::cycle::cycle_at_belt;
 use super::super::motion::{Motion, SlipState};
 use super::super::portrait::{PhasePoint, sampled};
 use super::super::root::zero_between;
 use super::super::slip_orbit::first_minimum_from;
 use super::super::sway::Sway;
 use super::super::weakening::Weakening;
-use super::super::cycle::cycle_at_belt;
 use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use super::planar::Planar;
 use super::slip_cycle::{ReturnMap, return_map};
@@ -23,6 +23,8 @@ const SETTLED: f64 = 1e-9;
 /// Reversals after which a motion that never sticks counts as overtaking.
 const MAX_REVERSALS: usize = 2000;
 const MAX_STEPS: usize = 1_000_000;
+const UNDECIDED: VibrationError =
+    VibrationError::NotFound { what: "attractor of a start", reason: "undecided after a million steps" };
 /// Relative error of a kick.
 const KICK_TOLERANCE: f64 = 1e-12;
 /// How far, relatively, rounding may put a crossing of the section beyond that of the orbit from a detachment.
@@ -95,6 +97,18 @@ pub(super) fn started_at(
     Motion::in_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
 }
 
+/// Next place of interest on an orbit.
+enum Arrival {
+    /// Steady sliding.
+    Rest,
+    /// Stick.
+    Stick,
+    /// Into over-slip or out of it.
+    Reversal,
+    /// The section W = 1, crossed upwards at this amplitude r.
+    Section(f64),
+}
+
 /// Finds the motion that starts end in: by the return map of slip as soon as an orbit crosses its section, else by following it.
 pub(super) struct Outcomes {
     oscillator: Oscillator,
@@ -127,37 +141,48 @@ impl Outcomes {
         self.map.as_ref().map_or(MotionKind::None, |map| self.within(map, 0.0))
     }
 
-    /// Where the start (X, X′) ends.
+    /// The motion that the start (X, X′) ends in.
     pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
         let mut motion = started_at(&self.oscillator, displacement, velocity)?;
         let mut reversals = 0;
         for _ in 0..MAX_STEPS {
-            // Looked at before a step: from rest itself a step has no end.
-            if motion.has_settled(SETTLED) {
-                return Ok(self.near_rest());
-            }
-            let before = match motion.slip_state() {
-                None => return Ok(self.after_stick),
-                Some(state) => state,
-            };
-            match motion.step(f64::INFINITY)?.map(|e| e.kind) {
-                Some(EventKind::Restick) => return Ok(self.after_stick),
-                Some(EventKind::Reverse | EventKind::Detach) => reversals += 1,
-                None => {}
+            match self.next_arrival(&mut motion)? {
+                Arrival::Rest => return Ok(self.near_rest()),
+                Arrival::Stick => return Ok(self.after_stick),
+                Arrival::Reversal => reversals += 1,
+                Arrival::Section(r) => {
+                    if let Some(map) = self.map.as_ref().filter(|map| r <= map.edge * (1.0 + ROUNDING)) {
+                        return Ok(self.within(map, r.min(map.edge)));
+                    }
+                }
             }
             if reversals > MAX_REVERSALS {
                 return Ok(MotionKind::Overtaking);
             }
+        }
+        Err(UNDECIDED)
+    }
+
+    fn next_arrival(&self, motion: &mut Motion<Steady>) -> Result<Arrival, VibrationError> {
+        for _ in 0..MAX_STEPS {
+            // Looked at before a step: from rest itself a step has no end.
+            if motion.has_settled(SETTLED) {
+                return Ok(Arrival::Rest);
+            }
+            let Some(before) = motion.slip_state() else { return Ok(Arrival::Stick) };
+            match motion.step(f64::INFINITY)?.map(|e| e.kind) {
+                Some(EventKind::Restick) => return Ok(Arrival::Stick),
+                Some(EventKind::Reverse | EventKind::Detach) => return Ok(Arrival::Reversal),
+                None => {}
+            }
             if before.phase == Phase::Slip
                 && before.w < 1.0
-                && let Some(map) = &self.map
-                && let Some(r) = self.crossing(&motion)
-                && r <= map.edge * (1.0 + ROUNDING)
+                && let Some(r) = self.crossing(motion)
             {
-                return Ok(self.within(map, r.min(map.edge)));
+                return Ok(Arrival::Section(r));
             }
         }
-        Err(VibrationError::NotFound { what: "attractor of a start", reason: "undecided after a million steps" })
+        Err(UNDECIDED)
     }
 
     /// Where the last step of slip, which began below W = 1, crosses it.
@@ -192,7 +217,7 @@ impl Outcomes {
 ///
 /// None if steady sliding is unstable, so that no kick is needed, and none if every motion ends in steady sliding. The
 /// border of the basin is the innermost unstable slip cycle if it stays slower than the belt, else an orbit through stick;
-/// it is found by bisection on exact motions, to twelve digits. Orbits in the phase plane do not cross, so all larger kicks
+/// it is found to twelve digits on exact motions. Orbits in the phase plane do not cross, so all larger kicks
 /// of the same sign end in vibration too.
 pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
     if oscillator.sliding_is_unstable() {
@@ -204,19 +229,34 @@ pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationEr
         return Ok(None);
     }
     let rest = oscillator.law().coefficient(belt);
-    let vibrates = |velocity: f64| Ok::<_, VibrationError>(outcomes.of(rest, velocity)?.is_vibration());
+    // Positive beyond the border of the basin.
+    let excess = |velocity: f64| -> Result<f64, VibrationError> {
+        let Some((border, _)) = outcomes.map.as_ref().and_then(|map| map.cycles.first()) else {
+            return Ok(if outcomes.of(rest, velocity)?.is_vibration() { 1.0 } else { -1.0 });
+        };
+        Ok(match outcomes.next_arrival(&mut started_at(&outcomes.oscillator, rest, velocity)?)? {
+            Arrival::Section(r) => r / border - 1.0,
+            Arrival::Rest => -1.0,
+            Arrival::Stick | Arrival::Reversal => 1.0,
+        })
+    };
+    let smooth = outcomes.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
     let threshold = |sign: f64, mut high: f64| -> Result<f64, VibrationError> {
-        let mut low = 0.0;
-        while high - low > KICK_TOLERANCE * high {
+        let (mut low, tolerance) = (0.0, KICK_TOLERANCE * high);
+        if smooth {
+            let at_high = excess(sign * high)?;
+            return zero_between(|velocity| excess(sign * velocity), (low, -1.0), (high, at_high), tolerance);
+        }
+        while high - low > tolerance {
             let middle = 0.5 * (low + high);
-            if vibrates(sign * middle)? { high = middle } else { low = middle }
+            if excess(sign * middle)? > 0.0 { high = middle } else { low = middle }
         }
         Ok(high)
     };
     // With the velocity of the belt the mass sticks, or is faster than on any orbit that does not reach the belt.
     let with_belt = threshold(1.0, belt)?;
     let against_belt = with_belt.min(-outcomes.slowest);
-    Ok(Some(if vibrates(-against_belt)? { threshold(-1.0, against_belt)? } else { with_belt }))
+    Ok(Some(if excess(-against_belt)? > 0.0 { threshold(-1.0, against_belt)? } else { with_belt }))
 }
 
 /// What the starts in a box of the phase plane end in. Forcing is left aside.
@@ -459,8 +499,8 @@ mod tests {
         let rate = (belt + damping * x0) / frequency;
         let t = ((-x0 / rate).atan() - std::f64::consts::PI) / frequency;
         let (sin, cos) = (frequency * t).sin_cos();
-        let against = (-damping * t).exp()
-            * ((rate * frequency - damping * x0) * cos - (x0 * frequency + damping * rate) * sin);
+        let against =
+            (-damping * t).exp() * ((rate * frequency - damping * x0) * cos - (x0 * frequency + damping * rate) * sin);
         assert!((against + 0.0583).abs() < 1e-4, "{against}");
         for (factor, wanted) in [(1.0 - 1e-9, MotionKind::None), (1.0 + 1e-9, MotionKind::StickSlip)] {
             assert_eq!(outcomes.of(kinetic, factor * against).unwrap(), wanted);
@@ -530,7 +570,8 @@ mod tests {
         for i in 0..40 {
             let g = random::standard_normal(rng, 4);
             let static_friction = 0.25 * (0.4 * g[0]).exp();
-            let kinetic = if i % 2 == 0 { static_friction } else { static_friction * (1.0 - 0.1 * g[1].abs().min(3.0)) };
+            let kinetic =
+                if i % 2 == 0 { static_friction } else { static_friction * (1.0 - 0.1 * g[1].abs().min(3.0)) };
             let belt_velocity = 0.2 * (0.5 * g[2]).exp();
             let reach = 0.8 * belt_velocity * (0.3 * g[3]).exp();
             let bell = |v: f64| 0.7 * kinetic + 0.3 * kinetic * (-(v / reach).powi(2)).exp();

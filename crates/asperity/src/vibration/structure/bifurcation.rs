@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::super::cycle::{LimitCycle, Turn};
 use super::super::motion::Motion;
 use super::super::root::zero_between;
-use super::super::{EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary};
+use super::super::{
+    EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary,
+};
 use super::basin::{Outcomes, started_at};
 use super::parameter::Parameter;
 use super::slip_cycle::{SlipCycle, slip_cycles};

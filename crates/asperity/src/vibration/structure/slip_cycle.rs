@@ -8,7 +8,7 @@ use super::super::{FrictionLaw, Oscillator, Phase, VibrationError};
 use super::planar::{Lap, Planar, Turn};
 
 /// Amplitudes at which the return map is first looked at.
-const AMPLITUDES: usize = 64;
+const AMPLITUDES: usize = 32;
 /// |ln(P/r)| below this is rounding: no growth and no decay.
 const NEUTRAL: f64 = 1e-12;
 /// Amplitudes below this share of the first on the grid are not looked at.
@@ -160,7 +160,7 @@ fn extremum(
 /// amplitude.
 ///
 /// Between ζ_H and ζ_c a velocity-weakening law has an unstable one, which parts the starts that end in steady sliding
-/// from those that end in stick-slip. The zeros of ln(P(r)/r) of the return map r → P(r) are isolated on a grid of 64
+/// from those that end in stick-slip. The zeros of ln(P(r)/r) of the return map r → P(r) are isolated on a grid of 32
 /// amplitudes and by the extrema between its points, and found by Newton's method with the exact derivative. A continuum
 /// of cycles, as of Coulomb friction without damping, has none that is isolated, so none is returned.
 pub fn slip_cycles(oscillator: &Oscillator) -> Result<Vec<SlipCycle>, VibrationError> {
