@@ -172,7 +172,9 @@ impl Search<'_> {
                 return Ok(Crossing::none(level, reason));
             }
         };
-        let fraction = (low.share.mean - level) / (low.share.mean - high.share.mean);
+        // Where all trajectories agree on both sides, φ jumps between them.
+        let jumps = low.share.se == 0.0 && high.share.se == 0.0;
+        let fraction = if jumps { 0.5 } else { (low.share.mean - level) / (low.share.mean - high.share.mean) };
         let damping_ratio = low.damping + fraction * (high.damping - low.damping);
         let half_width = NORMAL_95 * 0.5 * (low.share.se + high.share.se);
         let first = match self.fall_within(level + half_width)? {
