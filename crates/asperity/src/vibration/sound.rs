@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, motion_kind, positive, trajectory_portrait,
+    MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, motion_kind, positive,
+    trajectory_portrait,
 };
 use crate::correlation::{RecordEnds, record_spectrum};
 use crate::friction::process::{FrictionProcess, Watched};
@@ -191,8 +192,7 @@ mod tests {
             let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
             let settings = SoundSettings { trajectories: 2, from: 3000.0, ..settings(3500.0) };
             let slow = ProcessModel::new("beta:2.1,5".parse().unwrap(), 1e-9, 30.0);
-            let found =
-                Sound::record(&oscillator, &FrictionProcess::new(slow).unwrap(), &settings, &Silent).unwrap();
+            let found = Sound::record(&oscillator, &FrictionProcess::new(slow).unwrap(), &settings, &Silent).unwrap();
             assert_eq!(found.kind, MotionKind::Overtaking);
             assert!(found.level_db.unwrap().abs() < 0.05, "{:?}", found.level_db);
             let peak = (0..found.density.len()).max_by(|a, b| found.density[*a].total_cmp(&found.density[*b])).unwrap();

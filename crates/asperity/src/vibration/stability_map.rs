@@ -268,8 +268,7 @@ fn point(
     let (oscillator, process) = machine(x, y)?;
     let limit_damping_ratio = vibration_limit(&oscillator).ok().flatten();
     let damping_ratio = oscillator.damping_ratio();
-    let at =
-        |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
+    let at = |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
         let value = if motion_kind(&oscillator)?.is_vibration() { 1.0 } else { 0.0 };
         return Ok(at(Share { value, interval: [value, value] }, 1));
