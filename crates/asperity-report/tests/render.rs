@@ -101,7 +101,9 @@ fn the_vibration_says_where_cycles_are_lost_and_how_it_moves() {
         assert!(portrait.contains(&wanted.to_owned()), "{wanted} in {portrait:?}");
     }
     let lost = words(&run, "sustained_over_damping");
-    assert!(lost.contains(&"Sustained vibration, share".to_owned()) && lost.contains(&"Cycles per period 2π".to_owned()));
+    assert!(
+        lost.contains(&"Sustained vibration, share".to_owned()) && lost.contains(&"Cycles per period 2π".to_owned())
+    );
     // Runs from before there were these keys, and without the length of the trajectories.
     let mut run = full_run();
     run.tables.remove("phase_cloud");

@@ -101,9 +101,11 @@ impl Slow<'_> {
 
 /// Kind and period of the motion that begins in stick, after `settle`.
 fn slow(oscillator: &Oscillator, settle: f64) -> (MotionKind, Option<f64>) {
-    let start = Slow { oscillator, tau: 0.0, x: oscillator.default_start(), velocity: oscillator.belt_velocity(), sign: 0.0 };
+    let start =
+        Slow { oscillator, tau: 0.0, x: oscillator.default_start(), velocity: oscillator.belt_velocity(), sign: 0.0 };
     let seen = start.run(settle, settle + LONGEST);
-    let period = |times: &[f64]| (times.len() > 1).then(|| (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64);
+    let period =
+        |times: &[f64]| (times.len() > 1).then(|| (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64);
     let swing = seen.turns.last().map_or(0.0, |(_, slowest)| -slowest / oscillator.belt_velocity());
     if !seen.sticks.is_empty() {
         (MotionKind::StickSlip, period(&seen.sticks))
@@ -141,7 +143,11 @@ fn agree(oscillator: &Oscillator, settle: f64) -> MotionKind {
     assert_eq!(found.passages.late_share.mean, vibrates, "{kind}: {oscillator:?}");
     if let Some(period) = period {
         assert_eq!(found.passages.left.value, 0.0);
-        assert!((found.periods.mean / period - 1.0).abs() < 0.02, "{} and {period}: {oscillator:?}", found.periods.mean);
+        assert!(
+            (found.periods.mean / period - 1.0).abs() < 0.02,
+            "{} and {period}: {oscillator:?}",
+            found.periods.mean
+        );
     }
     let shares = &found.passages.kinds;
     let most = shares.iter().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
@@ -191,7 +197,8 @@ fn slip_cycles_of_a_table_are_vibration_and_noise_about_steady_sliding_is_not() 
     let table = FrictionTable::new(&points).unwrap();
     let machine = |damping_ratio| {
         let (static_friction, law) = (0.4, FrictionLaw::Tabulated(table.clone()));
-        Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity: 0.056, forcing: None }).unwrap()
+        Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity: 0.056, forcing: None })
+            .unwrap()
     };
     // ζ_c = .418 and ζ_H = .536.
     for (damping, kind) in [

@@ -176,7 +176,8 @@ impl Ensemble {
         }
         let EnsembleSettings { duration, start, drive, method, .. } = *settings;
         let followed = TrajectorySettings { duration, start, drive, method };
-        let cycles_deterministic = follow(oscillator, Steady, &followed, f64::INFINITY, monitor, &mut NoObserver)?.cycles;
+        let cycles_deterministic =
+            follow(oscillator, Steady, &followed, f64::INFINITY, monitor, &mut NoObserver)?.cycles;
         let swing_level = swing_level(oscillator);
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;

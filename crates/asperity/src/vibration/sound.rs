@@ -186,11 +186,12 @@ mod tests {
 
     #[test]
     fn overtaking_sounds_like_its_cycle() {
-        // Periods at these dampings, without stick: 6.29467 and 6.29499; an independent integrator in `kinds` has them too.
+        // Periods at these dampings, without stick: 6.29467 and 6.29499; an independent integrator in `tests/vibration_kinds.rs` agrees.
         for (damping, period) in [(0.001, 6.294_67), (0.002, 6.294_99)] {
             let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
-            let settings = SoundSettings { trajectories: 2, from: 6000.0, ..settings(7000.0) };
-            let found = Sound::record(&oscillator, &process(1e-9), &settings, &Silent).unwrap();
+            let settings = SoundSettings { trajectories: 2, from: 3000.0, ..settings(3500.0) };
+            let slow = ProcessModel::new("beta:2.1,5".parse().unwrap(), 1e-9, 30.0);
+            let found = Sound::record(&oscillator, &FrictionProcess::new(slow).unwrap(), &settings, &Silent).unwrap();
             assert_eq!(found.kind, MotionKind::Overtaking);
             assert!(found.level_db.unwrap().abs() < 0.05, "{:?}", found.level_db);
             let peak = (0..found.density.len()).max_by(|a, b| found.density[*a].total_cmp(&found.density[*b])).unwrap();

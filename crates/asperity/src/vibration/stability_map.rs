@@ -268,8 +268,7 @@ fn point(
     let (oscillator, process) = machine(x, y)?;
     let limit_damping_ratio = limit_damping(&oscillator).ok().filter(|limit| *limit > 0.0);
     let damping_ratio = oscillator.damping_ratio();
-    let at =
-        |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
+    let at = |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
         let value = if limit_cycle(&oscillator)?.kind().is_vibration() { 1.0 } else { 0.0 };
         return Ok(at(Share { value, interval: [value, value] }, 1));

@@ -68,12 +68,12 @@ impl DampingSweep {
     ) -> Result<Vec<Crossing>, VibrationError> {
         let settings = EnsembleSettings { sample_capacity: 0, ..*settings };
         let share = |damping: f64| {
-            let ensemble =
-                Ensemble::simulate(&oscillator.with_damping(damping)?, process, &settings, &Quiet(monitor))?;
+            let ensemble = Ensemble::simulate(&oscillator.with_damping(damping)?, process, &settings, &Quiet(monitor))?;
             Ok(ensemble.passages.late_share)
         };
         let points = self.damping_ratios.iter().zip(&self.ensembles);
-        let points = points.map(|(&damping, ensemble)| Point { damping, share: ensemble.passages.late_share }).collect();
+        let points =
+            points.map(|(&damping, ensemble)| Point { damping, share: ensemble.passages.late_share }).collect();
         let last = self.damping_ratios.last().copied().unwrap_or(0.0);
         Search { points, top: top(oscillator, last), share: &share }.crossings(levels)
     }
@@ -113,10 +113,10 @@ pub fn crossings_without_fluctuation(
         found => Some(found?).filter(|limit| *limit > 0.0),
     };
     let crossing = |&share: &f64| match limit {
-        Some(limit) => {
-            Crossing { share, damping_ratio: Some(limit), interval: Some([limit, limit]), reason: None }
+        Some(limit) => Crossing { share, damping_ratio: Some(limit), interval: Some([limit, limit]), reason: None },
+        None => {
+            Crossing::none(share, "without fluctuation of friction there is no vibration at any damping ratio".into())
         }
-        None => Crossing::none(share, "without fluctuation of friction there is no vibration at any damping ratio".into()),
     };
     Ok(levels.iter().map(crossing).collect())
 }
@@ -172,7 +172,9 @@ impl Search<'_> {
                 return Ok(Crossing::none(level, reason));
             }
         };
-        let fraction = (low.share.mean - level) / (low.share.mean - high.share.mean);
+        // Where all trajectories agree on both sides, φ jumps between them.
+        let jumps = low.share.se == 0.0 && high.share.se == 0.0;
+        let fraction = if jumps { 0.5 } else { (low.share.mean - level) / (low.share.mean - high.share.mean) };
         let damping_ratio = low.damping + fraction * (high.damping - low.damping);
         let half_width = NORMAL_95 * 0.5 * (low.share.se + high.share.se);
         let first = match self.fall_within(level + half_width)? {
@@ -285,7 +287,8 @@ mod tests {
     #[test]
     fn crossings_are_those_of_the_mean_to_the_stated_tolerance_whatever_the_sweep() {
         // φ = 1/(1 + e^{(ζ − .2)/.004}), known without error.
-        let logistic = |damping: f64| Ok(Count { mean: (1.0 + ((damping - 0.2) / 0.004).exp()).recip(), std: 0.0, se: 0.0 });
+        let logistic =
+            |damping: f64| Ok(Count { mean: (1.0 + ((damping - 0.2) / 0.004).exp()).recip(), std: 0.0, se: 0.0 });
         for known in [&[][..], &[0.1, 0.3], &[0.01, 0.02], &[0.3, 0.39], &[0.1, 0.15, 0.2, 0.25]] {
             let points = known.iter().map(|&damping| Point { damping, share: logistic(damping).unwrap() }).collect();
             let found = Search { points, top: 0.4, share: &logistic }.crossings(&LEVELS).unwrap();

@@ -54,8 +54,11 @@ fn description(map: &Value) -> String {
     if unresolved <= 0.0 {
         return DESCRIPTION.into();
     }
-    let along =
-        if unresolved >= 1.0 { "the whole front".into() } else { format!("{} % of the front", significant(100.0 * unresolved, 2)) };
+    let along = if unresolved >= 1.0 {
+        "the whole front".into()
+    } else {
+        format!("{} % of the front", significant(100.0 * unresolved, 2))
+    };
     format!(
         "{DESCRIPTION} Along {along} the probability falls from 95 % to 5 % within one of the smallest cells ({} × {}): the width of the \
          transition is less than that and not resolved, so the lines of 5 and 95 % are left out there.",
@@ -84,12 +87,7 @@ pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result
         }
     }
     if let Some(line) = lines("map_limit", None) {
-        outlined(
-            &mut chart,
-            "end of vibration without fluctuation",
-            line,
-            Pen::new(VERMILION, 2.6, Dash::Solid),
-        );
+        outlined(&mut chart, "end of vibration without fluctuation", line, Pen::new(VERMILION, 2.6, Dash::Solid));
     }
     let bar = Axis::linear(TITLE, Unit::none(), (0.0, 1.0));
     let svg = with_bar(&chart, &bar, TITLE, &description(answer))?;
