@@ -8,7 +8,7 @@ use super::method_name;
 use super::tables::list;
 use super::vibration::difference;
 use crate::Run;
-use crate::format::{show_range, significant, with_error};
+use crate::format::{significant, with_error};
 
 /// Up to this share of the deterministic cycles an effect is called negligible even where it is resolved.
 const NEGLIGIBLE: f64 = 0.01;
