@@ -48,9 +48,18 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "survival",
     ];
     assert_eq!(names, wanted);
-    for id in
-        ["answers", "surface", "pressure", "friction", "quotient", "vibration", "inputs", "assumptions", "provenance", "references"]
-    {
+    for id in [
+        "answers",
+        "surface",
+        "pressure",
+        "friction",
+        "quotient",
+        "vibration",
+        "inputs",
+        "assumptions",
+        "provenance",
+        "references",
+    ] {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
     }
     for wanted in [

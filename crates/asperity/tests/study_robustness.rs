@@ -125,7 +125,10 @@ const INTERVALS: [&str; 4] = ["interval", "_se", "band_factor", "quantiles"];
 /// Small strips hold too few correlation lengths for intervals of moments, lengths and laws, and constant friction has none.
 fn interval_of_friction(path: &str) -> bool {
     path.starts_with("/friction/")
-        && (path.ends_with("/no_variance") || path.ends_with("_interval") || path.contains("/gof") || path.contains("/marginal_parameter_intervals/"))
+        && (path.ends_with("/no_variance")
+            || path.ends_with("_interval")
+            || path.contains("/gof")
+            || path.contains("/marginal_parameter_intervals/"))
 }
 
 /// No number is null but those that may be undefined.
