@@ -49,13 +49,22 @@ fn a_complete_run_has_every_figure_and_every_section() {
         "survival",
     ];
     assert_eq!(names, wanted);
-    for id in
-        ["answers", "surface", "pressure", "friction", "quotient", "vibration", "inputs", "assumptions", "provenance", "references"]
-    {
+    for id in [
+        "answers",
+        "surface",
+        "pressure",
+        "friction",
+        "quotient",
+        "vibration",
+        "inputs",
+        "assumptions",
+        "provenance",
+        "references",
+    ] {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
     }
     for wanted in [
-        "P(contact) = 0.020 [0.019,\u{a0}0.021]",
+        "P(contact) = 0.0200 [0.0190,\u{a0}0.0210]",
         "it is 0.3200\u{a0}±\u{a0}0.0066",
         "μ = 0.2249 [0.2227,\u{a0}0.2271]",
         "The paper’s effect vanishes at your scale",

@@ -196,7 +196,11 @@ fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient
     assert_eq!((point.std, point.std_nominal_area), (vibration.paper.friction_std, vibration.area.friction_std));
     assert_eq!(point.contact_fraction, nominal.contact_fraction);
     let warnings = outcome.results.warnings.join("\n");
-    assert!(warnings.contains("at the nominal pressure, the quotient F/N of single windows has no variance"), "{warnings}");
+    let said = "and the quotient F/N of single windows has no variance";
+    assert!(
+        warnings.lines().any(|line| line.starts_with("at the nominal pressure,") && line.ends_with(said)),
+        "{warnings}"
+    );
 }
 
 #[test]

@@ -45,7 +45,10 @@ fn mean_scatter_and_variation_of_friction_fall_with_penetration_and_the_law_lean
     falls("mean", &all(|level| known(level.mean.unwrap(), level.mean_interval)));
     falls("std", &all(|level| known(level.std.unwrap(), level.std_interval)));
     let variation = |level: &asperity::study::result::LevelResult| level.coefficient_of_variation.unwrap();
-    falls("CoV", &friction.levels.iter().map(|l| known(variation(l), l.coefficient_of_variation_interval)).collect::<Vec<_>>());
+    falls(
+        "CoV",
+        &friction.levels.iter().map(|l| known(variation(l), l.coefficient_of_variation_interval)).collect::<Vec<_>>(),
+    );
     for level in &friction.levels {
         // Skewness > −2 standard errors: the law leans to the right, or does not lean.
         let reach = level.skewness_interval.map_or(0.0, |[low, high]| (high - low) / 1.96);

@@ -407,6 +407,9 @@ fn an_implausible_material_is_warned_about_and_a_load_beyond_the_hardness_is_ref
     let line = "--youngs-modulus 10GPa --hardness 2GPa --boundary periodic --mean-pressure";
     let soft = press(folder.path(), &format!("{line} 10MPa"));
     assert_eq!(soft.code, 0, "{soft:?}");
-    assert!(soft.stderr.contains("warning: Young's modulus 10 GPa is less than ten times the hardness 2 GPa"), "{soft:?}");
+    assert!(
+        soft.stderr.contains("warning: Young's modulus 10 GPa is less than ten times the hardness 2 GPa"),
+        "{soft:?}"
+    );
     press(folder.path(), &format!("{line} 3GPa")).refuses(2, &["hardness"]);
 }

@@ -423,7 +423,8 @@ fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
     assert!(problem.contains("would be clipped to stay positive, more than 5 %"), "{problem}");
     run_in(wild.path(), "run study.toml").refuses(2, &["would be clipped", "allow_clipping = true"]);
     assert_eq!(listing(wild.path()), ["study.toml"]);
-    let allowed = folder_with(&(STUDY.replace("friction_std = 0.001", "friction_std = 0.1") + "allow_clipping = true\n"));
+    let allowed =
+        folder_with(&(STUDY.replace("friction_std = 0.001", "friction_std = 0.1") + "allow_clipping = true\n"));
     assert_eq!(run_in(allowed.path(), "check study.toml").code, 0);
 }
 

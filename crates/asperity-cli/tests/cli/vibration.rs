@@ -328,7 +328,8 @@ fn clipped_friction_is_reported_and_refused_above_five_percent_unless_allowed() 
     let fraction = number(&allowed.json(0), "clipped_fraction");
     assert!((0.05..0.6).contains(&fraction), "{fraction}");
     assert!(allowed.stderr.contains("clipped to stay positive; variability is understated"), "{allowed:?}");
-    let sound = format!("vibration sound {PAPER} --damping-ratio 0.17 --friction-std 0.08 {law} --trajectories 2 --json");
+    let sound =
+        format!("vibration sound {PAPER} --damping-ratio 0.17 --friction-std 0.08 {law} --trajectories 2 --json");
     asperity(&sound).refuses(2, &[wild]);
     let map = format!(
         "vibration map {PAPER} --damping-ratio 0.17 --friction-std 0.001 {law} --trajectories 2 --depth 0 --json \

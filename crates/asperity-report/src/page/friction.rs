@@ -87,9 +87,10 @@ pub(super) fn lead(friction: &Value) -> String {
 
 /// What stands above the section of the quotient F/N: where it has no variance, and why.
 pub(super) fn quotient_lead(friction: &Value) -> String {
-    let mut lead = "The paper’s definition, friction force over load of every single window. It differs from the friction \
+    let mut lead =
+        "The paper’s definition, friction force over load of every single window. It differs from the friction \
                     coefficient above where windows carry few contacts, and it does not drive the vibration."
-        .to_owned();
+            .to_owned();
     for level in list(&friction["levels"]) {
         if let Some(reason) = level["no_variance"].as_str() {
             lead += &format!(
@@ -159,8 +160,9 @@ fn uncertain(friction: &Value) -> Option<DataTable> {
         return None;
     }
     let points = uncertainty["points"].as_u64().map_or(String::new(), |n| format!(" over {n} surfaces of"));
-    let caption =
-        format!("Moments of μ at the mean load{points} uncertain parameters; noise is the strips’, unexplained is by the expansion");
+    let caption = format!(
+        "Moments of μ at the mean load{points} uncertain parameters; noise is the strips’, unexplained is by the expansion"
+    );
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
     Some(DataTable::new(&caption, &headers, rows, "results.json"))
 }
@@ -296,8 +298,7 @@ fn law(lead: &Value, part: &Value, of: &str) -> DataTable {
         let distance = level["distance_m"].as_f64().map_or("–".into(), |metre| Dimension::Length.show(metre));
         rows.push(vec![format!("exceeded once in {distance}"), estimated(level, "mu")]);
     }
-    let caption =
-        format!("Law of μ at the operating point ({}), {of}; brackets hold 95 % intervals", level_name(lead));
+    let caption = format!("Law of μ at the operating point ({}), {of}; brackets hold 95 % intervals", level_name(lead));
     DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
 }
 

@@ -131,7 +131,8 @@ fn contact_fraction(level: &Level, layout: Layout) -> (f64, Option<Interval>) {
     let areas_m2: Vec<&[f64]> = level.records.iter().map(|record| record.area_m2.as_slice()).collect();
     let moments = ProcessMoments::of(&areas_m2, layout);
     let share = level.contact_fraction / moments.moments.mean;
-    let interval = moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
+    let interval =
+        moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
     (level.contact_fraction, interval)
 }
 

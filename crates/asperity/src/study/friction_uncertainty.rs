@@ -82,7 +82,8 @@ pub(super) fn run(
         if let Some(tail) = &levels[place].heavy_tail {
             let reason = Some(format!("F/N has no variance: {}", no_variance(tail)));
             quotient.iter_mut().filter(|response| response.name != "mean" || !tail.has_mean()).for_each(|response| {
-                *response = UncertainResponse { name: response.name, reason: reason.clone(), ..UncertainResponse::default() };
+                *response =
+                    UncertainResponse { name: response.name, reason: reason.clone(), ..UncertainResponse::default() };
             });
         }
         let failures = found.failures[place].clone();

@@ -53,7 +53,10 @@ pub fn implausible_material(
 /// A warning about a friction coefficient above 1.5.
 pub fn implausible_friction(coefficient: f64) -> Option<String> {
     (coefficient > MOST_FRICTION).then(|| {
-        format!("the friction coefficient {} is above {MOST_FRICTION}; dry contacts have 0.05 to 1", digits(coefficient))
+        format!(
+            "the friction coefficient {} is above {MOST_FRICTION}; dry contacts have 0.05 to 1",
+            digits(coefficient)
+        )
     })
 }
 

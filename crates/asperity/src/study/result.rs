@@ -21,8 +21,8 @@ use crate::study::{Field, Table};
 pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
 pub use friction::{
     AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult,
-    UpscalingResult,
+    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult,
+    TailResult, UpscalingResult,
 };
 pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,

@@ -5,9 +5,9 @@ mod entries;
 mod map;
 mod tables;
 
-use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
+use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
@@ -181,14 +181,7 @@ impl Ensembles<'_> {
     }
 
     /// The process of a machine under a multiple of the load.
-    fn model(
-        &self,
-        oscillator: &Oscillator,
-        marginal: Marginal,
-        std: f64,
-        load: f64,
-        speeds: f64,
-    ) -> ProcessModel {
+    fn model(&self, oscillator: &Oscillator, marginal: Marginal, std: f64, load: f64, speeds: f64) -> ProcessModel {
         ProcessModel {
             shape: self.shape.in_unit(load),
             generator: self.generator(&marginal),

@@ -124,8 +124,7 @@ impl Map {
             _ => 0.5 * (x.from + x.to),
         };
         // The process is checked once, so that a wrong law is a word about the flag and not about a point.
-        let process =
-            FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
+        let process = FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let count = self.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
         Paths { belt_velocity, duration: self.duration, count }.announce(&process, monitor);
         let model = |x: f64, y: f64| {

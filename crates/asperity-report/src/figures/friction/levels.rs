@@ -76,7 +76,9 @@ pub(super) fn quotient(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportE
     let mean = [("Mean of μ", "mean", "at_mean_load"), ("Std of μ", "std", "std_at_mean_load")];
     let shape = [("CoV of μ", "coefficient_of_variation", ""), ("Skewness of μ", "skewness", "")];
     let over = match uncertain {
-        Some(_) => " Orange: where the moments of F/N lie for 95 % of the uncertain parameters of the surface, by their own, fewer strips.",
+        Some(_) => {
+            " Orange: where the moments of F/N lie for 95 % of the uncertain parameters of the surface, by their own, fewer strips."
+        }
         None => "",
     };
     for (name, title, what, panels, over) in [

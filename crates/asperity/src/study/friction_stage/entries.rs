@@ -11,8 +11,9 @@ use crate::law::fit::{Fit, Ranking};
 use crate::stats::Estimate;
 use crate::study::friction_stage::{SolvedLevel, no_variance};
 use crate::study::result::{
-    AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult, OperatingPoint,
-    Pair, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite, pair,
+    AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
+    OperatingPoint, Pair, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite,
+    pair,
 };
 use crate::study::surface_stage::law_result;
 

@@ -78,22 +78,20 @@ pub(super) fn sentences(
 pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
     let (name, statistics) = (solved.control.name(), &solved.statistics);
     let mut warnings = Vec::new();
-    if statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > ISOLATED_SHARE {
+    let sparse = statistics.contact_cells < WANTED_CONTACT_CELLS || statistics.sparse_share > ISOLATED_SHARE;
+    if sparse {
+        let heavy = solved.heavy_tail.map_or("", |_| ", and the quotient F/N of single windows has no variance");
         warnings.push(format!(
             "at {name}, {} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells ({} on average): the grid is \
-             too coarse or the window too short for that load, and the variability of friction is partly the grid's",
+             too coarse or the window too short for that load; the variability of friction is partly the grid's{heavy}",
             sentence::digits(100.0 * statistics.sparse_share),
             sentence::digits(statistics.contact_cells)
         ));
     }
-    if let Some(tail) = &solved.heavy_tail {
-        warnings.push(format!(
-            "at {name}, the quotient F/N of single windows has no variance: {}; the friction coefficient at the mean load, {}, \
-             is not affected",
-            no_variance(tail),
-            sentence::digits(solved.mean)
-        ));
-    } else if statistics.empty_windows > 0 {
+    if let Some(tail) = solved.heavy_tail.as_ref().filter(|_| !sparse) {
+        let reason = no_variance(tail);
+        warnings.push(format!("at {name}, the quotient F/N of single windows has no variance: {reason}"));
+    } else if statistics.empty_windows > 0 && !sparse {
         let windows = statistics.empty_windows + statistics.moments.n;
         warnings.push(format!(
             "at {name}, {} of {windows} windows carry no load ({:.2} %); F/N leaves them out",

@@ -21,10 +21,7 @@ pub fn clipping_warning(fraction: f64) -> Option<String> {
 }
 
 /// Fails where friction that is known before the run is clipped more than the study allows.
-pub(in crate::study) fn refuse_clipping(
-    section: &VibrationSection,
-    window: &WindowFriction,
-) -> Result<(), StudyError> {
+pub(in crate::study) fn refuse_clipping(section: &VibrationSection, window: &WindowFriction) -> Result<(), StudyError> {
     let ensembles = ensembles(section, window, 0)?;
     scatters(window).iter().try_for_each(|scatter| ensembles.process(scatter, SPEEDS[0]).map(|_| ()))
 }

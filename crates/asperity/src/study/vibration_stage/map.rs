@@ -6,8 +6,8 @@ use crate::monitor::Monitor;
 use crate::study::config::{MapOver, MapSection};
 use crate::study::{StudyError, Table};
 use crate::vibration::{
-    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap,
-    VibrationError, stability_map,
+    EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, Oscillator, Parameters, StabilityMap, VibrationError,
+    stability_map,
 };
 
 impl Ensembles<'_> {
