@@ -1,6 +1,6 @@
 use super::*;
 use crate::correlation::{
-    CorrelationFamily, CorrelationModel, Covariance, Rotated, SeparableCovariance, fit_covariance,
+    BlockSpectrum, CorrelationFamily, CorrelationModel, Covariance, Rotated, SeparableCovariance, fit_covariance,
 };
 use crate::law::standard_normal_quantile;
 use crate::map::{Grid, HeightMap};
@@ -166,8 +166,9 @@ fn scattered_voids_leave_a_smooth_map_nearly_smooth() {
 #[test]
 fn a_mixture_that_no_model_fits_is_reproduced_where_the_fitted_model_is_not() {
     let map = sample(&Mixture, unit_grid(320, 256), 3);
-    let (estimate, measured) = measure(&map);
-    let fitted = fit_covariance(&estimate, &CorrelationFamily::ALL).unwrap().best();
+    let (_, measured) = measure(&map);
+    let spectrum = BlockSpectrum::of(&map).unwrap();
+    let fitted = fit_covariance(&[&spectrum], measured.std_m(), &CorrelationFamily::ALL).unwrap().best();
     // The standard error of one lag of one map, where the correlation is small; less where it is large.
     let error = measured.report().standard_error;
     assert!(error < 0.05);
