@@ -46,7 +46,7 @@ fn the_stored_scan_is_what_the_example_makes() {
 fn the_paper_s_study_holds_the_paper_s_numbers() {
     let study = study("paper.toml");
     let surface = study.surface.unwrap();
-    assert_eq!((surface.file, surface.generator, surface.modes), (None, GeneratorChoice::KarhunenLoeve, 101));
+    assert_eq!((surface.file, surface.generator, surface.modes), (None, GeneratorChoice::KarhunenLoeve, Some(101)));
     assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceChoice::SquaredExponential, "normal"));
     let pressure = study.pressure.unwrap();
     assert_eq!(choose(pressure.variables + pressure.degree, pressure.degree), 165);
