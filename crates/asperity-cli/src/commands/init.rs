@@ -22,7 +22,7 @@ pub(crate) struct Init {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Example {
-    /// The whole chain on a measured scan, in a minute or two.
+    /// A brake pad on a rough disc: the whole chain from a scan, in half a minute.
     Quickstart,
     /// The study of Gaus et al. 2016.
     Paper,
@@ -31,7 +31,7 @@ enum Example {
 /// A file of an example: its name and its bytes.
 type Piece = (&'static str, &'static [u8]);
 
-const SCAN: Piece = ("brake_disc.x3p", include_bytes!("../../../../studies/ground_steel.x3p"));
+const SCAN: Piece = ("brake_disc.x3p", include_bytes!("../../../../studies/brake_disc.x3p"));
 
 impl Example {
     fn pieces(self) -> Vec<Piece> {
