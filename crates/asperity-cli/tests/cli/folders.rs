@@ -286,6 +286,11 @@ fn the_next_run_removes_what_a_killed_one_left_and_nothing_else() {
     fs::write(at.join(&left).join("thesis.txt"), "years").unwrap();
     assert_eq!(run(at, "surface generate spec.toml --count 2 --out maps").code, 0);
     assert_eq!(listing(&at.join(&left)), [MANIFEST, "thesis.txt"]);
+    // A folder that a killed run was about to replace is put back.
+    assert_eq!(run(at, "surface generate spec.toml --count 3 --out old").code, 0);
+    fs::rename(at.join("old"), at.join(left.replace(".maps.partial-", ".old.replaced-"))).unwrap();
+    assert_eq!(run(at, "surface generate spec.toml --count 2 --out new").code, 0);
+    assert_eq!(written(&at.join("old")).len(), 3);
     // Files in the making as well.
     let temporary = at.join(left.replace(".maps.partial-", ".asperity-") + ".tmp");
     fs::write(&temporary, "half").unwrap();
@@ -336,6 +341,14 @@ fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
     }
     for line in ["surface generate spec.toml --out disk/map.npy", "surface convert map.x3p disk/map.npy"] {
         refuses("size=64k,ro", "", line, &["disk/map.npy", "read-only"]);
+    }
+    // Folders of the system in which nobody creates anything.
+    for line in
+        ["run study.toml --out /proc/out", "run study.toml --out /sys/out", "surface convert map.x3p /proc/map.npy"]
+    {
+        let ended = run(at, line);
+        ended.refuses(5, &["cannot write /"]);
+        assert!(!ended.stderr.contains("os error"), "{ended:?}");
     }
     refuses("size=256k", "", "run study.toml --out disk/out", &["the run needs about", "are free for disk/out"]);
     refuses("size=256k", "", "surface generate spec.toml --count 1000 --out disk/out", &["needs about 6 MB"]);
