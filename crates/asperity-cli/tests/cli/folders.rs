@@ -326,10 +326,8 @@ fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Ended> 
 fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
     let folder = bench();
     let at = folder.path();
-    // Folders of the system in which nobody creates anything.
-    for line in
-        ["run study.toml --out /proc/out", "run study.toml --out /sys/out", "surface convert map.x3p /proc/map.npy"]
-    {
+    // A folder of the system in which nobody creates anything.
+    for line in ["run study.toml --out /proc/out", "surface convert map.x3p /proc/map.npy"] {
         let ended = run(at, line);
         ended.refuses(5, &["cannot write /"]);
         assert!(!ended.stderr.contains("os error"), "{ended:?}");
@@ -353,7 +351,7 @@ fn a_full_or_read_only_disk_is_one_message_in_our_own_words() {
             assert!(!ended.stderr.contains(leak), "{line}: {ended:?}");
         }
     };
-    // Of what a run writes, more than there is.
+    // A disk that cannot be written, and disks with too little space.
     for line in commands() {
         refuses("size=64k,ro", "", &format!("{line} disk/out"), &["disk/out", "read-only"]);
     }
