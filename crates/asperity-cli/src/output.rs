@@ -304,7 +304,12 @@ pub(crate) fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Res
 
 /// A file or folder that could not be written.
 pub(crate) fn unwritten(path: &Path, error: &io::Error) -> Failure {
-    Failure::io(Kind::Runtime, format_args!("cannot write {}", path.display()), error)
+    let what = format!("cannot write {}", path.display());
+    if error.kind() == io::ErrorKind::NotFound && folder_of(path).is_dir() {
+        // Such is the answer of `/proc`.
+        return Failure::new(Kind::Resources, format!("{what}: nothing can be created in this folder"));
+    }
+    Failure::io(Kind::Runtime, what, error)
 }
 
 fn folder_of(path: &Path) -> &Path {

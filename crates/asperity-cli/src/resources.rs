@@ -48,7 +48,11 @@ fn available_bytes(meminfo: &str) -> Option<f64> {
 }
 
 fn shown(bytes: f64) -> String {
-    if bytes < 1e9 { format!("{:.0} MB", bytes * 1e-6) } else { format!("{:.1} GB", bytes * 1e-9) }
+    match bytes {
+        bytes if bytes < 1e6 => format!("{:.0} kB", bytes * 1e-3),
+        bytes if bytes < 1e9 => format!("{:.0} MB", bytes * 1e-6),
+        bytes => format!("{:.1} GB", bytes * 1e-9),
+    }
 }
 
 #[cfg(test)]

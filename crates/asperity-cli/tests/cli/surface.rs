@@ -7,7 +7,7 @@ use asperity_formats::{Scan, X3pData, read, write_x3p};
 use ndarray::{Array2, array};
 use tempfile::TempDir;
 
-use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number};
+use crate::support::{Ended, asperity, asperity_in, close, listing, npy, number, written};
 
 fn surface(folder: &Path, line: &str) -> Ended {
     let line = format!("surface {line}");
@@ -318,7 +318,7 @@ fn filling_leaves_measured_heights_as_they_are_and_counts_the_others() {
                 --covariance fitted";
     let several = surface(folder.path(), line);
     assert_eq!(several.code, 0, "{several:?}");
-    assert_eq!(listing(&folder.path().join("maps")), ["map_0000.x3p", "map_0001.x3p"]);
+    assert_eq!(written(&folder.path().join("maps")), ["map_0000.x3p", "map_0001.x3p"]);
     let wide = filled("maps/map_0001.x3p");
     assert_eq!(wide.dim(), (72 + 6, 80 + 8));
     assert_eq!(wide[[3, 4]].to_bits(), measured[[0, 0]].to_bits());

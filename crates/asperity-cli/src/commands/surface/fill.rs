@@ -74,11 +74,14 @@ enum Marginal {
 impl Fill {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         // Refused now rather than after the work, during some of which Ctrl-C leaves no time to clear a folder away.
-        drop(self.target.open(self.count, &[&self.input])?);
+        let probe = self.target.open(self.count, &[&self.input])?;
         let map = input::map(&self.input, &self.options, monitor)?;
         let options = self.fill_options(&map);
         let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
-        require_memory(filling_memory_bytes(sides.iter().map(|n| *n as f64).product()), "filling a map of this size")?;
+        let points: f64 = sides.iter().map(|n| *n as f64).product();
+        require_memory(filling_memory_bytes(points), "filling a map of this size")?;
+        probe.require_disk(self.count, points)?;
+        drop(probe);
         let filling = monitor.at_once(|| Filling::new(&map, options, monitor))?.map_err(|e| self.unfilled(&e))?;
         let (filled, points) = (filling.filled_points(), filling.grid().points());
         if filled == 0 {
@@ -86,7 +89,6 @@ impl Fill {
         }
         self.doubt(&filling, monitor);
         let maps = self.target.open(self.count, &[&self.input])?;
-        maps.require_disk(self.count, points as f64)?;
         let germ = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
             random::standard_normal(&mut stream, filling.germ_len())
