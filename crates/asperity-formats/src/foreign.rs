@@ -115,13 +115,29 @@ const FOREIGN: &[Foreign] = &[
     Foreign { name: "a tar archive", signature: At(257, b"ustar"), way_out: UNPACK },
 ];
 
-/// Zip archives that are no format of their own, by the names of their files.
-const ZIPPED: &[(&str, fn(&str) -> bool, &str)] = &[
-    ("an Olympus POIR file", |name| name.ends_with(".oir"), TO_GWY),
-    ("a JPK force file", |name| name == "header.properties", TO_GWY),
-    ("an Excel workbook (XLSX)", |name| name == "xl/workbook.xml", "save the sheet of heights as CSV"),
-    ("an Office document", |name| name == "[Content_Types].xml", "export the heights as text"),
-    ("a zip archive", |_| true, UNPACK),
+/// A kind of zip archive that is no format of its own.
+struct Zipped {
+    name: &'static str,
+    /// Whether a file of this name marks the kind.
+    marks: fn(&str) -> bool,
+    way_out: &'static str,
+}
+
+/// Kinds of zip archives, the most special first.
+const ZIPPED: &[Zipped] = &[
+    Zipped { name: "an Olympus POIR file", marks: |name| name.ends_with(".oir"), way_out: TO_GWY },
+    Zipped { name: "a JPK force file", marks: |name| name == "header.properties", way_out: TO_GWY },
+    Zipped {
+        name: "an Excel workbook (XLSX)",
+        marks: |name| name == "xl/workbook.xml",
+        way_out: "save the sheet of heights as CSV",
+    },
+    Zipped {
+        name: "an Office document",
+        marks: |name| name == "[Content_Types].xml",
+        way_out: "export the heights as text",
+    },
+    Zipped { name: "a zip archive", marks: |_| true, way_out: UNPACK },
 ];
 
 /// First bytes of an OLE compound file.
@@ -147,9 +163,8 @@ pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
         return None;
     }
     let archive = Archive::open(crate::Format::X3p, bytes).ok()?;
-    let is_known = |(_, is_it, _): &&(_, fn(&str) -> bool, _)| archive.names().iter().any(|name| is_it(name));
-    let &(name, _, way_out) = ZIPPED.iter().find(is_known)?;
-    Some(FormatError::NotRead { name, way_out })
+    let is_known = |zipped: &&Zipped| archive.names().iter().any(|name| (zipped.marks)(name));
+    ZIPPED.iter().find(is_known).map(|&Zipped { name, way_out, .. }| FormatError::NotRead { name, way_out })
 }
 
 /// Whether some bytes hold a word of small letters, in any case.

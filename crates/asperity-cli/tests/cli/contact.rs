@@ -367,7 +367,8 @@ fn a_form_larger_than_the_roughness_is_doubted_and_taken_out_on_request() {
         close(number(&levelled, key), number(&wanted, key), 1e-6);
     }
     assert!(number(&json, "mean_gap_m") > 2.0 * number(&levelled, "mean_gap_m"));
-    // A level map raises no doubt.
+    // Who states that nothing is removed is not asked again, and a level map raises no doubt.
+    assert_eq!(press(folder.path(), &format!("{line} --level none")).json(0)["warnings"], Value::Array(vec![]));
     assert_eq!(press(level.path(), line).json(0)["warnings"], Value::Array(vec![]));
     press(level.path(), &format!("{line} --level cubic")).refuses(2, &["--level", "cubic", "quadratic"]);
 }

@@ -195,7 +195,7 @@ fn every_json_object_carries_its_warnings() {
         "a.npy",
         Array2::from_shape_fn((16, 16), |(row, column)| 1e-7 * ((row * 5 + column * 3) as f64).sin()),
     );
-    let machine = "--static-friction 0.4323 --stribeck 4.2 --belt-velocity 0.003";
+    let machine = "--static-friction 0.1 --stribeck 4.2 --belt-velocity 0.003";
     for line in [
         "formats --json",
         "surface modes --covariance exponential --correlation-length 20um --size 200um --points 32 --modes 3 --json",
@@ -209,10 +209,6 @@ fn every_json_object_carries_its_warnings() {
         assert!(ended.code == 0, "{line}: {ended:?}");
         assert!(ended.json(0)["warnings"].is_array(), "{line}: {ended:?}");
     }
-    // An answer that did not converge as well, and a doubt of the vibration commands under --quiet.
-    let json =
-        asperity_in(folder.path(), &words(&format!("vibration cycle {machine} --damping-ratio 0.3 --quiet --json")));
-    assert!(json.json(0)["warnings"][0].as_str().is_some_and(|warning| warning.contains("no limit cycle")), "{json:?}");
 }
 
 #[test]

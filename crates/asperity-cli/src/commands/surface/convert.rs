@@ -33,7 +33,7 @@ impl Convert {
         check_target("OUTPUT", &self.output, &[&self.input])?;
         let said = said_of_writing(&self.output);
         let mut scan = input::scan(&self.input, &self.options, monitor)?;
-        if self.level.is_stated() {
+        if self.level.removes() {
             let map = input::height_map(scan.clone(), &self.input)?;
             let levelled = self.level.remove_from(map, &self.input, monitor)?;
             scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };

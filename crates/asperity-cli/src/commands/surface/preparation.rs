@@ -13,33 +13,31 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::row;
 
-/// The form alone, none unless stated.
+/// The form alone, which is left in unless stated.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct LevelOption {
     /// Form that is removed by least squares before anything else: none, mean, plane, quadratic, polynomial:N, cylinder or
-    /// sphere.
-    #[arg(long, value_name = "FORM", default_value = "none")]
-    level: Level,
+    /// sphere. Nothing is removed when left out.
+    #[arg(long, value_name = "FORM")]
+    level: Option<Level>,
 }
 
 impl LevelOption {
     /// Whether a form is removed at all.
-    pub(crate) fn is_stated(self) -> bool {
-        self.level != Level::None
+    pub(crate) fn removes(self) -> bool {
+        self.level.is_some_and(|level| level != Level::None)
     }
 
     /// The map without the form. `file` names it in errors.
     pub(crate) fn remove_from(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
-        if !self.is_stated() {
-            return Ok(map);
-        }
-        let levelled = monitor.at_once(|| remove_form(&map, self.level))?;
+        let Some(level) = self.level.filter(|_| self.removes()) else { return Ok(map) };
+        let levelled = monitor.at_once(|| remove_form(&map, level))?;
         Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
     }
 
-    /// The map without the form; where none is removed, warns about one that exceeds the roughness.
+    /// The map without the form; where none is stated, warns about one that exceeds the roughness.
     pub(crate) fn remove_or_doubt(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
-        if !self.is_stated()
+        if self.level.is_none()
             && let Some(form) = monitor.at_once(|| dominant_form(&map))?
         {
             let (level, file) = (form.level, file.display());
@@ -47,7 +45,7 @@ impl LevelOption {
             let (form, rest) = (shown(form.form_rms_m), shown(form.roughness_rms_m));
             monitor.warn(&format!(
                 "{file}: the form ({level}) has an rms height of {form}, more than the roughness around it, {rest}; \
-                 --level {level} removes it"
+                 --level {level} removes it, --level none keeps it"
             ));
         }
         self.remove_from(map, file, monitor)
