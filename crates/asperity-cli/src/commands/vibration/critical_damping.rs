@@ -32,16 +32,25 @@ impl CriticalDamping {
             monitor.note("the forcing is left aside: the damping ratios are those of the unforced machine");
         }
         let oscillator = self.machine.oscillator(0.0, monitor)?;
-        let critical = monitor
-            .at_once(|| Ok::<_, VibrationError>((critical_damping(&oscillator)?, limit_damping(&oscillator)?)))?
-            .or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
-        answer(Some(critical)).print(self.json)
+        let found = monitor.at_once(|| {
+            let critical = critical_damping(&oscillator)?;
+            let limit = match limit_damping(&oscillator) {
+                Err(VibrationError::NotFound { .. }) => None,
+                limit => Some(limit?),
+            };
+            Ok::<_, VibrationError>((critical, limit))
+        })?;
+        let found = found.or_else(|e| Err(refused(&e).told(answer(None), self.json)?))?;
+        if found.1.is_none() {
+            monitor.warn("the search for slip cycles above the other two damping ratios failed; the limit is unknown");
+        }
+        answer(Some(found)).print(self.json)
     }
 }
 
-fn answer(found: Option<(vibration::CriticalDamping, f64)>) -> Answer {
+fn answer(found: Option<(vibration::CriticalDamping, Option<f64>)>) -> Answer {
     Answer::default()
         .with("critical_damping_ratio", found.map(|(c, _)| c.critical_damping_ratio))
         .with("hopf_damping_ratio", found.map(|(c, _)| c.hopf_damping_ratio))
-        .with("limit_damping_ratio", found.map(|(_, limit)| limit))
+        .with("limit_damping_ratio", found.and_then(|(_, limit)| limit))
 }

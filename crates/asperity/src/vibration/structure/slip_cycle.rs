@@ -19,6 +19,8 @@ const CLOSED: f64 = 1e-9;
 const EXTREMUM_TRIES: usize = 60;
 /// Step of the damping ratio for the derivative of ln(P/r).
 const DAMPING_STEP: f64 = 1e-6;
+/// Relative distance above the grazing point at which slip cycles are looked for.
+const BEYOND: f64 = 1e-9;
 /// Steps of the search for a damping ratio above the last slip cycle.
 const MAX_RAISES: usize = 100;
 
@@ -238,7 +240,9 @@ pub(in crate::vibration) fn fold_damping(oscillator: &Oscillator, above: f64) ->
         let next = Growth::at(&Planar::new(&oscillator.with_damping(damping + DAMPING_STEP)?)?, peak.r)?;
         Ok((-peak.value, (peak.value - next.value) / DAMPING_STEP))
     };
-    let (mut low, (mut value, mut slope)) = (above, decay(above)?);
+    // At the grazing point itself rounding decides whether the outermost orbit reaches the belt.
+    let mut low = above * (1.0 + BEYOND);
+    let (mut value, mut slope) = decay(low)?;
     if value > -CLOSED {
         return Ok(None);
     }
