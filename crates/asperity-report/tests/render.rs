@@ -64,9 +64,9 @@ fn a_complete_run_has_every_figure_and_every_section() {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
     }
     for wanted in [
-        "P(contact) = 0.0200 [0.0190,\u{a0}0.0210]",
-        "it is 0.3200\u{a0}±\u{a0}0.0066",
-        "μ = 0.2249 [0.2227,\u{a0}0.2271]",
+        "P(contact) = 0.0200 [0.0190, 0.0210]",
+        "it is 0.3200 ± 0.0066",
+        "μ = 0.2249 [0.2227, 0.2271]",
         "The paper’s effect vanishes at your scale",
         "Yes: steady sliding is unstable",
         "ζ = 0.20483",

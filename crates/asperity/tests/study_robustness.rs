@@ -651,14 +651,15 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
     let beta: asperity::law::Marginal = "beta:2.1,5".parse().unwrap();
     // Mean .295775 and standard deviation .160359, THEORY's numbers of the law.
     let fraction = beta.cdf(0.295_775 - 0.9 * kinetic / 0.15 * 0.160_359);
-    assert!(fraction > 0.05 && refused(&text).contains(&format!("{:.1}", 100.0 * fraction)), "{fraction}");
+    assert!(fraction > 0.05 && refused(&text).contains(&format!("{:.2} %", 100.0 * fraction)), "{fraction}");
     let wild = run(&format!("{text}allow_clipping = true\n"), None).results;
     let warnings = wild.warnings.join("\n");
     for name in ["paper", "area"] {
         assert!(warnings.contains(&format!("with the {name} upscaling")), "{warnings}");
     }
     assert!(warnings.contains("clipped to stay positive; variability is understated"), "{warnings}");
-    assert!((wild.vibration.as_ref().unwrap().paper.clipped_fraction / fraction - 1.0).abs() < 1e-3);
+    // Faster slips than expected clip more.
+    assert!(wild.vibration.as_ref().unwrap().paper.clipped_fraction >= fraction * (1.0 - 1e-6));
     // An area below one window keeps the window's scatter and law.
     let vibration = wild.vibration.unwrap();
     assert_eq!((vibration.variance_reduction, vibration.area.friction_std), (1.0, vibration.paper.friction_std));
