@@ -126,6 +126,7 @@ const INTERVALS: [&str; 4] = ["interval", "_se", "band_factor", "quantiles"];
 fn interval_of_friction(path: &str) -> bool {
     path.starts_with("/friction/levels/")
         && (path.ends_with("_interval") || path.contains("/gof") || path.contains("/marginal_parameter_intervals/"))
+        || path.starts_with("/friction/cutoff/") && path.ends_with("/mean_interval")
 }
 
 /// No number is null but those that may be undefined.
@@ -169,6 +170,9 @@ const USUAL: &[&str] = &[
     "/separation_m",
     "/mean_compliance_m_per_pa",
     "/beta",
+    // Without a hardness, and without a scan.
+    "/plastic_floor",
+    "/band_end_m",
     // Too few separate peaks.
     "/tail",
     // No scaling range, and too few points.
