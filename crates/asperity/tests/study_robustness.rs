@@ -174,6 +174,9 @@ const USUAL: &[&str] = &[
     "/separation_m",
     "/mean_compliance_m_per_pa",
     "/beta",
+    // Without a hardness, and without a scan.
+    "/plastic_floor",
+    "/band_end_m",
     // Too few separate peaks.
     "/tail",
     // No scaling range, and too few points.
