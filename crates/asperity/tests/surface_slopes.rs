@@ -150,7 +150,8 @@ fn generated_maps_have_the_slopes_of_the_reference_scans_or_a_warning_says_why_n
         let warned = sampler.warnings().iter().find(|warning| warning.contains("slopes"));
         let pressures = (scan.missing_points() == 0).then(|| {
             let level = |map: &HeightMap| remove_form(map, Level::Plane).unwrap().map;
-            let generated: f64 = (0..3).map(|i| mean_pressure_at_five_percent(&level(&sampler.draw(i)))).sum::<f64>() / 3.0;
+            let generated: f64 =
+                (0..3).map(|i| mean_pressure_at_five_percent(&level(&sampler.draw(i)))).sum::<f64>() / 3.0;
             generated / mean_pressure_at_five_percent(&scan)
         });
         eprintln!("{name}: Sdq {ratio:.3}, pressure {pressures:.3?}, {warned:?}");
