@@ -101,7 +101,9 @@ fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_
     let wanted = 4.0 * std_m * std_m * (1.0 - (-1.0_f64 / 8.0).exp()) / 1e-12;
     assert!((squared_slope(&scans[0].1) / wanted - 1.0).abs() < 0.08);
     for (file, scan) in &scans {
-        for keys in ["generator = \"spectral\"", ""] {
+        // The default generator once: an expansion would need too many terms, and the patch has all Fourier modes.
+        let default = (file == "exponential.x3p").then_some("");
+        for keys in std::iter::once("generator = \"spectral\"").chain(default) {
             let sampler = sampler(file, scan.grid(), folder.path(), keys);
             let ratio = slope_ratio(scan, &sampler, 2);
             assert!((ratio - 1.0).abs() < 0.1, "{file} {keys}: {ratio}, {:?}", sampler.warnings());
