@@ -27,6 +27,6 @@ pub use record::{
     fit_matern, fit_record, fitted_length_interval, rank_lengths, record_spectrum, windowed_exponential,
 };
 pub use spectrum::{
-    AngularSpectrum, AreaSpectrum, BinnedSpectrum, BlockSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand, SpectrumRoute,
-    UpperLimit, binned_profile_spectrum, binned_radial_spectrum, profile_spectrum, radial_spectrum,
+    AngularSpectrum, AreaSpectrum, BinnedSpectrum, BlockSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand,
+    SpectrumRoute, UpperLimit, binned_profile_spectrum, binned_radial_spectrum, profile_spectrum, radial_spectrum,
 };

@@ -23,8 +23,8 @@ pub use filling::{
 };
 pub use gaussian::{GaussianSurface, GeneratorError};
 pub use karhunen_loeve::{
-    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_for_slopes, modes_memory_bytes,
-    profile_modes,
+    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_for_slopes,
+    modes_memory_bytes, profile_modes,
 };
 pub use spectral::SpectralField;
 pub use translation::{

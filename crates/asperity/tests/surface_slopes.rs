@@ -101,7 +101,9 @@ fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_
     let wanted = 4.0 * std_m * std_m * (1.0 - (-1.0_f64 / 8.0).exp()) / 1e-12;
     assert!((squared_slope(&scans[0].1) / wanted - 1.0).abs() < 0.08);
     for (file, scan) in &scans {
-        for keys in ["generator = \"spectral\"", ""] {
+        // The default generator once: an expansion would need too many terms, and the patch has all Fourier modes.
+        let default = (file == "exponential.x3p").then_some("");
+        for keys in std::iter::once("generator = \"spectral\"").chain(default) {
             let sampler = sampler(file, scan.grid(), folder.path(), keys);
             let ratio = slope_ratio(scan, &sampler, 2);
             assert!((ratio - 1.0).abs() < 0.1, "{file} {keys}: {ratio}, {:?}", sampler.warnings());
@@ -150,7 +152,8 @@ fn generated_maps_have_the_slopes_of_the_reference_scans_or_a_warning_says_why_n
         let warned = sampler.warnings().iter().find(|warning| warning.contains("slopes"));
         let pressures = (scan.missing_points() == 0).then(|| {
             let level = |map: &HeightMap| remove_form(map, Level::Plane).unwrap().map;
-            let generated: f64 = (0..3).map(|i| mean_pressure_at_five_percent(&level(&sampler.draw(i)))).sum::<f64>() / 3.0;
+            let generated: f64 =
+                (0..3).map(|i| mean_pressure_at_five_percent(&level(&sampler.draw(i)))).sum::<f64>() / 3.0;
             generated / mean_pressure_at_five_percent(&scan)
         });
         eprintln!("{name}: Sdq {ratio:.3}, pressure {pressures:.3?}, {warned:?}");

@@ -166,7 +166,10 @@ mod tests {
         assert_eq!(said(&matern, "covariance"), "Matérn");
         assert_eq!(said(&matern, "covariance · length along x (scale of the model)"), "20 µm");
         assert_eq!(said(&matern, "covariance · correlation length along x, to 1/e"), "30 µm");
-        assert_eq!(said(&matern, "covariance · tried, with misfit and ratio of Sdq"), "Matérn (0.012; 1.02), empirical (–; 0.97)");
+        assert_eq!(
+            said(&matern, "covariance · tried, with misfit and ratio of Sdq"),
+            "Matérn (0.012; 1.02), empirical (–; 0.97)"
+        );
         assert_eq!(said(&matern, "covariance · Sdq of the random surfaces over the scan's, within the band"), "1.02");
         assert_eq!(said(&matern, "covariance · extra"), "1 µm");
         assert_eq!(said(&matern, "Karhunen–Loève · modes"), "101");

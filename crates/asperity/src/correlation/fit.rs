@@ -230,11 +230,7 @@ fn decay_lengths_m(covariance: Covariance) -> [f64; 2] {
     [covariance.length_x_m(), covariance.length_y_m()].map(|length_m| scale * length_m)
 }
 
-fn fit_family(
-    family: CorrelationFamily,
-    spectra: &[&BlockSpectrum],
-    std_m: f64,
-) -> Result<CovarianceFit, FitError> {
+fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64) -> Result<CovarianceFit, FitError> {
     let [pitch_m, size_m] = [spectra[0].pitch_m(), largest_size_m(spectra)];
     let mut ranges: Vec<Range> =
         (0..2).map(|axis| Range { low: SHORTEST * pitch_m[axis], high: LONGEST * size_m[axis] }).collect();
@@ -245,7 +241,11 @@ fn fit_family(
         let Ok(covariance) = covariance(p) else { return vec![] };
         let of = |spectrum: &&BlockSpectrum| {
             let ratio = |block| spectrum.expected_m4(block, &covariance);
-            spectrum.blocks().iter().map(|b| (b.density_m4 / ratio(b).max(f64::MIN_POSITIVE), b.degrees_of_freedom)).collect()
+            spectrum
+                .blocks()
+                .iter()
+                .map(|b| (b.density_m4 / ratio(b).max(f64::MIN_POSITIVE), b.degrees_of_freedom))
+                .collect()
         };
         spectra.iter().map(of).collect::<Vec<Vec<(f64, f64)>>>().concat()
     };

@@ -16,9 +16,9 @@ use super::profiles;
 
 pub use area::{AngularSpectrum, AreaSpectrum, RadialSpectrum, radial_spectrum};
 pub use band::{ReliableBand, UpperLimit};
-pub use blocks::BlockSpectrum;
 pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 pub(super) use binned::{bin_of, edges};
+pub use blocks::BlockSpectrum;
 
 /// How a spectrum was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

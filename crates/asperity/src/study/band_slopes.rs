@@ -53,9 +53,9 @@ impl BandSlopes {
             if cutoff_m > own.width_m().min(own.height_m()) {
                 return Ok(None);
             }
-            let smooth = GaussianFilter::linear(cutoff_m).smooth(map).map_err(|error| {
-                StudyError::from(crate::surface::preparation::PreparationError::SFilter(error))
-            })?;
+            let smooth = GaussianFilter::linear(cutoff_m)
+                .smooth(map)
+                .map_err(|error| StudyError::from(crate::surface::preparation::PreparationError::SFilter(error)))?;
             let (nx, heights) = (own.nx(), smooth.map.values_m());
             for (place, z) in heights.iter().enumerate() {
                 let right = (place % nx + 1 < nx).then(|| heights[place + 1]);

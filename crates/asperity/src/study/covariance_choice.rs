@@ -164,7 +164,8 @@ fn measured_choice(
     families: &[CorrelationFamily],
     std_m: f64,
 ) -> Result<Chosen, StudyError> {
-    let of_model = |fits: &CovarianceFits, (fit, covariance, ratio): (CovarianceFit, SurfaceCovariance, Option<f64>)| {
+    let of_model = |fits: &CovarianceFits,
+                    (fit, covariance, ratio): (CovarianceFit, SurfaceCovariance, Option<f64>)| {
         let warnings = fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")).collect();
         Chosen { misfit: Some(fit.misfit), slope_ratio: ratio, warnings, ..Chosen::new(covariance) }
     };

@@ -7,8 +7,8 @@ use super::RandomSurface;
 use super::conditional::{ConditionalError, LARGEST_DOMAIN, NeighbourhoodSurface, scores, surrounded};
 use super::level::{Level, LevelError, remove_form};
 use crate::correlation::{
-    Autocorrelation, BlockSpectrum, CorrelationFamily, EstimateError, FitError, MeasuredCovariance, MeasuredCovarianceError,
-    StationaryCovariance, fit_covariance,
+    Autocorrelation, BlockSpectrum, CorrelationFamily, EstimateError, FitError, MeasuredCovariance,
+    MeasuredCovarianceError, StationaryCovariance, fit_covariance,
 };
 use crate::law::{LawError, Marginal};
 use crate::map::{Grid, HeightMap, MapError};
@@ -196,7 +196,8 @@ fn covariance_of(
     Ok(match covariance {
         FillCovariance::Measured => (Box::new(MeasuredCovariance::of(map)?), mean_m),
         FillCovariance::Fitted => {
-            let fits = fit_covariance(&[&BlockSpectrum::of(map)?], estimate.variance_m2().sqrt(), &CorrelationFamily::ALL)?;
+            let fits =
+                fit_covariance(&[&BlockSpectrum::of(map)?], estimate.variance_m2().sqrt(), &CorrelationFamily::ALL)?;
             (Box::new(fits.best()), mean_m)
         }
     })

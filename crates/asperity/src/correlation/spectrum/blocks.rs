@@ -71,11 +71,8 @@ impl BlockSpectrum {
         let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
         let is_short = band.high_rad_per_m < 2.0 * band.low_rad_per_m;
         let step = qx_min.max(qy_min);
-        let (low, high) = if is_short {
-            (0.5 * step, (FIRST_STEPS + 0.5) * step)
-        } else {
-            (band.low_rad_per_m, band.high_rad_per_m)
-        };
+        let (low, high) =
+            if is_short { (0.5 * step, (FIRST_STEPS + 0.5) * step) } else { (band.low_rad_per_m, band.high_rad_per_m) };
         let high = high.min(0.5 * nyquist);
         let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
         let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
@@ -103,7 +100,8 @@ impl BlockSpectrum {
                 }
             }
         }
-        let largest = sums.iter().filter(|sums| sums.count > 0.0).map(|sums| sums.density / sums.count).fold(0.0, f64::max);
+        let largest =
+            sums.iter().filter(|sums| sums.count > 0.0).map(|sums| sums.density / sums.count).fold(0.0, f64::max);
         let floor_m4 = if is_short { LEAKAGE * largest } else { 0.0 };
         let block = |sums: Sums| {
             let stride = sums.places.len().div_ceil(SAMPLES).max(1);
@@ -243,7 +241,11 @@ mod tests {
                 squares += (mean / wanted - 1.0).powi(2) / (2.0 / freedom + 0.04_f64.powi(2));
                 compared += 1.0;
             }
-            assert!(compared > 40.0 && squares / compared < 2.0, "{covariance:?}: {} of {compared}", squares / compared);
+            assert!(
+                compared > 40.0 && squares / compared < 2.0,
+                "{covariance:?}: {} of {compared}",
+                squares / compared
+            );
         }
     }
 }

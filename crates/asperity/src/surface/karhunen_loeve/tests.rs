@@ -324,7 +324,9 @@ fn the_captured_slope_variance_is_that_of_the_covariance_of_the_modes() {
 #[test]
 fn as_many_periodic_modes_as_are_foretold_hold_the_share_of_the_slopes() {
     let grid = Grid::new(48, 40, 1.0, 1.0).unwrap();
-    for covariance in [unit(CorrelationModel::SquaredExponential, 6.0, 6.0), unit(CorrelationModel::Matern { nu: 1.5 }, 4.0, 9.0)] {
+    for covariance in
+        [unit(CorrelationModel::SquaredExponential, 6.0, 6.0), unit(CorrelationModel::Matern { nu: 1.5 }, 4.0, 9.0)]
+    {
         let needed = modes_for_slopes(&covariance, grid, 0.9);
         let share = |modes: usize| {
             KarhunenLoeve::new(&covariance, grid, modes, ModesRoute::Periodic).unwrap().captured_slope_variance()

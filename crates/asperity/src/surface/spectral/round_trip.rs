@@ -57,9 +57,8 @@ fn recovers(planted: Covariance, missing: f64) {
         CorrelationModel::SelfAffine { hurst } => hurst,
         _ => 1.0,
     };
-    let values = |covariance: &Covariance| {
-        [("length x", covariance.length_x_m()), ("length y", covariance.length_y_m())]
-    };
+    let values =
+        |covariance: &Covariance| [("length x", covariance.length_x_m()), ("length y", covariance.length_y_m())];
     for (i, (label, wanted)) in values(&planted).into_iter().enumerate() {
         let (mean, error) = mean_and_error(&fits.iter().map(|fit| values(&fit.covariance)[i].1).collect::<Vec<_>>());
         assert!(
@@ -98,7 +97,8 @@ fn the_planted_family_is_ranked_first() {
         let first = (0..5).filter(|index| {
             let fits = fitted(&sample(&planted, grid, 0.0, 100 + index), 1.0, &CorrelationFamily::ALL);
             let other = if model.name() == "exponential" { "squared_exponential" } else { "exponential" };
-            fits.best().model() == model && fits.named(model.name()).unwrap().misfit < 0.5 * fits.named(other).unwrap().misfit
+            fits.best().model() == model
+                && fits.named(model.name()).unwrap().misfit < 0.5 * fits.named(other).unwrap().misfit
         });
         assert_eq!(first.count(), 5, "{model:?}");
     }
@@ -112,7 +112,8 @@ fn a_correlation_that_does_not_decay_along_an_axis_is_a_warning() {
         sample(&planted, grid, 0.0, 7)
     };
     let fits = fitted(&ridge(400.0), 1.0, &CorrelationFamily::ALL);
-    let extrapolated = |w: &FitWarning| matches!(w, FitWarning::FewLengths { axis: Axis::Y, lengths } if *lengths < 2.0);
+    let extrapolated =
+        |w: &FitWarning| matches!(w, FitWarning::FewLengths { axis: Axis::Y, lengths } if *lengths < 2.0);
     assert!(fits.warnings.iter().any(extrapolated), "{fits:?}");
     assert!(fits.best().length_y_m() > 5.0 * fits.best().length_x_m());
 }
