@@ -128,7 +128,7 @@ impl Outcomes {
         let rest = Planar::new(&oscillator)?.rest;
         let (after_stick, slowest) = match cycle_at_belt(&oscillator)? {
             Some((cycle, _)) => (cycle.kind, cycle.velocity_min),
-            None => match map.as_ref().and_then(ReturnMap::from_outside) {
+            None => match map.as_ref().and_then(ReturnMap::outermost_attractor) {
                 Some((_, cycle)) => (MotionKind::SlipCycle, cycle.velocity_min),
                 None => (MotionKind::None, 0.0),
             },

@@ -68,7 +68,7 @@ pub(in crate::vibration) struct ReturnMap {
 
 impl ReturnMap {
     /// The cycle that orbits from the edge approach, with a state on it; none if they end in steady sliding.
-    pub(in crate::vibration) fn from_outside(&self) -> Option<(SlipState, &SlipCycle)> {
+    pub(in crate::vibration) fn outermost_attractor(&self) -> Option<(SlipState, &SlipCycle)> {
         let (r, cycle) = self.cycles.last().filter(|_| self.growth.last().is_some_and(|growth| *growth <= 0.0))?;
         Some((self.state(*r), cycle))
     }
