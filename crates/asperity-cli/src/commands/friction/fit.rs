@@ -221,7 +221,7 @@ impl FitRecord {
         let staging = Staging::open(folder, self.force, &[&self.record]).map_err(|e| store_failure(&e))?;
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("friction_process.json", process.as_bytes())?;
-        write("fit.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
+        write("fit.json", &json_bytes(&answer.as_object()).map_err(|e| store_failure(&e))?)?;
         let mut drawn = BTreeMap::new();
         for (name, columns) in fitted.tables(prepared) {
             let table = Table::new(columns);
