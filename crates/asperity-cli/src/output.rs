@@ -78,12 +78,16 @@ impl Answer {
         self.clone().without(WARNINGS_KEY).with(WARNINGS_KEY, warnings)
     }
 
+    /// The answer as a JSON object shows it: with the warnings of the command so far.
+    pub(crate) fn as_object(&self) -> Self {
+        self.with_warnings(&WARNINGS.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
     /// Prints the answer to stdout: one JSON object with the warnings of the command, or an aligned table with units.
     pub(crate) fn print(&self, json: bool) -> Result<(), Failure> {
         let text = if json {
-            let recorded = WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            let object = serde_json::to_string(&self.with_warnings(&recorded))
-                .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
+            let object =
+                serde_json::to_string(&self.as_object()).map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             format!("{object}\n")
         } else {
             self.table()

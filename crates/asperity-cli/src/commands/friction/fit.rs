@@ -218,7 +218,7 @@ impl FitRecord {
         let staging = begin_folder("--report", folder, self.force, &[&self.record])?;
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("friction_process.json", process.as_bytes())?;
-        write("fit.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
+        write("fit.json", &json_bytes(&answer.as_object()).map_err(|e| store_failure(&e))?)?;
         let mut drawn = BTreeMap::new();
         for (name, columns) in fitted.tables(prepared) {
             let table = Table::new(columns);

@@ -47,7 +47,7 @@ impl Folder {
         let Some(folder) = &self.report else { return Ok(()) };
         let staging = begin_folder("--report", folder, self.force, inputs)?;
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
-        write("answer.json", &json_bytes(answer).map_err(|e| store_failure(&e))?)?;
+        write("answer.json", &json_bytes(&answer.as_object()).map_err(|e| store_failure(&e))?)?;
         for (name, table) in &tables {
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
         }
