@@ -8,6 +8,9 @@ use asperity::vibration::{
     Ensemble, EnsembleSettings, FrictionLaw, FrictionTable, MotionKind, Oscillator, Parameters, limit_cycle,
 };
 
+/// Belt velocity of the published cycles.
+#[expect(clippy::approx_constant, reason = "a published number, which is not π")]
+const PUBLISHED_VELOCITY: f64 = 3.1416;
 const STEP: f64 = 0.02;
 /// Longest period that is looked for.
 const LONGEST: f64 = 60.0;
@@ -163,7 +166,7 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
         (0.002, MotionKind::Overtaking, 6.294_99),
         (0.004, MotionKind::StickSlip, 6.295_32),
     ] {
-        let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
+        let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, PUBLISHED_VELOCITY).unwrap();
         assert_eq!(agree(&oscillator, 2000.0), kind);
         let (_, slow) = slow(&oscillator, 5000.0);
         for found in [slow.unwrap(), limit_cycle(&oscillator).unwrap().cycle().unwrap().period] {
