@@ -543,7 +543,7 @@ fn results(tables: &BTreeMap<String, Table>) -> Value {
     let of_cutoff = |name: &str, row: usize| column("friction_cutoff", name)[row];
     let cutoff = json!({
         "mean_pressure_pa": 3e6, "strips": 4, "strip_length_m": 3e-3, "pitch_m": 1.45e-6, "cutoff_m": 2.9e-6, "band_end_m": 4e-6,
-        "plastic_floor": 0.1925, "known": "The friction coefficient is known only as far as the shortest waves are.",
+        "plastic_floor": 0.17, "known": "The friction coefficient is known only as far as the shortest waves are.",
         "points": cutoffs().map(|(row, metre)| json!({"cutoff_m": metre, "mean": of_cutoff("mean", row),
             "mean_interval": [of_cutoff("mean_low", row), of_cutoff("mean_high", row)], "rms_slope": of_cutoff("rms_slope", row),
             "plastic_fraction": of_cutoff("plastic_fraction", row)})).collect::<Vec<_>>(),

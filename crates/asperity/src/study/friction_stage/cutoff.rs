@@ -60,14 +60,14 @@ impl Plan {
         }
         let ([mut nx, ny], [length, width]) = (section.points, section.strip);
         let (whole, dx_m, dy_m) = (nx as f64, length.0 / nx as f64, width.0 / ny as f64);
-        let longest_m = LONGEST * length.0.min(width.0);
+        let longest_m = LONGEST * length.0.min(width.0) * (1.0 + 1e-9);
         let fits = |octave: &u32| 2.0 * dx_m.max(dy_m) * f64::from(1_u32 << octave) <= longest_m;
         let octaves = (1..=OCTAVES).take_while(fits).count() as u32;
         let allowed = WORK * (levels * section.realisations) as f64;
         let work = |nx: usize| Self { points: [nx, ny], length_m: 0.0, octaves }.work(section);
         let halves = |nx: usize| {
             let shorter = (nx / 2) as f64;
-            nx % 2 == 0
+            nx.is_multiple_of(2)
                 && shorter >= SHORTEST * whole
                 && nx / 2 >= LEAST_POINTS
                 && shorter * dx_m >= LEAST_WIDTHS * width.0
