@@ -644,8 +644,8 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
         assert!(warnings.contains(&format!("with the {name} upscaling")), "{warnings}");
     }
     assert!(warnings.contains("clipped to stay positive; variability is understated"), "{warnings}");
-    // Faster slips than expected clip more.
-    assert!(wild.vibration.as_ref().unwrap().paper.clipped_fraction >= fraction * (1.0 - 1e-6));
+    // Faster slips than expected clip more; the moments of the law have six digits.
+    assert!(wild.vibration.as_ref().unwrap().paper.clipped_fraction >= fraction * (1.0 - 1e-4));
     // An area below one window keeps the window's scatter and law.
     let vibration = wild.vibration.unwrap();
     assert_eq!((vibration.variance_reduction, vibration.area.friction_std), (1.0, vibration.paper.friction_std));
