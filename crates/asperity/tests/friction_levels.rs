@@ -171,8 +171,7 @@ fn light_contact_states_no_variance_of_the_quotient_and_one_friction_coefficient
     let more = "mean_pressures = [\"3 MPa\", \"1 GPa\"]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
                 damping_ratio = 0.17\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"23.7 mm/s\"\n\
                 trajectories = 2\nduration = 20.0\ndamping_sweep = [0.1, 0.2, 2]\n";
-    let text = format!("{STUDY}{more}").replace("realisations = 4", "realisations = 12").replace("640 um", "1280 um");
-    let text = text.replace("[320, 16]", "[640, 16]");
+    let text = format!("{STUDY}{more}");
     let outcome = Study::parse(&text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap();
     let (friction, vibration) = (outcome.results.friction.unwrap(), outcome.results.vibration.unwrap());
     let [_, light, firm, nominal] = &friction.levels[..] else { panic!("four levels") };

@@ -648,9 +648,9 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
         error.to_string()
     };
     let text = stated("0.15", "1 um^2");
-    // The friction of Beta(2.1, 5) with mean 0.2 and standard deviation 0.15 below a tenth of the least kinetic coefficient: V is
-    // 20 mm/s · 316 rad/s / 30 kN per kg, the fastest slip V + 0.2, and the coefficient there 0.2/(1 + 4.2 (V + 0.2)).
-    let kinetic = 0.2 / (1.0 + 4.2 * (20e-3 * 316.0 / 30e3 + 0.2));
+    // The fraction of Beta(2.1, 5) with standard deviation 0.15 below −0.9 times the least kinetic coefficient, which is
+    // 0.2/(1 + 4.2 (V + 0.2)) at the fastest slip V + 0.2 with V = 0.003.
+    let kinetic = 0.2 / (1.0 + 4.2 * (0.003 + 0.2));
     let beta: asperity::law::Marginal = "beta:2.1,5".parse().unwrap();
     // Mean .295775 and standard deviation .160359, THEORY's numbers of the law.
     let fraction = beta.cdf(0.295_775 - 0.9 * kinetic / 0.15 * 0.160_359);
@@ -661,8 +661,8 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
         assert!(warnings.contains(&format!("with the {name} upscaling")), "{warnings}");
     }
     assert!(warnings.contains("clipped to stay positive; variability is understated"), "{warnings}");
-    // Faster slips than expected clip more.
-    assert!(wild.vibration.as_ref().unwrap().paper.clipped_fraction >= fraction * (1.0 - 1e-6));
+    // Faster slips than expected clip more; the moments of the law have six digits.
+    assert!(wild.vibration.as_ref().unwrap().paper.clipped_fraction >= fraction * (1.0 - 1e-4));
     // An area below one window keeps the window's scatter and law.
     let vibration = wild.vibration.unwrap();
     assert_eq!((vibration.variance_reduction, vibration.area.friction_std), (1.0, vibration.paper.friction_std));
