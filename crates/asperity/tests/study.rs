@@ -99,7 +99,7 @@ fn another_scan_changes_friction_and_cycles() {
     let (first_levels, second_levels) = (first.friction.unwrap().levels, second.friction.unwrap().levels);
     for (a, b) in first_levels.iter().zip(&second_levels) {
         // A smoother, flatter surface yields less: more area for its load.
-        let (before, after) = (a.mean.unwrap(), b.mean.unwrap());
+        let (before, after) = (a.at_mean_load.mean, b.at_mean_load.mean);
         assert!(after > before + 0.001, "{:?}: {after} after {before}", a.percentile);
         assert_ne!(a.correlation_length_m, b.correlation_length_m);
     }
@@ -132,7 +132,7 @@ fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() 
     let results = Study::parse(&soft, "study.toml").unwrap().run(folder.path(), Some(Stage::Friction), &Silent);
     for level in results.unwrap().results.friction.unwrap().levels.iter().filter(|level| level.percentile.is_some()) {
         assert!(level.plastic_share > 0.999, "{}", level.plastic_share);
-        let (mean, std) = (level.mean.unwrap(), level.std.unwrap());
+        let (mean, std) = (level.at_mean_load.mean, level.at_mean_load.std);
         assert!((mean - 0.2).abs() < 1e-4 && std < 1e-4, "{mean} ± {std}");
     }
 }
