@@ -49,7 +49,7 @@ impl Check {
         }
         let destination = run::default_destination(&self.study);
         problems
-            .extend(require_disk(study.disk_bytes(), &destination, "the run").err().map(|e| e.message().to_owned()));
+            .extend(require_disk(study.disk_bytes(), &destination, "the run").err());
         monitor.check()?;
         warnings.iter().for_each(|warning| monitor.warn(warning));
         self.print(&study, &stages, threads, &warnings, &problems)?;

@@ -71,7 +71,7 @@ impl Ensemble {
         let wanted = self.folder.wanted(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.announce(&process, monitor);
-        let answer = |ensemble| answer(ensemble).with("clipped_fraction", process.model().clipped_fraction());
+        let answer = |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
             .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
