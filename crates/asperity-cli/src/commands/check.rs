@@ -48,8 +48,7 @@ impl Check {
             problems.extend(require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err());
         }
         let destination = run::default_destination(&self.study);
-        problems
-            .extend(require_disk(study.disk_bytes(), &destination, "the run").err());
+        problems.extend(require_disk(study.disk_bytes(), &destination, "the run").err());
         monitor.check()?;
         warnings.iter().for_each(|warning| monitor.warn(warning));
         self.print(&study, &stages, threads, &warnings, &problems)?;

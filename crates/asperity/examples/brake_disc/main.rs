@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Nothing here was measured. The surface is a random field of 512 × 512 points at 2 µm. Sliding follows x; the correlation
-//! lengths are about 25 µm along x and 16 µm along y, the rms height is 0.8 µm, and the heights are skewed towards valleys, as
+//! lengths are about 20 µm along x and 14 µm along y, the rms height is 0.8 µm, and the heights are skewed towards valleys, as
 //! on a worn disc. A tilt, grooves along the sliding direction, spikes of an optical instrument, and patches without a reading
 //! are added.
 

@@ -14,8 +14,10 @@ const STREAM: &str = "brake disc";
 const POINTS: usize = 512;
 const PITCH_M: f64 = 2e-6;
 const RMS_M: f64 = 0.8e-6;
-/// Scales of the Matérn covariance along x (sliding) and y; the correlation falls to 1/e at some 1.2 times as much.
-const SCALES_M: [f64; 2] = [20e-6, 13e-6];
+/// Scales of the Matérn covariance along x (sliding) and y; the correlation falls to 1/e at about as much.
+const SCALES_M: [f64; 2] = [18e-6, 12e-6];
+/// Its smoothness, a Hurst exponent of 0.8 at short waves.
+const SMOOTHNESS: f64 = 0.8;
 const GROOVES: u64 = 14;
 const SPIKES: usize = 90;
 const HOLES: usize = 26;
@@ -23,7 +25,7 @@ const HOLES: usize = 26;
 /// Returns the scan. It has no parameters: the same bytes every time.
 pub(crate) fn brake_disc() -> Result<Scan, Box<dyn std::error::Error>> {
     let grid = Grid::new(POINTS, POINTS, PITCH_M, PITCH_M)?;
-    let covariance = Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 1.0, SCALES_M[0], SCALES_M[1])?;
+    let covariance = Covariance::new(CorrelationModel::Matern { nu: SMOOTHNESS }, 1.0, SCALES_M[0], SCALES_M[1])?;
     let field = SpectralField::free(&covariance, grid)?;
     let germ = random::standard_normal(&mut random::stream(SEED, STREAM, 0), field.germ_len());
     // Wear leaves plateaus and valleys: a Beta distribution with its long tail below.

@@ -187,6 +187,16 @@ pub enum Upscaling {
     Paper,
 }
 
+impl Upscaling {
+    /// Name in study files and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Area => "area",
+            Self::Paper => "paper",
+        }
+    }
+}
+
 /// What a stability map is drawn over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -71,14 +71,17 @@ impl Ensemble {
         let wanted = self.folder.wanted(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
         Paths { belt_velocity, duration, count }.announce(&process, monitor);
-        let answer = |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
+        let answer =
+            |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)
             .or_else(|e| Err(refused(&e).told(answer(None, None), self.json)?))?;
         if let Some(first) = ensemble.failures.first() {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
             monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
         }
-        let kind = monitor.at_once(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?.map_err(|e| refused(&e))?;
+        let kind = monitor
+            .at_once(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
+            .map_err(|e| refused(&e))?;
         let answer = answer(Some(kind), Some(&ensemble));
         if wanted {
             let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;

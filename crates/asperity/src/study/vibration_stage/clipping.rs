@@ -30,10 +30,11 @@ impl Ensembles<'_> {
     /// The fraction of the values that a process clips.
     ///
     /// # Errors
-    /// It is more than the study allows.
+    /// It is more than the study allows, under the upscaling that leads. The other one is for comparison and only warns.
     pub(super) fn clipped(&self, model: &ProcessModel, upscaling: &'static str) -> Result<f64, StudyError> {
         let fraction = model.clipped_fraction();
-        if fraction > LARGEST_CLIPPED_FRACTION && !self.section.allow_clipping {
+        let leads = upscaling == self.section.upscaling.name();
+        if leads && fraction > LARGEST_CLIPPED_FRACTION && !self.section.allow_clipping {
             return Err(StudyError::Clipped { upscaling, fraction, computed: self.window.computed });
         }
         Ok(fraction)
