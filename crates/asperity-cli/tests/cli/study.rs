@@ -79,8 +79,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 #[test]
 fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
     let folder = TempDir::new().unwrap();
-    for (example, wanted) in
-        [("quickstart", vec!["brake_disc.x3p", "quickstart.toml"]), ("paper", vec!["paper.toml"])]
+    for (example, wanted) in [("quickstart", vec!["brake_disc.x3p", "quickstart.toml"]), ("paper", vec!["paper.toml"])]
     {
         let ended = run_in(folder.path(), &format!("init {example} --example {example}"));
         assert_eq!((ended.code, ended.stdout.as_str()), (0, ""), "{ended:?}");

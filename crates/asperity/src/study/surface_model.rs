@@ -26,7 +26,7 @@ const MARGIN: f64 = 1.1;
 /// Above this deviation of the correlation a corrected translation is warned about.
 const CORRELATION_LEFT: f64 = 0.01;
 /// Above this share of clipped variance a spectral field is warned about.
-const CLIPPED_VARIANCE: f64 = 1e-3;
+pub(super) const CLIPPED_VARIANCE: f64 = 1e-3;
 
 /// Random surfaces of one marginal law.
 #[derive(Debug, Clone)]
@@ -149,6 +149,8 @@ pub(super) struct Generated {
     pub(super) warnings: Vec<String>,
     /// How well the correlation of the heights is met, where the translation was corrected for it.
     pub(super) correction: Option<String>,
+    /// Fraction of the variance that was clipped from a spectral field.
+    pub(super) clipped_variance: f64,
 }
 
 impl SurfaceModel {
@@ -321,7 +323,7 @@ impl SurfaceModel {
             Some(true) => (Box::new(field.rescaled()), 1.0),
             Some(false) => (Box::new(field), captured_variance.sqrt()),
         };
-        Ok(Generated { surface, karhunen_loeve, std_share, warnings, correction: None })
+        Ok(Generated { surface, karhunen_loeve, std_share, warnings, correction: None, clipped_variance: 0.0 })
     }
 
     fn spectral(
@@ -374,6 +376,7 @@ impl SurfaceModel {
                 sentence::digits(100.0 * field.clipped_variance())
             ));
         }
+        let clipped_variance = field.clipped_variance();
         Ok(Generated {
             surface: self.translated(match order {
                 GermOrder::Variance => field,
@@ -383,6 +386,7 @@ impl SurfaceModel {
             std_share: 1.0,
             warnings,
             correction: told,
+            clipped_variance,
         })
     }
 
@@ -401,6 +405,7 @@ impl SurfaceModel {
             std_share: 1.0,
             warnings: Vec::new(),
             correction: None,
+            clipped_variance: 0.0,
         })
     }
 }

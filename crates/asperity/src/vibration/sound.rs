@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, limit_cycle, positive, trajectory_portrait,
+    MotionKind, Oscillator, TrajectorySettings, VibrationError, cycle_portrait, limit_cycle, positive,
+    trajectory_portrait,
 };
 use crate::correlation::{RecordEnds, record_spectrum};
 use crate::friction::process::{FrictionProcess, Watched};

@@ -78,7 +78,9 @@ impl Ensemble {
             let (failed, total) = (ensemble.failures.len(), ensemble.trajectories);
             monitor.warn(&format!("{failed} of {total} paths are left out; the first: {}", first.reason));
         }
-        let kind = monitor.at_once(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?.map_err(|e| refused(&e))?;
+        let kind = monitor
+            .at_once(|| vibration::limit_cycle(&oscillator).map(|regime| regime.kind()))?
+            .map_err(|e| refused(&e))?;
         let answer = answer(Some(kind), Some(&ensemble));
         if wanted {
             let cloud = cloud_table(&oscillator, &process, &settings, CLOUD, monitor).map_err(|e| refused(&e))?;

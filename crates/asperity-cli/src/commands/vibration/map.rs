@@ -3,7 +3,8 @@
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, kept_positive, stability_map,
+    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, kept_positive,
+    stability_map,
 };
 use clap::Args;
 
