@@ -6,7 +6,7 @@ use crate::correlation::{
 };
 use crate::law::Marginal;
 use crate::law::translation::Translation;
-use crate::study::band_slopes::{BandSlopes, Roughness};
+use crate::study::band_slopes::Roughness;
 use crate::study::config::{CovarianceChoice, SurfaceSection, TranslationChoice};
 use crate::study::measured::Measured;
 use crate::study::surface_model::{CLIPPED_VARIANCE, SurfaceCovariance, SurfaceModel, Texture};
@@ -55,19 +55,6 @@ impl Judge<'_> {
     fn ratio(&self, covariance: &dyn StationaryCovariance) -> Option<f64> {
         let slopes = self.roughness.slopes.as_ref()?;
         Some(self.scale * slopes.ratio(covariance, self.translation.as_ref()))
-    }
-
-    /// The scan's own covariance beneath a distortion, with short waves such that its ratio of slopes is 1/`factor`.
-    fn adjusted(
-        &self,
-        own: &MeasuredCovariance,
-        slopes: &BandSlopes,
-        distortion: impl Fn(f64) -> f64,
-        factor: f64,
-    ) -> SurfaceCovariance {
-        let corner = CORNER * std::f64::consts::TAU / slopes.cutoff_m;
-        let ratio = |own: &MeasuredCovariance| factor * self.ratio(own).unwrap_or(f64::NAN);
-        SurfaceCovariance::Empirical(Box::new(own.beneath(distortion, corner, ratio)))
     }
 
     /// The ratio of the Gaussian field beneath the translation.
@@ -134,7 +121,7 @@ pub(super) fn choose(
         };
         chosen.try_out(draw(&chosen.covariance)?);
         if section.covariance == CovarianceChoice::Measured && families.len() == CorrelationFamily::ALL.len() {
-            chosen = nearer(chosen, measured, &judge, slopes, draw)?;
+            chosen = nearer(chosen, measured, &judge, draw)?;
         }
         chosen.slope_cutoff_m = Some(slopes.cutoff_m);
         chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
@@ -267,14 +254,16 @@ fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> Chose
     if let (Some(translation), Some(slopes), SurfaceCovariance::Empirical(own)) =
         (&judge.translation, &judge.roughness.slopes, &chosen.covariance)
     {
-        let adjusted = judge.adjusted(own, slopes, |rho| translation.correlation(rho), 1.0);
+        let corner = CORNER * std::f64::consts::TAU / slopes.cutoff_m;
+        let adjusted =
+            own.beneath(|rho| translation.correlation(rho), corner, |own| judge.ratio(own).unwrap_or(f64::NAN));
         if distance(judge.ratio(&adjusted)) < distance(ratio) {
             chosen.reason = Some(format!(
                 "The scan's own covariance was taken because {failure}. Under the marginal law it would have {} the scan's Sdq; \
                  the covariance of the normal variables was changed so that the heights keep the slopes.",
                 times(ratio.unwrap_or(f64::NAN)),
             ));
-            chosen.covariance = adjusted;
+            chosen.covariance = SurfaceCovariance::Empirical(Box::new(adjusted));
         }
     }
     chosen
@@ -306,51 +295,25 @@ fn times(ratio: f64) -> String {
     format!("{} times", sentence::digits(ratio))
 }
 
-/// Where drawn maps have other slopes than the scan, tries its own covariance, and that with its short waves changed by as much; the
-/// covariance whose maps are nearest is taken.
+/// Where maps drawn with a model have other slopes than the scan, tries the scan's own covariance; the covariance whose maps are nearest
+/// is taken.
 fn nearer(
-    mut chosen: Chosen,
+    chosen: Chosen,
     measured: &Measured,
     judge: &Judge<'_>,
-    slopes: &BandSlopes,
     draw: impl Fn(&SurfaceCovariance) -> Result<Option<Trial>, StudyError>,
 ) -> Result<Chosen, StudyError> {
+    let SurfaceCovariance::Model(model) = &chosen.covariance else { return Ok(chosen) };
     if is_near(chosen.slope_ratio, SLOPE_WARNING) {
         return Ok(chosen);
     }
-    if let SurfaceCovariance::Model(model) = &chosen.covariance
-        && let Ok(own) = own_covariance(measured, model.std_m())
-    {
-        let (model, ratio) = (model.model().name(), times(chosen.slope_ratio.unwrap_or(f64::NAN)));
-        let mut other =
-            own_choice(judge, own, &format!("maps drawn with the {model} model have {ratio} the scan's Sdq"));
-        other.try_out(draw(&other.covariance)?);
-        chosen.candidates.append(&mut other.candidates);
-        if distance(other.slope_ratio) < distance(chosen.slope_ratio) {
-            chosen = Chosen { candidates: chosen.candidates, ..other };
-        }
-    }
-    let (SurfaceCovariance::Empirical(own), Some(trial)) = (&chosen.covariance, &chosen.trial) else {
-        return Ok(chosen);
-    };
-    let (expected, drawn) = (judge.ratio(&**own).unwrap_or(f64::NAN), trial.slope_ratio());
-    let (least, most) = trial.slope_range();
-    // Maps about the expected ratio differ from it by chance.
-    if is_near(chosen.slope_ratio, SLOPE_WARNING) || (least..=most).contains(&expected) {
-        return Ok(chosen);
-    }
-    let changed = judge.adjusted(own, slopes, |rho| rho, drawn / expected);
-    let trial = draw(&changed)?;
-    if distance(trial.as_ref().map(Trial::slope_ratio)) < distance(chosen.slope_ratio) {
-        let reason = chosen.reason.take().unwrap_or_default();
-        chosen.reason = Some(format!(
-            "{reason} Its short waves were changed because drawn maps had {} the scan's Sdq.",
-            times(drawn)
-        ));
-        chosen.covariance = changed;
-        chosen.try_out(trial);
-    }
-    Ok(chosen)
+    let Ok(own) = own_covariance(measured, model.std_m()) else { return Ok(chosen) };
+    let (name, ratio) = (model.model().name(), times(chosen.slope_ratio.unwrap_or(f64::NAN)));
+    let mut other = own_choice(judge, own, &format!("maps drawn with the {name} model have {ratio} the scan's Sdq"));
+    other.try_out(draw(&other.covariance)?);
+    let candidates = [chosen.candidates.as_slice(), &other.candidates].concat();
+    let is_nearer = distance(other.slope_ratio) < distance(chosen.slope_ratio);
+    Ok(Chosen { candidates, ..if is_nearer { other } else { chosen } })
 }
 
 /// A warning where the slopes of a drawn map differ from the scan's.
