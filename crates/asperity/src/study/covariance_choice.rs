@@ -100,6 +100,9 @@ pub(super) fn choose(
         .iter()
         .map(|(fit, _, ratio)| (fit.covariance.model().name().to_owned(), Some(fit.misfit), *ratio))
         .collect();
+    let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
+    let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
+    let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
     let mut chosen = match section.covariance {
         CovarianceChoice::Measured => measured_choice(measured, &judge, models, fits, families, std_m)?,
         CovarianceChoice::Empirical => Chosen::new(own_covariance(measured, std_m)?),
@@ -121,7 +124,7 @@ pub(super) fn choose(
         };
         chosen.try_out(draw(&chosen.covariance)?);
         if section.covariance == CovarianceChoice::Measured && families.len() == CorrelationFamily::ALL.len() {
-            chosen = nearer(chosen, measured, &judge, draw)?;
+            chosen = nearer(chosen, model, measured, &judge, draw)?;
         }
         chosen.slope_cutoff_m = Some(slopes.cutoff_m);
         chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
@@ -295,21 +298,31 @@ fn times(ratio: f64) -> String {
     format!("{} times", sentence::digits(ratio))
 }
 
-/// Where maps drawn with a model have other slopes than the scan, tries the scan's own covariance; the covariance whose maps are nearest
-/// is taken.
+/// Where drawn maps have other slopes than the scan, tries the scan's own covariance in place of a model, or in its place `model`, which
+/// meets the scan's spectrum; the covariance whose maps are nearer is taken.
 fn nearer(
     chosen: Chosen,
+    model: Option<(CovarianceFit, SurfaceCovariance)>,
     measured: &Measured,
     judge: &Judge<'_>,
     draw: impl Fn(&SurfaceCovariance) -> Result<Option<Trial>, StudyError>,
 ) -> Result<Chosen, StudyError> {
-    let SurfaceCovariance::Model(model) = &chosen.covariance else { return Ok(chosen) };
-    if is_near(chosen.slope_ratio, SLOPE_WARNING) {
+    let Some(ratio) = chosen.slope_ratio.filter(|ratio| !is_near(Some(*ratio), SLOPE_WARNING)) else {
         return Ok(chosen);
-    }
-    let Ok(own) = own_covariance(measured, model.std_m()) else { return Ok(chosen) };
-    let (name, ratio) = (model.model().name(), times(chosen.slope_ratio.unwrap_or(f64::NAN)));
-    let mut other = own_choice(judge, own, &format!("maps drawn with the {name} model have {ratio} the scan's Sdq"));
+    };
+    let failure = |name: &str| format!("maps drawn with {name} have {} the scan's Sdq", times(ratio));
+    let other = match &chosen.covariance {
+        SurfaceCovariance::Model(found) => own_covariance(measured, found.std_m())
+            .map(|own| own_choice(judge, own, &failure(&format!("the {} model", found.model().name()))))
+            .ok(),
+        SurfaceCovariance::Empirical(_) => model.map(|(fit, covariance)| {
+            let (name, failure) = (fit.covariance.model().name(), failure("the scan's own covariance"));
+            let reason =
+                Some(format!("The {name} model was fitted to the scan's spectrum by likelihood because {failure}."));
+            Chosen { misfit: Some(fit.misfit), reason, ..Chosen::new(covariance) }
+        }),
+    };
+    let Some(mut other) = other else { return Ok(chosen) };
     other.try_out(draw(&other.covariance)?);
     let candidates = [chosen.candidates.as_slice(), &other.candidates].concat();
     let is_nearer = distance(other.slope_ratio) < distance(chosen.slope_ratio);
