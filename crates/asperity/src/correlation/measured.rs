@@ -215,13 +215,8 @@ impl MeasuredCovariance {
             }
             let next = (w - error / slope).clamp(-LARGEST, LARGEST);
             let (found, left) = with(next);
-            if next == w {
+            if left.abs() >= error.abs() || next == w {
                 break;
-            }
-            if left.is_nan() || left.abs() >= error.abs() {
-                // A shorter step from the same point.
-                slope *= 2.0;
-                continue;
             }
             slope = ((left - error) / (next - w)).min(-0.05);
             (best, error, w) = (found, left, next);
