@@ -32,6 +32,7 @@ mod spectra;
 mod store;
 mod surface_model;
 mod surface_stage;
+mod trial;
 mod twin;
 mod uncertain_surface;
 mod vibration_section;

@@ -112,6 +112,25 @@ fn generated_maps_have_the_slopes_of_exponential_self_affine_oblique_and_skewed_
     }
 }
 
+#[test]
+fn heights_whose_extremes_hold_the_slopes_are_warned_about_with_the_slopes_of_drawn_maps() {
+    let folder = tempfile::tempdir().unwrap();
+    let rolling = Covariance::isotropic(CorrelationModel::SelfAffine { hurst: 0.8 }, 1e-7, 6e-6).unwrap();
+    let (file, scan) = synthetic(folder.path(), "spikes", &rolling, |g| 1e-7 * (1.6 * g).exp());
+    let sampler = sampler(&file, scan.grid(), folder.path(), "generator = \"spectral\"");
+    let begin = "the slopes of the random surfaces are ";
+    let warning = sampler.warnings().iter().find(|warning| warning.contains(begin)).unwrap();
+    assert!(warning.contains("kurtosis"), "{warning}");
+    let number = |after: &str| -> f64 {
+        warning.split(after).nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap()
+    };
+    // Maps of another seed: six of them lie about the three that were drawn for the warning.
+    let (stated, found) = (number(begin), slope_ratio(&scan, &sampler, 6));
+    assert!((found / stated - 1.0).abs() < 0.25, "{found}: {warning}");
+    let (least, most) = (number("of single maps "), number(" to "));
+    assert!(least < stated && stated < most && (least < 0.85 || most > 1.15), "{warning}");
+}
+
 /// Mean pressure over the contact modulus at which 5 % of the map touch a flat, within 2 %.
 fn mean_pressure_at_five_percent(map: &HeightMap) -> f64 {
     let half_space = HalfSpace::new(map.grid(), 1.0, Boundary::Free).unwrap();
@@ -149,18 +168,22 @@ fn generated_maps_have_the_slopes_of_the_reference_scans_or_a_warning_says_why_n
         let scan = remove_form(&raw, Level::Plane).unwrap().map;
         let sampler = sampler(&name, scan.grid(), &folder, "generator = \"spectral\"");
         let ratio = slope_ratio(&scan, &sampler, 3);
-        let warned = sampler.warnings().iter().find(|warning| warning.contains("slopes"));
+        let warned = |words: [&str; 2]| {
+            sampler.warnings().iter().find(|warning| words.iter().all(|words| warning.contains(words)))
+        };
+        let of_slopes = warned(["the slopes of the random surfaces are ", " times those of the scan"]);
+        let of_contact = warned(["pressed elastically as hard as a part of the scan", " times that area"]);
         let pressures = (scan.missing_points() == 0).then(|| {
             let level = |map: &HeightMap| remove_form(map, Level::Plane).unwrap().map;
             let generated: f64 =
                 (0..3).map(|i| mean_pressure_at_five_percent(&level(&sampler.draw(i)))).sum::<f64>() / 3.0;
             generated / mean_pressure_at_five_percent(&scan)
         });
-        eprintln!("{name}: Sdq {ratio:.3}, pressure {pressures:.3?}, {warned:?}");
-        if (ratio - 1.0).abs() > 0.15 && warned.is_none() {
-            failures.push(format!("{name}: {ratio}"));
+        eprintln!("{name}: Sdq {ratio:.3}, pressure {pressures:.3?}, {of_slopes:?}, {of_contact:?}");
+        if (ratio - 1.0).abs() > 0.15 && of_slopes.is_none() {
+            failures.push(format!("{name}: Sdq {ratio}"));
         }
-        if pressures.is_some_and(|ratio| (ratio - 1.0).abs() > 0.2) && warned.is_none() {
+        if pressures.is_some_and(|ratio| (ratio - 1.0).abs() > 0.2) && of_contact.is_none() {
             failures.push(format!("{name}: pressure {pressures:?}"));
         }
     }

@@ -56,7 +56,7 @@ fn covariance(covariance: &Value) -> Vec<(String, String)> {
         ("smoothness", "smoothness ν".to_owned()),
         ("hurst", "Hurst exponent".to_owned()),
         ("misfit", "misfit, rms of ln(measured/model spectral density)".to_owned()),
-        ("slope_ratio", "Sdq of the random surfaces over the scan's, within the band".to_owned()),
+        ("slope_ratio", "Sdq of maps drawn like the scan over the scan's, within the band".to_owned()),
         ("slope_cutoff_m", "S-filter at the end of that band".to_owned()),
     ];
     let mut rows = vec![("covariance".to_owned(), in_words(&covariance["model"]))];

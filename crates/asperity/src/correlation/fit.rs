@@ -13,6 +13,8 @@ use super::spectrum::BlockSpectrum;
 /// Degrees of freedom that a block counts at most: no model describes a surface to better than about 10 %, however many
 /// wavevectors a block has, and the few blocks of long waves would else have no weight.
 const MOST_DEGREES: f64 = 200.0;
+/// Densities below this fraction of the largest are leakage of the window and rounding, and count as equal.
+const FLOOR: f64 = 1e-10;
 /// Blocks below which nothing is fitted.
 const FEWEST_BLOCKS: usize = 8;
 /// Lengths from which fits start, in geometric steps between the pitch and the map.
@@ -193,10 +195,16 @@ pub fn fit_covariance(
             wanted: FEWEST_BLOCKS,
         });
     }
-    let mut fits = families
-        .iter()
-        .map(|family| fit_family(*family, spectra, std_m))
-        .collect::<Result<Vec<CovarianceFit>, FitError>>()?;
+    let (mut fits, mut failure) = (vec![], None);
+    for family in families {
+        match fit_family(*family, spectra, std_m) {
+            Ok(fit) => fits.push(fit),
+            Err(error) => failure = Some(error),
+        }
+    }
+    if let (true, Some(error)) = (fits.is_empty(), failure) {
+        return Err(error);
+    }
     let penalty = (blocks as f64).ln();
     let score = |place: usize, fit: &CovarianceFit| fit.deviance + penalty * fit.parameters as f64 + TIE * place as f64;
     let mut scored: Vec<(f64, CovarianceFit)> =
@@ -240,12 +248,13 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
     let ratios = |p: &[f64]| -> Vec<(f64, f64)> {
         let Ok(covariance) = covariance(p) else { return vec![] };
         let of = |spectrum: &&BlockSpectrum| {
-            let ratio = |block| spectrum.expected_m4(block, &covariance);
-            spectrum
-                .blocks()
-                .iter()
-                .map(|b| (b.density_m4 / ratio(b).max(f64::MIN_POSITIVE), b.degrees_of_freedom))
-                .collect()
+            let blocks = spectrum.blocks();
+            let floor = FLOOR * blocks.iter().map(|block| block.density_m4).fold(f64::MIN_POSITIVE, f64::max);
+            let ratio = |block| {
+                let expected = spectrum.expected_m4(block, &covariance);
+                ((block.density_m4 + floor) / (expected + floor), block.degrees_of_freedom)
+            };
+            blocks.iter().map(ratio).collect()
         };
         spectra.iter().map(of).collect::<Vec<Vec<(f64, f64)>>>().concat()
     };
@@ -263,11 +272,13 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
         let mut first: Vec<f64> = (0..2).map(length).collect();
         first.extend(family.shape().map(|(_, value)| value));
         let found = minimise(&residuals, &first, &ranges);
-        if best.as_ref().is_none_or(|(_, deviance)| found.1 < *deviance) {
+        let is_finite = found.1.is_finite() && found.0.iter().all(|value| value.is_finite());
+        if is_finite && best.as_ref().is_none_or(|(_, deviance)| found.1 < *deviance) {
             best = Some(found);
         }
     }
-    let (found, deviance) = best.unwrap_or_default();
+    // Without a minimum the covariance below is refused.
+    let (found, deviance) = best.unwrap_or_else(|| (vec![f64::NAN; ranges.len()], f64::NAN));
     let (mut squares, mut weights) = (0.0, 0.0);
     for (ratio, degrees) in ratios(&found) {
         let weight = degrees.min(MOST_DEGREES);

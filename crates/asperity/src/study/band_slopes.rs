@@ -83,6 +83,13 @@ impl BandSlopes {
         ((squares[0] + squares[1]) / (self.squares[0] + self.squares[1])).max(0.0).sqrt()
     }
 
+    /// Sdq of a map over that of the scan, both within the band; none where the cutoff exceeds the map.
+    pub(super) fn ratio_of(&self, map: &HeightMap) -> Result<Option<f64>, StudyError> {
+        let found = Self::of(&[map], std::f64::consts::TAU / self.cutoff_m)?;
+        let sum = |slopes: &Self| slopes.squares[0] + slopes.squares[1];
+        Ok(found.map(|found| (sum(&found) / sum(self)).sqrt()))
+    }
+
     /// Expected mean squared slopes along x and y.
     fn expected(&self, covariance: &dyn StationaryCovariance, translation: Option<&Translation>) -> [f64; 2] {
         // The filter's weights exp(−π(h/αλ)²), convolved with themselves, on the lags −R−1 … R+1, R the reach.

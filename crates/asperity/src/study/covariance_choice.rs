@@ -9,7 +9,8 @@ use crate::law::translation::Translation;
 use crate::study::band_slopes::Roughness;
 use crate::study::config::{CovarianceChoice, SurfaceSection, TranslationChoice};
 use crate::study::measured::Measured;
-use crate::study::surface_model::SurfaceCovariance;
+use crate::study::surface_model::{CLIPPED_VARIANCE, SurfaceCovariance, SurfaceModel, Texture};
+use crate::study::trial::Trial;
 use crate::study::{StudyError, sentence};
 
 /// A model is taken where ln(measured/model spectral density) is below this, in the root mean square over the band.
@@ -18,6 +19,8 @@ const LARGEST_MISFIT: f64 = 0.3;
 const SLOPE_TOLERANCE: f64 = 0.1;
 /// A greater difference is warned about.
 const SLOPE_WARNING: f64 = 0.15;
+/// Excess kurtosis of heights of which a few extremes hold much of the slopes.
+const HEAVY_TAILS: f64 = 3.0;
 /// Corner of the slope correction over the end of the band.
 const CORNER: f64 = 0.25;
 
@@ -26,8 +29,10 @@ pub(super) struct Chosen {
     pub(super) covariance: SurfaceCovariance,
     /// Misfit of a fitted model.
     pub(super) misfit: Option<f64>,
-    /// Sdq of the random surfaces over that of the scan, within the band.
+    /// Sdq of drawn maps over that of the scan, within the band.
     pub(super) slope_ratio: Option<f64>,
+    /// The drawn maps.
+    pub(super) trial: Option<Trial>,
     /// Cutoff of the S-filter at the end of the band in metre.
     pub(super) slope_cutoff_m: Option<f64>,
     /// What else was tried: name, misfit, ratio of slopes.
@@ -95,12 +100,12 @@ pub(super) fn choose(
         .iter()
         .map(|(fit, _, ratio)| (fit.covariance.model().name().to_owned(), Some(fit.misfit), *ratio))
         .collect();
+    let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
+    let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
+    let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
     let mut chosen = match section.covariance {
         CovarianceChoice::Measured => measured_choice(measured, &judge, models, fits, families, std_m)?,
-        CovarianceChoice::Empirical => {
-            let covariance = own_covariance(measured, std_m)?;
-            Chosen { slope_ratio: judge.ratio(&covariance), ..Chosen::new(covariance) }
-        }
+        CovarianceChoice::Empirical => Chosen::new(own_covariance(measured, std_m)?),
         _ => {
             let covariance = stated(section, std_m)?;
             // A stated surface need not be like the scan.
@@ -110,9 +115,21 @@ pub(super) fn choose(
     for candidate in candidates.into_iter().rev() {
         chosen.candidates.insert(0, candidate);
     }
+    if let Some(slopes) = &roughness.slopes {
+        let draw = |covariance: &SurfaceCovariance| {
+            let (covariance, translation) = (covariance.clone(), section.translation);
+            let texture = Texture::Translated { covariance, translation, expansion: None };
+            let model = SurfaceModel { marginal: marginal.clone(), texture };
+            Trial::draw(&model, judge.scale, measured.map.grid(), measured.level, slopes)
+        };
+        chosen.try_out(draw(&chosen.covariance)?);
+        if section.covariance == CovarianceChoice::Measured && families.len() == CorrelationFamily::ALL.len() {
+            chosen = nearer(chosen, model, measured, &judge, draw)?;
+        }
+        chosen.slope_cutoff_m = Some(slopes.cutoff_m);
+        chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
+    }
     chosen.warnings.extend(noise_warning(measured));
-    chosen.slope_cutoff_m = roughness.slopes.as_ref().map(|slopes| slopes.cutoff_m);
-    chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
     Ok(chosen)
 }
 
@@ -132,11 +149,18 @@ pub(super) fn stated(section: &SurfaceSection, std_m: f64) -> Result<SurfaceCova
 }
 
 impl Chosen {
+    /// Takes the slopes of drawn maps.
+    fn try_out(&mut self, trial: Option<Trial>) {
+        self.slope_ratio = trial.as_ref().map(Trial::slope_ratio);
+        self.trial = trial;
+    }
+
     pub(super) fn new(covariance: SurfaceCovariance) -> Self {
         Self {
             covariance,
             misfit: None,
             slope_ratio: None,
+            trial: None,
             slope_cutoff_m: None,
             candidates: vec![],
             reason: None,
@@ -164,10 +188,9 @@ fn measured_choice(
     families: &[CorrelationFamily],
     std_m: f64,
 ) -> Result<Chosen, StudyError> {
-    let of_model = |fits: &CovarianceFits,
-                    (fit, covariance, ratio): (CovarianceFit, SurfaceCovariance, Option<f64>)| {
+    let of_model = |fits: &CovarianceFits, (fit, covariance, _): (CovarianceFit, SurfaceCovariance, Option<f64>)| {
         let warnings = fits.warnings.iter().map(|warning| format!("covariance fit: {warning}")).collect();
-        Chosen { misfit: Some(fit.misfit), slope_ratio: ratio, warnings, ..Chosen::new(covariance) }
+        Chosen { misfit: Some(fit.misfit), warnings, ..Chosen::new(covariance) }
     };
     let failure = match &fits {
         Err(error) => error.to_string(),
@@ -183,7 +206,7 @@ fn measured_choice(
                      spectral density to {} % rms{}.",
                     model.0.covariance.model().name(),
                     sentence::digits(100.0 * model.0.misfit.exp_m1()),
-                    model.2.map_or(String::new(), |ratio| format!(" and has {} of the scan's Sdq", times(ratio))),
+                    model.2.map_or(String::new(), |ratio| format!(" and has {} the scan's Sdq", times(ratio))),
                 ));
                 return Ok(chosen);
             }
@@ -195,7 +218,7 @@ fn measured_choice(
                     "no model meets the scan's spectrum and slopes (the best, {}, misses the spectral density by {} % rms{})",
                     best.0.covariance.model().name(),
                     sentence::digits(100.0 * best.0.misfit.exp_m1()),
-                    best.2.map_or(String::new(), |ratio| format!(" and has {} of the scan's Sdq", times(ratio))),
+                    best.2.map_or(String::new(), |ratio| format!(" and has {} the scan's Sdq", times(ratio))),
                 )
             }
         }
@@ -218,12 +241,18 @@ fn measured_choice(
             return Ok(chosen);
         }
     };
+    Ok(own_choice(judge, own, &failure))
+}
+
+/// The scan's own covariance, taken because of `failure`; where the marginal law changes its slopes, that of normal variables under
+/// which the heights keep them.
+fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> Chosen {
     let ratio = judge.ratio(&own);
-    let mut chosen = Chosen { slope_ratio: ratio, ..Chosen::new(own) };
+    let mut chosen = Chosen::new(own);
     chosen.candidates.push(("empirical".into(), None, ratio));
     chosen.reason = Some(format!("The scan's own covariance was taken because {failure}."));
     if is_near(ratio, SLOPE_TOLERANCE) {
-        return Ok(chosen);
+        return chosen;
     }
     if let (Some(translation), Some(slopes), SurfaceCovariance::Empirical(own)) =
         (&judge.translation, &judge.roughness.slopes, &chosen.covariance)
@@ -231,18 +260,16 @@ fn measured_choice(
         let corner = CORNER * std::f64::consts::TAU / slopes.cutoff_m;
         let adjusted =
             own.beneath(|rho| translation.correlation(rho), corner, |own| judge.ratio(own).unwrap_or(f64::NAN));
-        let adjusted_ratio = judge.ratio(&adjusted);
-        if distance(adjusted_ratio) < distance(ratio) {
+        if distance(judge.ratio(&adjusted)) < distance(ratio) {
             chosen.reason = Some(format!(
-                "The scan's own covariance was taken because {failure}. Under the marginal law it would have {} of the scan's \
-                 Sdq; the covariance of the normal variables was changed so that the heights keep the slopes.",
+                "The scan's own covariance was taken because {failure}. Under the marginal law it would have {} the scan's Sdq; \
+                 the covariance of the normal variables was changed so that the heights keep the slopes.",
                 times(ratio.unwrap_or(f64::NAN)),
             ));
             chosen.covariance = SurfaceCovariance::Empirical(Box::new(adjusted));
-            chosen.slope_ratio = adjusted_ratio;
         }
     }
-    Ok(chosen)
+    chosen
 }
 
 /// Heights that hardly correlate with their neighbours.
@@ -271,22 +298,73 @@ fn times(ratio: f64) -> String {
     format!("{} times", sentence::digits(ratio))
 }
 
+/// Where drawn maps have other slopes than the scan, tries the scan's own covariance in place of a model, or in its place `model`, which
+/// meets the scan's spectrum; the covariance whose maps are nearer is taken.
+fn nearer(
+    chosen: Chosen,
+    model: Option<(CovarianceFit, SurfaceCovariance)>,
+    measured: &Measured,
+    judge: &Judge<'_>,
+    draw: impl Fn(&SurfaceCovariance) -> Result<Option<Trial>, StudyError>,
+) -> Result<Chosen, StudyError> {
+    let Some(ratio) = chosen.slope_ratio.filter(|ratio| !is_near(Some(*ratio), SLOPE_WARNING)) else {
+        return Ok(chosen);
+    };
+    let failure = |name: &str| format!("maps drawn with {name} have {} the scan's Sdq", times(ratio));
+    let other = match &chosen.covariance {
+        SurfaceCovariance::Model(found) => own_covariance(measured, found.std_m())
+            .map(|own| own_choice(judge, own, &failure(&format!("the {} model", found.model().name()))))
+            .ok(),
+        SurfaceCovariance::Empirical(_) => model.map(|(fit, covariance)| {
+            let (name, failure) = (fit.covariance.model().name(), failure("the scan's own covariance"));
+            let reason =
+                Some(format!("The {name} model was fitted to the scan's spectrum by likelihood because {failure}."));
+            Chosen { misfit: Some(fit.misfit), reason, ..Chosen::new(covariance) }
+        }),
+    };
+    let Some(mut other) = other else { return Ok(chosen) };
+    other.try_out(draw(&other.covariance)?);
+    let candidates = [chosen.candidates.as_slice(), &other.candidates].concat();
+    let is_nearer = distance(other.slope_ratio) < distance(chosen.slope_ratio);
+    Ok(Chosen { candidates, ..if is_nearer { other } else { chosen } })
+}
+
+/// A warning where the slopes of a drawn map differ from the scan's.
 fn slope_warning(chosen: &Chosen, judge: &Judge<'_>, marginal: &Marginal) -> Option<String> {
-    let ratio = chosen.slope_ratio.filter(|ratio| !is_near(Some(*ratio), SLOPE_WARNING))?;
-    let gaussian = judge.gaussian_ratio(&chosen.covariance);
-    let reason = if judge.translation.is_some() && distance(gaussian) < 0.5 * distance(Some(ratio)) {
+    let trial = chosen.trial.as_ref()?;
+    let (least, most) = trial.slope_range();
+    if is_near(Some(least), SLOPE_WARNING) && is_near(Some(most), SLOPE_WARNING) {
+        return None;
+    }
+    let ratio = trial.slope_ratio();
+    let (expected, gaussian) = (judge.ratio(&chosen.covariance), judge.gaussian_ratio(&chosen.covariance));
+    let reason = if trial.clipped_variance > CLIPPED_VARIANCE {
+        format!(
+            "a map of this size holds too few correlation lengths, so that {} % of the variance was clipped and its waves changed; a \
+             larger scan, or a form of higher degree to remove, helps",
+            sentence::digits(100.0 * trial.clipped_variance)
+        )
+    } else if judge.translation.is_some()
+        && (distance(gaussian) < 0.5 * distance(expected)
+            || (is_near(expected, SLOPE_TOLERANCE) && marginal.excess_kurtosis() > HEAVY_TAILS))
+    {
         format!(
             "the marginal law of the heights (kurtosis {}) distorts the slopes of the normal variables beneath; reject outliers, or \
              use marginal = \"normal\"",
             sentence::digits(3.0 + marginal.excess_kurtosis())
         )
+    } else if is_near(expected, SLOPE_TOLERANCE) {
+        "a map of this size holds few correlation lengths, and maps differ that much by chance; a larger scan helps"
+            .to_owned()
     } else {
         "the covariance does not follow the scan's spectrum up to the end of its band".to_owned()
     };
     let cutoff = sentence::si(chosen.slope_cutoff_m?, "m");
     Some(format!(
-        "the slopes of the random surfaces are {} those of the scan (Sdq, both S-filtered at {cutoff}, the end of the scan's reliable \
-         band): {reason}. Elastic contact area and friction depend on slopes",
-        times(ratio)
+        "the slopes of the random surfaces are {} those of the scan, of single maps {} to {} (Sdq, both S-filtered at {cutoff}, the end \
+         of the scan's reliable band): {reason}. Elastic contact area and friction depend on slopes",
+        times(ratio),
+        sentence::digits(least),
+        times(most),
     ))
 }

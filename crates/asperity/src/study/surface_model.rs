@@ -23,10 +23,12 @@ const WANTED_VARIANCE: f64 = 0.9;
 pub(super) const MOST_MODES: usize = 400;
 /// Terms over those that Fourier modes need, since the modes of a patch are not quite these.
 const MARGIN: f64 = 1.1;
+/// Factor on the terms where these do not hold the slopes.
+const GROWTH: f64 = 1.25;
 /// Above this deviation of the correlation a corrected translation is warned about.
 const CORRELATION_LEFT: f64 = 0.01;
 /// Above this share of clipped variance a spectral field is warned about.
-const CLIPPED_VARIANCE: f64 = 1e-3;
+pub(super) const CLIPPED_VARIANCE: f64 = 1e-3;
 
 /// Random surfaces of one marginal law.
 #[derive(Debug, Clone)]
@@ -149,6 +151,8 @@ pub(super) struct Generated {
     pub(super) warnings: Vec<String>,
     /// How well the correlation of the heights is met, where the translation was corrected for it.
     pub(super) correction: Option<String>,
+    /// Fraction of the variance that was clipped from a spectral field.
+    pub(super) clipped_variance: f64,
 }
 
 impl SurfaceModel {
@@ -164,24 +168,21 @@ impl SurfaceModel {
     pub(super) fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, StudyError> {
         match self.texture {
             Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => {
-                let modes = match expansion.modes {
-                    Some(modes) => modes,
-                    None => {
-                        let needed = modes_for_slopes(covariance, grid, WANTED_VARIANCE);
-                        let modes = ((MARGIN * needed as f64).ceil() as usize + 1).min(grid.points());
-                        if needed > MOST_MODES {
-                            return self.all_fourier_modes(covariance, translation, expansion, needed, grid, periodic);
-                        }
-                        modes
-                    }
-                };
-                let generated = self.expanded(covariance, translation, expansion, modes, grid, periodic)?;
-                match &generated.karhunen_loeve {
-                    Some(found) if expansion.modes.is_none() && found.captured_slope_variance < WANTED_VARIANCE => {
-                        self.all_fourier_modes(covariance, translation, expansion, modes + 1, grid, periodic)
-                    }
-                    _ => Ok(generated),
+                if let Some(modes) = expansion.modes {
+                    return self.expanded(covariance, translation, expansion, modes, grid, periodic);
                 }
+                let needed = modes_for_slopes(covariance, grid, WANTED_VARIANCE);
+                let most = MOST_MODES.min(grid.points());
+                let mut modes = (MARGIN * needed as f64).ceil() as usize + 1;
+                while modes <= most {
+                    let generated = self.expanded(covariance, translation, expansion, modes, grid, periodic)?;
+                    let found = generated.karhunen_loeve.as_ref();
+                    if found.is_none_or(|found| found.captured_slope_variance >= WANTED_VARIANCE) {
+                        return Ok(generated);
+                    }
+                    modes = (GROWTH * modes as f64).ceil() as usize;
+                }
+                self.all_fourier_modes(covariance, translation, expansion, needed, grid, periodic)
             }
             Texture::Translated { ref covariance, translation, expansion: None } => {
                 self.spectral(covariance, translation, GermOrder::Variance, grid, periodic)
@@ -321,7 +322,7 @@ impl SurfaceModel {
             Some(true) => (Box::new(field.rescaled()), 1.0),
             Some(false) => (Box::new(field), captured_variance.sqrt()),
         };
-        Ok(Generated { surface, karhunen_loeve, std_share, warnings, correction: None })
+        Ok(Generated { surface, karhunen_loeve, std_share, warnings, correction: None, clipped_variance: 0.0 })
     }
 
     fn spectral(
@@ -374,6 +375,7 @@ impl SurfaceModel {
                 sentence::digits(100.0 * field.clipped_variance())
             ));
         }
+        let clipped_variance = field.clipped_variance();
         Ok(Generated {
             surface: self.translated(match order {
                 GermOrder::Variance => field,
@@ -383,6 +385,7 @@ impl SurfaceModel {
             std_share: 1.0,
             warnings,
             correction: told,
+            clipped_variance,
         })
     }
 
@@ -401,6 +404,7 @@ impl SurfaceModel {
             std_share: 1.0,
             warnings: Vec::new(),
             correction: None,
+            clipped_variance: 0.0,
         })
     }
 }

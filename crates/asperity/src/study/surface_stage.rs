@@ -15,6 +15,7 @@ use crate::study::output::StageOutput;
 use crate::study::pooled::Part;
 use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
 use crate::study::surface_model::{Expansion, GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture};
+use crate::study::trial::Trial;
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
@@ -37,27 +38,26 @@ pub(super) struct SurfaceStage {
 pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
     let measured = measure_all(section, scans, &mut output)?;
-    let (model, result) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
+    let (model, result, trial) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
     if let Some(measured) = &measured {
         output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
-        let is_like_the_scan = section.covariance.is_of_the_scan()
-            && section.generator != GeneratorChoice::WeierstrassMandelbrot
-            && section.marginal == "measured"
-            && section.rms_height.is_none();
-        if is_like_the_scan {
-            output.warnings.extend(contact_warning(&measured.map, &model)?);
+        let is_like_the_scan =
+            section.covariance.is_of_the_scan() && section.marginal == "measured" && section.rms_height.is_none();
+        if let Some(trial) = trial.filter(|_| is_like_the_scan) {
+            output.warnings.extend(contact_warning(&measured.map, &trial.maps));
         }
     }
     Ok(SurfaceStage { model, result, output })
 }
 
-/// The random surfaces of a section; a measured covariance is the best fit of `families`.
+/// The random surfaces of a section, with maps that were drawn to judge a covariance like the scan's; a measured covariance is the
+/// best fit of `families`.
 pub(super) fn model_of(
     section: &SurfaceSection,
     measured: Option<&Measured>,
     families: &[CorrelationFamily],
     output: &mut StageOutput,
-) -> Result<(SurfaceModel, SurfaceResult), StudyError> {
+) -> Result<(SurfaceModel, SurfaceResult, Option<Trial>), StudyError> {
     let (model, chosen) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
         (fractal_model(section, measured)?, None)
     } else {
@@ -77,7 +77,7 @@ pub(super) fn model_of(
         marginal: law_result(&model.marginal),
         karhunen_loeve: None,
     };
-    Ok((model, result))
+    Ok((model, result, chosen.and_then(|chosen| chosen.trial)))
 }
 
 /// The first scan with what all say together; maps and series show the first.

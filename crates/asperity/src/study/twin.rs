@@ -86,7 +86,7 @@ impl Twins {
         let measured = measure(&section, file, scan, &mut output)?;
         output.warnings.extend(section.idle_keys());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
-        let (model, result) = match model {
+        let (model, result, _) = match model {
             Err(StudyError::Empirical(error)) if options.model_in_need => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceChoice::Measured;
@@ -365,7 +365,7 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
 }
 
 /// The form that is removed from twins, which have no cylinder or sphere of their own: the polynomial that follows one.
-fn treatment(level: Level) -> Level {
+pub(super) fn treatment(level: Level) -> Level {
     match level {
         Level::Cylinder | Level::Sphere => Level::Quadratic,
         level => level,

@@ -38,13 +38,7 @@ pub(super) fn made_positive(lags: &Array2<f64>, wavevector: impl Fn(f64, f64) ->
     for value in &mut spectrum {
         *value = value.re.sqrt().into();
     }
-    let average = torus.values(spectrum);
-
-    let mut spectrum = torus.spectrum(reach_x, reach_y, |x, y| average[torus.place(x, y)]);
-    let variance = torus.sum(&spectrum, |value| value.norm_sqr());
-    for value in &mut spectrum {
-        *value = (value.norm_sqr() / variance).into();
-    }
+    let spectrum = torus.factored(spectrum, reach_x, reach_y);
     let correlation = torus.values(spectrum.clone());
     let (far_x, far_y) = (2 * reach_x, 2 * reach_y);
     let mut largest_change = 0.0_f64;
@@ -122,16 +116,19 @@ impl Beneath {
     }
 
     /// The correlation whose spectrum is multiplied by `factor` of the wavevector in radian per lag.
+    ///
+    /// The spectrum is that of a periodic sequence. Cut at the end of the lags it would not be positive semi-definite, so its root
+    /// is cut at half of them, as in [`made_positive`].
     pub(super) fn spline(&self, factor: impl Fn(f64, f64) -> f64) -> Spline {
-        let factor = |place: usize| {
+        let root = |(place, value): (usize, &f64)| {
             let (x, y) = self.torus.wavevector(place, |x, y| (x, y));
-            factor(x, y)
+            (value * factor(x, y)).sqrt().into()
         };
-        let spectrum = self.spectrum.iter().enumerate().map(|(place, value)| value * factor(place)).collect();
-        let mut scaled = Self { torus: Torus { fft: self.torus.fft.clone() }, spectrum, reach: self.reach };
-        scaled.normalise();
-        let spectrum = scaled.spectrum.iter().map(|value| (*value).into()).collect();
-        scaled.torus.spline(spectrum, self.reach.0 as usize, self.reach.1 as usize)
+        // A spline has its tail beyond the lags.
+        let half = |reach: isize| (reach - TAIL as isize) / 2;
+        let (half_x, half_y) = (half(self.reach.0), half(self.reach.1));
+        let spectrum = self.torus.factored(self.spectrum.iter().enumerate().map(root).collect(), half_x, half_y);
+        self.torus.spline(spectrum, 2 * half_x as usize + TAIL, 2 * half_y as usize + TAIL)
     }
 }
 
@@ -239,6 +236,17 @@ impl Torus {
         }
         let mut spectrum = self.fft.spectrum();
         self.fft.forward(&values, &mut spectrum, &mut self.fft.workspace());
+        spectrum
+    }
+
+    /// Spectrum of k ⋆ k over its variance, k the sequence of the spectrum `root` on |x| ≤ `reach_x`, |y| ≤ `reach_y`.
+    fn factored(&self, root: Vec<Complex64>, reach_x: isize, reach_y: isize) -> Vec<Complex64> {
+        let average = self.values(root);
+        let mut spectrum = self.spectrum(reach_x, reach_y, |x, y| average[self.place(x, y)]);
+        let variance = self.sum(&spectrum, |value| value.norm_sqr());
+        for value in &mut spectrum {
+            *value = (value.norm_sqr() / variance).into();
+        }
         spectrum
     }
 

@@ -348,6 +348,9 @@ fn the_covariance_beneath_a_lognormal_law_is_its_closed_form() {
         assert!((found - wanted).abs() < 0.03, "({x}, {y}): {found} {wanted}");
     }
     assert!((beneath.correlation(0.0, 1e-9) - 1.0).abs() < 1e-6 && beneath.std_m() == measured.std_m());
+    // It is a covariance: a free field of it needs no clipping.
+    let clipped = SpectralField::free(&beneath, unit_grid(96, 80)).unwrap().clipped_variance();
+    assert!(clipped < 1e-6, "{clipped}");
     // Slopes that are 1.3 times too great are lowered by that factor: 1 − ρ at one lag is its square.
     let target = measured.correlation(1.0, 0.0);
     let ratio = |own: &MeasuredCovariance| ((1.0 - own.correlation(1.0, 0.0)) / (1.0 - target)).sqrt();

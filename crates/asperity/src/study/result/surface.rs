@@ -221,8 +221,8 @@ pub struct CovarianceResult {
     pub hurst: Option<f64>,
     /// Root mean square of ln(measured/model spectral density) over the reliable band, where fitted.
     pub misfit: Option<f64>,
-    /// Sdq of the random surfaces, as expected, over that of the scan, both S-filtered at `slope_cutoff_m`, where the covariance is
-    /// the scan's.
+    /// Sdq of maps drawn on the scan's grid, in the root mean square, over that of the scan, both S-filtered at `slope_cutoff_m`, where
+    /// the covariance is the scan's.
     pub slope_ratio: Option<f64>,
     /// Cutoff of that S-filter: the end of the scan's reliable band, or four pixels.
     pub slope_cutoff_m: Option<f64>,
@@ -240,7 +240,7 @@ pub struct CovarianceCandidate {
     pub model: String,
     /// Root mean square of ln(measured/model spectral density) over the reliable band, of a model.
     pub misfit: Option<f64>,
-    /// Sdq of its random surfaces over that of the scan.
+    /// Sdq of its random surfaces, as expected without sampling, over that of the scan.
     pub slope_ratio: Option<f64>,
 }
 
