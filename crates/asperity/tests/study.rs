@@ -310,7 +310,7 @@ friction_marginal = "normal"
 "#;
     let results = Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap().results;
     assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
-    assert!(results.warnings.iter().any(|warning| warning.contains("so that friction stays positive")));
+    assert!(results.warnings.iter().any(|warning| warning.contains("clipped to stay positive")));
 }
 
 #[test]
