@@ -13,8 +13,6 @@ use super::spectrum::BlockSpectrum;
 /// Degrees of freedom that a block counts at most: no model describes a surface to better than about 10 %, however many
 /// wavevectors a block has, and the few blocks of long waves would else have no weight.
 const MOST_DEGREES: f64 = 200.0;
-/// Densities below this fraction of the largest are leakage of the window and rounding, and count as equal.
-const FLOOR: f64 = 1e-10;
 /// Blocks below which nothing is fitted.
 const FEWEST_BLOCKS: usize = 8;
 /// Lengths from which fits start, in geometric steps between the pitch and the map.
@@ -249,10 +247,9 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
         let Ok(covariance) = covariance(p) else { return vec![] };
         let of = |spectrum: &&BlockSpectrum| {
             let blocks = spectrum.blocks();
-            let floor = FLOOR * blocks.iter().map(|block| block.density_m4).fold(f64::MIN_POSITIVE, f64::max);
             let ratio = |block| {
                 let expected = spectrum.expected_m4(block, &covariance);
-                ((block.density_m4 + floor) / (expected + floor), block.degrees_of_freedom)
+                (block.density_m4 / expected.max(f64::MIN_POSITIVE), block.degrees_of_freedom)
             };
             blocks.iter().map(ratio).collect()
         };

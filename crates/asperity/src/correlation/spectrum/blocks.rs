@@ -18,6 +18,8 @@ const INDEPENDENT: f64 = 0.264;
 /// up to this many steps, and densities below this fraction of the largest count as leakage of the window.
 const FIRST_STEPS: f64 = 4.0;
 const LEAKAGE: f64 = 1e-3;
+/// Blocks whose density is below this many times the leakage of the window are left out.
+const ABOVE_LEAKAGE: f64 = 10.0;
 /// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
 const SMOOTHED_STEPS: f64 = 12.0;
 
@@ -61,6 +63,7 @@ impl BlockSpectrum {
         #[derive(Clone, Default)]
         struct Sums {
             density: f64,
+            leakage: f64,
             count: f64,
             places: Vec<[f64; 2]>,
         }
@@ -76,14 +79,15 @@ impl BlockSpectrum {
         let high = high.min(0.5 * nyquist);
         let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
         let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
+        let leakage = Leakage::of(&spectrum, [nx, ny]);
         let mut sums = vec![Sums::default(); edges_x.len() * edges_y.len()];
         // Products of slopes: of x with x, of x with y, of y with y.
         let mut slopes = [0.0; 3];
         for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
             let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
             let (qx, block_x) = (kx as f64 * qx_min, place_of(&edges_x, kx as f64));
-            for (ky, density) in column.iter().enumerate() {
-                let ky = signed_index(ky, ny);
+            for (row, density) in column.iter().enumerate() {
+                let ky = signed_index(row, ny);
                 let qy = ky * qy_min;
                 let q = qx.hypot(qy);
                 if q < low || q > high {
@@ -91,6 +95,7 @@ impl BlockSpectrum {
                 }
                 let block = &mut sums[block_x * edges_y.len() + place_of(&edges_y, ky.abs())];
                 block.density += times * density;
+                block.leakage += times * leakage.density_m4(kx, row, ky.abs());
                 block.count += times;
                 block.places.push([qx, qy.abs()]);
                 // The edge of the zone is its own opposite, which has no sign.
@@ -112,7 +117,12 @@ impl BlockSpectrum {
             }
         };
         Ok(Self {
-            blocks: sums.into_iter().map(block).filter(|block| block.density_m4 > 0.0).collect(),
+            blocks: sums
+                .into_iter()
+                .filter(|sums| sums.density > ABOVE_LEAKAGE * sums.leakage)
+                .map(block)
+                .filter(|block| block.density_m4 > 0.0)
+                .collect(),
             floor_m4,
             band,
             step_rad_per_m: [qx_min, qy_min],
@@ -193,6 +203,51 @@ impl BlockSpectrum {
     }
 }
 
+/// Density that the side lobes of a Hann window put far from the waves that hold it.
+///
+/// A wave at q = 0 along an axis of length L appears at the k-th wavenumber with the weight L/(3π²k²(k² − 1)²), averaged over the
+/// phases of the side lobes. What leaks along x to (kx, ky) comes from all waves of the same ky, and along y from those of the same kx.
+struct Leakage {
+    /// Sides of the map in metre.
+    size_m: [f64; 2],
+    /// Densities in m³ of all waves of one kx, and of one ky.
+    along: [Vec<f64>; 2],
+    /// Whether the spectrum was taken under this window.
+    is_windowed: bool,
+}
+
+impl Leakage {
+    fn of(spectrum: &AreaSpectrum, [nx, ny]: [usize; 2]) -> Self {
+        let (qx_min, qy_min, _) = spectrum.wavenumbers();
+        let size_m = [qx_min, qy_min].map(|step| std::f64::consts::TAU / step);
+        let (mut of_x, mut of_y) = (vec![0.0; nx / 2 + 1], vec![0.0; ny]);
+        for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
+            let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
+            for (row, density) in column.iter().enumerate() {
+                of_x[kx] += density / size_m[1];
+                of_y[row] += times * density / size_m[0];
+            }
+        }
+        Self { size_m, along: [of_x, of_y], is_windowed: matches!(spectrum.route, SpectrumRoute::Periodogram) }
+    }
+
+    /// Leakage in m⁴ to the wavenumber `kx` along x and the one of index `row` and size `ky` along y.
+    fn density_m4(&self, kx: usize, row: usize, ky: f64) -> f64 {
+        /// Wavenumbers within the main lobe.
+        const MAIN_LOBE: f64 = 2.0;
+
+        let weight = |axis: usize, k: f64| {
+            let tail = 3.0 * (std::f64::consts::PI * k * (k * k - 1.0)).powi(2);
+            if k > MAIN_LOBE { self.size_m[axis] / tail } else { 0.0 }
+        };
+        if self.is_windowed {
+            weight(0, kx as f64) * self.along[1][row] + weight(1, ky) * self.along[0][kx]
+        } else {
+            0.0
+        }
+    }
+}
+
 /// Lower edges of the blocks along an axis, from wavenumber 0 to `last`.
 fn edges(last: usize) -> Vec<f64> {
     let ratio = (1.0 / PER_OCTAVE).exp2();
@@ -227,16 +282,18 @@ mod tests {
                     BlockSpectrum::of(&field.generate(&germ)).unwrap()
                 })
                 .collect();
-            let places = maps.iter().map(|map| map.blocks.len()).min().unwrap();
             let (mut squares, mut compared) = (0.0, 0.0);
-            for place in 0..places {
-                let found: Vec<&Block> = maps.iter().map(|map| &map.blocks[place]).collect();
-                if found.iter().any(|block| block.samples != found[0].samples) {
+            for first in &maps[0].blocks {
+                // The ends of the reliable bands differ, so a block need not be whole in every map.
+                let same = |map: &&BlockSpectrum| map.blocks.iter().any(|block| block.samples == first.samples);
+                if !maps.iter().all(|map| same(&map)) {
                     continue;
                 }
+                let of = |map: &BlockSpectrum| map.blocks.iter().find(|block| block.samples == first.samples).cloned();
+                let found: Vec<Block> = maps.iter().filter_map(of).collect();
                 let mean = found.iter().map(|block| block.density_m4).sum::<f64>() / 24.0;
                 let freedom = 24.0 * found[0].degrees_of_freedom;
-                let wanted = maps[0].expected_m4(found[0], &covariance);
+                let wanted = maps[0].expected_m4(first, &covariance);
                 // The standard error of the mean, and 4 % for the samples that stand for a block.
                 squares += (mean / wanted - 1.0).powi(2) / (2.0 / freedom + 0.04_f64.powi(2));
                 compared += 1.0;
