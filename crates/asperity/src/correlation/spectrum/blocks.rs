@@ -10,16 +10,18 @@ use crate::correlation::{Covariance, EstimateError};
 
 /// Blocks per octave along each axis, where they hold a wavenumber each.
 const PER_OCTAVE: f64 = 3.0;
-/// Wavevectors of a block at which a model is evaluated at most.
+/// Wavevectors of a block at which a model is evaluated at most, and in blocks across which the density falls steeply: there few
+/// wavevectors do not have the mean density of the block.
 const SAMPLES: usize = 6;
+const SAMPLES_WHERE_STEEP: usize = 48;
+/// Ratio of the mean densities of the inner and the outer half of a block from which it is steep.
+const STEEP: f64 = 2.0;
 /// Fraction of the coefficients that are independent under a Hann window along both axes, (18/35)².
 const INDEPENDENT: f64 = 0.264;
 /// A band of fewer octaves than one is that of a surface smooth on the scale of the map's size; then the first wavenumbers are used,
 /// up to this many steps, and densities below this fraction of the largest count as leakage of the window.
 const FIRST_STEPS: f64 = 4.0;
 const LEAKAGE: f64 = 1e-3;
-/// Blocks whose density is below this many times the leakage of the window are left out.
-const ABOVE_LEAKAGE: f64 = 10.0;
 /// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
 const SMOOTHED_STEPS: f64 = 12.0;
 
@@ -63,9 +65,9 @@ impl BlockSpectrum {
         #[derive(Clone, Default)]
         struct Sums {
             density: f64,
-            leakage: f64,
             count: f64,
-            places: Vec<[f64; 2]>,
+            /// Wavevectors and their densities.
+            places: Vec<([f64; 2], f64)>,
         }
         let spectrum = AreaSpectrum::of(map)?;
         let band = spectrum.radial().reliable;
@@ -79,15 +81,14 @@ impl BlockSpectrum {
         let high = high.min(0.5 * nyquist);
         let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
         let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
-        let leakage = Leakage::of(&spectrum, [nx, ny]);
         let mut sums = vec![Sums::default(); edges_x.len() * edges_y.len()];
         // Products of slopes: of x with x, of x with y, of y with y.
         let mut slopes = [0.0; 3];
         for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
             let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
             let (qx, block_x) = (kx as f64 * qx_min, place_of(&edges_x, kx as f64));
-            for (row, density) in column.iter().enumerate() {
-                let ky = signed_index(row, ny);
+            for (ky, density) in column.iter().enumerate() {
+                let ky = signed_index(ky, ny);
                 let qy = ky * qy_min;
                 let q = qx.hypot(qy);
                 if q < low || q > high {
@@ -95,9 +96,8 @@ impl BlockSpectrum {
                 }
                 let block = &mut sums[block_x * edges_y.len() + place_of(&edges_y, ky.abs())];
                 block.density += times * density;
-                block.leakage += times * leakage.density_m4(kx, row, ky.abs());
                 block.count += times;
-                block.places.push([qx, qy.abs()]);
+                block.places.push(([qx, qy.abs()], *density));
                 // The edge of the zone is its own opposite, which has no sign.
                 let both = if kx == 0 || 2 * kx == nx { 0.0 } else { 1.0 };
                 for (sum, product) in slopes.iter_mut().zip([qx * qx, both * qx * qy, qy * qy]) {
@@ -109,20 +109,21 @@ impl BlockSpectrum {
             sums.iter().filter(|sums| sums.count > 0.0).map(|sums| sums.density / sums.count).fold(0.0, f64::max);
         let floor_m4 = if is_short { LEAKAGE * largest } else { 0.0 };
         let block = |sums: Sums| {
-            let stride = sums.places.len().div_ceil(SAMPLES).max(1);
+            let half = sums.places.len() / 2;
+            let mut outward = sums.places.clone();
+            outward.sort_by(|(a, _), (b, _)| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+            let total = |places: &[([f64; 2], f64)]| places.iter().map(|(_, density)| density).sum::<f64>();
+            let is_steep = half > 0 && total(&outward[..half]) > STEEP * total(&outward[outward.len() - half..]);
+            let most = if is_steep { SAMPLES_WHERE_STEEP } else { SAMPLES };
+            let stride = sums.places.len().div_ceil(most).max(1);
             Block {
                 density_m4: sums.density / sums.count + floor_m4,
                 degrees_of_freedom: (INDEPENDENT * sums.count).max(1.0),
-                samples: sums.places.into_iter().skip(stride / 2).step_by(stride).collect(),
+                samples: sums.places.into_iter().skip(stride / 2).step_by(stride).map(|(q, _)| q).collect(),
             }
         };
         Ok(Self {
-            blocks: sums
-                .into_iter()
-                .filter(|sums| sums.density > ABOVE_LEAKAGE * sums.leakage)
-                .map(block)
-                .filter(|block| block.density_m4 > 0.0)
-                .collect(),
+            blocks: sums.into_iter().map(block).filter(|block| block.density_m4 > 0.0).collect(),
             floor_m4,
             band,
             step_rad_per_m: [qx_min, qy_min],
@@ -203,51 +204,6 @@ impl BlockSpectrum {
     }
 }
 
-/// Density that the side lobes of a Hann window put far from the waves that hold it.
-///
-/// A wave at q = 0 along an axis of length L appears at the k-th wavenumber with the weight L/(3π²k²(k² − 1)²), averaged over the
-/// phases of the side lobes. What leaks along x to (kx, ky) comes from all waves of the same ky, and along y from those of the same kx.
-struct Leakage {
-    /// Sides of the map in metre.
-    size_m: [f64; 2],
-    /// Densities in m³ of all waves of one kx, and of one ky.
-    along: [Vec<f64>; 2],
-    /// Whether the spectrum was taken under this window.
-    is_windowed: bool,
-}
-
-impl Leakage {
-    fn of(spectrum: &AreaSpectrum, [nx, ny]: [usize; 2]) -> Self {
-        let (qx_min, qy_min, _) = spectrum.wavenumbers();
-        let size_m = [qx_min, qy_min].map(|step| std::f64::consts::TAU / step);
-        let (mut of_x, mut of_y) = (vec![0.0; nx / 2 + 1], vec![0.0; ny]);
-        for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
-            let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
-            for (row, density) in column.iter().enumerate() {
-                of_x[kx] += density / size_m[1];
-                of_y[row] += times * density / size_m[0];
-            }
-        }
-        Self { size_m, along: [of_x, of_y], is_windowed: matches!(spectrum.route, SpectrumRoute::Periodogram) }
-    }
-
-    /// Leakage in m⁴ to the wavenumber `kx` along x and the one of index `row` and size `ky` along y.
-    fn density_m4(&self, kx: usize, row: usize, ky: f64) -> f64 {
-        /// Wavenumbers within the main lobe.
-        const MAIN_LOBE: f64 = 2.0;
-
-        let weight = |axis: usize, k: f64| {
-            let tail = 3.0 * (std::f64::consts::PI * k * (k * k - 1.0)).powi(2);
-            if k > MAIN_LOBE { self.size_m[axis] / tail } else { 0.0 }
-        };
-        if self.is_windowed {
-            weight(0, kx as f64) * self.along[1][row] + weight(1, ky) * self.along[0][kx]
-        } else {
-            0.0
-        }
-    }
-}
-
 /// Lower edges of the blocks along an axis, from wavenumber 0 to `last`.
 fn edges(last: usize) -> Vec<f64> {
     let ratio = (1.0 / PER_OCTAVE).exp2();
@@ -284,13 +240,14 @@ mod tests {
                 .collect();
             let (mut squares, mut compared) = (0.0, 0.0);
             for first in &maps[0].blocks {
-                // The ends of the reliable bands differ, so a block need not be whole in every map.
-                let same = |map: &&BlockSpectrum| map.blocks.iter().any(|block| block.samples == first.samples);
-                if !maps.iter().all(|map| same(&map)) {
+                // The ends of the reliable bands differ, so a block need not be whole in every map. Steep blocks have more samples.
+                let same = |block: &&Block| {
+                    block.degrees_of_freedom == first.degrees_of_freedom && block.samples == first.samples
+                };
+                let found: Vec<&Block> = maps.iter().filter_map(|map| map.blocks.iter().find(same)).collect();
+                if found.len() < maps.len() {
                     continue;
                 }
-                let of = |map: &BlockSpectrum| map.blocks.iter().find(|block| block.samples == first.samples).cloned();
-                let found: Vec<Block> = maps.iter().filter_map(of).collect();
                 let mean = found.iter().map(|block| block.density_m4).sum::<f64>() / 24.0;
                 let freedom = 24.0 * found[0].degrees_of_freedom;
                 let wanted = maps[0].expected_m4(first, &covariance);
