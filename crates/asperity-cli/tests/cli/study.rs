@@ -326,7 +326,12 @@ fn several_scans_run_from_anywhere_are_inputs_and_each_is_named_when_wrong() {
     assert_eq!(first, again);
     // The statistics of a part are those of `surface stats`, and the summary tells the lengths of scans and model apart.
     let stats = run_in(folder.path(), "surface stats one/scan.x3p two/scan.x3p --json").json(0);
-    for (key, value) in stats.as_object().unwrap().iter().filter(|(key, _)| *key != "scans") {
+    for (key, value) in stats
+        .as_object()
+        .unwrap()
+        .iter()
+        .filter(|(key, _)| !["scans", "format", "channel", "warnings"].contains(&key.as_str()))
+    {
         assert_eq!(&first["surface"][key], value, "{key}");
     }
     let summary = run_in(folder.path(), "run study.toml --out told").stdout;
@@ -416,14 +421,16 @@ fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
         assert!(ran.stderr.contains(&format!("warning: {warning}")), "{ran:?}");
     }
     // The standard deviation of the friction is as large as its mean.
-    let wild = folder_with(&STUDY.replace("friction_std = 0.001", "friction_std = 0.1"));
+    let wild = folder_with(&STUDY.replace("friction_std = 0.001", "friction_std = 0.1\nupscaling = \"paper\""));
     let refused = run_in(wild.path(), "check study.toml --json");
     let problem = refused.json(2)["problems"][0].as_str().unwrap().to_owned();
     assert!(problem.contains("would be clipped to stay positive, more than 5 %"), "{problem}");
     run_in(wild.path(), "run study.toml").refuses(2, &["would be clipped", "allow_clipping = true"]);
     assert_eq!(listing(wild.path()), ["study.toml"]);
-    let allowed =
-        folder_with(&(STUDY.replace("friction_std = 0.001", "friction_std = 0.1") + "allow_clipping = true\n"));
+    let allowed = folder_with(
+        &(STUDY.replace("friction_std = 0.001", "friction_std = 0.1\nupscaling = \"paper\"")
+            + "allow_clipping = true\n"),
+    );
     assert_eq!(run_in(allowed.path(), "check study.toml").code, 0);
 }
 

@@ -164,7 +164,6 @@ fn scans_without_texture_and_wrong_flags_leave_nothing_behind() {
         ("words.txt --pixel-size 1um", 3, vec!["words.txt"]),
         ("flat.npy", 2, vec!["flat.npy", "--pixel-size"]),
         ("flat.npy --pixel-size 1um", 3, vec!["flat.npy"]),
-        ("noise.npy --pixel-size 1um --covariance measured", 3, vec!["noise.npy", "--covariance"]),
         ("scan.x3p --count 0", 2, vec!["--count", "at least 1"]),
         ("scan.x3p --format bmp", 2, vec!["--format", "asperity formats"]),
         ("scan.x3p --marginal gamma:2", 2, vec!["--marginal", "gamma"]),
@@ -179,6 +178,9 @@ fn scans_without_texture_and_wrong_flags_leave_nothing_behind() {
         twin(at, &format!("{line} --out deep/twins")).refuses(code, &words);
     }
     assert_eq!(listing(at), before);
+    // Noise has twins, and a warning.
+    let noisy = twin(at, &format!("noise.npy --pixel-size 1um --covariance measured --out deep/twins {FAST}"));
+    assert!(noisy.code == 0 && noisy.stderr.contains("they are noise"), "{noisy:?}");
 }
 
 #[cfg(target_os = "linux")]

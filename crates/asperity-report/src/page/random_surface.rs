@@ -170,7 +170,10 @@ mod tests {
             said(&matern, "covariance · tried, with misfit and ratio of Sdq"),
             "Matérn (0.012; 1.02), empirical (–; 0.97)"
         );
-        assert_eq!(said(&matern, "covariance · Sdq of the random surfaces over the scan's, within the band"), "1.02");
+        assert_eq!(
+            said(&matern, "covariance · Sdq of maps drawn like the scan over the scan's, within the band"),
+            "1.02"
+        );
         assert_eq!(said(&matern, "covariance · extra"), "1 µm");
         assert_eq!(said(&matern, "Karhunen–Loève · modes"), "101");
         let self_affine = json!({"covariance": {"model": "self_affine", "length_y_m": 2e-5}});

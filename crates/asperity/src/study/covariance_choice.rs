@@ -1,8 +1,8 @@
 //! Which covariance the random surfaces of a scan have: the model, or the scan's own, that keeps its spectrum and its slopes.
 
 use crate::correlation::{
-    CorrelationFamily, Covariance, CovarianceFit, CovarianceFits, FitError, MeasuredCovariance, StationaryCovariance,
-    fit_covariance,
+    CorrelationFamily, Covariance, CovarianceFit, CovarianceFits, FitError, FitWarning, MeasuredCovariance,
+    StationaryCovariance, fit_covariance,
 };
 use crate::law::Marginal;
 use crate::law::translation::Translation;
@@ -100,6 +100,11 @@ pub(super) fn choose(
         .iter()
         .map(|(fit, _, ratio)| (fit.covariance.model().name().to_owned(), Some(fit.misfit), *ratio))
         .collect();
+    // The scan's own covariance keeps an oblique lay, but it rests on as few patches as a model.
+    let of_any: Vec<String> = fits.as_ref().map_or(Vec::new(), |fits| {
+        let few = fits.warnings.iter().filter(|warning| matches!(warning, FitWarning::FewLengths { .. }));
+        few.map(|warning| format!("covariance fit: {warning}")).collect()
+    });
     let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
     let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
@@ -128,6 +133,10 @@ pub(super) fn choose(
         }
         chosen.slope_cutoff_m = Some(slopes.cutoff_m);
         chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
+    }
+    if section.covariance == CovarianceChoice::Measured {
+        let missing: Vec<String> = of_any.into_iter().filter(|warning| !chosen.warnings.contains(warning)).collect();
+        chosen.warnings.extend(missing);
     }
     chosen.warnings.extend(noise_warning(measured));
     Ok(chosen)

@@ -159,6 +159,6 @@ mod tests {
         let at = |share: f64| description(&json!({"resolution": {"x": 0.0125, "y": 0.001, "unresolved_share": share}}));
         assert_eq!((at(0.0), description(&json!({}))), (DESCRIPTION.to_owned(), DESCRIPTION.to_owned()));
         assert!(at(1.0).contains("Along the whole front") && at(0.4).contains("Along 40 % of the front"));
-        assert!(at(0.4).contains("0.013 × 0.0010") && at(0.4).contains("not resolved"), "{}", at(0.4));
+        assert!(at(0.4).contains("0.013 × 0.001)") && at(0.4).contains("not resolved"), "{}", at(0.4));
     }
 }
