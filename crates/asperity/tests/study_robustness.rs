@@ -367,8 +367,9 @@ fn the_scan_s_own_covariance_serves_every_stage_and_says_what_was_changed() {
         assert!((own[1] - met[1]).abs() < 0.05 && met[0] == 1.0);
     }
     // A model has no such report, and results that say nothing of it.
-    let outcome = run_in(folder.path(), &measured(), Some(Stage::Surface)).unwrap();
+    let outcome = run(MODEL, Some(Stage::Surface));
     let json: Value = serde_json::from_slice(&json_bytes(&outcome.results).unwrap()).unwrap();
+    assert!(json["surface"]["covariance"]["model"] == "squared_exponential");
     assert!(json["surface"]["covariance"].get("empirical").is_none());
 }
 
