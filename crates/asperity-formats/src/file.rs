@@ -69,7 +69,7 @@ fn content(path: &Path) -> Result<Vec<u8>, FormatError> {
     if let Some(format) = Format::detect(&start).filter(|_| size > MAX_FILE_BYTES) {
         return Err(too_large(format, size).in_file(path));
     }
-    // What the system says of the size only sizes the buffer.
+    // The size from the system only sets the size of the buffer.
     let length = usize::try_from(size.min(MAX_FILE_BYTES)).unwrap_or_default();
     let mut bytes = match whole(&file, length) {
         Some(bytes) => {
