@@ -219,7 +219,7 @@ impl Header {
         [x, named(Y_UNIT).or(x), named(HEIGHT_UNIT).or(any)]
     }
 
-    /// Returns the units and factors that the header states for a matrix of `columns` × `rows` numbers. Unknown units are doubted unless the unit
+    /// Interprets the header of a matrix of `columns` × `rows` numbers. Unknown units are doubted unless the unit
     /// `is_stated` by the user.
     pub(crate) fn meaning(&self, (rows, columns): (usize, usize), is_stated: bool) -> Meaning {
         let mut warnings = Vec::new();
