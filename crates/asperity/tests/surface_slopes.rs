@@ -175,7 +175,7 @@ fn generated_maps_have_the_slopes_of_the_reference_scans_or_a_warning_says_why_n
             sampler.warnings().iter().find(|warning| words.iter().all(|words| warning.contains(words)))
         };
         let of_slopes = warned(["the slopes of the random surfaces are ", " times those of the scan"]);
-        let of_contact = warned(["pressed elastically as hard as a part of the scan", " times that area"]);
+        let of_contact = warned(["pressed elastically as hard as ", " times that area"]);
         let pressures = (scan.missing_points() == 0).then(|| {
             let level = |map: &HeightMap| remove_form(map, Level::Plane).unwrap().map;
             let generated: f64 =

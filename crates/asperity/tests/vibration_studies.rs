@@ -285,7 +285,10 @@ fn a_dimensionless_law_warns_in_a_study_that_varies_the_load() {
         let steady = MACHINE.replace("friction_std = 0.001", "friction_std = 0.0");
         let text = format!("{steady}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003\n{law}\n{map}");
         let study = Study::parse(&text, "map.toml").unwrap();
-        study.run(Path::new(""), None, &Silent).unwrap().results.warnings
+        let found = study.run(Path::new(""), None, &Silent).unwrap().results.warnings;
+        // The study alone tells, before it runs.
+        assert_eq!(study.warnings().iter().any(|text| found.contains(text)), !found.is_empty());
+        found
     };
     for law in ["stribeck = 4.2", "", "velocity_law = \"linear\"\nlinear_weakening = 0.2"] {
         let found = warnings(law);

@@ -346,6 +346,9 @@ fn implausible_machines_are_warned_about() {
     let rough = warned("critical-damping --static-friction 1.6 --stribeck 4.2 --belt-velocity 0.003");
     assert!(rough.contains("warning: the friction coefficient 1.6 is above 1.5"), "{rough}");
     assert!(!warned(&format!("cycle {PAPER} --damping-ratio 0.17")).contains("warning"));
+    let modes = warned("mode-coupling --static-friction 1.6 --stribeck 1 --belt-velocity 1 --modal-damping 0.01,1.2");
+    let [friction, damping] = ["the friction coefficient 1.6 is above 1.5", "the damping ratio 1.2 is above 1"];
+    assert!(modes.contains(friction) && modes.contains(damping), "{modes}");
 }
 
 #[test]

@@ -165,7 +165,7 @@ impl CorrelationFamily {
 
 /// Fits `families` to the spectra of the maps of one surface, of standard deviation `std_m` in metre, and ranks them.
 ///
-/// The likelihood is Whittle's for means of the periodogram over blocks of wavevectors within the reliable band: the mean I of
+/// The likelihood is Whittle's for means of the periodogram over the blocks of [`BlockSpectrum`]: the mean I of
 /// a block with ν degrees of freedom is the expected density M times χ²_ν/ν, and the deviance Σ ν (I/M − 1 − ln(I/M)) is least
 /// at the fit. M holds what the pixels fold into the band and what the window smooths. The standard deviation is given and not
 /// fitted, because the height of a surface is known better than its longest waves; the lengths and the shape follow the spectrum.

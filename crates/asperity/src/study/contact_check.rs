@@ -6,17 +6,20 @@ use crate::study::sentence;
 use crate::surface::level::{Level, remove_form};
 
 /// Points a side of the part of the scan, and of the random maps, that are pressed at most.
-const POINTS: usize = 192;
+const POINTS: usize = 512;
 /// Fraction of the scan in contact at which they are compared, and the mean pressure over E*h' that a Gaussian surface takes for it.
 const FRACTION: f64 = 0.05;
 const FIRST_PRESSURE: f64 = 0.02;
+/// The fraction is met to this share of it, in this many solutions at most.
+const TOLERANCE: f64 = 0.1;
+const SOLUTIONS: usize = 8;
 /// Random maps pressed at most.
 const MAPS: usize = 2;
 /// Ratio of the areas in contact from which, or below whose reciprocal, it is warned.
-const WARNED: f64 = 1.25;
+const WARNED: f64 = 1.2;
 
-/// A warning where random maps on the grid of the scan, or on as much of it as is pressed, touch on another area than a part of the
-/// scan that is pressed elastically as hard; none where the scan has missing heights there.
+/// A warning where random maps on the grid of the scan, or on as much of it as is pressed, touch on another area than the scan that is
+/// pressed elastically as hard; none where the scan has missing heights there.
 ///
 /// A Gaussian field under a translation has the spectrum and the heights of a scan, but neither rounded summits over sharp valleys nor
 /// rough plateaus. Such a scan and its random maps differ in contact although their slopes agree.
@@ -38,19 +41,27 @@ pub(super) fn contact_warning(scan: &HeightMap, maps: &[HeightMap]) -> Option<St
         let problem = Problem::new(&half_space, map.heights_m(), Control::MeanPressure { pascal }, None).ok()?;
         Some(Solver::default().solve(&problem).ok()?.contact_fraction()).filter(|fraction| *fraction > 0.0)
     };
-    let first = FIRST_PRESSURE * rms_gradient(part.heights_m(), grid, Boundary::Free);
-    let pressure = first * FRACTION / fraction(&part, first)?;
-    let of_scan = fraction(&part, pressure)?;
+    let mut pressure = FIRST_PRESSURE * rms_gradient(part.heights_m(), grid, Boundary::Free);
+    let mut of_scan = fraction(&part, pressure)?;
+    for _ in 1..SOLUTIONS {
+        if (of_scan / FRACTION - 1.0).abs() < TOLERANCE {
+            break;
+        }
+        pressure *= FRACTION / of_scan;
+        of_scan = fraction(&part, pressure)?;
+    }
     let pressed = &maps[..maps.len().min(MAPS)];
     let fractions: Vec<f64> =
         pressed.iter().map(|map| fraction(&levelled_part(map)?, pressure)).collect::<Option<_>>()?;
     let ratio = fractions.iter().sum::<f64>() / fractions.len() as f64 / of_scan;
     let is_near = (1.0 / WARNED..=WARNED).contains(&ratio);
+    let of_part =
+        if own.shape() == grid.shape() { String::new() } else { format!("a part of {nx} × {ny} points of ") };
     (!is_near).then(|| {
         format!(
-            "pressed elastically as hard as a part of the scan of {nx} × {ny} points that touches on {} % of its area, random maps \
-             touch on {} times that area: summits of the scan have other slopes and shapes than those of a Gaussian field with its \
-             spectrum and heights, and mean contact pressures are off by about that factor",
+            "pressed elastically as hard as {of_part}the scan, which touches on {} % of its area, random maps touch on {} times that \
+             area: summits of the scan have other slopes and shapes than those of a Gaussian field with its spectrum and heights, and \
+             mean contact pressures are off by about that factor",
             sentence::digits(100.0 * of_scan),
             sentence::digits(ratio),
         )

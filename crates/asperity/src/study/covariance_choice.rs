@@ -129,7 +129,7 @@ pub(super) fn choose(
         };
         chosen.try_out(draw(&chosen.covariance)?);
         if section.covariance == CovarianceChoice::Measured && families.len() == CorrelationFamily::ALL.len() {
-            chosen = nearer(chosen, model, measured, &judge, draw)?;
+            chosen = nearest(chosen, model, measured, &judge, draw)?;
         }
         chosen.slope_cutoff_m = Some(slopes.cutoff_m);
         chosen.warnings.extend(slope_warning(&chosen, &judge, marginal));
@@ -308,9 +308,9 @@ fn times(ratio: f64) -> String {
 }
 
 /// Where drawn maps have other slopes than the scan, tries the scan's own covariance in place of a model, or in its place `model`, which
-/// meets the scan's spectrum; the covariance whose maps are nearer is taken.
-fn nearer(
-    chosen: Chosen,
+/// meets the scan's spectrum, and what it was changed from; the covariance whose maps are nearest is taken.
+fn nearest(
+    mut chosen: Chosen,
     model: Option<(CovarianceFit, SurfaceCovariance)>,
     measured: &Measured,
     judge: &Judge<'_>,
@@ -320,22 +320,37 @@ fn nearer(
         return Ok(chosen);
     };
     let failure = |name: &str| format!("maps drawn with {name} have {} the scan's Sdq", times(ratio));
-    let other = match &chosen.covariance {
-        SurfaceCovariance::Model(found) => own_covariance(measured, found.std_m())
-            .map(|own| own_choice(judge, own, &failure(&format!("the {} model", found.model().name()))))
-            .ok(),
-        SurfaceCovariance::Empirical(_) => model.map(|(fit, covariance)| {
-            let (name, failure) = (fit.covariance.model().name(), failure("the scan's own covariance"));
-            let reason =
-                Some(format!("The {name} model was fitted to the scan's spectrum by likelihood because {failure}."));
-            Chosen { misfit: Some(fit.misfit), reason, ..Chosen::new(covariance) }
-        }),
+    let own = own_covariance(measured, chosen.covariance.std_m()).ok();
+    let others: Vec<Chosen> = match &chosen.covariance {
+        SurfaceCovariance::Model(found) => {
+            let failure = failure(&format!("the {} model", found.model().name()));
+            own.into_iter().map(|own| own_choice(judge, own, &failure)).collect()
+        }
+        SurfaceCovariance::Empirical(_) => {
+            let failure = failure("the scan's own covariance");
+            let model = model.map(|(fit, covariance)| {
+                let name = fit.covariance.model().name();
+                let reason = Some(format!(
+                    "The {name} model was fitted to the scan's spectrum by likelihood because {failure}."
+                ));
+                Chosen { misfit: Some(fit.misfit), reason, ..Chosen::new(covariance) }
+            });
+            let unchanged = own.filter(|own| judge.ratio(own) != judge.ratio(&chosen.covariance));
+            let unchanged = unchanged.map(|own| {
+                let reason =
+                    format!("The scan's own covariance was taken as it is: changed for the marginal law, {failure}.");
+                Chosen { reason: Some(reason), ..Chosen::new(own) }
+            });
+            model.into_iter().chain(unchanged).collect()
+        }
     };
-    let Some(mut other) = other else { return Ok(chosen) };
-    other.try_out(draw(&other.covariance)?);
-    let candidates = [chosen.candidates.as_slice(), &other.candidates].concat();
-    let is_nearer = distance(other.slope_ratio) < distance(chosen.slope_ratio);
-    Ok(Chosen { candidates, ..if is_nearer { other } else { chosen } })
+    for mut other in others {
+        other.try_out(draw(&other.covariance)?);
+        let candidates = [chosen.candidates.as_slice(), &other.candidates].concat();
+        let is_nearer = distance(other.slope_ratio) < distance(chosen.slope_ratio);
+        chosen = Chosen { candidates, ..if is_nearer { other } else { chosen } };
+    }
+    Ok(chosen)
 }
 
 /// A warning where the slopes of a drawn map differ from the scan's.
@@ -354,8 +369,7 @@ fn slope_warning(chosen: &Chosen, judge: &Judge<'_>, marginal: &Marginal) -> Opt
             sentence::digits(100.0 * trial.clipped_variance)
         )
     } else if judge.translation.is_some()
-        && (distance(gaussian) < 0.5 * distance(expected)
-            || (is_near(expected, SLOPE_TOLERANCE) && marginal.excess_kurtosis() > HEAVY_TAILS))
+        && (distance(gaussian) < 0.5 * distance(expected) || marginal.excess_kurtosis() > HEAVY_TAILS)
     {
         format!(
             "the marginal law of the heights (kurtosis {}) distorts the slopes of the normal variables beneath; reject outliers, or \

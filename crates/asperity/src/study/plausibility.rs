@@ -85,6 +85,8 @@ impl Study {
         if let Some(v) = &self.vibration {
             let found = [v.static_friction.and_then(implausible_friction), implausible_damping(v.damping_ratio)];
             warnings.extend(found.into_iter().flatten().map(|warning| format!("[vibration] {warning}")));
+            // A measured process may bring another law.
+            warnings.extend(v.load_warning().filter(|_| v.friction_process.is_none()));
             let nominal_pa = v.normal_force.0 / v.nominal_area.0;
             let hardness = self.material.as_ref().and_then(|material| material.hardness);
             if let Some(hardness) = hardness.filter(|hardness| nominal_pa >= hardness.0) {

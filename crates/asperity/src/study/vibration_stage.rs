@@ -75,8 +75,9 @@ pub(super) fn run(
     let area_std = area_scatter.std;
     let (paper, paper_lead) = ensembles.run(&paper_scatter, monitor, &mut warnings)?;
     let (area, area_lead) = ensembles.run(&area_scatter, monitor, &mut warnings)?;
-    warnings
-        .extend(section.load_warning().filter(|_| window.stribeck == section.dimensionless_stribeck().ok().flatten()));
+    // Of a study without a measured process the file alone tells.
+    let is_stated = || window.stribeck == section.dimensionless_stribeck().ok().flatten();
+    warnings.extend(section.load_warning().filter(|_| section.friction_process.is_some() && is_stated()));
     let critical = if_found(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;

@@ -167,11 +167,12 @@ impl KarhunenLoeve {
 
     /// Fraction of the mean squared slope, by differences of neighbours on the grid, that the modes hold.
     ///
-    /// Elastic contact depends on slopes, of which the first modes hold far less than of the variance.
+    /// Elastic contact depends on slopes, of which the first modes hold far less than of the variance. All of it is 1, also where negative
+    /// eigenvalues of an estimated covariance were left out, without which the others sum to more.
     pub fn captured_slope_variance(&self) -> f64 {
         let slope = |(j, value): (usize, &f64)| value * mean_squared_slope_per_m2(self.grid, &self.mode_per_m(j));
         let slopes: Vec<f64> = self.eigenvalues_m2.par_iter().enumerate().map(slope).collect();
-        slopes.iter().sum::<f64>() / self.slope_variance_per_m2
+        (slopes.iter().sum::<f64>() / self.slope_variance_per_m2).min(1.0)
     }
 
     /// The function φ_j on the grid in 1/m, shape `[ny, nx]`, with Σ φ_j² ΔxΔy = 1.

@@ -138,8 +138,6 @@ pub struct Ensemble {
     pub stick_share: Count,
     /// Vibration over time, and the ways out of it and back.
     pub passages: Passages,
-    /// Knots of the friction process that were raised to its stated least value, in all trajectories.
-    pub clamped_knots: u64,
     /// Trajectories without a valid end.
     pub failures: Vec<Failure>,
 }
@@ -147,7 +145,6 @@ pub struct Ensemble {
 /// What one trajectory leaves.
 struct Outcome {
     slips: Slips,
-    clamped: u64,
     passage: Passage,
 }
 
@@ -184,7 +181,6 @@ impl Ensemble {
         let [mut reattachments, mut releases, mut periods] =
             [(); 3].map(|()| Gathering::new(0, settings.sample_capacity));
         let mut passages = Passages::EMPTY;
-        let mut clamped_knots = 0;
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
         let size = settings.block(rayon::current_num_threads());
@@ -210,8 +206,7 @@ impl Ensemble {
                         |index, ended| {
                             outcomes[index - chunk.start] = ended.map(|mut followed| {
                                 followed.observer.finish();
-                                let clamped = followed.fluctuation.into_inner().clamped();
-                                Outcome { slips: followed.slips, clamped, passage: followed.observer }
+                                Outcome { slips: followed.slips, passage: followed.observer }
                             });
                             monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
                         },
@@ -224,7 +219,6 @@ impl Ensemble {
                     Ok(outcome) => {
                         cycles.add(outcome.slips.cycles as f64);
                         micro_slips.add(outcome.slips.micro_slips as f64);
-                        clamped_knots += outcome.clamped;
                         stick_share.add(outcome.passage.stick / duration);
                         passages.add(&outcome.passage, duration);
                         reattachments.merge(outcome.passage.reattachments);
@@ -258,7 +252,6 @@ impl Ensemble {
             periods: periods.finish(),
             stick_share: Count::of(&stick_share),
             passages,
-            clamped_knots,
             failures,
         })
     }
@@ -321,11 +314,11 @@ mod tests {
         let strict = EnsembleSettings { least_valid_share: 1.0, ..settings };
         let refused = Ensemble::simulate(&oscillator(0.17), &process, &strict, &Silent);
         assert!(matches!(refused, Err(VibrationError::TooFewValid { total: 60, .. })));
-        // With a stated clamp all are valid, and the clamp is reported.
+        // With a stated clamp all are valid.
         let model = ProcessModel { least: Some(-0.04), ..process.model().clone() };
         let clamped = FrictionProcess::new(model).unwrap();
         let found = Ensemble::simulate(&oscillator(0.17), &clamped, &strict, &Silent).unwrap();
-        assert!(found.failures.is_empty() && found.clamped_knots > 0);
+        assert!(found.failures.is_empty());
     }
 
     #[test]

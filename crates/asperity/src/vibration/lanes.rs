@@ -45,9 +45,8 @@ impl<F, W> Task<F, W> {
 }
 
 /// What is left of a trajectory at its end.
-pub(super) struct Followed<F, W> {
+pub(super) struct Followed<W> {
     pub(super) slips: Slips,
-    pub(super) fluctuation: F,
     pub(super) observer: W,
 }
 
@@ -58,12 +57,12 @@ pub(super) fn follow_many<F: Fluctuation, W: Observer>(
     settings: &TrajectorySettings,
     indices: Range<usize>,
     make: impl Fn(usize) -> Result<Task<F, W>, VibrationError>,
-    mut done: impl FnMut(usize, Result<Followed<F, W>, VibrationError>),
+    mut done: impl FnMut(usize, Result<Followed<W>, VibrationError>),
 ) {
     let alone = |index: usize| {
         let Task { oscillator, mut fluctuation, mut observer, swing_level } = make(index)?;
         let slips = follow(&oscillator, &mut fluctuation, settings, swing_level, &Silent, &mut observer)?;
-        Ok(Followed { slips, fluctuation, observer })
+        Ok(Followed { slips, observer })
     };
     let mut waiting = indices;
     if settings.drive == Drive::Time
@@ -101,7 +100,7 @@ pub(super) fn follow_many<F: Fluctuation, W: Observer>(
 }
 
 /// Takes what a trajectory left at its end, and nothing of one that has to go alone.
-type Done<'a, F, W> = &'a mut dyn FnMut(usize, Option<Followed<F, W>>);
+type Done<'a, W> = &'a mut dyn FnMut(usize, Option<Followed<W>>);
 
 /// Lanes of one kind.
 trait Company<F, W> {
@@ -109,7 +108,7 @@ trait Company<F, W> {
     fn join(&mut self, rider: Rider<F, W>) -> usize;
 
     /// Rides until nobody waits, or until all have ended.
-    fn run(&mut self, to_the_end: bool, done: Done<'_, F, W>);
+    fn run(&mut self, to_the_end: bool, done: Done<'_, W>);
 }
 
 impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Company<F, W>
@@ -120,7 +119,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Compa
         self.queue.len()
     }
 
-    fn run(&mut self, to_the_end: bool, done: Done<'_, F, W>) {
+    fn run(&mut self, to_the_end: bool, done: Done<'_, W>) {
         wide::<Ride, _>((self, to_the_end, done));
     }
 }
@@ -250,7 +249,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
     }
 
     #[inline(always)]
-    fn ride(&mut self, to_the_end: bool, done: Done<'_, F, W>) {
+    fn ride(&mut self, to_the_end: bool, done: Done<'_, W>) {
         loop {
             for lane in 0..LANES {
                 while self.riders[lane].is_none() {
@@ -285,13 +284,13 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         }
     }
 
-    fn leave(&mut self, lane: usize, fate: Fate, done: Done<'_, F, W>) {
+    fn leave(&mut self, lane: usize, fate: Fate, done: Done<'_, W>) {
         if matches!(fate, Fate::Rides) {
             return;
         }
-        if let Some(Rider { index, slips, fluctuation, observer, .. }) = self.riders[lane].take() {
+        if let Some(Rider { index, slips, observer, .. }) = self.riders[lane].take() {
             let ended = matches!(fate, Fate::Ended);
-            done(index, ended.then_some(Followed { slips, fluctuation, observer }));
+            done(index, ended.then_some(Followed { slips, observer }));
         }
         self.states.park(lane);
     }
@@ -413,12 +412,12 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
 struct Ride;
 
 impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer>
-    Kernel<(&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, F, W>)> for Ride
+    Kernel<(&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, W>)> for Ride
 {
     type Output = ();
 
     #[inline(always)]
-    fn run((lanes, to_the_end, done): (&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, F, W>)) {
+    fn run((lanes, to_the_end, done): (&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, W>)) {
         lanes.ride(to_the_end, done);
     }
 }
@@ -426,7 +425,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::process::{FrictionProcess, Path, ProcessModel, RecordedProcess, Steady};
+    use crate::friction::process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
     use crate::vibration::{Parameters, Trajectory};
 
     #[derive(Debug, Default, Clone, PartialEq)]
@@ -459,7 +458,7 @@ mod tests {
                 let fluctuation = process.path(3, index as u64);
                 Ok(Task::new(oscillator.clone(), fluctuation, All::default()))
             },
-            |index, ended: Result<Followed<Path<'_>, All>, _>| {
+            |index, ended: Result<Followed<All>, _>| {
                 let place = &mut found[index - first];
                 assert!(place.is_none(), "trajectory {index} ended twice");
                 *place = Some(ended.map(|followed| (followed.slips, followed.observer)));

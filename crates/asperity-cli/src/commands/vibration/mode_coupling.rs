@@ -5,7 +5,7 @@ mod answer;
 use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
-use asperity::study::Table;
+use asperity::study::{Table, implausible_damping, implausible_friction};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, Damping, EigenvalueScan, Ensemble, EnsembleSettings, GrowthRates, GrowthSettings, Mode, Model, Parameters,
@@ -160,7 +160,11 @@ struct Found {
 impl ModeCoupling {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let parameters = self.springs.parameters(&self.friction, self.belt_velocity)?;
+        let ratios = if let Damping::Modal { ratios } = parameters.damping { ratios } else { [0.0; 2] };
         let model = Model::new(parameters).map_err(Failure::usage)?;
+        let doubts =
+            ratios.map(implausible_damping).into_iter().chain([implausible_friction(self.friction.static_friction)]);
+        doubts.flatten().for_each(|doubt| monitor.warn(&doubt));
         let inputs: Vec<&Path> = self.friction.inputs();
         let wanted = self.folder.wanted(&inputs)?;
         require_memory(POINT_BYTES * self.points as f64, "the scan of the modes")?;

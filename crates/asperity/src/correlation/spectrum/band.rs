@@ -9,6 +9,9 @@ const STEEPER: f64 = 0.5;
 const FLAT: f64 = 0.5;
 /// A flat end is a noise floor when the spectrum starts this many times above.
 const ABOVE_FLOOR: f64 = 10.0;
+/// Where a spectrum rolls off, it is followed down to this fraction of its density at the start of the fall: beyond are less than 1 % of
+/// the squared slopes of a smooth surface, and leakage of the window.
+const FOLLOWED: f64 = 1e-3;
 /// Signal and noise are equal where the spectrum is this many floors high.
 const FLOORS: f64 = 2.0;
 
@@ -79,6 +82,19 @@ impl ReliableBand {
         let (high, upper_limit) = limits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or(limits[0]);
         Self { low_rad_per_m: low, high_rad_per_m: high, upper_limit }
     }
+}
+
+/// How far a radial spectrum that rolls off can be followed beyond its reliable band: to half the Nyquist wavenumber, or where hardly
+/// anything is left. The wavenumber in rad/m, and that little density in m⁴; the end of the band and 0 where it does not roll off.
+pub(super) fn end_of_fall(q: &[f64], psd: &[f64], band: ReliableBand, nyquist: f64) -> (f64, f64) {
+    let end = band.high_rad_per_m;
+    if band.upper_limit != UpperLimit::RollOff {
+        return (end, 0.0);
+    }
+    let bins = binned(q, psd, band.low_rad_per_m.min(end), nyquist);
+    let little = FOLLOWED * bins.iter().take_while(|bin| bin.0 <= end).last().map_or(0.0, |bin| bin.1);
+    let followed = bins.iter().find(|bin| bin.0 > end && bin.1 < little).map_or(f64::INFINITY, |bin| bin.0);
+    (followed.min(0.5 * nyquist).max(end), little)
 }
 
 /// Means of the spectrum in bins of a sixth of an octave, from `low` to `high`, empty ones left out: (wavenumber, density).
@@ -170,6 +186,22 @@ mod tests {
         // Scatter about zero ends it as well.
         let (high, limit) = of(|q| if q < 50.0 { q.powf(-3.6) } else { -1e-9 });
         assert!(limit == UpperLimit::NoiseFloor && (40.0..50.0).contains(&high), "{high}");
+    }
+
+    #[test]
+    fn a_spectrum_that_rolls_off_is_followed_until_a_thousandth_is_left() {
+        let q: Vec<f64> = (1..=512).map(f64::from).collect();
+        let end_of = |psd: &dyn Fn(f64) -> f64| {
+            let psd: Vec<f64> = q.iter().map(|q| psd(*q)).collect();
+            let band = ReliableBand::of_area(&q, &psd, LOW, NYQUIST);
+            (band, end_of_fall(&q, &psd, band, NYQUIST).0)
+        };
+        // e^{−(q/40)²}: from the end of the band at b to √(b² + 40² ln 1000).
+        let (band, end) = end_of(&|q| (-(q / 40.0).powi(2)).exp());
+        let wanted = (band.high_rad_per_m.powi(2) + 1600.0 * 1000_f64.ln()).sqrt();
+        assert!(band.upper_limit == UpperLimit::RollOff && (end / wanted).log2().abs() < 0.25, "{end} {wanted}");
+        let (band, end) = end_of(&|q| q.powf(-3.0));
+        assert!(band.upper_limit == UpperLimit::Pixel && end == band.high_rad_per_m);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::map::HeightMap;
 
 use super::SpectrumRoute;
 use super::area::AreaSpectrum;
-use super::band::ReliableBand;
+use super::band::{ReliableBand, end_of_fall};
 use crate::correlation::{Covariance, EstimateError};
 
 /// Blocks per octave along each axis, where they hold a wavenumber each.
@@ -25,7 +25,8 @@ const LEAKAGE: f64 = 1e-3;
 /// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
 const SMOOTHED_STEPS: f64 = 12.0;
 
-/// Spectral density of a map, averaged over blocks of wavevectors within the reliable band.
+/// Spectral density of a map, averaged over blocks of wavevectors within the reliable band, and beyond it where the spectrum rolls off:
+/// a surface that is smooth on the scale of its pixels is described by its fall, and so is one that the instrument made smooth.
 ///
 /// Blocks are rectangles in (|qx|, |qy|) with edges a third of an octave apart, so that narrow spectra along an axis are
 /// resolved. Wavevectors (qx, qy) and (−qx, qy) share a block: the covariance models are even in x and in y.
@@ -70,14 +71,16 @@ impl BlockSpectrum {
             places: Vec<([f64; 2], f64)>,
         }
         let spectrum = AreaSpectrum::of(map)?;
-        let band = spectrum.radial().reliable;
+        let radial = spectrum.radial();
+        let band = radial.reliable;
         let grid = map.grid();
         let (nx, ny) = (grid.nx(), grid.ny());
         let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
         let is_short = band.high_rad_per_m < 2.0 * band.low_rad_per_m;
         let step = qx_min.max(qy_min);
+        let (end, little_m4) = end_of_fall(&radial.q_rad_per_m, &radial.psd_m4, band, nyquist);
         let (low, high) =
-            if is_short { (0.5 * step, (FIRST_STEPS + 0.5) * step) } else { (band.low_rad_per_m, band.high_rad_per_m) };
+            if is_short { (0.5 * step, end.max((FIRST_STEPS + 0.5) * step)) } else { (band.low_rad_per_m, end) };
         let high = high.min(0.5 * nyquist);
         let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
         let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
@@ -107,7 +110,7 @@ impl BlockSpectrum {
         }
         let largest =
             sums.iter().filter(|sums| sums.count > 0.0).map(|sums| sums.density / sums.count).fold(0.0, f64::max);
-        let floor_m4 = if is_short { LEAKAGE * largest } else { 0.0 };
+        let floor_m4 = if is_short { LEAKAGE * largest } else { little_m4 };
         let block = |sums: Sums| {
             let half = sums.places.len() / 2;
             let mut outward = sums.places.clone();

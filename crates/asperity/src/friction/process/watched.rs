@@ -19,11 +19,6 @@ impl<'a, F> Watched<'a, F> {
     pub fn new(fluctuation: F, monitor: &'a dyn Monitor) -> Self {
         Self { fluctuation, monitor, left: EVERY }
     }
-
-    /// The fluctuation itself.
-    pub fn into_inner(self) -> F {
-        self.fluctuation
-    }
 }
 
 impl<F: Fluctuation> Fluctuation for Watched<'_, F> {

@@ -249,9 +249,7 @@ fn twins_are_not_filtered_a_second_time() {
     // A Gaussian filter turns a squared exponential covariance into another one: ℓ² grows by 2 ln 2 (λc/π)², and σ² falls
     // as ℓ⁻², so that slopes σ/ℓ fall as ℓ⁻². Here 9 µm² become 23 µm², and by a second pass 37 µm².
     let heights = map_of(&smooth(3e-6, 3e-6), &Marginal::STANDARD_NORMAL, (160, 160), 8);
-    // The scan's own covariance has its slopes; a model fitted within the reliable band of so smooth a scan knows few waves.
     let mut options = plain(9);
-    options.surface.covariance = CovarianceChoice::Empirical;
     options.surface.s_filter = Some(Length(10e-6));
     let twins = Twins::like(scan_of(heights), "map", &options).unwrap();
     let comparison = compare(&twins, 10);

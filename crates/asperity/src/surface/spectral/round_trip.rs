@@ -75,6 +75,7 @@ fn planted_covariances_are_recovered() {
     recovers(Covariance::new(CorrelationModel::SquaredExponential, 2.0, 5.0, 5.0).unwrap(), 0.0);
     recovers(Covariance::new(CorrelationModel::Exponential, 2.0, 5.0, 5.0).unwrap(), 0.0);
     recovers(Covariance::new(CorrelationModel::SelfAffine { hurst: 0.75 }, 2.0, 4.0, 4.0).unwrap(), 0.0);
+    recovers(Covariance::new(CorrelationModel::Matern { nu: 4.0 }, 2.0, 4.0, 4.0).unwrap(), 0.0);
 }
 
 #[test]
@@ -106,7 +107,9 @@ fn the_planted_family_is_ranked_first_or_not_distinguishable_from_the_first() {
             assert!(own - fits.fits[0].deviance < VERY_STRONG + (256.0_f64).ln(), "{fits:?}");
             first += usize::from(fits.best().model() == model);
         }
-        assert!(first >= 4, "{model:?}: {first} of 5");
+        // Models of three parameters hold the exponential one, but the squared exponential only in a limit.
+        let wanted = if model == CorrelationModel::SquaredExponential { 5 } else { 4 };
+        assert!(first >= wanted, "{model:?}: {first} of 5");
     }
 }
 

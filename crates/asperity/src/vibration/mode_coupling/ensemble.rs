@@ -60,8 +60,6 @@ pub struct Ensemble {
     pub flight_share: Count,
     /// The same without fluctuation.
     pub deterministic: Outcome,
-    /// Knots of the friction process that were raised to its stated least value, in all trajectories.
-    pub clamped_knots: u64,
     /// Trajectories without a valid end.
     pub failures: Vec<Failure>,
 }
@@ -95,19 +93,18 @@ impl Ensemble {
         let deterministic = follow(model, Steady, settings)?;
         let run = |index| {
             let mut path = Watched::new(process.path(settings.seed, index), monitor);
-            let outcome = follow(model, &mut path, settings)?;
-            Ok((outcome, path.into_inner().clamped()))
+            follow(model, &mut path, settings)
         };
         let Runs { values, failures } = run_all(settings.trajectories, settings.least_valid_share, monitor, run)?;
-        let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(|(outcome, _)| of(outcome)));
+        let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(of));
         let share = |of: &dyn Fn(&Outcome) -> bool| {
-            let met = values.iter().filter(|(outcome, _)| of(outcome)).count();
+            let met = values.iter().filter(|outcome| of(outcome)).count();
             let interval = wilson_interval(met, values.len());
             (met as f64 / values.len() as f64, [interval.low, interval.high])
         };
         let (passed, passed_interval) = share(&|outcome| outcome.passage.is_some());
         let (sustained, sustained_interval) = share(&|outcome| outcome.amplitude >= settings.threshold);
-        let passages: Vec<f64> = values.iter().filter_map(|(outcome, _)| outcome.passage).collect();
+        let passages: Vec<f64> = values.iter().filter_map(|outcome| outcome.passage).collect();
         Ok(Self {
             trajectories: settings.trajectories,
             passed,
@@ -119,7 +116,6 @@ impl Ensemble {
             stick_share: count(|outcome| outcome.stick_share),
             flight_share: count(|outcome| outcome.flight_share),
             deterministic,
-            clamped_knots: values.iter().map(|(_, clamped)| clamped).sum(),
             failures,
         })
     }
