@@ -14,22 +14,15 @@
 //! - Missing heights stay missing: they are masked in every statistic and never silently filled.
 //! - A random draw is a function of (seed, stage, sample index); results do not depend on the number of threads.
 
-pub mod chaos;
-pub mod contact;
-pub mod correlation;
-pub mod fourier;
-pub mod friction;
-pub mod law;
-pub mod map;
-pub mod monitor;
-pub mod pressure;
-pub mod quantity;
-pub mod random;
-pub mod stats;
+pub use asperity_base::{correlation, fourier, law, map, monitor, quantity, random, stats};
+pub use asperity_chaos as chaos;
+pub use asperity_contact as contact;
+pub use asperity_friction as friction;
+pub use asperity_pressure as pressure;
+pub use asperity_surface as surface;
+pub use asperity_vibration as vibration;
+
 pub mod study;
-pub mod surface;
-pub mod vibration;
-mod wide;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -1,0 +1,76 @@
+//! The profiles of a map along one axis.
+
+use std::ops::Range;
+
+use crate::fourier::{lag_sums_of_power, summed_power};
+use crate::map::HeightMap;
+
+use super::estimate::Axis;
+
+/// Rows that are read at a time for profiles along y.
+const TILE: usize = 8;
+
+/// Number of profiles along `axis`, their points, and their pitch in metre.
+#[doc(hidden)]
+pub fn dimensions(map: &HeightMap, axis: Axis) -> (usize, usize, f64) {
+    let grid = map.grid();
+    match axis {
+        Axis::X => (grid.ny(), grid.nx(), grid.dx_m()),
+        Axis::Y => (grid.nx(), grid.ny(), grid.dy_m()),
+    }
+}
+
+/// Copies neighbouring profiles, one after the other.
+///
+/// # Panics
+/// If the range exceeds the map, or `heights_m` does not fit it.
+#[doc(hidden)]
+pub fn copy(map: &HeightMap, axis: Axis, range: Range<usize>, heights_m: &mut [f64]) {
+    let width = map.grid().nx();
+    let (_, points, _) = dimensions(map, axis);
+    assert_eq!(heights_m.len(), range.len() * points, "profiles do not fit");
+    match axis {
+        Axis::X => heights_m.copy_from_slice(&map.values_m()[range.start * width..range.end * width]),
+        Axis::Y => {
+            // Eight rows at a time fill a cache line of every profile.
+            for (tile, rows) in map.values_m().chunks(TILE * width).enumerate() {
+                for (column, out) in range.clone().zip(heights_m.chunks_exact_mut(points)) {
+                    let out = &mut out[tile * TILE..];
+                    out.iter_mut().zip(rows.chunks_exact(width)).for_each(|(out, row)| *out = row[column]);
+                }
+            }
+        }
+    }
+}
+
+/// Sums of products of `term` of the heights over the pairs of the same profile, at the lags 0 … padded/2. Lags are free of
+/// wrapped pairs up to `padded` less the points of a profile.
+pub(super) fn lag_sums(map: &HeightMap, axis: Axis, padded: usize, term: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+    let (all, points, _) = dimensions(map, axis);
+    let power = summed_power(all, points, padded, |range, out| {
+        copy(map, axis, range, out);
+        out.iter_mut().for_each(|z| *z = term(*z));
+    });
+    lag_sums_of_power(&power, padded)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Grid;
+
+    #[test]
+    fn profiles_are_rows_and_columns() {
+        let map = HeightMap::from_function(Grid::new(11, 19, 1.0, 2.0).unwrap(), |x, y| x + 100.0 * y).unwrap();
+        for (axis, lanes, points) in [(Axis::X, 19, 11), (Axis::Y, 11, 19)] {
+            assert_eq!(dimensions(&map, axis).0, lanes);
+            let mut out = vec![0.0; 3 * points];
+            copy(&map, axis, 4..7, &mut out);
+            for (i, z) in out.iter().enumerate() {
+                let (lane, point) = (4 + i / points, i % points);
+                let place = if axis == Axis::X { [lane, point] } else { [point, lane] };
+                assert_eq!(*z, map.heights_m()[place]);
+            }
+        }
+    }
+}

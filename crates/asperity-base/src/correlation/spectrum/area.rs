@@ -1,0 +1,406 @@
+//! Two-dimensional spectra of maps, averaged over rings or along rays.
+
+use std::f64::consts::{PI, TAU};
+
+use rayon::prelude::*;
+
+use crate::correlation::{Autocorrelation, EstimateError, SpectrumRoute};
+use crate::fourier::{RealFft2, power, signed_index};
+use crate::map::{Grid, HeightMap};
+use crate::stats::Extent;
+
+use super::band::ReliableBand;
+use super::{hann, parzen};
+
+/// Wavenumbers along x whose rings are summed at a time.
+const COLUMNS: usize = 16;
+/// Rays over half a turn, and neighbours on either side over which the angular spectrum is smoothed: ±1°.
+const RAYS: usize = 360;
+const SMOOTHED: isize = 2;
+
+/// Two-dimensional power spectral density of a map: P(q) in m⁴, two-sided, the variance is ∬ P d²q/(2π)².
+#[derive(Debug, Clone)]
+pub struct AreaSpectrum {
+    pub(super) grid: Grid,
+    /// Laid out as the spectrum of [`RealFft2`], kx = 0 … nx/2 by ky.
+    pub(super) psd_m4: Vec<f64>,
+    pub(super) route: SpectrumRoute,
+}
+
+/// Radially averaged two-dimensional power spectral density.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RadialSpectrum {
+    /// Mean |q| of each ring in rad/m; rings are 2π/min(Lx, Ly) wide and end at the lesser Nyquist wavenumber.
+    pub q_rad_per_m: Vec<f64>,
+    /// Mean two-sided power spectral density P(q) on the ring in m⁴.
+    pub psd_m4: Vec<f64>,
+    /// Wavevectors on each ring.
+    pub wavevectors: Vec<usize>,
+    /// How it was found.
+    pub route: SpectrumRoute,
+    /// Wavenumbers at which the density can be relied on.
+    pub reliable: ReliableBand,
+}
+
+/// Angular power density: how much of the variance has its crests along a direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AngularSpectrum {
+    /// Directions of the crests in rad, from 0 to below π, counter-clockwise from x as the map is seen, row 0 at the top.
+    pub angles_rad: Vec<f64>,
+    /// ∫ P(q) q dq/(2π)² over the wavevectors across that direction, of both signs, in m² per rad: the integral over half a
+    /// turn is the variance between the two wavenumbers.
+    pub density_m2: Vec<f64>,
+    /// Least and largest wavenumber of the integral in rad/m: the resolution of the spectrum, and the lesser Nyquist
+    /// wavenumber, so that no direction has more wavevectors than another.
+    pub range_rad_per_m: (f64, f64),
+}
+
+impl AngularSpectrum {
+    /// The direction of the lay in rad, from 0 to below π: the centre of the peak around the largest density, smoothed over
+    /// ±1°, as far as it stays above half its height. Of one wave of k periods across the field it errs by less than 0.2/k rad.
+    ///
+    /// Every map has such a maximum; whether it has a lay, Str says.
+    pub fn direction_rad(&self) -> f64 {
+        let n = self.density_m2.len() as isize;
+        let around = |ray: isize| (ray - SMOOTHED..=ray + SMOOTHED).map(|k| self.density_m2[k.rem_euclid(n) as usize]);
+        let smooth: Vec<f64> = (0..n).map(|ray| around(ray).sum()).collect();
+        let top = (0..n).max_by(|a, b| smooth[*a as usize].total_cmp(&smooth[*b as usize]).then(b.cmp(a))).unwrap_or(0);
+        let above = |k: isize| smooth[(top + k).rem_euclid(n) as usize] - 0.5 * smooth[top as usize];
+        // Weights fall to zero at the edges of the peak, so that an edge between two rays makes no jump.
+        let side = |sign: isize| (1..n / 2).map(move |k| sign * k).take_while(|k| above(*k) > 0.0);
+        let (moment, weight) =
+            side(1).chain(side(-1)).fold((0.0, above(0)), |(m, w), k| (m + k as f64 * above(k), w + above(k)));
+        let shift = if weight > 0.0 { moment / weight } else { 0.0 };
+        ((top as f64 + shift) * PI / n as f64).rem_euclid(PI)
+    }
+}
+
+/// Radially averaged power spectral density of a map; the route depends on whether points are missing and is reported.
+///
+/// # Errors
+/// The heights do not vary.
+pub fn radial_spectrum(map: &HeightMap) -> Result<RadialSpectrum, EstimateError> {
+    Ok(AreaSpectrum::of(map)?.radial())
+}
+
+impl AreaSpectrum {
+    /// The spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y, or, when points
+    /// are missing, the transform of its autocovariance under a Parzen window, see [`SpectrumRoute::MaskedCorrelogram`].
+    ///
+    /// # Errors
+    /// The heights do not vary.
+    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
+        Self::within(map, &Extent::of(map.values_m()))
+    }
+
+    /// As [`AreaSpectrum::of`], the extent of the heights being known.
+    #[doc(hidden)]
+    pub fn within(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
+        let grid = map.grid();
+        if extent.n < grid.points() {
+            return Ok(Self::of_correlation(&Autocorrelation::estimate(map)?));
+        }
+        if extent.largest_deviation() <= 4.0 * f64::EPSILON * extent.mean.abs() {
+            return Err(EstimateError::Constant { present: extent.n });
+        }
+        let (ny, nx) = grid.shape();
+        let (window_x, window_y) = (hann(nx), hann(ny));
+        let square = |window: &[f64]| window.iter().map(|w| w * w).sum::<f64>();
+        let norm = (grid.cell_area_m2() / (square(&window_x) * square(&window_y))).sqrt();
+        let psd_m4 = power(nx, ny, |row, out| {
+            let heights = &map.values_m()[row * nx..(row + 1) * nx];
+            let weight = norm * window_y[row];
+            for ((out, z), w) in out.iter_mut().zip(heights).zip(&window_x) {
+                *out = weight * w * (z - extent.mean);
+            }
+        });
+        Ok(Self { grid, psd_m4, route: SpectrumRoute::Periodogram })
+    }
+
+    /// ΔxΔy Σ w(lag) C(lag) e^{−iq·lag} over the lags within half the field that an autocovariance reaches and whose pairs
+    /// are present, w the product of Parzen windows along x and y that end there.
+    ///
+    /// The resolution of [`SpectrumRoute::MaskedCorrelogram`] is that of an autocovariance that reaches half the field.
+    #[doc(hidden)]
+    pub fn of_correlation(correlation: &Autocorrelation) -> Self {
+        Self::of_lags(correlation, |lag_x, lag_y| correlation.covariance_m2(lag_x, lag_y))
+    }
+
+    /// As [`AreaSpectrum::of_correlation`] of the mean products over all heights present instead of the pairs of a lag: the
+    /// mean periodogram of the map with zeros in place of missing points, smoothed as the estimate is. It holds what the
+    /// points that are missing scatter into every wavevector, and is not negative.
+    pub(super) fn with_scatter(correlation: &Autocorrelation) -> Self {
+        let present = correlation.present() as f64;
+        Self::of_lags(correlation, |lag_x, lag_y| {
+            correlation.covariance_m2(lag_x, lag_y) * correlation.pairs(lag_x, lag_y) / present
+        })
+    }
+
+    fn of_lags(correlation: &Autocorrelation, covariance_m2: impl Fn(isize, isize) -> f64 + Sync) -> Self {
+        let grid = correlation.grid();
+        let (ny, nx) = grid.shape();
+        let (reach_x, reach_y) = correlation.reach();
+        let (half_x, half_y) = (reach_x.min((nx - 1) / 2) as isize, reach_y.min((ny - 1) / 2) as isize);
+        let weights = |half: isize| (0..=half).map(|lag| parzen(lag as f64 / (half + 1) as f64)).collect::<Vec<f64>>();
+        let (weights_x, weights_y) = (weights(half_x), weights(half_y));
+        let mut lags = vec![0.0; nx * ny];
+        lags.par_chunks_exact_mut(nx).enumerate().for_each(|(row, out)| {
+            let lag_y = signed_index(row, ny) as isize;
+            if lag_y.abs() > half_y {
+                return;
+            }
+            for lag_x in -half_x..=half_x {
+                let covariance = covariance_m2(lag_x, lag_y);
+                if !covariance.is_nan() {
+                    let weight = weights_x[lag_x.unsigned_abs()] * weights_y[lag_y.unsigned_abs()];
+                    out[lag_x.rem_euclid(nx as isize) as usize] = weight * covariance * grid.cell_area_m2();
+                }
+            }
+        });
+        let fft = RealFft2::new(nx, ny);
+        let mut spectrum = fft.spectrum();
+        fft.forward(&lags, &mut spectrum, &mut fft.workspace());
+        let psd_m4 = spectrum.iter().map(|value| value.re).collect();
+        Self { grid, psd_m4, route: SpectrumRoute::MaskedCorrelogram }
+    }
+
+    /// Steps 2π/Lx and 2π/Ly, and the lesser Nyquist wavenumber, in rad/m.
+    pub(super) fn wavenumbers(&self) -> (f64, f64, f64) {
+        let grid = self.grid;
+        (TAU / grid.width_m(), TAU / grid.height_m(), (PI / grid.dx_m()).min(PI / grid.dy_m()))
+    }
+
+    /// Means over rings of wavevectors.
+    pub fn radial(&self) -> RadialSpectrum {
+        let (nx, ny) = (self.grid.nx(), self.grid.ny());
+        let (qx_min, qy_min, nyquist) = self.wavenumbers();
+        let width = qx_min.max(qy_min);
+        let rings = (nyquist / width).floor() as usize;
+        let rows: Vec<f64> = (0..ny).map(|ky| (signed_index(ky, ny) * qy_min / width).powi(2)).collect();
+        // Sums of |q|, of the density and of wavevectors for every ring. Ring m holds wavenumbers of m + ½ to m + 3/2
+        // widths: centred on whole wavenumbers.
+        let blocks: Vec<Vec<[f64; 3]>> = self
+            .psd_m4
+            .par_chunks(COLUMNS * ny)
+            .enumerate()
+            .map(|(block, columns)| {
+                let mut sums = vec![[0.0; 3]; rings + 2];
+                for (kx, column) in (block * COLUMNS..).zip(columns.chunks_exact(ny)) {
+                    let weight = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
+                    let square_x = (kx as f64 * qx_min / width).powi(2);
+                    for (psd, square_y) in column.iter().zip(&rows) {
+                        let magnitude = (square_x + square_y).sqrt();
+                        // One ring before the first takes what is nearer to zero, one after the last what is beyond.
+                        let ring = ((magnitude + 0.5) as usize).min(rings + 1);
+                        let [q, density, count] = &mut sums[ring];
+                        *q += weight * magnitude;
+                        *density += weight * psd;
+                        *count += weight;
+                    }
+                }
+                sums
+            })
+            .collect();
+        let mut sums = vec![[0.0; 3]; rings + 2];
+        for block in blocks {
+            sums.iter_mut().zip(block).for_each(|(sum, part)| (0..3).for_each(|i| sum[i] += part[i]));
+        }
+        let kept: Vec<[f64; 3]> = sums[1..=rings].iter().copied().filter(|[_, _, count]| *count > 0.0).collect();
+        let q_rad_per_m: Vec<f64> = kept.iter().map(|[q, _, count]| width * q / count).collect();
+        let psd_m4: Vec<f64> = kept.iter().map(|[_, density, count]| density / count).collect();
+        let reliable = ReliableBand::of_area(&q_rad_per_m, &psd_m4, self.route.resolution() * width, nyquist);
+        let wavevectors = kept.iter().map(|[_, _, count]| *count as usize).collect();
+        RadialSpectrum { q_rad_per_m, psd_m4, wavevectors, route: self.route, reliable }
+    }
+
+    /// Integrals along rays of wavevectors; `None` when the map is too small for a wavenumber between the resolution and
+    /// Nyquist's.
+    ///
+    /// The density is interpolated bilinearly between wavevectors and summed every half step, so that no direction gains from
+    /// the lattice, as bins of angle along the axes would.
+    pub fn angular(&self) -> Option<AngularSpectrum> {
+        let (qx_min, qy_min, nyquist) = self.wavenumbers();
+        let (low, high) = (self.route.resolution() * qx_min.max(qy_min), nyquist);
+        let step = 0.5 * qx_min.min(qy_min);
+        let samples = ((high - low) / step).floor();
+        if samples < 2.0 {
+            return None;
+        }
+        let angles_rad: Vec<f64> = (0..RAYS).map(|ray| PI * ray as f64 / RAYS as f64).collect();
+        let density_m2 = angles_rad
+            .par_iter()
+            .map(|angle| {
+                // Across a crest that rises at `angle` as seen; y points down in the map.
+                let (x, y) = (angle.sin() / qx_min, angle.cos() / qy_min);
+                let sum: f64 = (0..samples as usize)
+                    .map(|sample| low + (sample as f64 + 0.5) * step)
+                    .map(|q| q * self.interpolated(q * x, q * y))
+                    .sum();
+                // Both signs of q count.
+                2.0 * sum * step / (TAU * TAU)
+            })
+            .collect();
+        Some(AngularSpectrum { angles_rad, density_m2, range_rad_per_m: (low, high) })
+    }
+
+    /// Density at a wavevector in steps along x ≥ 0 and y, linear between neighbours.
+    fn interpolated(&self, kx: f64, ky: f64) -> f64 {
+        let ny = self.grid.ny();
+        let (left, below) = (kx.floor(), ky.floor());
+        let (along_x, along_y) = (kx - left, ky - below);
+        let left = left as usize;
+        let right = (left + 1).min(self.grid.nx() / 2);
+        let below = (below as isize).rem_euclid(ny as isize) as usize;
+        let above = if below + 1 == ny { 0 } else { below + 1 };
+        let at = |kx: usize| {
+            let (low, high) = (self.psd_m4[kx * ny + below], self.psd_m4[kx * ny + above]);
+            low + along_y * (high - low)
+        };
+        let (low, high) = (at(left), at(right));
+        low + along_x * (high - low)
+    }
+
+    /// Wavelength of the largest density in metre, among the wavevectors that the estimate resolves from the mean; the first
+    /// of equals.
+    pub fn dominant_wavelength_m(&self) -> Option<f64> {
+        let ny = self.grid.ny();
+        let square = |k: f64| (k / self.route.resolution()).powi(2);
+        let rows: Vec<f64> = (0..ny).map(|ky| square(signed_index(ky, ny))).collect();
+        let tops: Vec<(f64, usize, usize)> = self
+            .psd_m4
+            .par_chunks_exact(ny)
+            .enumerate()
+            .map(|(kx, column)| {
+                let square_x = square(kx as f64);
+                let mut top = (0.0, kx, 0);
+                for (ky, (psd, square_y)) in column.iter().zip(&rows).enumerate() {
+                    if *psd > top.0 && square_x + square_y >= 1.0 {
+                        top = (*psd, kx, ky);
+                    }
+                }
+                top
+            })
+            .collect();
+        let (psd, kx, ky) = tops.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+        let (qx_min, qy_min, _) = self.wavenumbers();
+        (psd > 0.0).then(|| TAU / (kx as f64 * qx_min).hypot(signed_index(ky, ny) * qy_min))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+    use ndarray::Array2;
+
+    /// A wave whose crests run at `angle`, counter-clockwise as seen, `periods` of them across 128 points.
+    fn crests(grid: Grid, angle: f64, periods: f64) -> HeightMap {
+        let q = TAU * periods / grid.height_m();
+        HeightMap::from_function(grid, |x, y| (q * (x * angle.sin() + y * angle.cos())).cos()).unwrap()
+    }
+
+    fn direction(map: &HeightMap) -> f64 {
+        AreaSpectrum::of(map).unwrap().angular().unwrap().direction_rad()
+    }
+
+    fn turned(found: f64, wanted: f64) -> f64 {
+        (found - wanted + 0.5 * PI).rem_euclid(PI) - 0.5 * PI
+    }
+
+    #[test]
+    fn a_map_that_rises_to_the_upper_right_has_a_direction_below_a_right_angle() {
+        // Row 0 is the top: crests x + y = const, with rows counted downwards, rise to the right as seen.
+        let grid = Grid::new(96, 96, 1.0, 1.0).unwrap();
+        let map = HeightMap::from_function(grid, |x, y| ((x + y) / 3.0).sin()).unwrap();
+        assert!((direction(&map) - 0.25 * PI).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_direction_of_crests_is_found_whatever_the_angle_the_field_and_the_pixels() {
+        for grid in [Grid::new(128, 128, 1.0, 1.0).unwrap(), Grid::new(256, 128, 0.4, 1.0).unwrap()] {
+            for turn in 0..24 {
+                let angle = PI * (f64::from(turn) + 0.3) / 24.0;
+                // The lattice of wavevectors leaves a tenth of a step at 16 steps: 0.006 rad.
+                let found = direction(&crests(grid, angle, 16.0));
+                assert!(turned(found, angle).abs() < 0.01, "{angle}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn missing_points_do_not_turn_the_direction() {
+        let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
+        for angle in [0.4, 1.1, 2.6] {
+            let mut heights = crests(grid, angle, 16.0).heights_m().clone();
+            heights
+                .indexed_iter_mut()
+                .filter(|((r, c), _)| (r + 7 * c) % 9 == 0 || *r > 100)
+                .for_each(|(_, z)| *z = f64::NAN);
+            let map = HeightMap::new(grid, heights).unwrap();
+            let found = direction(&map);
+            assert!(turned(found, angle).abs() < 0.03, "{angle}: {found}");
+        }
+    }
+
+    #[test]
+    fn the_angular_density_integrates_to_the_variance_of_its_wavenumbers() {
+        // White heights: the density is flat, so rays and wavevectors agree up to scatter. The annulus of radius R steps holds
+        // πR² wavevectors of relative standard deviation 1; a Hann window correlates about four neighbours.
+        let grid = Grid::new(200, 160, 1.0, 1.25).unwrap();
+        let white = random::standard_normal(&mut random::stream(15, "angular", 0), grid.points());
+        let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), white).unwrap()).unwrap();
+        let spectrum = AreaSpectrum::of(&map).unwrap();
+        let angular = spectrum.angular().unwrap();
+        let (low, high) = angular.range_rad_per_m;
+        let rays: f64 = angular.density_m2.iter().sum::<f64>() * PI / RAYS as f64;
+        let fft = RealFft2::new(200, 160);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (place, psd) in spectrum.psd_m4.iter().enumerate() {
+            let (kx, ky) = (place / 160, place % 160);
+            let q = (kx as f64 * TAU / 200.0).hypot(signed_index(ky, 160) * TAU / 200.0);
+            if (low..high).contains(&q) {
+                sum += fft.multiplicity(kx) * psd / grid.area_m2();
+                count += fft.multiplicity(kx);
+            }
+        }
+        assert!((rays / sum - 1.0).abs() < 4.0 * (8.0 / count).sqrt(), "{rays} {sum}");
+    }
+
+    #[test]
+    fn the_dominant_wavelength_is_that_of_the_wave() {
+        let grid = Grid::new(128, 128, 1.0, 1.0).unwrap();
+        for periods in [5.0, 16.0, 30.0] {
+            let found = AreaSpectrum::of(&crests(grid, 0.0, periods)).unwrap().dominant_wavelength_m().unwrap();
+            assert!((found / (128.0 / periods) - 1.0).abs() < 1e-12, "{found}");
+        }
+    }
+
+    #[test]
+    fn rings_are_means_over_their_wavevectors() {
+        let grid = Grid::new(31, 24, 0.7, 1.1).unwrap();
+        let white = random::standard_normal(&mut random::stream(15, "rings", 0), grid.points());
+        let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), white).unwrap()).unwrap();
+        let spectrum = AreaSpectrum::of(&map).unwrap();
+        let found = spectrum.radial();
+        let (qx, qy, nyquist) = spectrum.wavenumbers();
+        let width = qx.max(qy);
+        let mut rings = vec![vec![]; (nyquist / width).floor() as usize];
+        for kx in -15_isize..=15 {
+            for ky in -11_isize..=12 {
+                let q = (kx as f64 * qx).hypot(ky as f64 * qy);
+                let ring = (q / width - 0.5).floor();
+                // P(−q) = P(q).
+                let (kx, ky) = if kx < 0 { (-kx, -ky) } else { (kx, ky) };
+                if ring >= 0.0 && (ring as usize) < rings.len() {
+                    rings[ring as usize].push((q, spectrum.psd_m4[kx as usize * 24 + ky.rem_euclid(24) as usize]));
+                }
+            }
+        }
+        for (ring, members) in rings.iter().enumerate() {
+            let mean = |f: &dyn Fn(&(f64, f64)) -> f64| members.iter().map(f).sum::<f64>() / members.len() as f64;
+            assert_eq!(found.wavevectors[ring], members.len());
+            assert!((found.q_rad_per_m[ring] / mean(&|m| m.0) - 1.0).abs() < 1e-12);
+            assert!((found.psd_m4[ring] / mean(&|m| m.1) - 1.0).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Spectra averaged over blocks of wavevectors, for fits by likelihood.
+
+use crate::fourier::signed_index;
+use crate::map::HeightMap;
+
+use super::SpectrumRoute;
+use super::area::AreaSpectrum;
+use super::band::{ReliableBand, end_of_fall};
+use crate::correlation::{Covariance, EstimateError};
+
+/// Blocks per octave along each axis, where they hold a wavenumber each.
+const PER_OCTAVE: f64 = 3.0;
+/// Wavevectors of a block at which a model is evaluated at most, and in blocks across which the density falls steeply: there few
+/// wavevectors do not have the mean density of the block.
+const SAMPLES: usize = 6;
+const SAMPLES_WHERE_STEEP: usize = 48;
+/// Ratio of the mean densities of the inner and the outer half of a block from which it is steep.
+const STEEP: f64 = 2.0;
+/// Fraction of the coefficients that are independent under a Hann window along both axes, (18/35)².
+const INDEPENDENT: f64 = 0.264;
+/// A band of fewer octaves than one is that of a surface smooth on the scale of the map's size; then the first wavenumbers are used,
+/// up to this many steps, and densities below this fraction of the largest count as leakage of the window.
+const FIRST_STEPS: f64 = 4.0;
+const LEAKAGE: f64 = 1e-3;
+/// The window smooths the spectrum over a step of wavenumbers; beyond this many steps from zero that is negligible.
+const SMOOTHED_STEPS: f64 = 12.0;
+
+/// Spectral density of a map, averaged over blocks of wavevectors within the reliable band, and beyond it where the spectrum rolls off:
+/// a surface that is smooth on the scale of its pixels is described by its fall, and so is one that the instrument made smooth.
+///
+/// Blocks are rectangles in (|qx|, |qy|) with edges a third of an octave apart, so that narrow spectra along an axis are
+/// resolved. Wavevectors (qx, qy) and (−qx, qy) share a block: the covariance models are even in x and in y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockSpectrum {
+    blocks: Vec<Block>,
+    /// Band of the radial spectrum.
+    band: ReliableBand,
+    /// Steps of the wavenumbers along x and y in rad/m.
+    step_rad_per_m: [f64; 2],
+    pitch_m: [f64; 2],
+    /// Half width of the window's smoothing in steps, and the weight of the spectrum at that distance on either side.
+    smoothing: (f64, f64),
+    slope_correlation: f64,
+    /// Density in m⁴ that is added to measured and expected densities.
+    floor_m4: f64,
+}
+
+/// One block of wavevectors.
+#[derive(Debug, Clone, PartialEq)]
+#[doc(hidden)]
+pub struct Block {
+    /// Mean density in m⁴.
+    pub density_m4: f64,
+    /// Degrees of freedom of the mean.
+    pub degrees_of_freedom: f64,
+    /// Wavevectors in rad/m that stand for the block.
+    pub samples: Vec<[f64; 2]>,
+}
+
+impl BlockSpectrum {
+    /// The spectrum of a map, see [`AreaSpectrum::of`].
+    ///
+    /// # Errors
+    /// The heights present do not vary.
+    pub fn of(map: &HeightMap) -> Result<Self, EstimateError> {
+        /// Sums over the wavevectors of a block.
+        #[derive(Clone, Default)]
+        struct Sums {
+            density: f64,
+            count: f64,
+            /// Wavevectors and their densities.
+            places: Vec<([f64; 2], f64)>,
+        }
+        let spectrum = AreaSpectrum::of(map)?;
+        let radial = spectrum.radial();
+        let band = radial.reliable;
+        let grid = map.grid();
+        let (nx, ny) = (grid.nx(), grid.ny());
+        let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
+        let is_short = band.high_rad_per_m < 2.0 * band.low_rad_per_m;
+        let step = qx_min.max(qy_min);
+        let (end, little_m4) = end_of_fall(&radial.q_rad_per_m, &radial.psd_m4, band, nyquist);
+        let (low, high) =
+            if is_short { (0.5 * step, end.max((FIRST_STEPS + 0.5) * step)) } else { (band.low_rad_per_m, end) };
+        let high = high.min(0.5 * nyquist);
+        let (edges_x, edges_y) = (edges(nx / 2), edges(ny / 2));
+        let place_of = |edges: &[f64], k: f64| edges.partition_point(|edge| *edge <= k) - 1;
+        let mut sums = vec![Sums::default(); edges_x.len() * edges_y.len()];
+        // Products of slopes: of x with x, of x with y, of y with y.
+        let mut slopes = [0.0; 3];
+        for (kx, column) in spectrum.psd_m4.chunks_exact(ny).enumerate() {
+            let times = if kx == 0 || 2 * kx == nx { 1.0 } else { 2.0 };
+            let (qx, block_x) = (kx as f64 * qx_min, place_of(&edges_x, kx as f64));
+            for (ky, density) in column.iter().enumerate() {
+                let ky = signed_index(ky, ny);
+                let qy = ky * qy_min;
+                let q = qx.hypot(qy);
+                if q < low || q > high {
+                    continue;
+                }
+                let block = &mut sums[block_x * edges_y.len() + place_of(&edges_y, ky.abs())];
+                block.density += times * density;
+                block.count += times;
+                block.places.push(([qx, qy.abs()], *density));
+                // The edge of the zone is its own opposite, which has no sign.
+                let both = if kx == 0 || 2 * kx == nx { 0.0 } else { 1.0 };
+                for (sum, product) in slopes.iter_mut().zip([qx * qx, both * qx * qy, qy * qy]) {
+                    *sum += times * density * product;
+                }
+            }
+        }
+        let largest =
+            sums.iter().filter(|sums| sums.count > 0.0).map(|sums| sums.density / sums.count).fold(0.0, f64::max);
+        let floor_m4 = if is_short { LEAKAGE * largest } else { little_m4 };
+        let block = |sums: Sums| {
+            let half = sums.places.len() / 2;
+            let mut outward = sums.places.clone();
+            outward.sort_by(|(a, _), (b, _)| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+            let total = |places: &[([f64; 2], f64)]| places.iter().map(|(_, density)| density).sum::<f64>();
+            let is_steep = half > 0 && total(&outward[..half]) > STEEP * total(&outward[outward.len() - half..]);
+            let most = if is_steep { SAMPLES_WHERE_STEEP } else { SAMPLES };
+            let stride = sums.places.len().div_ceil(most).max(1);
+            Block {
+                density_m4: sums.density / sums.count + floor_m4,
+                degrees_of_freedom: (INDEPENDENT * sums.count).max(1.0),
+                samples: sums.places.into_iter().skip(stride / 2).step_by(stride).map(|(q, _)| q).collect(),
+            }
+        };
+        Ok(Self {
+            blocks: sums.into_iter().map(block).filter(|block| block.density_m4 > 0.0).collect(),
+            floor_m4,
+            band,
+            step_rad_per_m: [qx_min, qy_min],
+            pitch_m: [grid.dx_m(), grid.dy_m()],
+            smoothing: match spectrum.route {
+                // Second moments of the kernels: 1/3 and 12/π² squared steps.
+                SpectrumRoute::Periodogram => (1.0, 1.0 / 6.0),
+                SpectrumRoute::MaskedCorrelogram => (2.0, 0.152),
+            },
+            slope_correlation: slopes[1] / (slopes[0] * slopes[2]).sqrt(),
+        })
+    }
+
+    /// Wavenumbers at which the radial spectrum can be relied on.
+    pub fn reliable(&self) -> ReliableBand {
+        self.band
+    }
+
+    /// Correlation of the slopes along x and y within the band: far from zero, the lay runs at an angle to the axes.
+    pub fn slope_correlation(&self) -> f64 {
+        self.slope_correlation
+    }
+
+    /// Sides of the map in metre.
+    #[doc(hidden)]
+    pub fn size_m(&self) -> [f64; 2] {
+        self.step_rad_per_m.map(|step| std::f64::consts::TAU / step)
+    }
+
+    /// Pitches in metre.
+    #[doc(hidden)]
+    pub fn pitch_m(&self) -> [f64; 2] {
+        self.pitch_m
+    }
+
+    #[doc(hidden)]
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// Expected density of a block of a map of this covariance in m⁴: folded at the Nyquist wavenumbers and smoothed by the
+    /// window.
+    #[doc(hidden)]
+    pub fn expected_m4(&self, block: &Block, covariance: &Covariance) -> f64 {
+        let sum: f64 = block.samples.iter().map(|q| self.smoothed_m4(*q, covariance)).sum();
+        sum / block.samples.len() as f64 + self.floor_m4
+    }
+
+    fn smoothed_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
+        let (distance, weight) = self.smoothing;
+        let weights = |axis: usize| {
+            let step = self.step_rad_per_m[axis];
+            if q[axis] > SMOOTHED_STEPS * distance * step {
+                [(0.0, 1.0), (0.0, 0.0), (0.0, 0.0)]
+            } else {
+                [(0.0, 1.0 - 2.0 * weight), (-distance * step, weight), (distance * step, weight)]
+            }
+        };
+        let mut sum = 0.0;
+        for (dx, wx) in weights(0).into_iter().filter(|(_, w)| *w > 0.0) {
+            for (dy, wy) in weights(1).into_iter().filter(|(_, w)| *w > 0.0) {
+                sum += wx * wy * self.folded_m4([q[0] + dx, q[1] + dy], covariance);
+            }
+        }
+        sum
+    }
+
+    /// The density with the waves that the pixels show as longer ones.
+    fn folded_m4(&self, q: [f64; 2], covariance: &Covariance) -> f64 {
+        /// Images on either side.
+        const IMAGES: i32 = 2;
+
+        let zone = self.pitch_m.map(|pitch_m| std::f64::consts::TAU / pitch_m);
+        let own = covariance.psd_m4(q[0], q[1]);
+        // The first image is the largest. Where it is negligible, so are all.
+        let nearest = covariance.psd_m4(zone[0] - q[0].abs(), q[1]) + covariance.psd_m4(q[0], zone[1] - q[1].abs());
+        if nearest < 1e-3 * own {
+            return own;
+        }
+        let images = (-IMAGES..=IMAGES).flat_map(|i| (-IMAGES..=IMAGES).map(move |j| (f64::from(i), f64::from(j))));
+        images.map(|(i, j)| covariance.psd_m4(q[0] + i * zone[0], q[1] + j * zone[1])).sum()
+    }
+}
+
+/// Lower edges of the blocks along an axis, from wavenumber 0 to `last`.
+fn edges(last: usize) -> Vec<f64> {
+    let ratio = (1.0 / PER_OCTAVE).exp2();
+    let mut edges = vec![0.0, 0.5];
+    let mut edge: f64 = 0.5;
+    while edge < last as f64 {
+        edge = (edge + 1.0).max((edge * ratio).round() + 0.5);
+        edges.push(edge);
+    }
+    edges
+}

@@ -1,0 +1,477 @@
+//! Convolutions of real maps with even real kernels, in one pass over memory each way.
+//!
+//! Two rows make the real and the imaginary part of one complex row, which is transformed whole; their transforms come
+//! apart again while columns are gathered. Columns are transformed, multiplied and transformed back while they are in the
+//! second cache, so the spectrum of the map never goes to memory.
+
+use std::fmt;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftNum, FftPlanner};
+
+use super::SHARED_FROM;
+use crate::wide::{Kernel, wide};
+
+/// Columns that are gathered at a time.
+const BLOCK: usize = 16;
+/// Rows that are finished at a time.
+#[doc(hidden)]
+pub const ROWS_OF_SLAB: usize = 16;
+/// Unused places after every row and column: lengths that are powers of two would have all rows compete for the same places
+/// of the cache.
+const PAD: usize = 8;
+/// Partial sums kept side by side.
+const LANES: usize = 8;
+
+/// Single or double precision.
+#[doc(hidden)]
+pub trait Real: FftNum + Default {
+    /// Rounded to this precision.
+    fn of(value: f64) -> Self;
+    /// In double precision.
+    fn double(self) -> f64;
+}
+
+impl Real for f32 {
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+
+    fn double(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Real for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    fn double(self) -> f64 {
+        self
+    }
+}
+
+/// A planned convolution of maps of `rows` × `columns` values, continued with zeros to `ny` × `nx`, on a torus of that size.
+/// Cheap to clone and to share between threads.
+#[derive(Clone)]
+#[doc(hidden)]
+pub struct Convolution<T> {
+    rows: usize,
+    columns: usize,
+    nx: usize,
+    ny: usize,
+    along_rows: [Arc<dyn Fft<T>>; 2],
+    along_columns: [Arc<dyn Fft<T>>; 2],
+}
+
+impl<T> fmt::Debug for Convolution<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Convolution").field("nx", &self.nx).field("ny", &self.ny).finish_non_exhaustive()
+    }
+}
+
+/// Scratch memory of one caller for one [`Convolution`].
+#[derive(Debug, Clone)]
+#[doc(hidden)]
+pub struct ConvolutionWork<T> {
+    /// Transformed pairs of rows.
+    pairs: Vec<Complex<T>>,
+    /// Columns of half the spectrum, transformed back.
+    columns: Vec<Complex<T>>,
+    lane: Lane<T>,
+}
+
+/// Scratch memory of one thread.
+#[derive(Debug, Clone)]
+struct Lane<T> {
+    rows: [Vec<T>; 2],
+    slab: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
+}
+
+impl<T: Real> Convolution<T> {
+    /// Plans convolutions of maps of `shape` = (rows, columns) on a torus of `torus` = (ny, nx) points.
+    ///
+    /// # Panics
+    /// If the map is larger than the torus.
+    #[doc(hidden)]
+    pub fn new(shape: (usize, usize), torus: (usize, usize)) -> Self {
+        let ((rows, columns), (ny, nx)) = (shape, torus);
+        assert!(rows <= ny && columns <= nx, "a map of {columns} × {rows} points does not fit {nx} × {ny}");
+        let mut planner = FftPlanner::new();
+        let mut both = |n: usize| [planner.plan_fft_forward(n), planner.plan_fft_inverse(n)];
+        Self { rows, columns, nx, ny, along_rows: both(nx), along_columns: both(ny) }
+    }
+
+    /// Stored wavenumbers along x: nx/2 + 1.
+    #[doc(hidden)]
+    pub fn stored_kx(&self) -> usize {
+        self.nx / 2 + 1
+    }
+
+    /// Points of the torus along y.
+    #[doc(hidden)]
+    pub fn ny(&self) -> usize {
+        self.ny
+    }
+
+    /// Points of the torus along x.
+    #[doc(hidden)]
+    pub fn nx(&self) -> usize {
+        self.nx
+    }
+
+    /// Slabs of [`ROWS_OF_SLAB`] rows, the last one of fewer, in which a result is finished.
+    #[doc(hidden)]
+    pub fn slabs(&self) -> usize {
+        self.rows.div_ceil(ROWS_OF_SLAB)
+    }
+
+    /// The factors `symbol(kx, ky)`, ky being signed, as [`Convolution::forward`] wants them.
+    #[doc(hidden)]
+    pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<T> {
+        let scale = 1.0 / (self.nx * self.ny) as f64;
+        let columns = (0..self.stored_kx()).flat_map(|kx| (0..self.ny).map(move |ky| (kx, ky)));
+        columns.map(|(kx, ky)| T::of(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
+    }
+
+    /// One factor for [`Convolution::forward`].
+    #[doc(hidden)]
+    pub fn factor(&self, value: f64) -> T {
+        T::of(value / (self.nx * self.ny) as f64)
+    }
+
+    #[doc(hidden)]
+    pub fn work(&self) -> ConvolutionWork<T> {
+        ConvolutionWork {
+            pairs: vec![Complex::default(); self.rows.div_ceil(2) * (self.nx + PAD)],
+            columns: vec![Complex::default(); self.stored_kx() * (self.ny + PAD)],
+            lane: self.lane(),
+        }
+    }
+
+    fn lane(&self) -> Lane<T> {
+        let plans = self.along_rows.iter().chain(&self.along_columns);
+        let scratch = plans.map(|plan| plan.get_inplace_scratch_len()).max().unwrap_or(0);
+        Lane {
+            rows: [vec![T::default(); self.columns], vec![T::default(); self.columns]],
+            slab: vec![Complex::default(); ROWS_OF_SLAB / 2 * (self.nx + PAD)],
+            scratch: vec![Complex::default(); scratch],
+        }
+    }
+
+    /// Does `work` on the items, shared among threads where the map is large.
+    fn share<I: Send>(
+        &self,
+        lane: &mut Lane<T>,
+        items: impl Iterator<Item = I>,
+        work: impl Fn(&mut Lane<T>, I) + Sync,
+    ) {
+        if self.nx * self.ny < SHARED_FROM || rayon::current_num_threads() == 1 {
+            items.for_each(|item| work(lane, item));
+        } else {
+            let items: Vec<I> = items.collect();
+            items.into_par_iter().for_each_init(|| self.lane(), |lane, item| work(lane, item));
+        }
+    }
+
+    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], but its constant by `constant`, and
+    /// returns Σ z·(S z), S being the convolution. [`Convolution::backward`] then gives S z itself.
+    ///
+    /// There is one of `slabs` for each slab of rows, from which `fill` writes the rows in order into zeros, or says that a
+    /// row is zero by returning false.
+    ///
+    /// # Panics
+    /// If the symbol or the scratch memory is that of another convolution, or there is not one of `slabs` for each slab.
+    #[doc(hidden)]
+    pub fn forward<S: Send>(
+        &self,
+        symbol: &[T],
+        constant: T,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [T]) -> bool + Sync,
+        work: &mut ConvolutionWork<T>,
+    ) -> f64 {
+        assert_eq!(symbol.len(), self.stored_kx() * self.ny, "the symbol has the wrong length");
+        assert_eq!(slabs.len(), self.slabs(), "there must be one input for each slab of rows");
+        let ConvolutionWork { pairs, columns, lane } = work;
+        let (nx, ny) = (self.nx, self.ny);
+        let items = slabs.iter_mut().zip(pairs.chunks_mut(ROWS_OF_SLAB / 2 * (nx + PAD))).enumerate();
+        self.share(lane, items, |lane, (slab, (input, pairs))| {
+            let [even, odd] = &mut lane.rows;
+            for (pair, out) in pairs.chunks_exact_mut(nx + PAD).enumerate() {
+                let row = slab * ROWS_OF_SLAB + 2 * pair;
+                even.fill(T::zero());
+                odd.fill(T::zero());
+                let present = fill(input, row, even);
+                let present = (row + 1 < self.rows && fill(input, row + 1, odd)) || present;
+                let out = &mut out[..nx];
+                out[self.columns..].fill(Complex::default());
+                wide::<Join, _>((out, even.as_slice(), odd.as_slice()));
+                if present {
+                    self.along_rows[0].process_with_scratch(out, &mut lane.scratch);
+                }
+            }
+        });
+
+        let pairs = &*pairs;
+        let blocks = columns.chunks_mut(BLOCK * (ny + PAD)).zip(symbol.chunks(BLOCK * ny));
+        let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
+        let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
+        self.share(lane, items, |lane, (block, columns, symbol, energy)| {
+            wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
+            for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
+                let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
+                self.along_columns[0].process_with_scratch(column, &mut lane.scratch);
+                let first = if kx == 0 { constant } else { symbol[0] };
+                let sum = (first * column[0].norm_sqr()).double();
+                column[0] = column[0] * first;
+                let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
+                // A stored column stands for its opposite as well.
+                *energy += if kx == 0 || 2 * kx == nx { sum } else { 2.0 * sum };
+                self.along_columns[1].process_with_scratch(column, &mut lane.scratch);
+            }
+        });
+        energies.into_iter().sum()
+    }
+
+    /// Transforms what [`Convolution::forward`] left back and hands it over row by row: `take` gets those of a slab in order.
+    ///
+    /// # Panics
+    /// If there is not one of `slabs` for each slab of rows.
+    #[doc(hidden)]
+    pub fn backward<S: Send>(
+        &self,
+        slabs: &mut [S],
+        take: impl Fn(&mut S, usize, &[T]) + Sync,
+        work: &mut ConvolutionWork<T>,
+    ) {
+        assert_eq!(slabs.len(), self.slabs(), "there must be one output for each slab of rows");
+        let ConvolutionWork { columns, lane, .. } = work;
+        let columns = &*columns;
+        let nx = self.nx;
+        self.share(lane, slabs.iter_mut().enumerate(), |lane, (slab, output)| {
+            let Lane { rows: [even, odd], slab: pairs, scratch } = lane;
+            let first = slab * ROWS_OF_SLAB;
+            let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
+            wide::<GatherRows, _>((self, columns, first, count, pairs));
+            for (pair, row) in pairs.chunks_exact_mut(nx + PAD).take(count).enumerate() {
+                self.along_rows[1].process_with_scratch(&mut row[..nx], scratch);
+                wide::<Part, _>((&*row, even.as_mut_slice(), odd.as_mut_slice()));
+                let row = first + 2 * pair;
+                take(output, row, even);
+                if row + 1 < self.rows {
+                    take(output, row + 1, odd);
+                }
+            }
+        });
+    }
+}
+
+/// Takes columns of half the spectrum, from `first` on, out of the transformed pairs of rows, continued with zeros.
+struct GatherColumns;
+
+impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])> for GatherColumns {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((plan, pairs, first, to): (&'a Convolution<T>, &'a [Complex<T>], usize, &'a mut [Complex<T>])) {
+        let (nx, stride) = (plan.nx, plan.ny + PAD);
+        let half = T::of(0.5);
+        let width = to.len() / stride;
+        // The transform of an even and an odd row, e + io, is e + io at k and the conjugate of e − io at −k.
+        let halves = |at: Complex<T>, opposite: Complex<T>| {
+            let even = Complex::new(half * (at.re + opposite.re), half * (at.im - opposite.im));
+            let odd = Complex::new(half * (at.im + opposite.im), half * (opposite.re - at.re));
+            [even, odd]
+        };
+        for (pair, row) in pairs.chunks_exact(nx + PAD).enumerate() {
+            for j in 0..width {
+                let k = first + j;
+                let opposite = if k == 0 { row[0] } else { row[nx - k] };
+                to[j * stride + 2 * pair..][..2].copy_from_slice(&halves(row[k], opposite));
+            }
+        }
+        for column in to.chunks_exact_mut(stride) {
+            column[2 * plan.rows.div_ceil(2)..].fill(Complex::default());
+        }
+    }
+}
+
+/// Takes `count` pairs of rows of half the spectrum, from the row `first` on, out of its columns, and makes the other half.
+struct GatherRows;
+
+impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>])> for GatherRows {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(
+        (plan, columns, first, count, to): (&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>]),
+    ) {
+        let nx = plan.nx;
+        for (k, column) in columns.chunks_exact(plan.ny + PAD).enumerate() {
+            let column = &column[first..first + 2 * count];
+            for ([even, odd], row) in column.as_chunks::<2>().0.iter().zip(to.chunks_exact_mut(nx + PAD)) {
+                // The conjugate of the even row's half of what is at −k makes up the other half.
+                if k > 0 {
+                    row[nx - k] = Complex::new(even.re + odd.im, odd.re - even.im);
+                }
+                row[k] = Complex::new(even.re - odd.im, even.im + odd.re);
+            }
+        }
+    }
+}
+
+/// Makes two real rows one complex row.
+struct Join;
+
+impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T], &'a [T])> for Join {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((out, even, odd): (&'a mut [Complex<T>], &'a [T], &'a [T])) {
+        for ((out, re), im) in out.iter_mut().zip(even).zip(odd) {
+            *out = Complex::new(*re, *im);
+        }
+    }
+}
+
+/// Makes one complex row two real ones.
+struct Part;
+
+impl<'a, T: Real> Kernel<(&'a [Complex<T>], &'a mut [T], &'a mut [T])> for Part {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((row, even, odd): (&'a [Complex<T>], &'a mut [T], &'a mut [T])) {
+        for ((value, even), odd) in row.iter().zip(even).zip(odd) {
+            (*even, *odd) = (value.re, value.im);
+        }
+    }
+}
+
+/// Multiplies values by factors, and returns Σ factor |value|².
+struct Multiply;
+
+impl<'a, T: Real> Kernel<(&'a mut [Complex<T>], &'a [T])> for Multiply {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run((values, factors): (&'a mut [Complex<T>], &'a [T])) -> f64 {
+        let mut lanes = [T::zero(); LANES];
+        let (values, rest) = values.as_chunks_mut::<LANES>();
+        let (factors, rest_of_factors) = factors.as_chunks::<LANES>();
+        for (values, factors) in values.iter_mut().zip(factors) {
+            for lane in 0..LANES {
+                let (value, factor) = (values[lane], factors[lane]);
+                lanes[lane] = lanes[lane] + factor * (value.re * value.re + value.im * value.im);
+                values[lane] = Complex::new(factor * value.re, factor * value.im);
+            }
+        }
+        let mut sum: f64 = lanes.into_iter().map(Real::double).sum();
+        for (value, factor) in rest.iter_mut().zip(rest_of_factors) {
+            sum += (*factor * value.norm_sqr()).double();
+            *value = *value * *factor;
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+
+    /// The convolution of a map with the kernel of `symbol` on the torus by its definition.
+    fn direct(plan: &Convolution<f64>, symbol: impl Fn(usize, f64) -> f64, map: &[f64]) -> Vec<f64> {
+        let (nx, ny) = (plan.nx, plan.ny);
+        let turn = |k: f64, n: usize| std::f64::consts::TAU * k / n as f64;
+        let kernel = |x: f64, y: f64| {
+            let mut sum = 0.0;
+            for kx in 0..nx {
+                for ky in 0..ny {
+                    let (kx, ky) = (super::super::signed_index(kx, nx), super::super::signed_index(ky, ny));
+                    sum += symbol(kx.abs() as usize, ky) * (turn(kx, nx) * x + turn(ky, ny) * y).cos();
+                }
+            }
+            sum / (nx * ny) as f64
+        };
+        let (rows, columns) = (plan.rows, plan.columns);
+        let kernels: Vec<f64> = (0..ny * nx).map(|i| kernel((i % nx) as f64, (i / nx) as f64)).collect();
+        let mut out = vec![0.0; rows * columns];
+        for (i, out) in out.iter_mut().enumerate() {
+            for (j, z) in map.iter().enumerate() {
+                let x = (i % columns + nx - j % columns) % nx;
+                let y = (i / columns + ny - j / columns) % ny;
+                *out += kernels[y * nx + x] * z;
+            }
+        }
+        out
+    }
+
+    fn apply<T: Real>(plan: &Convolution<T>, symbol: &[T], constant: T, map: &[f64]) -> (f64, Vec<f64>) {
+        let mut work = plan.work();
+        let columns = plan.columns;
+        let fill = |slab: &mut &[f64], row: usize, out: &mut [T]| {
+            let values = &slab[row % ROWS_OF_SLAB * columns..][..columns];
+            out.iter_mut().zip(values).for_each(|(out, z)| *out = T::of(*z));
+            values.iter().any(|z| *z != 0.0)
+        };
+        let mut slabs: Vec<&[f64]> = map.chunks(ROWS_OF_SLAB * columns).collect();
+        let energy = plan.forward(symbol, constant, &mut slabs, fill, &mut work);
+        let mut result = vec![0.0; map.len()];
+        let mut slabs: Vec<&mut [f64]> = result.chunks_mut(ROWS_OF_SLAB * columns).collect();
+        let take = |out: &mut &mut [f64], row: usize, values: &[T]| {
+            let out = &mut out[row % ROWS_OF_SLAB * columns..][..columns];
+            out.iter_mut().zip(values).for_each(|(out, value)| *out = value.double());
+        };
+        plan.backward(&mut slabs, take, &mut work);
+        (energy, result)
+    }
+
+    #[test]
+    fn it_is_the_sum_over_the_torus_at_any_size_and_in_either_precision() {
+        let symbol = |kx: usize, ky: f64| 1.0 / (1.0 + (kx as f64).powi(2) + 0.3 * ky * ky) + 0.1 * kx as f64;
+        for (shape, torus) in [
+            ((6, 8), (6, 8)),
+            ((7, 9), (7, 9)),
+            ((1, 5), (3, 8)),
+            ((5, 1), (9, 2)),
+            ((19, 16), (38, 35)),
+            ((33, 20), (33, 20)),
+            ((20, 37), (40, 72)),
+        ] {
+            let plan = Convolution::<f64>::new(shape, torus);
+            let mut map = random::standard_normal(&mut random::stream(1, "torus", shape.0 as u64), shape.0 * shape.1);
+            // Rows of zeros are skipped.
+            map.iter_mut().skip(2 * shape.1).take(2 * shape.1).for_each(|z| *z = 0.0);
+            let constant = |kx: usize, ky: f64| if kx == 0 && ky == 0.0 { 7.0 } else { symbol(kx, ky) };
+            let wanted = direct(&plan, constant, &map);
+            let (energy, found) = apply(&plan, &plan.symbol(symbol), plan.factor(7.0), &map);
+            let error = |found: &[f64]| found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error(&found) < 1e-13, "{shape:?}: {:e}", error(&found));
+            let product: f64 = map.iter().zip(&wanted).map(|(z, w)| z * w).sum();
+            assert!((energy - product).abs() < 1e-12 * product.abs().max(1.0));
+
+            let single = Convolution::<f32>::new(shape, torus);
+            let (energy, found) = apply(&single, &single.symbol(symbol), single.factor(7.0), &map);
+            assert!(error(&found) < 1e-5 && (energy - product).abs() < 1e-5 * product.abs().max(1.0), "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn a_large_map_is_the_same_on_any_number_of_threads() {
+        let shape = (200, 230);
+        let plan = Convolution::<f64>::new(shape, shape);
+        let symbol = plan.symbol(|kx, ky| 1.0 / (1.0 + (kx as f64).hypot(ky)));
+        let map = random::standard_normal(&mut random::stream(1, "threads", 0), shape.0 * shape.1);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| apply(&plan, &symbol, 0.0, &map))
+        };
+        assert_eq!(on(1), on(3));
+    }
+}

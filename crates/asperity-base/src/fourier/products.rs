@@ -1,0 +1,252 @@
+//! Powers and autocorrelations of real maps and lanes: a transform, its squared modulus, and the way back.
+//!
+//! Columns are transformed in blocks that fit the second cache and reduced at once, so that a whole complex spectrum never
+//! goes to memory.
+
+use rayon::prelude::*;
+use realfft::RealFftPlanner;
+use rustfft::FftPlanner;
+
+use super::lanes::{BLOCK, TILE, gather, make_real};
+use super::{Complex64, good_length};
+
+/// Lanes whose powers are added before the sums of such blocks are.
+const LANES: usize = 64;
+
+/// Half transforms along x of a map of `rows` × `columns` values continued with zeros to the length `nx`: slabs of [`TILE`]
+/// rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
+///
+/// Each slab has its own memory, which is cheaper to come by than one piece of it all.
+fn transformed_rows(
+    rows: usize,
+    columns: usize,
+    nx: usize,
+    fill: &(impl Fn(usize, &mut [f64]) + Sync),
+) -> Vec<Vec<Complex64>> {
+    let plan = RealFftPlanner::new().plan_fft_forward(nx);
+    let stored = nx / 2 + 1;
+    (0..rows.div_ceil(TILE))
+        .into_par_iter()
+        .map_init(
+            || (plan.make_input_vec(), plan.make_scratch_vec()),
+            |(input, scratch), slab| {
+                let range = slab * TILE..((slab + 1) * TILE).min(rows);
+                let mut transformed = vec![Complex64::default(); range.len() * stored];
+                for (row, out) in range.zip(transformed.chunks_exact_mut(stored)) {
+                    fill(row, &mut input[..columns]);
+                    input[columns..].fill(0.0);
+                    let done = plan.process_with_scratch(input, out, scratch);
+                    debug_assert!(done.is_ok());
+                }
+                transformed
+            },
+        )
+        .collect()
+}
+
+/// |X|² of a map of `ny` × `nx` values, laid out as the spectrum of [`super::RealFft2`]; `fill` writes a row of the map.
+#[doc(hidden)]
+pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    let transformed = transformed_rows(ny, nx, nx, &fill);
+    let plan = FftPlanner::new().plan_fft_forward(ny);
+    let stored = nx / 2 + 1;
+    let mut power = vec![0.0; stored * ny];
+    power.par_chunks_mut(BLOCK * ny).enumerate().for_each_init(
+        || (vec![Complex64::default(); BLOCK * ny], vec![Complex64::default(); plan.get_inplace_scratch_len()]),
+        |(columns, scratch), (block, out)| {
+            let columns = &mut columns[..out.len()];
+            gather(transformed.iter().map(Vec::as_slice), stored, block * BLOCK, columns, ny);
+            plan.process_with_scratch(columns, scratch);
+            out.iter_mut().zip(columns).for_each(|(out, value)| *out = value.norm_sqr());
+        },
+    );
+    power
+}
+
+/// Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags k = 0 …
+/// `reach_y` and l = −`reach_x` … `reach_x`, as rows of 2·`reach_x` + 1 values. `fill` writes a row of the map.
+///
+/// The map is continued with zeros by as much as the lags reach, which keeps the wrapped pairs of the circular correlation
+/// out of them: the sums are exact up to rounding.
+///
+/// # Panics
+/// If a lag exceeds the map.
+#[doc(hidden)]
+pub fn autocorrelation_sums(
+    (rows, columns): (usize, usize),
+    (reach_x, reach_y): (usize, usize),
+    fill: impl Fn(usize, &mut [f64]) + Sync,
+) -> Vec<f64> {
+    assert!(reach_x < columns && reach_y < rows, "lags up to ({reach_x}, {reach_y}) exceed {columns} × {rows} points");
+    let (nx, ny) = (good_length(columns + reach_x), good_length(rows + reach_y));
+    let (stored, lags_y) = (nx / 2 + 1, reach_y + 1);
+    let transformed = transformed_rows(rows, columns, nx, &fill);
+
+    // Σ_ky |X|² e^{2πi ky k/ny} for k = 0 … reach_y: the conjugate of the transform of a real sequence.
+    let mut half = vec![Complex64::default(); stored * lags_y];
+    let forward = FftPlanner::new().plan_fft_forward(ny);
+    let back = RealFftPlanner::new().plan_fft_forward(ny);
+    half.par_chunks_mut(BLOCK * lags_y).enumerate().for_each_init(
+        || {
+            let scratch = forward.get_inplace_scratch_len().max(back.get_scratch_len());
+            let zeros = |length: usize| vec![Complex64::default(); length];
+            (zeros(BLOCK * ny), zeros(scratch), back.make_input_vec(), back.make_output_vec())
+        },
+        |(columns, scratch, squares, lags), (block, out)| {
+            let columns = &mut columns[..out.len() / lags_y * ny];
+            gather(transformed.iter().map(Vec::as_slice), stored, block * BLOCK, columns, ny);
+            forward.process_with_scratch(columns, scratch);
+            for (column, out) in columns.chunks_exact(ny).zip(out.chunks_exact_mut(lags_y)) {
+                squares.iter_mut().zip(column).for_each(|(square, value)| *square = value.norm_sqr());
+                let done = back.process_with_scratch(squares, lags, &mut scratch[..back.get_scratch_len()]);
+                debug_assert!(done.is_ok());
+                out.iter_mut().zip(lags.iter()).for_each(|(out, value)| *out = value.conj());
+            }
+        },
+    );
+    drop(transformed);
+
+    let width = 2 * reach_x + 1;
+    let mut sums = vec![0.0; lags_y * width];
+    let plan = RealFftPlanner::new().plan_fft_inverse(nx);
+    let scale = 1.0 / (nx * ny) as f64;
+    sums.par_chunks_mut(BLOCK * width).enumerate().for_each_init(
+        || (vec![Complex64::default(); BLOCK * stored], plan.make_output_vec(), plan.make_scratch_vec()),
+        |(inputs, lags, scratch), (block, out)| {
+            let inputs = &mut inputs[..out.len() / width * stored];
+            gather(half.chunks(TILE * lags_y), lags_y, block * BLOCK, inputs, stored);
+            for (input, out) in inputs.chunks_exact_mut(stored).zip(out.chunks_exact_mut(width)) {
+                make_real(input, nx);
+                let done = plan.process_with_scratch(input, lags, scratch);
+                debug_assert!(done.is_ok());
+                let (left, right) = out.split_at_mut(reach_x);
+                left.iter_mut().zip(&lags[nx - reach_x..]).for_each(|(out, value)| *out = value * scale);
+                right.iter_mut().zip(lags.iter()).for_each(|(out, value)| *out = value * scale);
+            }
+        },
+    );
+    sums
+}
+
+/// Σ |X|² over `lanes` of `length` values continued with zeros to `padded`, for the wavenumbers 0 … padded/2. `fill` writes
+/// the lanes of a range, one after the other.
+#[doc(hidden)]
+pub fn summed_power(
+    lanes: usize,
+    length: usize,
+    padded: usize,
+    fill: impl Fn(std::ops::Range<usize>, &mut [f64]) + Sync,
+) -> Vec<f64> {
+    let plan = RealFftPlanner::new().plan_fft_forward(padded);
+    let blocks: Vec<Vec<f64>> = (0..lanes.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || (vec![0.0; LANES * length], plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec()),
+            |(values, input, output, scratch), block| {
+                let range = block * LANES..((block + 1) * LANES).min(lanes);
+                let values = &mut values[..range.len() * length];
+                fill(range, values);
+                let mut sums = vec![0.0; padded / 2 + 1];
+                for lane in values.chunks_exact(length) {
+                    input[..length].copy_from_slice(lane);
+                    input[length..].fill(0.0);
+                    let done = plan.process_with_scratch(input, output, scratch);
+                    debug_assert!(done.is_ok());
+                    sums.iter_mut().zip(output.iter()).for_each(|(sum, value)| *sum += value.norm_sqr());
+                }
+                sums
+            },
+        )
+        .collect();
+    let mut sums = vec![0.0; padded / 2 + 1];
+    for block in blocks {
+        sums.iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
+    }
+    sums
+}
+
+/// The real sequence, of even `length`, whose transform is the real and even `power`, of length/2 + 1 values: sums of
+/// products at the lags 0 … length/2 of lanes whose [`summed_power`] it is.
+#[doc(hidden)]
+pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
+    let plan = RealFftPlanner::new().plan_fft_inverse(length);
+    let mut input: Vec<Complex64> = power.iter().map(|value| Complex64::from(*value)).collect();
+    let mut output = plan.make_output_vec();
+    let done = plan.process(&mut input, &mut output);
+    debug_assert!(done.is_ok());
+    output.iter().take(length / 2 + 1).map(|value| value / length as f64).collect()
+}
+
+/// Real parts of the transform of a real sequence, for the wavenumbers 0 … length/2.
+#[doc(hidden)]
+pub fn real_transform(values: &[f64]) -> Vec<f64> {
+    let plan = RealFftPlanner::new().plan_fft_forward(values.len());
+    let (mut input, mut output) = (values.to_vec(), plan.make_output_vec());
+    let done = plan.process(&mut input, &mut output);
+    debug_assert!(done.is_ok());
+    output.iter().map(|value| value.re).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fourier::RealFft2;
+    use crate::random;
+
+    fn map(rows: usize, columns: usize) -> Vec<f64> {
+        random::standard_normal(&mut random::stream(6, "products", (rows * columns) as u64), rows * columns)
+    }
+
+    #[test]
+    fn sums_of_products_are_those_of_the_pairs_inside_the_map() {
+        for (rows, columns, reach_x, reach_y) in
+            [(7, 9, 8, 6), (7, 9, 0, 3), (20, 33, 16, 2), (5, 40, 1, 4), (2, 2, 1, 1)]
+        {
+            let z = map(rows, columns);
+            let found = autocorrelation_sums((rows, columns), (reach_x, reach_y), |row, out| {
+                out.copy_from_slice(&z[row * columns..(row + 1) * columns]);
+            });
+            for lag_y in 0..=reach_y {
+                for (place, lag_x) in (-(reach_x as isize)..=reach_x as isize).enumerate() {
+                    let mut sum = 0.0;
+                    for row in 0..rows - lag_y {
+                        for column in 0..columns as isize {
+                            if (0..columns as isize).contains(&(column + lag_x)) {
+                                let other = (row + lag_y) * columns + (column + lag_x) as usize;
+                                sum += z[row * columns + column as usize] * z[other];
+                            }
+                        }
+                    }
+                    let value = found[lag_y * (2 * reach_x + 1) + place];
+                    assert!((value - sum).abs() < 1e-12 * (rows * columns) as f64, "({lag_x}, {lag_y}): {value} {sum}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn powers_are_those_of_the_transform() {
+        let (rows, columns) = (24, 50);
+        let z = map(rows, columns);
+        let fft = RealFft2::new(columns, rows);
+        let mut spectrum = fft.spectrum();
+        fft.forward(&z, &mut spectrum, &mut fft.workspace());
+        let found = power(columns, rows, |row, out| out.copy_from_slice(&z[row * columns..(row + 1) * columns]));
+        assert!(found.iter().zip(&spectrum).all(|(power, value)| (power - value.norm_sqr()).abs() < 1e-10));
+    }
+
+    #[test]
+    fn summed_powers_are_those_of_every_lane_and_lead_to_its_products() {
+        let (lanes, length) = (2 * LANES + 3, 10);
+        let z = map(lanes, length);
+        let found = summed_power(lanes, length, 20, |range, out| {
+            out.copy_from_slice(&z[range.start * length..range.end * length]);
+        });
+        let sums = lag_sums_of_power(&found, 20);
+        for lag in 0..length {
+            let direct: f64 =
+                z.chunks(length).flat_map(|lane| (0..length - lag).map(move |i| lane[i] * lane[i + lag])).sum();
+            assert!((sums[lag] - direct).abs() < 1e-10, "lag {lag}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Maps, spectra, random numbers, distributions and correlation: what the links of asperity share.
+//!
+//! Maps are indexed `[row y, column x]`, row 0 at the top; missing heights are NaN and masked in every statistic. Quantities are in
+//! SI units. Random numbers depend on the seed, the name of a stream and an index alone.
+
+pub mod correlation;
+pub mod fourier;
+pub mod law;
+pub mod map;
+pub mod monitor;
+pub mod quantity;
+pub mod random;
+pub mod stats;
+#[doc(hidden)]
+pub mod wide;

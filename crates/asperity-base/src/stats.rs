@@ -1,0 +1,183 @@
+//! Sample statistics: moments, intervals, histograms, and how much a correlated record is worth.
+
+mod autocorrelation;
+#[doc(hidden)]
+pub mod blocks;
+mod bootstrap;
+mod histogram;
+mod layout;
+mod moments;
+mod process;
+mod record_sum;
+mod sorting;
+mod spread;
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use thiserror::Error;
+
+#[doc(hidden)]
+pub use autocorrelation::lag_sums;
+pub use autocorrelation::{CorrelationTime, correlation_time};
+pub use bootstrap::{Bootstrap, Resampling};
+pub use histogram::Histogram;
+pub use layout::Layout;
+#[doc(hidden)]
+pub use layout::sum_of_lanes;
+pub use moments::{Extent, Moments};
+pub use process::{Estimate, ProcessMoments, share_above};
+#[doc(hidden)]
+pub use record_sum::RecordSum;
+#[doc(hidden)]
+pub use sorting::{Order, sorted};
+#[doc(hidden)]
+pub use spread::{Spread, flat_top};
+
+/// Why a statistic is undefined.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum StatsError {
+    /// Too few values are present.
+    #[error("{n} values are present; {statistic} needs at least {wanted}")]
+    TooFew {
+        /// What was to be computed.
+        statistic: &'static str,
+        /// Values present.
+        n: usize,
+        /// Values needed.
+        wanted: usize,
+    },
+    /// All values are equal.
+    #[error("all {n} values are equal, so {statistic} is undefined")]
+    Constant {
+        /// What was to be computed.
+        statistic: &'static str,
+        /// Values present.
+        n: usize,
+    },
+    /// An argument lies outside its range.
+    #[error("{parameter} is {value}, but must be {wanted}")]
+    Parameter {
+        /// Name of the argument.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+}
+
+/// A confidence interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Interval {
+    /// Whether the value lies in the closed interval.
+    pub fn contains(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+}
+
+/// The quantile of *sorted* values at `probability`: linear interpolation between order statistics, the i-th of n at
+/// probability i/(n − 1) (type 7 of Hyndman & Fan 1996, the default of NumPy and R). NaN when there are no values.
+///
+/// # Panics
+/// If the probability lies outside [0, 1].
+pub fn quantile_sorted(sorted: &[f64], probability: f64) -> f64 {
+    assert!((0.0..=1.0).contains(&probability), "probability {probability} lies outside [0, 1]");
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let position = probability * last as f64;
+    let left = position.floor() as usize;
+    let right = (left + 1).min(last);
+    sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
+}
+
+/// The present (not NaN) values, sorted.
+pub fn sorted_present(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let present: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
+    sorted(&present, 0.0, Order::Ascending)
+}
+
+/// Quantile of Student's law; NaN unless 0 < `probability` < 1 and the degrees of freedom are positive.
+pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+    let inside = probability > 0.0 && probability < 1.0;
+    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    law.ok().filter(|_| inside).map_or(f64::NAN, |law| law.inverse_cdf(probability))
+}
+
+/// Probability of at least |t| under Student's law, of both signs; NaN if t is, and unless the degrees of freedom are positive.
+pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
+    let law = StudentsT::new(0.0, 1.0, degrees_of_freedom);
+    law.ok().filter(|_| !t.is_nan()).map_or(f64::NAN, |law| 2.0 * law.cdf(-t.abs()))
+}
+
+/// Wilson's 95 % score interval of a proportion of `successes` out of `trials`; [0, 1] without trials.
+///
+/// Unlike the normal approximation it stays inside [0, 1] and has positive width at 0 and at `trials` successes.
+///
+/// # References
+/// Wilson, *J. Am. Stat. Assoc.* **22** (1927) 209, <https://doi.org/10.1080/01621459.1927.10502953>.
+///
+/// # Panics
+/// If there are more successes than trials.
+pub fn wilson_interval(successes: usize, trials: usize) -> Interval {
+    assert!(successes <= trials, "{successes} successes of {trials} trials");
+    if trials == 0 {
+        return Interval { low: 0.0, high: 1.0 };
+    }
+    let (n, share) = (trials as f64, successes as f64 / trials as f64);
+    let z2 = NORMAL_95 * NORMAL_95;
+    let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
+    let half = NORMAL_95 / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+    Interval {
+        low: if successes == 0 { 0.0 } else { centre - half },
+        high: if successes == trials { 1.0 } else { centre + half },
+    }
+}
+
+/// Φ⁻¹(0.975): half the width of a two-sided 95 % interval in standard errors.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_interpolate_between_order_statistics() {
+        let sorted = [1.0, 2.0, 4.0, 8.0];
+        assert_eq!(quantile_sorted(&sorted, 0.0), 1.0);
+        assert_eq!(quantile_sorted(&sorted, 0.5), 3.0);
+        assert_eq!(quantile_sorted(&sorted, 1.0), 8.0);
+        assert_eq!(quantile_sorted(&[5.0], 0.3), 5.0);
+        assert!(quantile_sorted(&[], 0.3).is_nan());
+        assert_eq!(sorted_present([2.0, f64::NAN, 1.0]), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn wilson_ends_solve_the_score_equation() {
+        // At an end p of the interval, |share − p| = z √(p(1 − p)/n).
+        for (successes, trials) in [(3, 10), (1, 50), (499, 500)] {
+            let (n, share) = (trials as f64, successes as f64 / trials as f64);
+            let interval = wilson_interval(successes, trials);
+            for p in [interval.low, interval.high] {
+                let score = (share - p).abs() / (p * (1.0 - p) / n).sqrt();
+                assert!((score - NORMAL_95).abs() < 1e-9, "{successes}/{trials}: {score}");
+            }
+        }
+        assert_eq!(wilson_interval(0, 10).low, 0.0);
+        assert_eq!(wilson_interval(10, 10).high, 1.0);
+        assert!((wilson_interval(0, 10).high - 0.277_53).abs() < 5e-6, "z²/(n + z²)");
+        assert_eq!(wilson_interval(0, 0), Interval { low: 0.0, high: 1.0 });
+    }
+
+    #[test]
+    fn student_quantiles_are_the_tables() {
+        for (degrees, wanted) in [(1.0, 12.706_2), (9.0, 2.262_157), (30.0, 2.042_272)] {
+            assert!((student_quantile(0.975, degrees) / wanted - 1.0).abs() < 1e-5);
+        }
+        assert!(student_quantile(0.975, 0.0).is_nan() && student_quantile(1.0, 5.0).is_nan());
+    }
+}

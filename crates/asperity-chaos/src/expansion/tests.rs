@@ -1,0 +1,193 @@
+use super::*;
+use crate::{Design, Family, MultiIndexSet, SamplingMethod, Truncation};
+use std::f64::consts::PI;
+
+/// The expansion of f over a Sobol' design, f a function of the standard variables.
+fn expand(families: &[Family], degree: usize, samples: usize, f: impl Fn(&[f64]) -> f64) -> (Expansion, Fit) {
+    let set = MultiIndexSet::total_degree(families.len(), degree).unwrap();
+    let basis = Basis::new(set, families.to_vec()).unwrap();
+    let design = Design::new(SamplingMethod::Sobol, 3, "expansion", samples, families.len()).unwrap();
+    let germs: Vec<Vec<f64>> = (0..samples)
+        .map(|i| design.unit(i).iter().zip(families).map(|(u, family)| family.from_unit(*u)).collect())
+        .collect();
+    let response: Vec<f64> = germs.iter().map(|xi| f(xi)).collect();
+    Expansion::fit(basis, &germs, &response).unwrap()
+}
+
+#[test]
+fn a_polynomial_is_recovered_with_its_moments_and_indices() {
+    // f = 2 + ξ₁ + 3 ξ₁ ξ₂ + (ξ₂² − 1): variance 1 + 9 + 2.
+    let (expansion, _) = expand(&[Family::Hermite; 2], 3, 64, |x| 2.0 + x[0] + 3.0 * x[0] * x[1] + x[1] * x[1] - 1.0);
+    assert!((expansion.mean() - 2.0).abs() < 1e-12);
+    assert!((expansion.variance() - 12.0).abs() < 1e-11);
+    let first = expansion.first_order_indices();
+    let total = expansion.total_indices();
+    for (found, wanted) in [(first[0], 1.0), (first[1], 2.0), (total[0], 10.0), (total[1], 11.0)] {
+        assert!((found - wanted / 12.0).abs() < 1e-12);
+    }
+    assert!((expansion.evaluate(&[0.5, -1.5]) - (2.0 + 0.5 - 2.25 + 1.25)).abs() < 1e-12);
+}
+
+#[test]
+fn many_germs_give_what_each_gives_alone() {
+    let (expansion, _) = expand(&[Family::Hermite; 3], 3, 80, |x| (x[0] + 0.3 * x[1]).sin() + x[2]);
+    let germs: Vec<[f64; 3]> = (0..50).map(|i| [0.1 * f64::from(i), -0.03 * f64::from(i), 0.5]).collect();
+    let alone: Vec<f64> = germs.iter().map(|g| expansion.evaluate(g)).collect();
+    assert_eq!(expansion.evaluate_many(&germs), alone);
+}
+
+#[test]
+fn the_exponential_of_a_normal_variable_has_its_closed_coefficients() {
+    let sigma = 0.5_f64;
+    let (expansion, _) = expand(&[Family::Hermite], 12, 2048, |x| (sigma * x[0]).exp());
+    // Orthonormal: c_n = e^{σ²/2} σⁿ/√n!. The first coefficient left out, c₁₃ = 1.8e-9, bounds the aliasing.
+    let mut closed = (0.5 * sigma * sigma).exp();
+    for n in 0..=6 {
+        assert!((expansion.coefficients()[n] - closed).abs() < 1e-8, "c_{n}");
+        closed *= sigma / ((n + 1) as f64).sqrt();
+    }
+}
+
+#[test]
+fn ishigami_has_its_published_indices() {
+    let (a, b) = (7.0, 0.1);
+    let (expansion, fit) = expand(&[Family::Legendre; 3], 12, 1024, |x| {
+        let [x1, x2, x3] = [x[0], x[1], x[2]].map(|x| PI * x);
+        x1.sin() + a * x2.sin().powi(2) + b * x3.powi(4) * x1.sin()
+    });
+    // The least smooth part, 7 sin² πx = 3.5 − 3.5 cos 2πx, leaves a variance share of 2e-5 beyond degree 12.
+    assert!(fit.leave_one_out.relative_error.unwrap() < 1e-3);
+    assert!((expansion.variance() / 13.844_587_940_719_254 - 1.0).abs() < 1e-3, "{}", expansion.variance());
+    let first = expansion.first_order_indices();
+    assert!((first[0] - 0.313_905_19).abs() < 1e-3, "{first:?}");
+    assert!((first[1] - 0.442_411_14).abs() < 1e-3, "{first:?}");
+    assert!(first[2] < 1e-4);
+    assert!((expansion.subset_index(&[0, 2]) - 0.243_683_66).abs() < 1e-3);
+}
+
+#[test]
+fn the_borehole_has_its_published_moments_and_indices() {
+    let mut families = [Family::Legendre; 8];
+    families[0] = Family::Hermite;
+    families[1] = Family::Hermite;
+    let (expansion, _) = expand(&families, 4, 1500, |x| {
+        let between = |x: f64, low: f64, high: f64| low + (high - low) * (x + 1.0) / 2.0;
+        let rw = 0.10 + 0.016_181_2 * x[0];
+        let log_ratio = (7.71 + 1.0056 * x[1]) - rw.ln();
+        let (tu, hu) = (between(x[2], 63_070.0, 115_600.0), between(x[3], 990.0, 1110.0));
+        let (tl, hl) = (between(x[4], 63.1, 116.0), between(x[5], 700.0, 820.0));
+        let (l, kw) = (between(x[6], 1120.0, 1680.0), between(x[7], 9855.0, 12_045.0));
+        2.0 * PI * tu * (hu - hl) / (log_ratio * (1.0 + 2.0 * l * tu / (log_ratio * rw * rw * kw) + tu / tl))
+    });
+    assert!((expansion.mean() / 73.7389 - 1.0).abs() < 5e-4, "mean {}", expansion.mean());
+    assert!((expansion.variance() / 817.69 - 1.0).abs() < 2e-3, "variance {}", expansion.variance());
+    let first = [0.6637, 0.0, 0.0, 0.0949, 1e-5, 0.0949, 0.0907, 0.0219];
+    let total = [0.6942, 0.0, 0.0, 0.1061, 1e-5, 0.1062, 0.1028, 0.0251];
+    for (found, wanted) in expansion.first_order_indices().iter().zip(first) {
+        assert!((found - wanted).abs() < 5e-4, "first {:?}", expansion.first_order_indices());
+    }
+    for (found, wanted) in expansion.total_indices().iter().zip(total) {
+        assert!((found - wanted).abs() < 5e-4, "total {:?}", expansion.total_indices());
+    }
+}
+
+#[test]
+fn the_sobol_g_function_comes_within_its_known_truncation() {
+    // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, 99.4 %, and of products less; the variables
+    // with a = 99 hold a share of 3e-4 and are left out.
+    let a = [0.0, 1.0, 4.5, 9.0];
+    let (expansion, _) = expand(&[Family::Legendre; 4], 6, 2000, |x| {
+        x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product()
+    });
+    let published = [0.716_192_169, 0.179_048_042, 0.023_675_774_2, 0.007_161_921_69];
+    for (found, wanted) in expansion.first_order_indices().iter().zip(published) {
+        assert!((found - wanted).abs() < 0.01, "{:?}", expansion.first_order_indices());
+    }
+    assert!((expansion.variance() / 0.465_424_431_902_206_7 - 1.0).abs() < 0.03, "{}", expansion.variance());
+}
+
+#[test]
+fn fewer_samples_than_coefficients_are_refused() {
+    let basis = Basis::hermite(8, 3).unwrap();
+    let germs = vec![vec![0.0; 8]; 165];
+    let error = Expansion::fit(basis, &germs, &[0.0; 165]).unwrap_err();
+    assert_eq!(error, RegressionError::TooFewSamples { samples: 165, coefficients: 165 });
+}
+
+fn normal_germs(points: usize, variables: usize) -> Vec<Vec<f64>> {
+    let design = Design::new(SamplingMethod::MonteCarlo, 8, "germs", points, variables).unwrap();
+    (0..points).map(|i| design.germ(i)).collect()
+}
+
+/// Coefficients between −1 and 1, every third of them zero.
+fn coefficients(count: usize) -> Vec<f64> {
+    (0..count).map(|k| if k % 3 == 1 { 0.0 } else { (1.7 * k as f64 + 0.3).sin() }).collect()
+}
+
+/// Values of sets of all kinds, against the sum over `Basis::fill`.
+#[test]
+fn nested_sums_are_the_sums_of_all_terms() {
+    let families = |variables: usize| -> Vec<Family> {
+        (0..variables).map(|i| if i % 3 == 2 { Family::Legendre } else { Family::Hermite }).collect()
+    };
+    let sets = [
+        MultiIndexSet::total_degree(1, 0).unwrap(),
+        MultiIndexSet::total_degree(1, 9).unwrap(),
+        MultiIndexSet::total_degree(8, 3).unwrap(),
+        MultiIndexSet::total_degree(4, 7).unwrap(),
+        MultiIndexSet::total_degree(40, 2).unwrap(),
+        MultiIndexSet::truncated(12, &Truncation { q: 0.6, ..Truncation::total_degree(6) }).unwrap(),
+        MultiIndexSet::from_rows(4, [[0, 0, 0, 0], [0, 3, 1, 2], [0, 0, 0, 5], [0, 3, 1, 0], [1, 1, 1, 1]]).unwrap(),
+    ];
+    for set in sets {
+        let basis = Basis::new(set.clone(), families(set.variables())).unwrap();
+        let c = coefficients(basis.len());
+        let germs = normal_germs(37, set.variables());
+        let matrix = basis.design_matrix(&germs);
+        let values = Expansion::new(basis, c.clone()).evaluate_many(&germs);
+        for (row, value) in matrix.rows().into_iter().zip(values) {
+            let terms = || row.iter().zip(&c).map(|(psi, c)| psi * c);
+            let (wanted, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
+            assert!((value - wanted).abs() <= 1e-14 * size, "{} terms: {value}, wanted {wanted}", set.len());
+        }
+    }
+}
+
+#[test]
+fn a_value_depends_on_its_germ_alone() {
+    let basis = Basis::hermite(5, 4).unwrap();
+    let c = coefficients(basis.len());
+    let expansion = Expansion::new(basis, c);
+    let germs = normal_germs(3000, 5);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let values = pool(1).install(|| expansion.evaluate_many(&germs));
+    assert_eq!(pool(3).install(|| expansion.evaluate_many(&germs)), values);
+    assert_eq!(germs.iter().map(|germ| expansion.evaluate(germ)).collect::<Vec<_>>(), values);
+    // Rows and columns first, with a column too many.
+    let rows = ndarray::Array2::from_shape_fn((3000, 6), |(i, v)| if v < 5 { germs[i][v] } else { f64::NAN });
+    let mut columns = ndarray::Array2::<f64>::zeros(ndarray::ShapeBuilder::f((3000, 6)));
+    columns.assign(&rows);
+    assert_eq!(expansion.evaluate_rows(rows.view()), values);
+    assert_eq!(expansion.evaluate_rows(columns.view()), values);
+    assert!(expansion.evaluate_many::<[f64; 5]>(&[]).is_empty());
+}
+
+#[test]
+#[should_panic(expected = "4 germ values for 5 variables")]
+fn a_germ_that_is_too_short_is_a_mistake() {
+    Expansion::new(Basis::hermite(5, 0).unwrap(), vec![1.0]).evaluate_many(&[vec![0.0; 5], vec![0.0; 4]]);
+}
+
+#[test]
+fn closed_indices_are_sums_over_all_subsets() {
+    let basis = Basis::hermite(4, 4).unwrap();
+    let c = coefficients(basis.len());
+    let expansion = Expansion::new(basis, c);
+    let index = |subset: &[usize]| expansion.subset_index(subset);
+    let wanted =
+        index(&[0]) + index(&[2]) + index(&[3]) + index(&[0, 2]) + index(&[2, 3]) + index(&[0, 3]) + index(&[0, 2, 3]);
+    assert!((expansion.closed_index(&[3, 0, 2]) - wanted).abs() < 1e-14);
+    assert!((expansion.closed_index(&[3, 0, 2]) + expansion.total_indices()[1] - 1.0).abs() < 1e-14);
+    assert_eq!(expansion.closed_index(&[]), 0.0);
+    assert_eq!(expansion.first_order_indices()[2], expansion.closed_index(&[2]));
+}

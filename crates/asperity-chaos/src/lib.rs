@@ -1,0 +1,52 @@
+//! Designs of experiments, orthonormal polynomial expansions, least squares and distances of laws. Knows no tribology.
+//!
+//! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
+//! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
+//! [`Expansion`], and [`StepLaw`] compares the laws that come out. [`Resamples`] says how well indices, distances and laws
+//! are known; [`propagation`] takes uncertain parameters through a response with noise. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
+//!
+//! ```
+//! use asperity_chaos::{Basis, Design, Expansion, SamplingMethod};
+//!
+//! let design = Design::new(SamplingMethod::LatinHypercube, 1, "example", 100, 2)?;
+//! let germs: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.germ(i)).collect();
+//! let values: Vec<f64> = germs.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[0] * xi[1]).collect();
+//! let (expansion, _) = Expansion::fit(Basis::hermite(2, 2)?, &germs, &values)?;
+//! assert!((expansion.mean() - 2.0).abs() < 1e-12);
+//! assert!((expansion.variance() - 10.0).abs() < 1e-11);
+//! assert!((expansion.total_indices()[1] - 0.9).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod basis;
+pub mod distance;
+mod expansion;
+mod horner;
+mod json;
+mod multi_index;
+pub mod polynomial;
+pub mod propagation;
+mod regression;
+mod resamples;
+pub mod sampling;
+mod sensitivity;
+mod source;
+mod sparse;
+
+pub use basis::{Basis, BasisError};
+pub use distance::{DistanceError, StepLaw};
+pub use expansion::Expansion;
+pub use json::ExpansionFileError;
+pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
+pub use polynomial::Family;
+pub use propagation::{
+    NoIndices, Noise, Observed, Parameter, ParameterIndices, Propagated, Propagation, PropagationError,
+};
+pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
+pub use resamples::{Estimate, Resamples, ResamplesError};
+pub use sampling::{Design, SamplingError, SamplingMethod};
+pub use sensitivity::{IndexError, IndexEstimates};
+pub use source::SourceError;
+pub use sparse::{
+    Attempt, Candidates, SizeCriterion, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason,
+};

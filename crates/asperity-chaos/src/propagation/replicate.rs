@@ -1,0 +1,142 @@
+//! How well moments and indices are known: the choice of the points, and the noise of the samples.
+
+use rayon::prelude::*;
+
+use super::{NoIndices, Noise, Observed, ParameterIndices};
+use crate::{Estimate, Expansion, RegressionError, Resamples};
+use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
+
+/// Share of the resamples that must have an expansion.
+const FITTED_SHARE: f64 = 0.95;
+const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+const POSITIVE: Interval = Interval { low: 0.0, high: f64::INFINITY };
+const SHARE: Interval = Interval { low: 0.0, high: 1.0 };
+
+/// Points with a response, and what each random sample adds to it.
+pub(super) struct Samples<'a> {
+    pub(super) germs: Vec<&'a [f64]>,
+    pub(super) values: Vec<f64>,
+    /// For each sample r and point k, (R − 1)(mean of y₍₋ᵣ₎ over r − y₍₋ᵣ₎): y moves by 1/R of it when the sample counts once
+    /// more.
+    influences: Vec<Vec<f64>>,
+}
+
+impl<'a> Samples<'a> {
+    pub(super) fn new(germs: &[&'a [f64]], observed: &Observed<'_>, kept: &[usize]) -> Self {
+        let values: Vec<f64> = kept.iter().map(|&k| observed.values[k]).collect();
+        let count = observed.without.len() as f64;
+        let replaced = |without: &[f64], k: usize| {
+            if without[k].is_finite() { without[k] } else { observed.values[k] }
+        };
+        let means: Vec<f64> =
+            kept.iter().map(|&k| observed.without.iter().map(|w| replaced(w, k)).sum::<f64>() / count).collect();
+        let influence = |without: &Vec<f64>| {
+            kept.iter().zip(&means).map(|(&k, mean)| (count - 1.0) * (mean - replaced(without, k))).collect()
+        };
+        let influences = if count < 2.0 { Vec::new() } else { observed.without.iter().map(influence).collect() };
+        Self { germs: germs.to_vec(), values, influences }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// What noise does to the mean over the points and to their `variance`.
+    ///
+    /// With the jackknife covariance Σ of the responses, the mean over K points has the variance 1ᵀΣ1/K², and their sample
+    /// variance is larger by (tr Σ − 1ᵀΣ1/K)/(K − 1) on average.
+    pub(super) fn noise(&self, variance: f64) -> Noise {
+        let (samples, points) = (self.influences.len() as f64, self.len() as f64);
+        if self.influences.is_empty() {
+            return Noise { standard_error: 0.0, variance_share: 0.0 };
+        }
+        let scale = 1.0 / (samples * (samples - 1.0));
+        let (mut trace, mut whole) = (0.0, 0.0);
+        for influence in &self.influences {
+            trace += influence.iter().map(|u| u * u).sum::<f64>();
+            whole += influence.iter().sum::<f64>().powi(2);
+        }
+        let own = (scale * (trace - whole / points) / (points - 1.0)).max(0.0);
+        Noise {
+            standard_error: (scale * whole).sqrt() / points,
+            variance_share: if own > 0.0 { own / variance } else { 0.0 },
+        }
+    }
+
+    /// Points and values of resample `index`.
+    fn resample(&self, resamples: &Resamples, index: usize) -> (Vec<usize>, Vec<f64>) {
+        let count = self.influences.len();
+        if count == 0 {
+            let points = resamples.positions(index, &[self.len()]).swap_remove(0);
+            let values = points.iter().map(|&k| self.values[k]).collect();
+            return (points, values);
+        }
+        let mut drawn = resamples.positions(index, &[self.len(), count]);
+        let (samples, points) = (drawn.swap_remove(1), drawn.swap_remove(0));
+        let mut times = vec![-1.0; count];
+        samples.iter().for_each(|&r| times[r] += 1.0);
+        let n = count as f64;
+        // The bootstrap's variance falls short by (R − 1)/R, and so few samples spread as Student's law.
+        let spread = (n / (n - 1.0)).sqrt() * student_quantile(0.975, n - 1.0) / NORMAL_95 / n;
+        let shift = |k: usize| spread * times.iter().zip(&self.influences).map(|(t, u)| t * u[k]).sum::<f64>();
+        let values = points.iter().map(|&k| self.values[k] + shift(k)).collect();
+        (points, values)
+    }
+
+    /// Mean and standard deviation of the points.
+    pub(super) fn moments(&self, resamples: &Resamples) -> (Estimate, Estimate) {
+        let moments = Moments::of(&self.values);
+        let drawn: Vec<Moments> =
+            (0..resamples.count).into_par_iter().map(|i| Moments::of(&self.resample(resamples, i).1)).collect();
+        (
+            resamples.estimate(moments.mean, drawn.iter().map(|m| m.mean).collect(), ANY),
+            resamples.estimate(moments.sample_std(), drawn.iter().map(Moments::sample_std).collect(), POSITIVE),
+        )
+    }
+
+    /// Mean, standard deviation and indices of an expansion of relative leave-one-out error `error`.
+    pub(super) fn estimates(
+        &self,
+        expansion: &Expansion,
+        error: f64,
+        resamples: &Resamples,
+    ) -> (Estimate, Estimate, Result<ParameterIndices, NoIndices>) {
+        let variables = expansion.basis().set().variables();
+        let numbers = |expansion: &Expansion| -> Vec<f64> {
+            let mut numbers = vec![expansion.mean(), expansion.variance().sqrt()];
+            numbers.extend(expansion.first_order_indices());
+            numbers.extend(expansion.total_indices());
+            numbers
+        };
+        let replicate = |index: usize| -> Result<Vec<f64>, RegressionError> {
+            let (points, values) = self.resample(resamples, index);
+            let germs: Vec<&[f64]> = points.iter().map(|&k| self.germs[k]).collect();
+            Expansion::fit(expansion.basis().clone(), &germs, &values).map(|(expansion, _)| numbers(&expansion))
+        };
+        let found: Vec<Vec<f64>> =
+            (0..resamples.count).into_par_iter().filter_map(|index| replicate(index).ok()).collect();
+        let failed = resamples.count - found.len();
+        let estimates: Vec<Estimate> = numbers(expansion)
+            .into_iter()
+            .enumerate()
+            .map(|(place, value)| {
+                let range = [ANY, POSITIVE].get(place).copied().unwrap_or(SHARE);
+                let list: Vec<f64> = found.iter().map(|n| n[place]).filter(|value| value.is_finite()).collect();
+                let estimate = resamples.estimate(value, list, range);
+                if place < 2 { estimate } else { widened(estimate, error) }
+            })
+            .collect();
+        let (mean, std) = (estimates[0], estimates[1]);
+        if found.len() as f64 <= FITTED_SHARE * resamples.count as f64 {
+            return (mean, std, Err(NoIndices::TooManyFailures { failed, resamples: resamples.count }));
+        }
+        let (first_order, total) = estimates[2..].split_at(variables);
+        (mean, std, Ok(ParameterIndices { first_order: first_order.to_vec(), total: total.to_vec() }))
+    }
+}
+
+/// A variance share that the terms leave out moves an index by at most itself.
+fn widened(estimate: Estimate, error: f64) -> Estimate {
+    let Interval { low, high } = estimate.interval;
+    Estimate { interval: Interval { low: (low - error).max(0.0), high: (high + error).min(1.0) }, ..estimate }
+}

@@ -1,0 +1,232 @@
+//! Designs of experiments: where a random function is evaluated.
+//!
+//! A point is a function of (seed, stage, sample index, number of samples): any point can be computed alone, on any
+//! thread, in any order.
+//!
+//! # Standard errors
+//!
+//! The points of a stratified design are not independent, so the spread within one says nothing about the error of its
+//! mean. [`Design::replicate`] gives independent randomisations of a design; of the means over r of them, say ten, the
+//! standard deviation divided by √r is the standard error of their mean, with r − 1 degrees of freedom.
+//!
+//! # Maximin Latin hypercubes
+//!
+//! The seed draws a Latin hypercube, and exchanges of two strata of one variable then lower
+//! φ = Σ_{i<j} d_ij^{−16}, d_ij the distance of the centres of the cells of points i and j. That is the criterion of Morris and
+//! Mitchell, which tends to the least distance of all pairs as the power grows. One partner of each exchange belongs to a
+//! pair whose distance is least. The points lie anywhere in their cells, as in every Latin hypercube. Means of sums of
+//! functions of one variable have no bias; those of interactions may have a small one, since near points are avoided.
+
+mod maximin;
+mod permutation;
+mod scrambled_sobol;
+
+use rand::Rng;
+use thiserror::Error;
+
+use asperity_base::law::standard_normal_quantile;
+use asperity_base::random::{Stream, stream};
+use maximin::{MAX_SAMPLES, maximin_strata};
+use permutation::Permutation;
+use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
+
+/// How the points of a design are placed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SamplingMethod {
+    /// Independent points.
+    MonteCarlo,
+    /// One point in each of n strata of every coordinate, paired at random.
+    ///
+    /// # References
+    /// McKay, Beckman & Conover, *Technometrics* **21** (1979) 239, <https://doi.org/10.1080/00401706.1979.10489755>.
+    LatinHypercube,
+    /// A Latin hypercube whose points keep their distance: see [`maximin`](self#maximin-latin-hypercubes). At most 2,000
+    /// samples.
+    ///
+    /// # References
+    /// Morris & Mitchell, *J. Stat. Plan. Inference* **43** (1995) 381, <https://doi.org/10.1016/0378-3758(94)00035-T>.
+    MaximinLatinHypercube,
+    /// Sobol' points with Owen's nested uniform scrambling; at most 1,867 coordinates.
+    Sobol,
+}
+
+/// Why a design could not be made.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SamplingError {
+    /// A design needs at least one sample of at least one variable.
+    #[error("a design of {samples} samples in {dimensions} variables is empty")]
+    Empty {
+        /// Samples asked for.
+        samples: usize,
+        /// Variables asked for.
+        dimensions: usize,
+    },
+    /// The sequence has too few dimensions.
+    #[error("Sobol' points have at most {limit} variables here; {dimensions} were asked for (use latin_hypercube)")]
+    TooManyDimensions {
+        /// Variables asked for.
+        dimensions: usize,
+        /// Variables available.
+        limit: usize,
+    },
+    /// The distances of so many points are too many.
+    #[error(
+        "maximin Latin hypercubes have at most {limit} samples here; {samples} were asked for (use latin_hypercube)"
+    )]
+    TooManyForMaximin {
+        /// Samples asked for.
+        samples: usize,
+        /// Samples available.
+        limit: usize,
+    },
+    /// The sequence has too few points.
+    #[error("Sobol' points number at most 2³² here; {samples} were asked for")]
+    TooManySamples {
+        /// Samples asked for.
+        samples: usize,
+    },
+}
+
+#[derive(Debug, Clone)]
+enum Placement {
+    Independent,
+    Strata(Vec<Permutation>),
+    /// Strata of each sample, sample by sample.
+    Table(Vec<u16>),
+    Sobol(ScrambledSobol),
+}
+
+/// A planned set of `samples` points in `dimensions` variables.
+#[derive(Debug, Clone)]
+pub struct Design {
+    method: SamplingMethod,
+    seed: u64,
+    stage: String,
+    samples: usize,
+    dimensions: usize,
+    placement: Placement,
+}
+
+impl Design {
+    /// Plans a design. Equal (seed, stage) give equal points; different stages are independent.
+    ///
+    /// # Errors
+    /// An empty design, or more variables or samples than the method has.
+    pub fn new(
+        method: SamplingMethod,
+        seed: u64,
+        stage: &str,
+        samples: usize,
+        dimensions: usize,
+    ) -> Result<Self, SamplingError> {
+        if samples == 0 || dimensions == 0 {
+            return Err(SamplingError::Empty { samples, dimensions });
+        }
+        let keys = format!("{stage}/keys");
+        let placement = match method {
+            SamplingMethod::MonteCarlo => Placement::Independent,
+            SamplingMethod::LatinHypercube => Placement::Strata(
+                (0..dimensions as u64)
+                    .map(|dimension| Permutation::new(samples as u64, &mut stream(seed, &keys, dimension)))
+                    .collect(),
+            ),
+            SamplingMethod::MaximinLatinHypercube if samples > MAX_SAMPLES => {
+                return Err(SamplingError::TooManyForMaximin { samples, limit: MAX_SAMPLES });
+            }
+            SamplingMethod::MaximinLatinHypercube => {
+                Placement::Table(maximin_strata(samples, dimensions, &mut stream(seed, &keys, 0)))
+            }
+            SamplingMethod::Sobol if dimensions > MAX_DIMENSIONS => {
+                return Err(SamplingError::TooManyDimensions { dimensions, limit: MAX_DIMENSIONS });
+            }
+            SamplingMethod::Sobol if samples as u64 > 1 << 32 => {
+                return Err(SamplingError::TooManySamples { samples });
+            }
+            SamplingMethod::Sobol => Placement::Sobol(ScrambledSobol::new(seed, &keys, dimensions)),
+        };
+        Ok(Self { method, seed, stage: stage.to_owned(), samples, dimensions, placement })
+    }
+
+    /// An independent randomisation of the design, equally large. Number 0 is the design itself; number r > 0 is the design
+    /// of the stage `"<stage>/replicate <r>"`.
+    ///
+    /// # Errors
+    /// None of a design that could be made.
+    pub fn replicate(&self, number: usize) -> Result<Self, SamplingError> {
+        if number == 0 {
+            return Ok(self.clone());
+        }
+        let stage = format!("{}/replicate {number}", self.stage);
+        Self::new(self.method, self.seed, &stage, self.samples, self.dimensions)
+    }
+
+    /// Number of points.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Number of variables.
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// Writes point `index` of the open unit cube into `point`.
+    ///
+    /// # Panics
+    /// If the index or the length of `point` does not fit the design.
+    pub fn fill_unit(&self, index: usize, point: &mut [f64]) {
+        assert!(index < self.samples, "sample {index} of {}", self.samples);
+        assert_eq!(point.len(), self.dimensions, "a point of another dimension");
+        let mut within = stream(self.seed, &self.stage, index as u64);
+        for (dimension, coordinate) in point.iter_mut().enumerate() {
+            let jitter = open_unit(&mut within);
+            let value = match &self.placement {
+                Placement::Independent => jitter,
+                Placement::Strata(permutations) => {
+                    (permutations[dimension].at(index as u64) as f64 + jitter) / self.samples as f64
+                }
+                Placement::Table(strata) => {
+                    (f64::from(strata[index * self.dimensions + dimension]) + jitter) / self.samples as f64
+                }
+                Placement::Sobol(sobol) => {
+                    (f64::from(sobol.digits(index as u32, dimension)) + jitter) / 2.0_f64.powi(32)
+                }
+            };
+            // Rounding can close the last stratum.
+            *coordinate = value.min(1.0 - f64::EPSILON / 2.0);
+        }
+    }
+
+    /// Writes the standard normal germ of sample `index` into `germ`: ξ = Φ⁻¹(u) of the unit point u.
+    ///
+    /// # Panics
+    /// As [`Design::fill_unit`].
+    pub fn fill_germ(&self, index: usize, germ: &mut [f64]) {
+        self.fill_unit(index, germ);
+        for xi in germ {
+            *xi = standard_normal_quantile(*xi);
+        }
+    }
+
+    /// Point `index` of the open unit cube.
+    pub fn unit(&self, index: usize) -> Vec<f64> {
+        let mut point = vec![0.0; self.dimensions];
+        self.fill_unit(index, &mut point);
+        point
+    }
+
+    /// The standard normal germ of sample `index`.
+    pub fn germ(&self, index: usize) -> Vec<f64> {
+        let mut germ = vec![0.0; self.dimensions];
+        self.fill_germ(index, &mut germ);
+        germ
+    }
+}
+
+/// A uniform number that is exact in 53 bits and neither 0 nor 1.
+fn open_unit(stream: &mut Stream) -> f64 {
+    ((stream.next_u64() >> 12) as f64 + 0.5) / 2.0_f64.powi(52)
+}
+
+#[cfg(test)]
+mod tests;

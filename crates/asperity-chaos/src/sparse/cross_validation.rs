@@ -1,0 +1,125 @@
+//! Errors of choosing and fitting together.
+
+use ndarray::Axis;
+use rayon::prelude::*;
+
+use super::growing_fit::GrowingFit;
+use super::{
+    Attempt, Candidates, Search, SparseError, SparseFit, SparseMethod, SparseRegression, mean_and_spread,
+    subspace_pursuit,
+};
+use asperity_base::random::{standard_normal, stream};
+
+/// The model whose number of terms has the least error by cross-validation.
+pub(super) fn select(
+    regression: &SparseRegression,
+    candidates: &Candidates<'_>,
+    response: &[f64],
+    limit: usize,
+    folds: usize,
+) -> Result<SparseFit, SparseError> {
+    let samples = response.len();
+    let folds = folds.clamp(2, samples);
+    // As many terms as every part leaves samples for.
+    let limit = limit.min((samples - samples.div_ceil(folds)).saturating_sub(1));
+    let constant = usize::from(candidates.constant().is_some());
+    let sizes: Vec<usize> = match regression.method {
+        SparseMethod::SubspacePursuit => subspace_pursuit::sizes(candidates, limit),
+        _ => (constant + 1..=limit).collect(),
+    };
+    let parts = partition(samples, folds);
+    let found: Result<Vec<Part>, SparseError> = (0..folds)
+        .into_par_iter()
+        .map(|fold| Part::new(regression, candidates, response, &sizes, |sample| parts[sample] == fold))
+        .collect();
+    let (_, spread) = mean_and_spread(response);
+    let scale = samples as f64 * spread * spread / (samples as f64 - 1.0);
+    let mut squares = vec![0.0; sizes.len()];
+    let mut of_the_mean = 0.0;
+    for part in found? {
+        squares.iter_mut().zip(&part.squares).for_each(|(sum, square)| *sum += square / scale);
+        of_the_mean += part.of_the_mean / scale;
+    }
+    let best = (0..sizes.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]));
+    let terms = best.map_or(constant, |best| sizes[best]);
+    let start = GrowingFit::new(candidates, response);
+    let mut search = match regression.method {
+        SparseMethod::SubspacePursuit => {
+            let fit = if terms > constant { subspace_pursuit::of_size(start, terms) } else { start };
+            Search::of_one(fit)
+        }
+        // To the end, without early stop.
+        _ => regression.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
+    };
+    search.best = search.fit.terms().len().min(terms);
+    let tried = std::mem::take(&mut search.path);
+    search.path = sizes
+        .iter()
+        .zip(squares)
+        .map(|(&terms, error)| {
+            // Fewer terms may have entered: then the last model stands for all larger ones.
+            let last = tried.last().filter(|last| last.terms < terms && last.terms == search.best);
+            let known = tried.iter().find(|attempt| attempt.terms == terms).or(last);
+            let (leave_one_out, corrected) = known.map_or((None, None), |known| (known.leave_one_out, known.corrected));
+            Attempt { terms, leave_one_out, corrected, cross_validated: Some(error) }
+        })
+        .collect();
+    search.finish(response, of_the_mean)
+}
+
+/// Squared errors at the samples left out.
+struct Part {
+    /// Of each number of terms.
+    squares: Vec<f64>,
+    /// Of the mean of the others.
+    of_the_mean: f64,
+}
+
+impl Part {
+    fn new(
+        regression: &SparseRegression,
+        candidates: &Candidates<'_>,
+        response: &[f64],
+        sizes: &[usize],
+        left_out: impl Fn(usize) -> bool,
+    ) -> Result<Self, SparseError> {
+        let (out, kept): (Vec<usize>, Vec<usize>) = (0..response.len()).partition(|&sample| left_out(sample));
+        let matrix = candidates.design().select(Axis(0), &kept);
+        let values: Vec<f64> = kept.iter().map(|&sample| response[sample]).collect();
+        let fewer = Candidates::new(matrix.view())?;
+        let (mean, _) = mean_and_spread(&values);
+        let squares_of = |fit: &GrowingFit<'_, '_>| -> Vec<f64> {
+            let mut sums = vec![0.0; fit.terms().len()];
+            for &sample in &out {
+                let errors = fit.errors_at(candidates.design().row(sample), response[sample]);
+                sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * error);
+            }
+            sums
+        };
+        let of_the_mean: f64 = out.iter().map(|&sample| (response[sample] - mean).powi(2)).sum();
+        let start = GrowingFit::new(&fewer, &values);
+        // A path may end early, with nothing left to explain or nothing left to enter.
+        let last = |squares: &[f64]| squares.last().copied().unwrap_or(of_the_mean);
+        let squares = match regression.method {
+            SparseMethod::SubspacePursuit => {
+                sizes.iter().map(|&size| last(&squares_of(&subspace_pursuit::of_size(start.clone(), size)))).collect()
+            }
+            _ => {
+                let limit = sizes.last().copied().unwrap_or(0);
+                let squares = squares_of(&regression.search(start, limit, usize::MAX / 2).fit);
+                sizes.iter().map(|&size| squares.get(size - 1).copied().unwrap_or(last(&squares))).collect()
+            }
+        };
+        Ok(Self { squares, of_the_mean })
+    }
+}
+
+/// The part of each sample: a random partition that is a function of the numbers alone.
+fn partition(samples: usize, folds: usize) -> Vec<usize> {
+    let keys = standard_normal(&mut stream(0, "parts of a cross-validation", samples as u64), samples);
+    let mut order: Vec<usize> = (0..samples).collect();
+    order.sort_by(|&a, &b| keys[a].total_cmp(&keys[b]));
+    let mut parts = vec![0; samples];
+    order.iter().enumerate().for_each(|(place, &sample)| parts[sample] = place % folds);
+    parts
+}

@@ -1,0 +1,229 @@
+//! Least squares that gains one column at a time, with its leave-one-out error.
+
+use faer::Mat;
+use ndarray::ArrayView1;
+
+use super::candidates::Candidates;
+use super::{Attempt, mean_and_spread};
+use crate::regression::is_determined;
+use asperity_base::wide::{Kernel, wide};
+
+/// A column is spanned by the others when this share of its length, or less, is left beside them.
+const DEPENDENT: f64 = 1e-7;
+
+/// A residual of so many roundings of the response is none.
+const EXACT: f64 = 16.0 * f64::EPSILON;
+
+/// Least squares on the terms that have entered: A = QR by Gram–Schmidt with a second pass, and what follows from it at
+/// O(K) for each term: residual, leverages, and tr (AᵀA)⁻¹ = ‖R⁻¹‖².
+#[derive(Debug, Clone)]
+pub(super) struct GrowingFit<'a, 'c> {
+    candidates: &'a Candidates<'c>,
+    terms: Vec<usize>,
+    /// Orthonormal columns, one after the other.
+    q: Vec<f64>,
+    /// Upper triangle, column by column.
+    r: Vec<f64>,
+    /// Qᵀ of the response.
+    projections: Vec<f64>,
+    inverse_trace: f64,
+    leverages: Vec<f64>,
+    residual: Vec<f64>,
+    /// Sample variance and length of the response.
+    variance: f64,
+    length: f64,
+}
+
+impl<'a, 'c> GrowingFit<'a, 'c> {
+    /// The fit by the constant alone, where there is one, and by nothing otherwise.
+    pub(super) fn new(candidates: &'a Candidates<'c>, response: &[f64]) -> Self {
+        let (_, spread) = mean_and_spread(response);
+        let mut fit = Self {
+            candidates,
+            terms: Vec::new(),
+            q: Vec::new(),
+            r: Vec::new(),
+            projections: Vec::new(),
+            inverse_trace: 0.0,
+            leverages: vec![0.0; response.len()],
+            residual: response.to_vec(),
+            variance: spread * spread / (response.len() as f64 - 1.0),
+            length: response.iter().map(|y| y * y).sum::<f64>().sqrt(),
+        };
+        if let Some(constant) = candidates.constant() {
+            fit.enter(constant);
+        }
+        fit
+    }
+
+    pub(super) fn candidates(&self) -> &'a Candidates<'c> {
+        self.candidates
+    }
+
+    pub(super) fn terms(&self) -> &[usize] {
+        &self.terms
+    }
+
+    pub(super) fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    /// Qᵀ of the response.
+    pub(super) fn projections(&self) -> &[f64] {
+        &self.projections
+    }
+
+    /// The last orthonormal column.
+    pub(super) fn last_direction(&self) -> &[f64] {
+        &self.q[self.q.len() - self.residual.len()..]
+    }
+
+    /// Column `term` of R, its diagonal last.
+    pub(super) fn triangle_column(&self, term: usize) -> &[f64] {
+        &self.r[term * (term + 1) / 2..][..=term]
+    }
+
+    /// Adds a term; `false`, and no change, when the others span its column.
+    pub(super) fn enter(&mut self, column: usize) -> bool {
+        let (samples, count) = (self.residual.len(), self.terms.len());
+        let mut direction = vec![0.0; samples];
+        self.candidates.fill_column(column, &mut direction);
+        let full = self.candidates.norm(column);
+        let full = if full > 0.0 { full } else { length(&direction) };
+        let mut shares = vec![0.0; count];
+        wide::<Orthogonalise, _>((&self.q[..], &mut direction[..], &mut shares[..]));
+        wide::<Orthogonalise, _>((&self.q[..], &mut direction[..], &mut shares[..]));
+        let left = length(&direction);
+        if left.is_nan() || left <= DEPENDENT * full {
+            return false;
+        }
+        let mut projection = 0.0;
+        for ((q, h), r) in direction.iter_mut().zip(&mut self.leverages).zip(&self.residual) {
+            *q /= left;
+            *h += *q * *q;
+            projection += *q * r;
+        }
+        self.residual.iter_mut().zip(&direction).for_each(|(r, q)| *r -= projection * q);
+        self.projections.push(projection);
+        self.q.extend_from_slice(&direction);
+        self.terms.push(column);
+        self.r.extend_from_slice(&shares);
+        self.r.push(left);
+        self.solve_triangle(&mut shares);
+        self.inverse_trace += (1.0 + shares.iter().map(|x| x * x).sum::<f64>()) / (left * left);
+        true
+    }
+
+    /// Solves R x = b with the leading triangle of the length of b.
+    fn solve_triangle(&self, b: &mut [f64]) {
+        for i in (0..b.len()).rev() {
+            let column = self.triangle_column(i);
+            let x = b[i] / column[i];
+            b[i] = x;
+            b[..i].iter_mut().zip(column).for_each(|(b, r)| *b -= x * r);
+        }
+    }
+
+    /// Whether the residual is rounding.
+    pub(super) fn is_exact(&self) -> bool {
+        length(&self.residual) <= EXACT * self.length
+    }
+
+    /// The errors of the model as it stands.
+    pub(super) fn assess(&self) -> Attempt {
+        let (n, terms) = (self.residual.len() as f64, self.terms.len());
+        let sum = self
+            .residual
+            .iter()
+            .zip(&self.leverages)
+            .map(|(r, h)| is_determined(*h, n).then(|| (r / (1.0 - h)).powi(2)))
+            .sum::<Option<f64>>();
+        let leave_one_out = sum.map(|sum| sum / (n * self.variance));
+        let factor = n / (n - terms as f64) * (1.0 + self.inverse_trace);
+        Attempt { terms, leave_one_out, corrected: leave_one_out.map(|error| error * factor), cross_validated: None }
+    }
+
+    /// Residuals and leverages of the model of the leading terms.
+    pub(super) fn residuals_and_leverages(&self, response: &[f64], terms: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut residuals = response.to_vec();
+        let mut leverages = vec![0.0; response.len()];
+        for (direction, projection) in self.q.chunks_exact(response.len()).zip(&self.projections).take(terms) {
+            for ((r, h), q) in residuals.iter_mut().zip(&mut leverages).zip(direction) {
+                *r -= projection * q;
+                *h += q * q;
+            }
+        }
+        (residuals, leverages)
+    }
+
+    /// Errors at a row that was not fitted, of the models of 1, 2, … leading terms: the row's part of Q follows from R.
+    pub(super) fn errors_at(&self, row: ArrayView1<'_, f64>, value: f64) -> Vec<f64> {
+        let mut directions: Vec<f64> = Vec::with_capacity(self.terms.len());
+        let mut error = value;
+        let mut errors = Vec::with_capacity(self.terms.len());
+        for (number, &term) in self.terms.iter().enumerate() {
+            let column = self.triangle_column(number);
+            let known: f64 = column.iter().zip(&directions).map(|(r, q)| r * q).sum();
+            let direction = (row[term] - known) / column[number];
+            directions.push(direction);
+            error -= self.projections[number] * direction;
+            errors.push(error);
+        }
+        errors
+    }
+
+    /// Coefficients of the model of the leading terms.
+    pub(super) fn coefficients(&self, terms: usize) -> Vec<f64> {
+        let mut solution = self.projections[..terms].to_vec();
+        self.solve_triangle(&mut solution);
+        solution
+    }
+
+    /// Condition number of the columns of the leading terms; infinite when it cannot be computed.
+    pub(super) fn condition(&self, terms: usize) -> f64 {
+        let triangle = Mat::from_fn(terms, terms, |i, j| if i <= j { self.triangle_column(j)[i] } else { 0.0 });
+        match triangle.singular_values() {
+            Ok(values) => match (values.first(), values.last()) {
+                (Some(largest), Some(smallest)) => largest / smallest,
+                _ => 1.0,
+            },
+            Err(_) => f64::INFINITY,
+        }
+    }
+}
+
+fn length(values: &[f64]) -> f64 {
+    values.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Partial sums of a product, which hide the time of an addition.
+const LANES: usize = 16;
+
+/// Takes from a vector its share along each of the columns, and adds these shares to a list.
+struct Orthogonalise;
+
+impl<'a> Kernel<(&'a [f64], &'a mut [f64], &'a mut [f64])> for Orthogonalise {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((columns, vector, shares): (&'a [f64], &'a mut [f64], &'a mut [f64])) {
+        let n = vector.len();
+        for (column, share) in columns.chunks_exact(n).zip(shares) {
+            let mut sums = [0.0; LANES];
+            let ((q, q_rest), (v, v_rest)) = (column.as_chunks::<LANES>(), vector.as_chunks::<LANES>());
+            for (q, v) in q.iter().zip(v) {
+                for lane in 0..LANES {
+                    sums[lane] += q[lane] * v[lane];
+                }
+            }
+            let mut product: f64 = sums.iter().sum();
+            for (q, v) in q_rest.iter().zip(v_rest) {
+                product += q * v;
+            }
+            *share += product;
+            for (v, q) in vector.iter_mut().zip(column) {
+                *v -= product * q;
+            }
+        }
+    }
+}

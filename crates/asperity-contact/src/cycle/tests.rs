@@ -1,0 +1,292 @@
+use std::f64::consts::PI;
+
+use super::*;
+use crate::Boundary;
+use asperity_base::fourier::{RealFft2, signed_index};
+use asperity_base::map::{Grid, HeightMap};
+use asperity_base::random;
+
+const SOLVER: Solver = Solver { tolerance: 1e-10, max_iterations: 5000 };
+
+fn load(newton: f64) -> Control {
+    Control::Load { newton }
+}
+
+/// A random map of about unit slope whose spectrum falls as q^{-3.6}.
+fn rough(n: usize, sample: u64) -> Array2<f64> {
+    let fft = RealFft2::new(n, n);
+    let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
+    let white = random::standard_normal(&mut random::stream(5, "cycle", sample), n * n);
+    fft.forward(&white, &mut spectrum, &mut work);
+    for kx in 0..fft.stored_kx() {
+        for ky in 0..n {
+            let q = (kx as f64).hypot(signed_index(ky, n));
+            spectrum[kx * n + ky] *= if q == 0.0 || q > n as f64 / 4.0 { 0.0 } else { q.max(2.0).powf(-1.8) };
+        }
+    }
+    let mut heights = vec![0.0; n * n];
+    fft.inverse(&mut spectrum, &mut heights, &mut work);
+    Array2::from_shape_vec((n, n), heights).unwrap()
+}
+
+/// A paraboloid of radius 1 on a square.
+fn paraboloid(n: usize, side_m: f64) -> (Grid, Array2<f64>) {
+    let grid = Grid::covering(n, n, side_m, side_m).unwrap();
+    let c = 0.5 * side_m;
+    let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - c).powi(2) + (y - c).powi(2))).unwrap();
+    (grid, map.heights_m().clone())
+}
+
+fn largest_difference(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Rough surfaces with either boundary, their hardness and a load that makes a good part of the contact flow.
+fn surfaces() -> Vec<(HalfSpace, Array2<f64>, f64, f64)> {
+    let grid = Grid::new(32, 32, 1.0, 0.8).unwrap();
+    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
+    [Boundary::Free, periodic]
+        .into_iter()
+        .enumerate()
+        .map(|(sample, boundary)| {
+            let heights = rough(32, sample as u64);
+            let slope = (&heights.slice(ndarray::s![.., 1..]) - &heights.slice(ndarray::s![.., ..-1])).std(0.0);
+            (HalfSpace::new(grid, 1.0, boundary).unwrap(), heights, 0.5 * slope, 0.07 * slope * grid.area_m2())
+        })
+        .collect()
+}
+
+#[test]
+fn a_load_in_many_steps_leaves_what_one_step_leaves() {
+    for (half_space, heights, hardness, newton) in surfaces() {
+        let path = |count: usize| {
+            let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
+            let controls: Vec<Control> = (1..=count).map(|i| load(newton * i as f64 / count as f64)).collect();
+            let mut steps = path.follow(&controls, &SOLVER, &Silent).unwrap();
+            assert!(steps.len() == count && steps.iter().all(LoadStep::converged));
+            (path, steps.pop().unwrap())
+        };
+        let ((one, whole), (many, last)) = (path(1), path(12));
+        let (whole, last) = (whole.solution.unwrap(), last.solution.unwrap());
+        assert!(whole.plastic_fraction() > 0.04 && whole.plastic_fraction() < whole.contact_fraction());
+        let imprint = one.plastic_displacement_m();
+        let deepest = imprint.iter().copied().fold(0.0, f64::max);
+        assert!(deepest > 0.02 * heights.std(0.0), "{deepest:e}");
+        let pressure = largest_difference(whole.pressure_pa(), last.pressure_pa()) / hardness;
+        let apart = largest_difference(&imprint, &many.plastic_displacement_m()) / deepest;
+        println!("pressure {pressure:.1e} of the hardness, imprint {apart:.1e} of the deepest");
+        assert!(pressure < 1e-6 && apart < 1e-6, "{pressure:e} {apart:e}");
+        assert!((whole.plane_m() - last.plane_m()).abs() < 1e-8 * heights.std(0.0));
+    }
+}
+
+#[test]
+fn with_a_hardness_field_the_softer_cells_keep_the_deeper_imprint() {
+    for (half_space, heights, hardness, newton) in surfaces() {
+        let soft = |row: usize, column: usize| (row / 4 + column / 4).is_multiple_of(2);
+        let field =
+            Array2::from_shape_fn(heights.dim(), |(i, j)| if soft(i, j) { 0.7 * hardness } else { 2.0 * hardness });
+        let path = |count: usize| {
+            let path = LoadPath::new(&half_space, &heights, Some(1e-9 * hardness)).unwrap();
+            let mut path = path.with_hardness_field(&field).unwrap();
+            let controls: Vec<Control> = (1..=count).map(|i| load(newton * i as f64 / count as f64)).collect();
+            assert!(path.follow(&controls, &SOLVER, &Silent).unwrap().iter().all(LoadStep::converged));
+            let again = path.press(load(newton), &SOLVER).unwrap();
+            assert_eq!(again.largest_increment_m, 0.0);
+            path
+        };
+        let (one, many) = (path(1).plastic_displacement_m(), path(8).plastic_displacement_m());
+        assert!(largest_difference(&one, &many) < 1e-6 * one.iter().copied().fold(0.0, f64::max));
+        let volume = |of_soft: bool| {
+            one.indexed_iter().filter(|((i, j), _)| soft(*i, *j) == of_soft).map(|(_, depth)| depth).sum::<f64>()
+        };
+        assert!(volume(true) > 2.0 * volume(false), "{:e} {:e}", volume(true), volume(false));
+        let unfit = Array2::from_elem((3, 3), hardness);
+        assert!(LoadPath::new(&half_space, &heights, None).unwrap().with_hardness_field(&unfit).is_err());
+    }
+}
+
+#[test]
+fn what_was_carried_once_is_carried_elastically_again() {
+    for (half_space, heights, hardness, newton) in surfaces() {
+        let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
+        let top = path.press(load(newton), &SOLVER).unwrap().solution.unwrap();
+        let left = path.residual_heights_m().clone();
+        let dissipated = path.plastic_work_j();
+        assert!((top.plastic_work_j() / dissipated - 1.0).abs() < 1e-6);
+        assert!(largest_difference(&top.residual_heights_m(&heights), &left) <= 2e-10 * heights.std(0.0));
+        for share in [0.8, 0.3, 0.0, 0.05, 0.5, 1.0] {
+            let step = path.press(load(share * newton), &SOLVER).unwrap();
+            assert!(step.converged() && step.largest_increment_m < 1e-8 * heights.std(0.0), "{share}: {step:?}");
+            let Some(found) = step.solution else {
+                // Unloaded, the flat touches the highest point left.
+                assert_eq!((step.load_n, step.plane_m), (0.0, left.iter().copied().fold(f64::NEG_INFINITY, f64::max)));
+                continue;
+            };
+            // The same contact without any cap is the same.
+            let elastic = Problem::new(&half_space, &left, load(share * newton), None).unwrap();
+            let elastic = SOLVER.solve(&elastic).unwrap();
+            let error = largest_difference(found.pressure_pa(), elastic.pressure_pa()) / hardness;
+            assert!(elastic.converged() && error < 1e-5, "{share}: {error:e}");
+            if share == 1.0 {
+                let error = largest_difference(found.pressure_pa(), top.pressure_pa()) / hardness;
+                assert!(error < 1e-5, "{error:e}");
+                assert!((found.plane_m() - top.plane_m()).abs() < 1e-7 * heights.std(0.0));
+            } else {
+                // Unloading, the flat stands lower than it did under the same load before the imprint was made.
+                let virgin = Problem::new(&half_space, &heights, load(share * newton), Some(hardness)).unwrap();
+                assert!(found.plane_m() < SOLVER.solve(&virgin).unwrap().plane_m());
+            }
+        }
+        assert!(path.plastic_work_j() - dissipated <= 1e-6 * dissipated);
+    }
+}
+
+#[test]
+fn the_work_around_a_cycle_is_what_plastic_flow_dissipates() {
+    let (grid, heights) = paraboloid(48, 0.36);
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let (hardness, top) = (0.03, 6e-4);
+    let errors = [6_u32, 12, 24].map(|count| {
+        let up = (0..=count).map(|i| load(top * f64::from(i) / f64::from(count)));
+        let down = (0..count).rev().map(|i| load(top * f64::from(i) / f64::from(count)));
+        let controls: Vec<Control> = up.chain(down).collect();
+        let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
+        let steps = path.follow(&controls, &SOLVER, &Silent).unwrap();
+        assert!(steps.iter().all(LoadStep::converged));
+        // Half way, the work is stored or dissipated; at the end, dissipated.
+        let stored = steps[count as usize].elastic_energy_j();
+        let half = work_of_flat_j(&steps[..=count as usize]) / (stored + path.plastic_work_j()) - 1.0;
+        let whole = work_of_flat_j(&steps) / path.plastic_work_j() - 1.0;
+        println!("{count} steps: {half:.2e} loading, {whole:.2e} around; {:.2} stored", stored / path.plastic_work_j());
+        (half.abs(), whole.abs())
+    });
+    for error in [|e: &(f64, f64)| e.0, |e: &(f64, f64)| e.1] {
+        let order = (error(&errors[0]) / error(&errors[2])).log2() / 2.0;
+        // From first touch the approach rises as F^{2/3}, which leaves the trapezoidal rule the order 1 + 2/3.
+        assert!((order - 5.0 / 3.0).abs() < 0.1, "observed order {order:.2} from {errors:?}");
+        assert!(error(&errors[2]) < 5e-3, "{errors:?}");
+    }
+}
+
+#[test]
+fn a_rigid_cap_dissipates_the_hardness_times_its_volume() {
+    // So stiff that its elastic displacement, about 2a·H/E*, is next to nothing of the depth.
+    let (grid, heights) = paraboloid(128, 0.3);
+    let half_space = HalfSpace::new(grid, 1e4, Boundary::Free).unwrap();
+    let mut path = LoadPath::new(&half_space, &heights, Some(1.0)).unwrap();
+    let depth = 0.005;
+    let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let step = path.press(Control::Plane { height_m: highest - depth }, &SOLVER).unwrap();
+    // A plane at height −d cuts the volume πd² off the paraboloid z = −r²/2.
+    let (work, plane) = (path.plastic_work_j(), step.plane_m);
+    let wanted = PI * plane.powi(2);
+    println!("{:.1e} from the volume", work / wanted - 1.0);
+    assert!((work / wanted - 1.0).abs() < 0.01, "{work:e} {wanted:e}");
+    assert!((step.plastic_work_j - work).abs() < 1e-15);
+    // What stands out of the flat afterwards is what springs back.
+    let spring_back = path.residual_heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max) - plane;
+    assert!(spring_back > 0.0 && spring_back < 4.0 * 0.1 / 1e4, "{spring_back:e}");
+}
+
+#[test]
+fn a_fully_plastic_cap_fits_its_imprint_afterwards() {
+    let (grid, heights) = paraboloid(64, 0.4);
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let mut path = LoadPath::new(&half_space, &heights, Some(0.01)).unwrap();
+    let newton = 2e-4;
+    let first = path.press(load(newton), &SOLVER).unwrap().solution.unwrap();
+    // The contact is all but plastic: its mean pressure is nearly the hardness.
+    assert!(first.plastic_fraction() > 0.85 * first.contact_fraction());
+    assert!(first.mean_pressure_pa() / first.contact_fraction() > 0.9 * 0.01);
+    let imprint = path.plastic_displacement_m();
+    path.press(load(0.0), &SOLVER).unwrap();
+    let again = path.press(load(newton), &SOLVER).unwrap();
+    let second = again.solution.unwrap();
+    assert!(largest_difference(first.pressure_pa(), second.pressure_pa()) < 1e-5 * 0.01);
+    assert!(largest_difference(&imprint, &path.plastic_displacement_m()) < 1e-8 * heights.std(0.0));
+    // More load goes on where the first ended.
+    assert!(path.press(load(1.2 * newton), &SOLVER).unwrap().largest_increment_m > 0.0);
+}
+
+#[test]
+fn planes_stay_in_the_coordinates_of_the_map() {
+    let (grid, heights) = paraboloid(32, 0.4);
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    for control in [
+        Control::Penetration { metre: 0.01 },
+        Control::Percentile { percent: 15.0 },
+        Control::Plane { height_m: -0.01 },
+    ] {
+        let mut path = LoadPath::new(&half_space, &heights, Some(0.02)).unwrap();
+        let first = path.press(control, &SOLVER).unwrap();
+        assert!(first.largest_increment_m > 1e-3);
+        let again = path.press(control, &SOLVER).unwrap();
+        assert_eq!(first.plane_m, again.plane_m);
+        assert!((again.load_n / first.load_n - 1.0).abs() < 1e-6 && again.largest_increment_m < 1e-10);
+    }
+}
+
+#[test]
+fn equal_cycles_shake_down_after_the_first_and_rising_ones_do_not() {
+    let (half_space, heights, hardness, newton) = surfaces().remove(1);
+    let cycle = [0.5, 1.0, 0.4, 0.0].map(|share| load(share * newton));
+    let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
+    let shakedown = path.until_shakedown(&cycle, &SOLVER, 1e-6, 10, &Silent).unwrap();
+    assert!(shakedown.shaken_down && shakedown.increments_m.len() == 2, "{:?}", shakedown.increments_m);
+    assert!(shakedown.increments_m[0] > 0.02 * heights.std(0.0));
+    assert_eq!(shakedown.last_cycle.len(), 4);
+    let higher = cycle.map(|control| match control {
+        Control::Load { newton } => load(1.1 * newton),
+        other => other,
+    });
+    let shakedown = path.until_shakedown(&higher, &SOLVER, 1e-6, 1, &Silent).unwrap();
+    assert!(!shakedown.shaken_down && shakedown.increments_m.len() == 1);
+    // Without hardness there is nothing to shake down, and an unfinished step ends the path.
+    let mut elastic = LoadPath::new(&half_space, &heights, None).unwrap();
+    let shakedown = elastic.until_shakedown(&cycle, &SOLVER, 1e-6, 10, &Silent).unwrap();
+    assert!(shakedown.shaken_down && shakedown.increments_m == [0.0]);
+    let hasty = Solver { max_iterations: 1, ..SOLVER };
+    let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();
+    let shakedown = path.until_shakedown(&cycle, &hasty, 1e-6, 10, &Silent).unwrap();
+    assert!(!shakedown.shaken_down && shakedown.last_cycle.len() == 1 && !shakedown.last_cycle[0].converged());
+    assert_eq!((path.plastic_work_j(), path.residual_heights_m()), (0.0, &heights));
+}
+
+#[test]
+fn paths_that_cannot_be_followed_are_refused() {
+    let (grid, heights) = paraboloid(8, 0.4);
+    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
+    let half_space = HalfSpace::new(grid, 1.0, periodic).unwrap();
+    assert!(LoadPath::new(&half_space, &heights, Some(-1.0)).is_err());
+    assert!(LoadPath::new(&half_space, &Array2::zeros((8, 8)), Some(1.0)).is_err());
+    let mut path = LoadPath::new(&half_space, &heights, Some(1e-3)).unwrap();
+    assert!(path.press(load(-1.0), &SOLVER).is_err());
+    assert!(path.press(load(1e-3), &SOLVER).is_err(), "more than the hardness carries");
+    assert!(path.until_shakedown(&[load(1e-5)], &SOLVER, 0.0, 3, &Silent).is_err());
+    // Pressed until all of it flows, nothing is left that is rough.
+    let flat = path.press(Control::Plane { height_m: -1.0 }, &SOLVER).unwrap();
+    assert_eq!(flat.solution.unwrap().plastic_fraction(), 1.0);
+    assert_eq!(path.press(load(1e-5), &SOLVER).unwrap_err(), ContactError::Flat);
+}
+
+#[test]
+fn a_load_that_is_cancelled_leaves_no_imprint() {
+    struct Stop;
+    impl Monitor for Stop {
+        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let (grid, heights) = paraboloid(32, 1.0);
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let mut path = LoadPath::new(&half_space, &heights, Some(0.05)).unwrap();
+    let steps = path.follow(&[load(1e-3), load(2e-3)], &SOLVER, &Stop).unwrap();
+    assert_eq!(steps.len(), 1);
+    assert!(!steps[0].converged());
+    assert_eq!(path.residual_heights_m(), &heights);
+    let shakedown = path.until_shakedown(&[load(1e-3)], &SOLVER, 1e-6, 10, &Stop).unwrap();
+    assert!(!shakedown.shaken_down && shakedown.increments_m.len() == 1);
+    assert!(path.press(load(1e-3), &SOLVER).unwrap().largest_increment_m > 0.0);
+}

@@ -1,0 +1,681 @@
+//! The compliance of a half-space: pressure on a grid in, normal displacement out.
+
+use crate::pyramid::{Pyramid, PyramidWork};
+use crate::slab::Slabs;
+use crate::substrate::PointLoad;
+use crate::{ContactError, Substrate};
+use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
+use asperity_base::map::Grid;
+
+/// What lies beyond the edge of the grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Boundary {
+    /// A finite patch on an infinite half-space, unloaded outside (the paper's case).
+    Free,
+    /// The patch repeats without end.
+    Periodic {
+        /// Displacement of the mean plane per mean pressure, K(0), in m/Pa.
+        ///
+        /// It has no finite value on a half-space and is therefore an input; it matters when the plane's position is
+        /// prescribed. [`HalfSpace::default_mean_compliance_m_per_pa`] is the usual choice.
+        mean_compliance_m_per_pa: f64,
+    },
+}
+
+/// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
+/// pressure.
+///
+/// Shared by any number of threads; each brings its own [`Workspace`].
+#[derive(Debug, Clone)]
+pub struct HalfSpace {
+    grid: Grid,
+    substrate: Substrate,
+    boundary: Boundary,
+    /// The compliance in m/Pa; its symbol is real, because the kernel is even.
+    exact: Convolution<f64>,
+    compliance: Vec<f64>,
+    /// The same in single precision, over `unit_m_per_pa`, for the steps of a solver.
+    quick: Convolution<f32>,
+    quick_compliance: Vec<f32>,
+    unit_m_per_pa: f64,
+    /// Response to the mean pressure, and its inverse.
+    mean: MeanMode,
+    stiffness: Stiffness,
+    unit_pa_per_m: f64,
+    /// The same half-space on cells twice as wide, where a first guess is cheap; `None` on odd or small grids.
+    coarse: Option<Box<HalfSpace>>,
+}
+
+/// The preconditioner: E*|q|/2, the inverse of the compliance up to the boundary, over some unit.
+#[derive(Debug, Clone)]
+enum Stiffness {
+    /// About, where the cells are square and can be halved.
+    Pyramid(Pyramid),
+    Spectral(Convolution<f32>, Vec<f32>),
+}
+
+/// Scratch memory for a [`Stiffness`].
+#[derive(Debug, Clone)]
+enum StiffnessWork {
+    Pyramid(PyramidWork),
+    Spectral(ConvolutionWork<f32>),
+}
+
+/// Response to the mean pressure: displacement per pressure in m/Pa, and its inverse (about) in Pa/m. On the free boundary
+/// the compliance is that of the sum over the padded grid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MeanMode {
+    compliance: f64,
+    stiffness: f64,
+}
+
+impl MeanMode {
+    /// Displacement in metre by the same pressure everywhere on a periodic half-space.
+    pub(super) fn displacement_m(self, pressure_pa: f64) -> f64 {
+        self.compliance * pressure_pa
+    }
+}
+
+/// Cells up to which the scratch memory of both precisions is kept at the same time.
+pub(super) const MOST_KEPT: usize = 1 << 21;
+/// Cells along either side of the coarsest grid.
+const COARSEST: usize = 8;
+
+/// What a layer has to leave of Love's coefficient of a cell for itself, whose error is 10⁻¹⁰.
+const LEAST_LEFT: f64 = 1e-8;
+
+/// Scratch memory of one thread.
+///
+/// What a solver keeps here serves the next solve on the same half-space: without, much of the time of small problems would go
+/// into finding memory. On another one it begins anew.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace {
+    /// What the scratch memory fits: the grid, whether its patch is free, and whether what lies under it is homogeneous.
+    fits: Option<(Grid, bool, bool)>,
+    pub(super) transforms: Transforms,
+    pub(super) near: Slabs,
+    /// That of the half-space on cells twice as wide, once it is used.
+    pub(super) coarse: Option<Box<Workspace>>,
+}
+
+/// Scratch memory for applying compliance and preconditioner, made when it is needed.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Transforms {
+    exact: Option<ConvolutionWork<f64>>,
+    quick: Option<ConvolutionWork<f32>>,
+    stiffness: Option<StiffnessWork>,
+}
+
+impl HalfSpace {
+    /// Plans the transforms and computes the kernel for `grid` and the contact modulus E* in pascal.
+    ///
+    /// On the free boundary the kernel is Love's solution for a cell of constant pressure, applied by a zero-padded
+    /// convolution, which is exact for the discretised problem. On the periodic boundary a pressure wave
+    /// p̂ e^{iqx} moves the surface by û = 2p̂/(E*|q|).
+    ///
+    /// # Errors
+    /// The modulus is not positive, or the mean compliance is negative.
+    ///
+    /// # References
+    /// A. E. H. Love, *Phil. Trans. R. Soc. A* **228** (1929) 377, <https://doi.org/10.1098/rsta.1929.0009>.
+    /// H. M. Stanley and T. Kato, *J. Tribology* **119** (1997) 481, <https://doi.org/10.1115/1.2833523>.
+    pub fn new(grid: Grid, modulus_pa: f64, boundary: Boundary) -> Result<Self, ContactError> {
+        Self::on(Substrate::HalfSpace { modulus_pa }, grid, boundary)
+    }
+
+    /// As [`HalfSpace::new`] on any substrate.
+    ///
+    /// On the free boundary Love's coefficients are those of the surface's material, and what the layer changes is
+    /// added to them, to 10⁻¹⁰ of the largest. On the periodic boundary a layer on a rigid base has a mean compliance of its own, which replaces
+    /// the given one.
+    ///
+    /// # Errors
+    /// A modulus or thickness is not positive, a Poisson ratio out of range, or the mean compliance negative; or a layer with a
+    /// free boundary is so much thinner than a cell that hardly anything is left of Love's coefficients, and nothing that can
+    /// be trusted.
+    pub fn on(substrate: Substrate, grid: Grid, boundary: Boundary) -> Result<Self, ContactError> {
+        substrate.validate()?;
+        let (boundary, point_load) = match (boundary, &substrate) {
+            (Boundary::Periodic { mean_compliance_m_per_pa: value }, _) if !(value.is_finite() && value >= 0.0) => {
+                let (parameter, unit, wanted) = ("mean compliance", "m/Pa", "zero or positive");
+                return Err(ContactError::Parameter { parameter, value, unit, wanted });
+            }
+            (Boundary::Periodic { mean_compliance_m_per_pa }, _) => {
+                let own = substrate.mean_compliance_m_per_pa();
+                let mean_compliance_m_per_pa = own.unwrap_or(mean_compliance_m_per_pa);
+                (Boundary::Periodic { mean_compliance_m_per_pa }, None)
+            }
+            (Boundary::Free, Substrate::HalfSpace { .. }) => (boundary, None),
+            (Boundary::Free, Substrate::Layer(layer)) => {
+                (boundary, Some(PointLoad::new(layer, grid.width_m().hypot(grid.height_m()))))
+            }
+        };
+        Self::build(substrate, point_load.as_ref(), grid, boundary)
+    }
+
+    fn build(
+        substrate: Substrate,
+        point_load: Option<&PointLoad>,
+        grid: Grid,
+        boundary: Boundary,
+    ) -> Result<Self, ContactError> {
+        let (nx, ny) = (grid.nx(), grid.ny());
+        let longest_m = grid.width_m().max(grid.height_m());
+        let padded = |length: &dyn Fn(usize) -> usize| (length(ny), length(nx));
+        let (torus, stiffness_torus) = match boundary {
+            // A stiffness falls off as 1/r³: a narrow margin keeps opposite edges from acting on each other.
+            Boundary::Free => (padded(&|n| good_length(2 * n - 1)), padded(&|n| good_length(n + (n / 16).max(2)))),
+            Boundary::Periodic { .. } => ((ny, nx), (ny, nx)),
+        };
+        let exact = Convolution::<f64>::new((ny, nx), torus);
+        let (compliance, mean) = match boundary {
+            Boundary::Free => {
+                let compliance = love_symbol(&exact, grid, substrate.modulus_pa(), point_load)?;
+                let mean = MeanMode {
+                    compliance: compliance[0] * (exact.nx() * exact.ny()) as f64,
+                    stiffness: substrate.stiffness_pa_per_m(std::f64::consts::PI / longest_m),
+                };
+                (compliance, mean)
+            }
+            Boundary::Periodic { mean_compliance_m_per_pa } => {
+                let q = wavenumber_rad_per_m(grid, torus);
+                let compliance = exact.symbol(|kx, ky| substrate.compliance_m_per_pa(q(kx, ky)));
+                let stiffness = mean_stiffness_pa_per_m(grid, &substrate, mean_compliance_m_per_pa);
+                (compliance, MeanMode { compliance: mean_compliance_m_per_pa, stiffness })
+            }
+        };
+        let quick = Convolution::<f32>::new((ny, nx), torus);
+        let points = (exact.nx() * exact.ny()) as f64;
+        // The constant of a periodic half-space is infinite here, and replaced on use.
+        let unit_m_per_pa = points * compliance.iter().filter(|c| c.is_finite()).fold(0.0_f64, |a, c| a.max(c.abs()));
+        let scale = |c: &f64| if c.is_finite() { (c / unit_m_per_pa) as f32 } else { 0.0 };
+        let quick_compliance = compliance.iter().map(scale).collect();
+
+        let square = (grid.dx_m() / grid.dy_m() - 1.0).abs() < 1e-9;
+        let pyramid = match substrate {
+            Substrate::HalfSpace { .. } if square => Pyramid::new(ny, nx, boundary != Boundary::Free),
+            _ => None,
+        };
+        let (stiffness, unit_pa_per_m) = if let Some(pyramid) = pyramid {
+            (Stiffness::Pyramid(pyramid), 0.5 * substrate.modulus_pa() / grid.dx_m())
+        } else {
+            let plan = Convolution::<f32>::new((ny, nx), stiffness_torus);
+            let q = wavenumber_rad_per_m(grid, stiffness_torus);
+            let shortest = q(nx / 2, (ny / 2) as f64);
+            let shortest = if shortest > 0.0 { shortest } else { 1.0 };
+            // Long waves are the stiffest where a thin layer hardly yields to them.
+            let longest = std::f64::consts::TAU / longest_m;
+            let unit_pa_per_m = substrate.stiffness_pa_per_m(shortest).max(substrate.stiffness_pa_per_m(longest));
+            let symbol = plan.symbol(|kx, ky| match q(kx, ky) {
+                q if q > 0.0 => substrate.stiffness_pa_per_m(q) / unit_pa_per_m,
+                _ => 0.0,
+            });
+            (Stiffness::Spectral(plan, symbol), unit_pa_per_m)
+        };
+
+        let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
+        let coarse = if halved(nx) && halved(ny) {
+            let grid = Grid::new(nx / 2, ny / 2, 2.0 * grid.dx_m(), 2.0 * grid.dy_m()).ok();
+            grid.and_then(|grid| Self::build(substrate, point_load, grid, boundary).ok()).map(Box::new)
+        } else {
+            None
+        };
+        Ok(Self {
+            grid,
+            substrate,
+            boundary,
+            exact,
+            compliance,
+            quick,
+            quick_compliance,
+            unit_m_per_pa,
+            mean,
+            stiffness,
+            unit_pa_per_m,
+            coarse,
+        })
+    }
+
+    /// The customary mean compliance of a periodic half-space, 2/(E* q_min) = max(L)/(πE*), in m/Pa: that of its
+    /// longest wave.
+    pub fn default_mean_compliance_m_per_pa(grid: Grid, modulus_pa: f64) -> f64 {
+        grid.width_m().max(grid.height_m()) / (std::f64::consts::PI * modulus_pa)
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Contact modulus E* in pascal of the body at the surface.
+    pub fn modulus_pa(&self) -> f64 {
+        self.substrate.modulus_pa()
+    }
+
+    /// What carries the surface.
+    pub fn substrate(&self) -> Substrate {
+        self.substrate
+    }
+
+    /// What lies beyond the edge of the grid.
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    /// The same half-space on cells twice as wide.
+    pub(super) fn coarse(&self) -> Option<&Self> {
+        self.coarse.as_deref()
+    }
+
+    /// Scratch memory for one thread.
+    pub fn workspace(&self) -> Workspace {
+        Workspace::default()
+    }
+
+    /// Gives up what the workspace holds of another half-space.
+    pub(super) fn claim(&self, workspace: &mut Workspace) {
+        let homogeneous = matches!(self.substrate, Substrate::HalfSpace { .. });
+        let fits = Some((self.grid, self.boundary == Boundary::Free, homogeneous));
+        if workspace.fits != fits {
+            *workspace = Workspace { fits, ..Workspace::default() };
+        }
+    }
+
+    /// Displacement u = S p in metre of the pressure `pressure_pa`; both row-major with nx·ny values.
+    ///
+    /// # Panics
+    /// If a slice does not fit the grid.
+    pub fn displace(&self, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+        self.displace_as(self.mean, pressure_pa, displacement_m, workspace);
+    }
+
+    /// As [`HalfSpace::displace`] with the response `mean` to the mean pressure.
+    fn displace_as(&self, mean: MeanMode, pressure_pa: &[f64], displacement_m: &mut [f64], workspace: &mut Workspace) {
+        let columns = self.grid.nx();
+        let points = self.grid.points();
+        assert!(pressure_pa.len() == points && displacement_m.len() == points, "fields do not fit the grid");
+        self.claim(workspace);
+        let chunk = ROWS_OF_SLAB * columns;
+        let mut slabs: Vec<_> = pressure_pa.chunks(chunk).zip(displacement_m.chunks_mut(chunk)).collect();
+        let fill = |(pressure_pa, _): &mut (&[f64], &mut [f64]), row: usize, out: &mut [f64]| {
+            out.copy_from_slice(&pressure_pa[row % ROWS_OF_SLAB * columns..][..columns]);
+            out.iter().any(|p| *p != 0.0)
+        };
+        let take = |(_, displacement_m): &mut (&[f64], &mut [f64]), row: usize, values: &[f64]| {
+            displacement_m[row % ROWS_OF_SLAB * columns..][..columns].copy_from_slice(values);
+        };
+        self.displace_by(mean, &mut slabs, fill, take, &mut workspace.transforms);
+    }
+
+    /// Moves the surface with the response `mean` to the mean pressure: `fill` writes the rows of pressures of a slab
+    /// of rows into zeros, or returns false if there are none, and `take` gets the displacements.
+    pub(super) fn displace_by<S: Send>(
+        &self,
+        mean: MeanMode,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [f64]) -> bool + Sync,
+        take: impl Fn(&mut S, usize, &[f64]) + Sync,
+        transforms: &mut Transforms,
+    ) {
+        let constant = self.exact.factor(mean.compliance);
+        let is_large = self.grid.points() > MOST_KEPT;
+        if is_large {
+            *transforms = Transforms::default();
+        }
+        let work = transforms.exact.get_or_insert_with(|| self.exact.work());
+        self.exact.forward(&self.compliance, constant, slabs, fill, work);
+        self.exact.backward(slabs, take, work);
+        if is_large {
+            transforms.exact = None;
+        }
+    }
+
+    /// The half-space's own response to the mean pressure, or one of another mean compliance in m/Pa, which the periodic
+    /// boundary leaves open. The free boundary has its own alone.
+    pub(super) fn mean_mode(&self, mean_compliance_m_per_pa: Option<f64>) -> MeanMode {
+        match (self.boundary, mean_compliance_m_per_pa) {
+            (Boundary::Periodic { .. }, Some(compliance)) => {
+                MeanMode { compliance, stiffness: mean_stiffness_pa_per_m(self.grid, &self.substrate, compliance) }
+            }
+            _ => self.mean,
+        }
+    }
+
+    /// Takes up pressures over some unit, in single precision, and returns Σ p·S p over that unit squared and
+    /// [`HalfSpace::compliance_unit_m_per_pa`]; see [`Convolution::forward`]. [`HalfSpace::compliance_backward`] then gives S p.
+    pub(super) fn compliance_forward<S: Send>(
+        &self,
+        mean: MeanMode,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [f32]) -> bool + Sync,
+        transforms: &mut Transforms,
+    ) -> f64 {
+        let constant = self.quick.factor(mean.compliance / self.unit_m_per_pa);
+        let work = transforms.quick.get_or_insert_with(|| self.quick.work());
+        self.quick.forward(&self.quick_compliance, constant, slabs, fill, work)
+    }
+
+    /// Hands out the displacement, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`]; see
+    /// [`Convolution::backward`].
+    pub(super) fn compliance_backward<S: Send>(
+        &self,
+        slabs: &mut [S],
+        take: impl Fn(&mut S, usize, &[f32]) + Sync,
+        transforms: &mut Transforms,
+    ) {
+        let work = transforms.quick.get_or_insert_with(|| self.quick.work());
+        self.quick.backward(slabs, take, work);
+    }
+
+    /// The largest compliance.
+    pub(super) fn compliance_unit_m_per_pa(&self) -> f64 {
+        self.unit_m_per_pa
+    }
+
+    /// Multiplies displacements over some unit, in single precision, by E*|q|/2: the preconditioner. What `take` gets is over
+    /// the unit of the displacements and [`HalfSpace::stiffness_unit_pa_per_m`].
+    pub(super) fn stiffen<S: Send>(
+        &self,
+        mean: MeanMode,
+        slabs: &mut [S],
+        fill: impl Fn(&mut S, usize, &mut [f32]) -> bool + Sync,
+        take: impl Fn(&mut S, usize, &[f32]) + Sync,
+        transforms: &mut Transforms,
+    ) {
+        // A mean that hardly yields would drown the rest in its rounding.
+        let mean = (mean.stiffness / self.unit_pa_per_m).min(1.0);
+        let work = transforms.stiffness.get_or_insert_with(|| match &self.stiffness {
+            Stiffness::Pyramid(pyramid) => StiffnessWork::Pyramid(pyramid.work()),
+            Stiffness::Spectral(plan, _) => StiffnessWork::Spectral(plan.work()),
+        });
+        match (&self.stiffness, work) {
+            (Stiffness::Pyramid(pyramid), StiffnessWork::Pyramid(work)) => {
+                pyramid.apply(mean, slabs, fill, take, work);
+            }
+            (Stiffness::Spectral(plan, symbol), StiffnessWork::Spectral(work)) => {
+                plan.forward(symbol, plan.factor(mean), slabs, fill, work);
+                plan.backward(slabs, take, work);
+            }
+            _ => panic!("the workspace is that of another half-space"),
+        }
+    }
+
+    /// The largest stiffness, about.
+    pub(super) fn stiffness_unit_pa_per_m(&self) -> f64 {
+        self.unit_pa_per_m
+    }
+}
+
+/// How the preconditioner answers a mean displacement on the periodic boundary. A mean compliance of zero has no inverse;
+/// about three times the stiffness of the longest wave serves.
+fn mean_stiffness_pa_per_m(grid: Grid, substrate: &Substrate, mean_compliance_m_per_pa: f64) -> f64 {
+    if mean_compliance_m_per_pa > 0.0 {
+        1.0 / mean_compliance_m_per_pa
+    } else {
+        let longest_m = grid.width_m().max(grid.height_m());
+        10.0 / std::f64::consts::PI * substrate.stiffness_pa_per_m(std::f64::consts::TAU / longest_m)
+    }
+}
+
+/// |q| in rad/m of the wavenumbers kx and ky on a torus (ny, nx) of points with the grid's pitch.
+fn wavenumber_rad_per_m(grid: Grid, (ny, nx): (usize, usize)) -> impl Fn(usize, f64) -> f64 {
+    let step_x = std::f64::consts::TAU / (nx as f64 * grid.dx_m());
+    let step_y = std::f64::consts::TAU / (ny as f64 * grid.dy_m());
+    move |kx, ky| (kx as f64 * step_x).hypot(ky * step_y)
+}
+
+/// Symbol of Love's influence coefficients, and of what a layer adds to them, wrapped around the padded grid.
+fn love_symbol(
+    plan: &Convolution<f64>,
+    grid: Grid,
+    modulus_pa: f64,
+    layer: Option<&PointLoad>,
+) -> Result<Vec<f64>, ContactError> {
+    let (rows, columns) = (plan.ny(), plan.nx());
+    let mut kernel = vec![0.0; rows * columns];
+    let (nx, ny) = (grid.nx() as f64, grid.ny() as f64);
+    let added = layer.map(|layer| layer.coefficients_m_per_pa(grid));
+    for row in 0..rows {
+        let cells_y = signed_index(row, rows).abs();
+        for column in 0..columns {
+            let cells_x = signed_index(column, columns).abs();
+            // Lags beyond the patch are never read by the cropped convolution.
+            if cells_x < nx && cells_y < ny {
+                let (x_m, y_m) = (cells_x * grid.dx_m(), cells_y * grid.dy_m());
+                let added = added.as_ref().map_or(0.0, |added| added[cells_y as usize * grid.nx() + cells_x as usize]);
+                kernel[row * columns + column] =
+                    love_coefficient(x_m, y_m, grid.dx_m(), grid.dy_m(), modulus_pa) + added;
+            }
+        }
+    }
+    let left = kernel[0] / love_coefficient(0.0, 0.0, grid.dx_m(), grid.dy_m(), modulus_pa);
+    if left.is_nan() || left < LEAST_LEFT {
+        let (parameter, unit) = ("compliance of a cell on the layer over that on a half-space", "(relative)");
+        let wanted = "above 1e-8: the layer is too thin, or its material too incompressible, for cells of this size";
+        return Err(ContactError::Parameter { parameter, value: left, unit, wanted });
+    }
+    let fft = RealFft2::new(columns, rows);
+    let mut spectrum = fft.spectrum();
+    fft.forward(&kernel, &mut spectrum, &mut fft.workspace());
+    Ok(spectrum.iter().map(|value| value.re / (rows * columns) as f64).collect())
+}
+
+/// Displacement at (x, y) of a unit pressure on the rectangle of sides `dx_m` × `dy_m` about the origin, in m/Pa.
+///
+/// With a = dx/2, b = dy/2 it is Love's closed form of (1/πE*) ∬ dx'dy'/r. The logarithms are taken as differences of
+/// asinh, which do not cancel at negative arguments; farther than 100 half-sides the multipole series to fourth order
+/// (relative error below 10⁻¹²) replaces the closed form, whose own cancellation grows as (r/a)².
+///
+/// # References
+/// A. E. H. Love, *Phil. Trans. R. Soc. A* **228** (1929) 377, <https://doi.org/10.1098/rsta.1929.0009>.
+pub fn love_coefficient(x_m: f64, y_m: f64, dx_m: f64, dy_m: f64, modulus_pa: f64) -> f64 {
+    let (a, b) = (0.5 * dx_m, 0.5 * dy_m);
+    let integral = if x_m.hypot(y_m) > 100.0 * a.max(b) {
+        distant_rectangle(x_m, y_m, a, b)
+    } else {
+        // ∫ asinh-differences: c·[asinh(t₁/c) − asinh(t₀/c)], which vanishes with c.
+        let strip = |c: f64, t1: f64, t0: f64| {
+            if c == 0.0 { 0.0 } else { c * ((t1 / c.abs()).asinh() - (t0 / c.abs()).asinh()) }
+        };
+        strip(x_m + a, y_m + b, y_m - b) - strip(x_m - a, y_m + b, y_m - b) + strip(y_m + b, x_m + a, x_m - a)
+            - strip(y_m - b, x_m + a, x_m - a)
+    };
+    integral / (std::f64::consts::PI * modulus_pa)
+}
+
+/// ∬ dx'dy'/r over a rectangle of half-sides a, b seen from afar: the Taylor series of 1/r about its centre.
+fn distant_rectangle(x: f64, y: f64, a: f64, b: f64) -> f64 {
+    let r2 = x * x + y * y;
+    let (x2, y2) = (x * x / r2, y * y / r2);
+    let (a2, b2) = (a * a / r2, b * b / r2);
+    let second = (a2 * (3.0 * x2 - 1.0) + b2 * (3.0 * y2 - 1.0)) / 6.0;
+    let along = |c2: f64| 105.0 * c2 * c2 - 90.0 * c2 + 9.0;
+    let mixed = 105.0 * x2 * y2 - 12.0;
+    let fourth = (a2 * a2 * along(x2) + b2 * b2 * along(y2)) / 120.0 + a2 * b2 * mixed / 36.0;
+    4.0 * a * b / r2.sqrt() * (1.0 + second + fourth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::random;
+
+    #[test]
+    fn a_uniformly_pressed_square_moves_as_love_says() {
+        // w E*/(p s): centre, corner, and the centres of neighbouring squares.
+        let at = |x: f64, y: f64| love_coefficient(x, y, 1.0, 1.0, 1.0);
+        for ((x, y), wanted) in [
+            ((0.0, 0.0), 1.122199704678),
+            ((0.5, 0.5), 0.561099852339),
+            ((1.0, 0.0), 0.330421493289),
+            ((1.0, 1.0), 0.230678359050),
+            ((2.0, 0.0), 0.160775771645),
+            ((3.0, 0.0), 0.106589684640),
+            ((10.0, 0.0), 0.031844239912),
+        ] {
+            assert!((at(x, y) - wanted).abs() < 1e-11, "({x}, {y}): {}", at(x, y));
+        }
+    }
+
+    #[test]
+    fn the_mean_displacement_of_the_square_is_loves() {
+        // (1/π) ∬∬ 1/r over pairs of points of the unit square, in closed form.
+        let closed = 4.0 / std::f64::consts::PI * (1.0_f64.asinh() + (1.0 - 2.0_f64.sqrt()) / 3.0);
+        assert!((closed - 0.946402008819).abs() < 1e-12);
+        // The displacement has logarithmic edges; the double exponential rule x = ½ tanh(½π sinh t) does not see them.
+        let step = 0.1;
+        let nodes: Vec<(f64, f64)> = (-33..=33)
+            .map(|k| {
+                let t = step * f64::from(k);
+                let inner = std::f64::consts::FRAC_PI_2 * t.sinh();
+                let weight = 0.5 * step * std::f64::consts::FRAC_PI_2 * t.cosh() / inner.cosh().powi(2);
+                (0.5 * inner.tanh(), weight)
+            })
+            .collect();
+        let mut mean = 0.0;
+        for (x, weight_x) in &nodes {
+            for (y, weight_y) in &nodes {
+                mean += weight_x * weight_y * love_coefficient(*x, *y, 1.0, 1.0, 1.0);
+            }
+        }
+        assert!((mean - closed).abs() < 1e-12, "{mean} for {closed}");
+    }
+
+    #[test]
+    fn a_rectangle_moves_the_surface_as_its_four_quarters_do() {
+        for (dx, dy) in [(1.0, 1.0), (1.0, 64.0), (0.01, 1.0)] {
+            for (x, y) in [(0.0, 0.0), (0.3, 0.1), (-1.0, 2.0), (7.0, -40.0), (3e3, 1e3)] {
+                let whole = love_coefficient(x, y, dx, dy, 3.0);
+                let quarter = |sx: f64, sy: f64| {
+                    love_coefficient(x - 0.25 * sx * dx, y - 0.25 * sy * dy, 0.5 * dx, 0.5 * dy, 3.0)
+                };
+                let sum = quarter(1.0, 1.0) + quarter(1.0, -1.0) + quarter(-1.0, 1.0) + quarter(-1.0, -1.0);
+                assert!((sum / whole - 1.0).abs() < 2e-10, "({x}, {y}) {dx} × {dy}: {:e}", sum / whole - 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_compliance_can_be_replaced_on_a_periodic_half_space_alone() {
+        let grid = Grid::new(8, 6, 1.0, 1.0).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "mean mode", 0), grid.points());
+        let mean_p = p.iter().sum::<f64>() / p.len() as f64;
+        for (boundary, shift) in
+            [(Boundary::Periodic { mean_compliance_m_per_pa: 2.0 }, (5.0 - 2.0) * mean_p), (Boundary::Free, 0.0)]
+        {
+            let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+            let (mut own, mut other) = (vec![0.0; p.len()], vec![0.0; p.len()]);
+            let mut workspace = half_space.workspace();
+            half_space.displace(&p, &mut own, &mut workspace);
+            half_space.displace_as(half_space.mean_mode(Some(5.0)), &p, &mut other, &mut workspace);
+            assert!(own.iter().zip(&other).all(|(a, b)| (b - a - shift).abs() < 1e-13));
+        }
+    }
+
+    #[test]
+    fn the_preconditioner_undoes_the_compliance_of_a_periodic_half_space() {
+        let grid = Grid::new(9, 12, 0.5, 0.25).unwrap();
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.7 };
+        let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "stiffness", 0), grid.points());
+        let (mut u, mut workspace) = (vec![0.0; p.len()], half_space.workspace());
+        half_space.displace(&p, &mut u, &mut workspace);
+        let mut back = vec![0.0; p.len()];
+        let fill = |_: &mut &mut [f64], row: usize, out: &mut [f32]| {
+            out.iter_mut().zip(&u[9 * row..]).for_each(|(out, u)| *out = *u as f32);
+            true
+        };
+        let unit = half_space.stiffness_unit_pa_per_m();
+        let take = |out: &mut &mut [f64], row: usize, values: &[f32]| {
+            out[9 * row..].iter_mut().zip(values).for_each(|(out, value)| *out = unit * f64::from(*value));
+        };
+        let mut slabs = [back.as_mut_slice()];
+        half_space.stiffen(half_space.mean_mode(None), &mut slabs, fill, take, &mut workspace.transforms);
+        assert!(p.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-5));
+    }
+
+    #[test]
+    fn a_step_moves_the_surface_as_its_pressure_does_in_single_precision() {
+        let (nx, ny) = (37, 40);
+        let grid = Grid::new(nx, ny, 1e-6, 0.7e-6).unwrap();
+        let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 3e-17 };
+        for boundary in [Boundary::Free, periodic] {
+            let half_space = HalfSpace::new(grid, 2e11, boundary).unwrap();
+            let mut workspace = half_space.workspace();
+            // Every third cell of all rows but some.
+            let mut p = random::standard_normal(&mut random::stream(1, "step", 0), grid.points());
+            p.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0 || i / nx % 5 >= 3).for_each(|(_, p)| *p = 0.0);
+            let mut wanted = vec![0.0; p.len()];
+            half_space.displace(&p, &mut wanted, &mut workspace);
+            let largest = wanted.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+
+            let fill = |_: &mut &mut [f64], row: usize, out: &mut [f32]| {
+                out.iter_mut().zip(&p[row * nx..]).for_each(|(out, p)| *out = *p as f32);
+                row % 5 < 3
+            };
+            let (unit_m, mean) = (half_space.compliance_unit_m_per_pa(), half_space.mean_mode(None));
+            let mut found = vec![0.0; p.len()];
+            let mut slabs: Vec<_> = found.chunks_mut(ROWS_OF_SLAB * nx).collect();
+            let transforms = &mut workspace.transforms;
+            let energy = unit_m * half_space.compliance_forward(mean, &mut slabs, fill, transforms);
+            let work: f64 = p.iter().zip(&wanted).map(|(p, u)| p * u).sum();
+            assert!((energy / work - 1.0).abs() < 1e-5, "{energy:e} {work:e}");
+            let take = |slab: &mut &mut [f64], row: usize, values: &[f32]| {
+                let out = &mut slab[row % ROWS_OF_SLAB * nx..][..nx];
+                out.iter_mut().zip(values).for_each(|(out, value)| *out = unit_m * f64::from(*value));
+            };
+            half_space.compliance_backward(&mut slabs, take, transforms);
+            let error = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-6 * largest, "{error:e} of {largest:e}");
+        }
+    }
+
+    #[test]
+    fn near_and_far_forms_agree_where_they_meet() {
+        for (dx, dy) in [(1.0, 1.0), (1.0, 0.3), (0.2, 1.0)] {
+            let a: f64 = 0.5 * f64::max(dx, dy);
+            for angle in [0.0, 0.3, 0.8, 1.2, std::f64::consts::FRAC_PI_2] {
+                let (sin, cos) = f64::sin_cos(angle);
+                let r = 99.9 * a;
+                let near = love_coefficient(r * cos, r * sin, dx, dy, 1.0) * std::f64::consts::PI;
+                let far = distant_rectangle(r * cos, r * sin, 0.5 * dx, 0.5 * dy);
+                assert!((near / far - 1.0).abs() < 2e-11, "{}", near / far - 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_free_operator_is_the_dense_sum_of_love_coefficients() {
+        let grid = Grid::new(9, 7, 1.0, 0.7).unwrap();
+        let half_space = HalfSpace::new(grid, 2.0, Boundary::Free).unwrap();
+        let p = random::standard_normal(&mut random::stream(1, "half-space", 0), grid.points());
+        let mut u = vec![0.0; grid.points()];
+        half_space.displace(&p, &mut u, &mut half_space.workspace());
+        for i in 0..grid.points() {
+            let mut wanted = 0.0;
+            for j in 0..grid.points() {
+                let x = ((i % 9) as f64 - (j % 9) as f64) * grid.dx_m();
+                let y = ((i / 9) as f64 - (j / 9) as f64) * grid.dy_m();
+                wanted += love_coefficient(x.abs(), y.abs(), grid.dx_m(), grid.dy_m(), 2.0) * p[j];
+            }
+            assert!((u[i] - wanted).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_pressure_wave_moves_the_periodic_surface_by_2_over_the_modulus_and_the_wavenumber() {
+        let grid = Grid::new(12, 10, 0.5, 0.25).unwrap();
+        let compliance = 0.3;
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: compliance };
+        let half_space = HalfSpace::new(grid, 3.0, boundary).unwrap();
+        let (qx, qy) = (2.0 * std::f64::consts::TAU / grid.width_m(), -3.0 * std::f64::consts::TAU / grid.height_m());
+        let wave = |i: usize| (qx * (i % 12) as f64 * 0.5 + qy * (i / 12) as f64 * 0.25 + 0.4).cos();
+        let p: Vec<f64> = (0..grid.points()).map(|i| 2.0 + wave(i)).collect();
+        let mut u = vec![0.0; grid.points()];
+        half_space.displace(&p, &mut u, &mut half_space.workspace());
+        for i in 0..grid.points() {
+            let wanted = 2.0 * compliance + 2.0 / (3.0 * f64::hypot(qx, qy)) * wave(i);
+            assert!((u[i] - wanted).abs() < 1e-13);
+        }
+    }
+}

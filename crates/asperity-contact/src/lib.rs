@@ -1,0 +1,151 @@
+//! Frictionless contact of a rough elastic or elasto-plastic half-space with a rigid flat (paper §2.3, eq. 3–7).
+//!
+//! With heights z, a plane at height d and the compliance operator S (eq. 5 and 6), the pressure p minimises
+//! V*(p) = ½ pᵀSp − pᵀ(z − d) subject to 0 ≤ p ≤ H (eq. 7); H is the hardness, infinite in the elastic case. With the
+//! gap g = Sp − z + d the solution satisfies
+//!
+//! - p = 0 and g ≥ 0 (no contact),
+//! - 0 < p < H and g = 0 (elastic contact),
+//! - p = H and g ≤ 0 (plastic contact; −g is the plastic displacement).
+//!
+//! S is positive definite, so the solution is unique.
+//!
+//! ```
+//! use asperity_contact::{Boundary, Control, HalfSpace, Neighbours, Problem, Solver, StiffnessSolver, exact};
+//! use asperity_base::map::{Grid, HeightMap};
+//!
+//! let (radius_m, modulus_pa, load_n) = (10e-3, 230e9, 10.0);
+//! let grid = Grid::covering(64, 64, 200e-6, 200e-6)?;
+//! let sphere = HeightMap::from_function(grid, |x, y| {
+//!     -((x - 100e-6).powi(2) + (y - 100e-6).powi(2)) / (2.0 * radius_m)
+//! })?;
+//! let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free)?;
+//! let problem = Problem::new(&half_space, sphere.complete_heights_m()?, Control::Load { newton: load_n }, None)?;
+//! let solution = Solver::default().solve(&problem)?;
+//! let hertz = exact::Hertz::new(modulus_pa, radius_m, load_n);
+//! assert!((solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.02);
+//!
+//! // One spot of contact, the energy ⅖ F δ and the stiffness 2 E* a.
+//! assert_eq!(solution.clusters(Neighbours::Edges).count(), 1);
+//! assert!((solution.elastic_energy_j() / (0.4 * load_n * hertz.approach_m) - 1.0).abs() < 0.02);
+//! let stiffness = StiffnessSolver::default().solve(&half_space, &solution)?;
+//! assert!((stiffness.newton_per_m / (2.0 * modulus_pa * hertz.contact_radius_m) - 1.0).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use thiserror::Error;
+
+use asperity_base::map::Grid;
+
+pub mod area;
+mod bodies;
+mod clusters;
+mod coarse_start;
+mod cycle;
+mod descent;
+mod distribution;
+mod energy;
+pub mod exact;
+mod gradient;
+mod half_space;
+mod load_start;
+mod mean_gap;
+mod problem;
+mod projection;
+mod pyramid;
+mod slab;
+mod solution;
+mod solver;
+mod stiffness;
+mod substrate;
+
+pub use bodies::{Body, Elastic, Laid, Pair, composite};
+pub use clusters::{Clusters, Neighbours};
+pub use cycle::{LoadPath, LoadStep, Shakedown, work_of_flat_j};
+pub use distribution::Distribution;
+pub use gradient::{rms_gradient, spectral_rms_gradient};
+pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
+pub use problem::{Control, Problem};
+pub use solution::{Residual, Solution, StopReason};
+pub use solver::Solver;
+pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
+pub use substrate::{Base, Layer, Substrate};
+
+/// Contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's modulus E in
+/// pascal and Poisson's ratio ν.
+pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
+    youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
+}
+
+/// Memory in byte that a contact problem of so many cells needs with its workspace and solution, roughly.
+pub fn memory_bytes(cells: usize) -> f64 {
+    const BYTES_PER_CELL: f64 = 300.0;
+    BYTES_PER_CELL * cells as f64
+}
+
+/// Why a contact problem could not be posed or solved.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ContactError {
+    /// A parameter lies outside its range.
+    #[error("{parameter} is {value:e} {unit}, but must be {wanted}")]
+    Parameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Unit of the value.
+        unit: &'static str,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+    /// The map is flat, so that nothing scales the gap.
+    #[error("the map has no roughness (all heights are equal); contact of two flats is not a rough contact")]
+    Flat,
+    /// A height is missing.
+    #[error(
+        "{missing} of {points} heights are missing; contact needs a complete map (`asperity surface fill` fills one)"
+    )]
+    Missing {
+        /// Missing points.
+        missing: usize,
+        /// Number of points.
+        points: usize,
+    },
+    /// The map does not fit the half-space.
+    #[error("the map has {rows} × {columns} heights, the half-space {ny} × {nx} cells")]
+    Shape {
+        /// Rows of the map.
+        rows: usize,
+        /// Columns of the map.
+        columns: usize,
+        /// Rows of the half-space.
+        ny: usize,
+        /// Columns of the half-space.
+        nx: usize,
+    },
+    /// Two maps do not lie on the same grid.
+    #[error(
+        "the lower map has {} × {} points at {:e} m × {:e} m, the upper {} × {} at {:e} m × {:e} m; both must be equal",
+        lower.nx(), lower.ny(), lower.dx_m(), lower.dy_m(), upper.nx(), upper.ny(), upper.dx_m(), upper.dy_m()
+    )]
+    Grids {
+        /// Grid of the lower map.
+        lower: Box<Grid>,
+        /// Grid of the upper map.
+        upper: Box<Grid>,
+    },
+    /// A periodic half-space without mean compliance cannot be overlapped.
+    #[error(
+        "a periodic half-space with zero mean compliance has no solution under an overlapping plane; \
+         state a mean compliance, or control the mean pressure, the load or the mean gap"
+    )]
+    Unbounded,
+    /// The load cannot be carried.
+    #[error("the mean pressure {mean_pressure_pa:e} Pa is not below the hardness {hardness_pa:e} Pa")]
+    Overloaded {
+        /// Mean pressure asked for.
+        mean_pressure_pa: f64,
+        /// Hardness.
+        hardness_pa: f64,
+    },
+}

@@ -1,0 +1,128 @@
+//! A first guess under a prescribed load.
+
+use crate::exact::persson_contact_fraction;
+use crate::{Problem, rms_gradient};
+
+/// Cells pressed at first over those that will be in contact, about.
+const MARGIN: f64 = 2.0;
+/// Share of pressed cells from which on all are pressed alike.
+const NEARLY_ALL: f64 = 0.8;
+/// Share of the hardness that no cell exceeds at first.
+const CEILING: f64 = 0.9;
+/// Heights that tell the level above which cells are pressed, and how many of them must be above it; otherwise all tell it.
+const SAMPLE: usize = 4096;
+const ABOVE: f64 = 64.0;
+
+/// Pressure of the mean `pascal`: in proportion to the height above a level that about twice as many cells exceed as will be
+/// in contact, after Persson's A/A₀ = erf(√2 p̄/(E* h′)) with the rms slope h′; the same everywhere where that are most.
+///
+/// # References
+/// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
+pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
+    let heights_m = problem.heights_m();
+    let upper = problem.hardness_by_cell();
+    let ceiling = |place: usize| upper.as_ref().map_or(f64::INFINITY, |upper| CEILING * upper(place));
+    let uniform = || {
+        (0..heights_m.len())
+            .map(|place| if upper.is_some() { pascal.min(ceiling(place) / CEILING) } else { pascal })
+            .collect()
+    };
+    let half_space = problem.half_space();
+    let slope = rms_gradient(heights_m, half_space.grid(), half_space.boundary());
+    let least = problem.mean_hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
+    let modulus_pa = half_space.modulus_pa();
+    let share = MARGIN * persson_contact_fraction(pascal, modulus_pa, slope).max(least);
+    if !(share > 0.0 && share < NEARLY_ALL) {
+        return uniform();
+    }
+    let stride = if share * SAMPLE as f64 > ABOVE { stride(heights_m.len(), heights_m.ncols()) } else { 1 };
+    let mut sample: Vec<f64> = heights_m.iter().copied().step_by(stride).collect();
+    let place = (((1.0 - share) * sample.len() as f64) as usize).min(sample.len() - 1);
+    let (_, level_m, _) = sample.select_nth_unstable_by(place, f64::total_cmp);
+    let level_m = level_m.min(problem.highest_m() - 1e-3 * problem.rms_height_m());
+    let mut p: Vec<f64> = heights_m.iter().map(|z| (z - level_m).max(0.0)).collect();
+    let scale = pascal * p.len() as f64 / p.iter().sum::<f64>();
+    p.iter_mut().for_each(|p| *p *= scale);
+    // What is cut off here, the solver's projection adds again to the cells that are pressed, if they can carry it.
+    let mut capacity = 0.0;
+    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
+        *p = p.min(ceiling(place));
+        capacity += ceiling(place);
+    }
+    if p.iter().all(|p| p.is_finite()) && capacity > pascal * p.len() as f64 { p } else { uniform() }
+}
+
+/// A stride through a map that leaves about [`SAMPLE`] points, from all of its columns.
+fn stride(points: usize, columns: usize) -> usize {
+    let divisor = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (points.div_ceil(SAMPLE)..).find(|stride| divisor(*stride, columns) == 1).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Boundary, Control, HalfSpace};
+    use asperity_base::map::{Grid, HeightMap};
+
+    /// The start on a map under a mean pressure.
+    fn start(grid: Grid, heights: impl Fn(f64, f64) -> f64, pascal: f64, hardness_pa: f64) -> Vec<f64> {
+        let map = HeightMap::from_function(grid, heights).unwrap();
+        let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+        let control = Control::MeanPressure { pascal };
+        under_load(&Problem::new(&half_space, map.heights_m(), control, Some(hardness_pa)).unwrap(), pascal)
+    }
+
+    #[test]
+    fn enough_cells_are_pressed_to_carry_the_load_at_the_hardness() {
+        let can_carry = |p: &[f64], pascal: f64, hardness_pa: f64| {
+            p.iter().filter(|p| **p > 0.0).count() as f64 * hardness_pa > pascal * p.len() as f64
+        };
+        // One summit over a plateau: the level is that of the plateau, above which there is the summit alone.
+        let plateau = |x: f64, y: f64| {
+            if x + y < 1.0 {
+                10.0
+            } else if y < 32.0 {
+                1.0
+            } else {
+                0.0
+            }
+        };
+        let p = start(Grid::new(64, 64, 1.0, 1.0).unwrap(), plateau, 1e-6, 1e-5);
+        assert!(can_carry(&p, 1e-6, 1e-5));
+        // A wave whose crest a stride of as many points as a row has would miss, and a load on a few cells of many.
+        let wave = |x: f64, _: f64| (std::f64::consts::TAU * (x - 8.0) / 16.0).cos() + 1e-3 * x;
+        let p = start(Grid::new(16, 4096, 1.0, 1.0).unwrap(), wave, 3e-7, 1e-6);
+        assert!(can_carry(&p, 3e-7, 1e-6) && p.iter().filter(|p| **p > 0.0).count() < p.len());
+        let rough = |x: f64, y: f64| (12.9 * x).sin() * (7.1 * y + 0.3 * x).cos();
+        let p = start(Grid::new(256, 256, 1.0, 1.0).unwrap(), rough, 1e-10, 1e-6);
+        assert!(can_carry(&p, 1e-10, 1e-6) && p.iter().filter(|p| **p > 0.0).count() < 100);
+    }
+
+    #[test]
+    fn the_highest_cells_are_pressed_within_the_bounds() {
+        let grid = Grid::new(64, 48, 1.0, 1.0).unwrap();
+        let waves = |x: f64, y: f64| (0.4 * x).sin() * (0.55 * y).cos() + 0.3 * (1.1 * x + 0.7 * y).sin();
+        let map = HeightMap::from_function(grid, waves).unwrap();
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        for (pascal, hardness_pa) in [(1e-4, None), (0.02, None), (0.02, Some(0.1)), (0.02, Some(0.021)), (3.0, None)] {
+            let control = Control::MeanPressure { pascal };
+            let problem = Problem::new(&half_space, map.heights_m(), control, hardness_pa).unwrap();
+            let p = under_load(&problem, pascal);
+            assert!(p.iter().all(|p| *p >= 0.0 && *p <= hardness_pa.unwrap_or(f64::INFINITY)));
+            let mean = p.iter().sum::<f64>() / p.len() as f64;
+            assert!(mean <= pascal * (1.0 + 1e-12) && mean > 0.3 * pascal, "{mean} of {pascal}");
+            // Whatever is pressed lies above whatever is not.
+            let range = |pressed: bool| {
+                let heights = map.heights_m().iter().zip(&p).filter(|(_, p)| (**p > 0.0) == pressed).map(|(z, _)| *z);
+                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
+            };
+            assert!(range(true).0 >= range(false).1);
+        }
+    }
+}

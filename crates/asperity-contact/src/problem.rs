@@ -1,0 +1,274 @@
+//! What is pressed against what, and how hard.
+
+use ndarray::Array2;
+
+use crate::{Boundary, ContactError, HalfSpace};
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Control {
+    /// The plane lies at this height, in the coordinates of the map, in metre.
+    Plane {
+        /// Height of the plane in metre.
+        height_m: f64,
+    },
+    /// The plane lies this far below the highest point, in metre.
+    Penetration {
+        /// Penetration in metre, ≥ 0.
+        metre: f64,
+    },
+    /// The plane lies so that this percentage of the undeformed heights is above it.
+    Percentile {
+        /// 0 to 100 percent.
+        percent: f64,
+    },
+    /// The mean pressure over the whole patch.
+    MeanPressure {
+        /// Mean pressure in pascal, > 0.
+        pascal: f64,
+    },
+    /// The total force on the patch.
+    Load {
+        /// Force in newton, > 0.
+        newton: f64,
+    },
+    /// The mean gap over the whole patch. A gap too small for the tolerance to be met in double precision, about 10⁻¹⁵ of
+    /// the roughness over the tolerance and on the free boundary more, ends as
+    /// [`PrecisionLimit`](crate::StopReason::PrecisionLimit) or at the iteration limit.
+    MeanGap {
+        /// Mean gap in metre, > 0.
+        metre: f64,
+    },
+}
+
+impl Control {
+    /// Whether the position of the plane is prescribed. Only then does the pressure on a periodic half-space depend on its
+    /// mean compliance; otherwise that shifts the separation alone, and zero counts displacements from their mean.
+    pub fn prescribes_plane(&self) -> bool {
+        matches!(self, Self::Plane { .. } | Self::Penetration { .. } | Self::Percentile { .. })
+    }
+}
+
+/// The largest pressures.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Hardness<'a> {
+    /// The same everywhere.
+    Uniform {
+        /// In pascal.
+        pascal: f64,
+    },
+    /// Every cell's in pascal, shape `[ny, nx]`.
+    Field(&'a Array2<f64>),
+}
+
+/// A contact problem: heights, a half-space, what is prescribed, and the hardness.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem<'a> {
+    half_space: &'a HalfSpace,
+    heights_m: &'a Array2<f64>,
+    control: Control,
+    hardness_pa: Option<f64>,
+    hardness_field_pa: Option<&'a Array2<f64>>,
+    mean_height_m: f64,
+    rms_height_m: f64,
+    highest_m: f64,
+}
+
+impl<'a> Problem<'a> {
+    /// Poses a problem; `hardness_pa = None` is elastic.
+    ///
+    /// # Errors
+    /// Heights are missing, all equal or beyond all measure, the map does not fit the half-space, a prescribed value is out of range, the
+    /// mean pressure is not below the hardness, or a periodic half-space of zero mean compliance is overlapped.
+    pub fn new(
+        half_space: &'a HalfSpace,
+        heights_m: &'a Array2<f64>,
+        control: Control,
+        hardness_pa: Option<f64>,
+    ) -> Result<Self, ContactError> {
+        let (rows, columns) = heights_m.dim();
+        let (ny, nx) = half_space.grid().shape();
+        if (rows, columns) != (ny, nx) {
+            return Err(ContactError::Shape { rows, columns, ny, nx });
+        }
+        let missing = heights_m.iter().filter(|z| !z.is_finite()).count();
+        if missing > 0 {
+            return Err(ContactError::Missing { missing, points: heights_m.len() });
+        }
+        let points = heights_m.len() as f64;
+        let mean_height_m = heights_m.sum() / points;
+        let variance = heights_m.iter().map(|z| (z - mean_height_m).powi(2)).sum::<f64>() / points;
+        let highest_m = heights_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lowest_m = heights_m.iter().copied().fold(f64::INFINITY, f64::min);
+        // Equal heights leave nothing but rounding of the mean in the variance, or heights so small that squares vanish.
+        if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) || variance <= 0.0 {
+            return Err(ContactError::Flat);
+        }
+        // Squares of the heights have to be numbers.
+        if !variance.is_finite() {
+            let (value, wanted) = (highest_m.abs().max(lowest_m.abs()), "below about 1e150");
+            return Err(ContactError::Parameter { parameter: "height", value, unit: "m", wanted });
+        }
+        let problem = Self {
+            half_space,
+            heights_m,
+            control,
+            hardness_pa,
+            hardness_field_pa: None,
+            mean_height_m,
+            rms_height_m: variance.sqrt(),
+            highest_m,
+        };
+        problem.validated()
+    }
+
+    /// The same with a hardness of its own for every cell, of shape `[ny, nx]` in pascal: a coating worn through in places, or
+    /// grains of several phases. It replaces a hardness given before.
+    ///
+    /// # Errors
+    /// The field does not fit the map, a hardness is not positive, or their mean is not above the mean pressure.
+    pub fn with_hardness_field(mut self, hardness_pa: &'a Array2<f64>) -> Result<Self, ContactError> {
+        let ((rows, columns), (ny, nx)) = (hardness_pa.dim(), self.half_space.grid().shape());
+        if (rows, columns) != (ny, nx) {
+            return Err(ContactError::Shape { rows, columns, ny, nx });
+        }
+        if let Some(value) = hardness_pa.iter().copied().find(|h| !(h.is_finite() && *h > 0.0)) {
+            return Err(ContactError::Parameter { parameter: "hardness", value, unit: "Pa", wanted: "positive" });
+        }
+        (self.hardness_pa, self.hardness_field_pa) = (None, Some(hardness_pa));
+        self.validated()
+    }
+
+    fn validated(self) -> Result<Self, ContactError> {
+        let positive = |parameter, value: f64, unit| {
+            let error = ContactError::Parameter { parameter, value, unit, wanted: "positive" };
+            if value.is_finite() && value > 0.0 { Ok(()) } else { Err(error) }
+        };
+        if let Some(hardness_pa) = self.hardness_pa {
+            positive("hardness", hardness_pa, "Pa")?;
+        }
+        match self.control {
+            Control::Plane { height_m } if !height_m.is_finite() => {
+                let (parameter, unit, wanted) = ("height of the plane", "m", "finite");
+                return Err(ContactError::Parameter { parameter, value: height_m, unit, wanted });
+            }
+            Control::Penetration { metre } if !(metre.is_finite() && metre >= 0.0) => {
+                let (parameter, unit, wanted) = ("penetration", "m", "zero or positive");
+                return Err(ContactError::Parameter { parameter, value: metre, unit, wanted });
+            }
+            Control::Percentile { percent } if !(0.0..=100.0).contains(&percent) => {
+                let (parameter, unit, wanted) = ("percentile", "%", "between 0 and 100");
+                return Err(ContactError::Parameter { parameter, value: percent, unit, wanted });
+            }
+            Control::MeanPressure { pascal } => positive("mean pressure", pascal, "Pa")?,
+            Control::Load { newton } => {
+                positive("load", newton, "N")?;
+                positive("mean pressure", newton / self.half_space.grid().area_m2(), "Pa")?;
+            }
+            Control::MeanGap { metre } => positive("mean gap", metre, "m")?,
+            _ => {}
+        }
+        if let (Some(mean_pressure_pa), Some(hardness_pa)) = (self.mean_pressure_pa(), self.mean_hardness_pa())
+            && mean_pressure_pa >= hardness_pa
+        {
+            return Err(ContactError::Overloaded { mean_pressure_pa, hardness_pa });
+        }
+        let rigid_mean = self.half_space.boundary() == Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
+        if rigid_mean && self.plane_m().is_some_and(|plane_m| plane_m < self.highest_m) {
+            return Err(ContactError::Unbounded);
+        }
+        Ok(self)
+    }
+
+    /// The half-space.
+    pub fn half_space(&self) -> &'a HalfSpace {
+        self.half_space
+    }
+
+    /// The undeformed heights in metre.
+    pub fn heights_m(&self) -> &'a Array2<f64> {
+        self.heights_m
+    }
+
+    /// What is prescribed.
+    pub fn control(&self) -> Control {
+        self.control
+    }
+
+    /// Upper bound of the pressure in pascal, if there is one for all cells.
+    pub fn hardness_pa(&self) -> Option<f64> {
+        self.hardness_pa
+    }
+
+    /// Upper bounds of the pressure in pascal, if every cell has its own.
+    pub fn hardness_field_pa(&self) -> Option<&'a Array2<f64>> {
+        self.hardness_field_pa
+    }
+
+    /// Whether the pressure has an upper bound.
+    pub fn yields(&self) -> bool {
+        self.hardness_pa.is_some() || self.hardness_field_pa.is_some()
+    }
+
+    /// The pressure that all cells carry at most, if they yield, in pascal.
+    pub(super) fn mean_hardness_pa(&self) -> Option<f64> {
+        let mean = |field: &Array2<f64>| field.sum() / field.len() as f64;
+        self.hardness_pa.or_else(|| self.hardness_field_pa.map(mean))
+    }
+
+    /// The largest pressure of a cell by its place in row-major order, if they yield.
+    pub(super) fn hardness_by_cell(&self) -> Option<impl Fn(usize) -> f64 + use<'a>> {
+        let columns = self.heights_m.ncols();
+        let hardness = self.hardness()?;
+        Some(move |place: usize| match hardness {
+            Hardness::Uniform { pascal } => pascal,
+            Hardness::Field(field) => field[[place / columns, place % columns]],
+        })
+    }
+
+    /// The largest pressures, if cells yield.
+    pub(super) fn hardness(&self) -> Option<Hardness<'a>> {
+        self.hardness_field_pa.map(Hardness::Field).or(self.hardness_pa.map(|pascal| Hardness::Uniform { pascal }))
+    }
+
+    /// Mean of the heights in metre.
+    pub fn mean_height_m(&self) -> f64 {
+        self.mean_height_m
+    }
+
+    /// Standard deviation of the heights in metre, the scale of the normalised residuals.
+    pub fn rms_height_m(&self) -> f64 {
+        self.rms_height_m
+    }
+
+    /// Highest point in metre.
+    pub fn highest_m(&self) -> f64 {
+        self.highest_m
+    }
+
+    /// Height of the plane in metre, where the control prescribes it.
+    pub fn plane_m(&self) -> Option<f64> {
+        match self.control {
+            Control::Plane { height_m } => Some(height_m),
+            Control::Penetration { metre } => Some(self.highest_m - metre),
+            Control::Percentile { percent } => {
+                let mut sorted: Vec<f64> = self.heights_m.iter().copied().collect();
+                sorted.sort_unstable_by(f64::total_cmp);
+                let position = (1.0 - percent / 100.0) * (sorted.len() - 1) as f64;
+                let below = position.floor() as usize;
+                let above = (below + 1).min(sorted.len() - 1);
+                Some(sorted[below] + (position - below as f64) * (sorted[above] - sorted[below]))
+            }
+            _ => None,
+        }
+    }
+
+    /// Mean pressure in pascal, where the control prescribes it.
+    pub fn mean_pressure_pa(&self) -> Option<f64> {
+        match self.control {
+            Control::MeanPressure { pascal } => Some(pascal),
+            Control::Load { newton } => Some(newton / self.half_space.grid().area_m2()),
+            _ => None,
+        }
+    }
+}

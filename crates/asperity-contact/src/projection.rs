@@ -1,0 +1,254 @@
+//! The two scalar equations of a box-constrained problem under a prescribed sum.
+
+use crate::slab::{Extent, within};
+
+/// Newton steps, of which a few suffice where none is on a bound beyond the root, before a bracket is halved.
+const NEWTON_STEPS: usize = 20;
+
+/// Whether a cell of pressure `p` and gradient `g` may lower the energy within 0 ≤ p ≤ `upper`: one between the bounds,
+/// or one on a bound that the descent leads inwards.
+#[inline(always)]
+pub(super) fn may_move(p: f64, g: f64, upper: f64) -> bool {
+    ((p > 0.0) | (g < 0.0)) & ((p < upper) | (g > 0.0))
+}
+
+/// The multiplier λ for which the projection of λ − v on the tangent cone of the box at `p` has zero sum:
+/// Σ_free (v−λ) + Σ_{p=0} min(v−λ, 0) + Σ_{p=H} max(v−λ, 0) = 0.
+///
+/// `sums` evaluates that sum at a λ, and the number of its terms below the upper bound and on it. It falls monotonically and is piecewise linear in λ, so a
+/// bracketed Newton iteration ends after a few steps: when the terms are as many as before, or the step is `negligible`. Where it
+/// vanishes on an interval (no free cell), any root serves: the optimality conditions hold for each.
+pub(super) fn tangent_multiplier(start: f64, negligible: f64, sums: impl Fn(f64) -> [f64; 3]) -> f64 {
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut lambda = start;
+    let mut last_terms = [0.0; 2];
+    for evaluation in 0..200 {
+        let [sum, below, on] = sums(lambda);
+        let slope = below + on;
+        if slope == 0.0 {
+            return lambda;
+        }
+        if sum > 0.0 {
+            low = lambda;
+        } else {
+            high = lambda;
+        }
+        let newton = lambda + sum / slope;
+        if (newton - lambda).abs() <= negligible {
+            return newton;
+        }
+        let bracketed = low.is_finite() && high.is_finite();
+        let trusted = newton > low && newton < high && evaluation < NEWTON_STEPS;
+        let next = if trusted || !bracketed { newton } else { 0.5 * (low + high) };
+        // The same terms make the same line, whose root this is already, up to rounding.
+        let linear = trusted && [below, on] == last_terms;
+        if linear || next == low || next == high {
+            return next;
+        }
+        (lambda, last_terms) = (next, [below, on]);
+    }
+    lambda
+}
+
+/// A common shift of trial values, followed by a cut at the bounds, as [`project_to_sum`] finds it: between two shifts as
+/// close as numbers can be, mixed in this share.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shift {
+    low: f64,
+    high: f64,
+    share: f64,
+}
+
+impl Shift {
+    pub(super) const NONE: Self = Self { low: 0.0, high: 0.0, share: 0.0 };
+
+    fn by(value: f64) -> Self {
+        Self { low: value, high: value, share: 0.0 }
+    }
+
+    /// The larger of the two, infinite where the bounds alone decide.
+    pub(super) fn largest(self) -> f64 {
+        self.high
+    }
+
+    /// The shift, where it is one finite value.
+    pub(super) fn common(self) -> Option<f64> {
+        (self.share == 0.0 && self.low.is_finite()).then_some(self.low)
+    }
+
+    /// The value of `t` after the shift, within [0, `upper`].
+    pub(super) fn applied(self, t: f64, upper: f64) -> f64 {
+        // No shift moves what is held on a bound.
+        if t.is_infinite() {
+            return within(t, upper);
+        }
+        let at_low = within(t + self.low, upper);
+        if self.share == 0.0 { at_low } else { at_low + self.share * (within(t + self.high, upper) - at_low) }
+    }
+}
+
+/// The shift of trial values after which they sum to `target` within their bounds: the Euclidean projection on the box and
+/// the plane of the prescribed sum.
+///
+/// `sums` evaluates the sum within the bounds at a shift and the number of values that follow it; values that stay on their
+/// bound at every shift, as infinite ones do, make up `held` of it. The sum rises with the shift, piecewise linearly and flat
+/// at both ends, so Newton's step is taken only while it at least halves the miss, and the bracket is halved otherwise. When
+/// the bracket is as narrow as the numbers allow, the sums at its ends may still straddle the target (a hardness far below
+/// the trial values); the result is then mixed of both, which meets the sum within the bounds. A target beyond what the
+/// bounds allow, as rounding of sums makes it when all values are about to reach a bound, is replaced by the nearest that
+/// they do allow.
+pub(super) fn project_to_sum(extent: Extent, held: f64, target: f64, sums: impl Fn(f64) -> [f64; 2]) -> Shift {
+    let Extent { least, largest, members, capacity, ceiling } = extent;
+    if members == 0 {
+        return Shift::NONE;
+    }
+    let own = target - held;
+    if own <= 0.0 || own >= capacity {
+        return Shift::by(if own > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY });
+    }
+    let ceiling = ceiling.min(own);
+    let (mut low, mut high) = (-largest, ceiling - least);
+    // Far below the trial values, the bound is lost in the rounding of this difference.
+    while least + high < ceiling {
+        high += (high - low).max(f64::EPSILON * high.abs()).max(f64::MIN_POSITIVE);
+    }
+    // Rounding of the sum.
+    let negligible = f64::EPSILON * (members as f64).sqrt() * own;
+    let mut shift = 0.0_f64.clamp(low, high);
+    let mut last_miss = f64::INFINITY;
+    for _ in 0..200 {
+        let [sum, slope] = sums(shift);
+        let miss = target - sum;
+        if miss > 0.0 {
+            low = shift;
+        } else {
+            high = shift;
+        }
+        if miss.abs() <= negligible {
+            return Shift::by(shift);
+        }
+        let newton = shift + miss / slope;
+        let trusted = slope > 0.0 && newton > low && newton < high && miss.abs() <= 0.5 * last_miss;
+        let next = if trusted { newton } else { 0.5 * (low + high) };
+        if next <= low || next >= high {
+            break;
+        }
+        last_miss = miss.abs();
+        shift = next;
+    }
+    let ([sum_low, _], [sum_high, _]) = (sums(low), sums(high));
+    let share = if sum_high > sum_low { ((target - sum_low) / (sum_high - sum_low)).clamp(0.0, 1.0) } else { 0.0 };
+    Shift { low, high, share }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::random;
+
+    fn sums<const K: usize>(terms: impl Iterator<Item = [f64; K]>) -> [f64; K] {
+        terms.fold([0.0; K], |sums, terms| std::array::from_fn(|k| sums[k] + terms[k]))
+    }
+
+    fn project_to_sum(trial: &mut [f64], upper: f64, target: f64) {
+        let least = trial.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = trial.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let capacity = upper * trial.len() as f64;
+        let extent = Extent { least, largest, members: trial.len(), capacity, ceiling: upper };
+        let shift = super::project_to_sum(extent, 0.0, target, |shift| {
+            sums(trial.iter().map(|t| {
+                let value = t + shift;
+                [within(value, upper), if (value > 0.0) & (value < upper) { 1.0 } else { 0.0 }]
+            }))
+        });
+        trial.iter_mut().for_each(|t| *t = shift.applied(*t, upper));
+    }
+
+    fn tangent_multiplier(p: &[f64], v: &[f64], upper: f64, start: f64) -> f64 {
+        super::tangent_multiplier(start, 1e-15, |lambda| {
+            sums(p.iter().zip(v).map(|(p, v)| {
+                let g = v - lambda;
+                let counts = |on: bool| if may_move(*p, g, upper) && on == (*p >= upper) { 1.0 } else { 0.0 };
+                [if may_move(*p, g, upper) { g } else { 0.0 }, counts(false), counts(true)]
+            }))
+        })
+    }
+
+    #[test]
+    fn the_projection_meets_the_sum_and_is_a_common_shift() {
+        for sample in 0..200 {
+            let mut trial = random::standard_normal(&mut random::stream(3, "projection", sample), 50);
+            let upper = if sample % 2 == 0 { f64::INFINITY } else { 1.5 };
+            let before = trial.clone();
+            let target = 0.1 + 0.2 * sample as f64 % 60.0;
+            project_to_sum(&mut trial, upper, target);
+            let sum: f64 = trial.iter().sum();
+            assert!((sum - target).abs() < 1e-12 * target.max(1.0), "sample {sample}: {sum} for {target}");
+            let shifts: Vec<f64> =
+                (0..50).filter(|&i| trial[i] > 0.0 && trial[i] < upper).map(|i| trial[i] - before[i]).collect();
+            assert!(shifts.iter().all(|s| (s - shifts[0]).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn a_target_that_rounding_put_beyond_the_bounds_is_replaced_by_the_bound() {
+        let mut trial = vec![0.2, -3.0, 5.0];
+        project_to_sum(&mut trial, 1.0, -1e-17);
+        assert_eq!(trial, [0.0; 3]);
+        let mut trial = vec![0.2, -3.0, 5.0];
+        project_to_sum(&mut trial, 1.0, 3.0 + 1e-12);
+        assert_eq!(trial, [1.0; 3]);
+        project_to_sum(&mut [], 1.0, 1.0);
+        // Equal values of which the bound is not even a rounding.
+        let mut trial = vec![1e17; 3];
+        project_to_sum(&mut trial, 2.0, 5.0);
+        assert!((trial.iter().sum::<f64>() - 5.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_bound_lost_in_the_rounding_of_the_trial_values_is_met() {
+        for largest in [1e17, 1e25, 1e300] {
+            let mut trial = vec![-largest, largest, 0.5 * largest, 0.0];
+            project_to_sum(&mut trial, 2.0, 7.0);
+            assert!((trial.iter().sum::<f64>() - 7.0).abs() < 1e-14, "{trial:?}");
+            assert!(trial.iter().all(|t| (0.0..=2.0).contains(t)), "{trial:?}");
+        }
+    }
+
+    #[test]
+    fn a_bound_far_below_the_trial_values_is_met_all_the_same() {
+        for upper in [1e-4, 1e-8, 1e-12] {
+            let mut trial = random::standard_normal(&mut random::stream(3, "projection", 1000), 500);
+            let before = trial.clone();
+            let target = 37.3 * upper;
+            project_to_sum(&mut trial, upper, target);
+            assert!((trial.iter().sum::<f64>() / target - 1.0).abs() < 1e-12);
+            assert!(trial.iter().all(|t| (0.0..=upper).contains(t)));
+            // The largest 37 are at the bound, and one holds the rest.
+            let mut order: Vec<usize> = (0..500).collect();
+            order.sort_by(|a, b| before[*b].total_cmp(&before[*a]));
+            assert!(order[..37].iter().all(|i| trial[*i] == upper) && order[38..].iter().all(|i| trial[*i] == 0.0));
+        }
+    }
+
+    #[test]
+    fn the_multiplier_zeroes_the_sum_over_the_tangent_cone() {
+        for sample in 0..200 {
+            let mut stream = random::stream(4, "projection", sample);
+            let v = random::standard_normal(&mut stream, 60);
+            let p: Vec<f64> =
+                random::standard_normal(&mut stream, 60).iter().map(|x| (x + 0.3).clamp(0.0, 1.0)).collect();
+            let lambda = tangent_multiplier(&p, &v, 1.0, 5.0);
+            let sum: f64 = p
+                .iter()
+                .zip(&v)
+                .map(|(p, v)| match *p {
+                    0.0 => (v - lambda).min(0.0),
+                    1.0 => (v - lambda).max(0.0),
+                    _ => v - lambda,
+                })
+                .sum();
+            assert!(sum.abs() < 1e-12, "sample {sample}: {sum:e}");
+        }
+    }
+}

@@ -1,0 +1,574 @@
+//! Cells near contact, slab of rows by slab of rows.
+//!
+//! Most cells of a rough contact are out of contact and stay so. What concerns the others is kept in lists over them alone,
+//! one set for each slab of [`ROWS_OF_SLAB`] rows, so that a slab's lists stay in the cache for all that is done to them at a
+//! time and slabs can be shared among threads; sums are added slab by slab in order, whoever made them. Of the cells far from
+//! contact only v is known, in single precision, to see when they come near.
+
+mod grid;
+mod kernels;
+mod sums;
+
+use std::ops::Range;
+
+pub(super) use self::grid::Slabs;
+pub(super) use self::kernels::Step;
+use self::kernels::{
+    Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Room, Shifted, Span, Summarise, load,
+};
+pub(super) use self::sums::{Direction, Extent, Products, Summary};
+use crate::projection::Shift;
+use crate::solution::Part;
+use asperity_base::fourier::ROWS_OF_SLAB;
+use asperity_base::wide::wide;
+
+/// Cells far from contact stay in the lists until they are more than one in so many.
+const IDLE_ONE_IN: f64 = 8.0;
+/// Cells for which the memory of lists no longer in use is kept.
+const MOST_KEPT: usize = 1 << 11;
+
+/// The largest pressures of listed cells.
+pub(super) trait Caps: Copy + Send + Sync {
+    /// Whether any is finite.
+    const YIELD: bool;
+    /// Those of the first n cells.
+    fn head(self, n: usize) -> Self;
+    /// That of a cell.
+    fn at(self, i: usize) -> f64;
+    /// Those of a chunk of cells.
+    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L];
+}
+
+/// Nothing yields.
+#[derive(Clone, Copy)]
+struct Unbounded;
+
+impl Caps for Unbounded {
+    const YIELD: bool = false;
+
+    #[inline(always)]
+    fn head(self, _n: usize) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn at(self, _i: usize) -> f64 {
+        f64::INFINITY
+    }
+
+    #[inline(always)]
+    fn chunk<const L: usize>(self, _chunk: usize) -> [f64; L] {
+        [f64::INFINITY; L]
+    }
+}
+
+/// The hardness of every cell.
+#[derive(Clone, Copy)]
+struct Yielding<'a>(&'a [f64]);
+
+impl Caps for Yielding<'_> {
+    const YIELD: bool = true;
+
+    #[inline(always)]
+    fn head(self, n: usize) -> Self {
+        Self(&self.0[..n])
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> f64 {
+        self.0[i]
+    }
+
+    #[inline(always)]
+    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L] {
+        load(self.0, chunk, f64::INFINITY)
+    }
+}
+
+/// Evaluates an expression with the caps of a slab's cells, compiled for cells that do not yield apart.
+macro_rules! capped {
+    ($upper:expr, |$caps:ident| $work:expr) => {
+        if let Some(upper) = $upper.as_deref() {
+            let $caps = Yielding(upper);
+            $work
+        } else {
+            let $caps = Unbounded;
+            $work
+        }
+    };
+}
+
+/// The cells of a slab that carry pressure or may soon do, row by row.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Slab {
+    width: usize,
+    lists: Lists,
+    /// Lists in the making.
+    next: Lists,
+    entrants: Vec<Entrant>,
+    /// The gradient of the cells that may move, zero for others, and 1 for these cells, 0 for others.
+    gradient: Vec<f32>,
+    moves: Vec<f32>,
+    /// The preconditioned gradient.
+    preconditioned: Vec<f32>,
+    /// The pressure on trial, not yet within the bounds; for cells that may not move an infinity beyond the bound that they
+    /// are on. After [`Slab::restrict`] the step to it. Until then, see [`Slab::tangent_sums`], the v of the `open` cells that are on
+    /// the lower bound stand at its front.
+    trial: Vec<f64>,
+    open: usize,
+    /// The v of the cells on the upper bound.
+    full: Vec<f64>,
+    /// v of the other cells of the slab's rows as `origin_m` + `unit_m` times this; infinite at the cells in the lists.
+    far: Vec<f32>,
+    origin_m: f64,
+    unit_m: f64,
+    /// The largest pressures, where cells yield.
+    ceiling: Option<Ceiling>,
+    pub(super) summary: Summary,
+    pub(super) products: Products,
+    pub(super) step: Step,
+}
+
+/// The hardness in pascal of a slab's cells.
+#[derive(Debug, Clone)]
+enum Ceiling {
+    /// That of all.
+    Uniform(f64),
+    /// Those of all cells of the slab's rows.
+    Cells(Vec<f64>),
+}
+
+impl Ceiling {
+    fn at(&self, place: usize) -> f64 {
+        match self {
+            Self::Uniform(pascal) => *pascal,
+            Self::Cells(pascal) => pascal[place],
+        }
+    }
+}
+
+/// One value for each cell near contact.
+#[derive(Debug, Clone, Default)]
+struct Lists {
+    /// Where the cells of a row begin, with the end of the last row.
+    starts: [u32; ROWS_OF_SLAB + 1],
+    columns: Vec<u32>,
+    /// Pressure and S p − z.
+    p: Vec<f64>,
+    v: Vec<f64>,
+    /// Largest pressure, where cells yield.
+    upper: Option<Vec<f64>>,
+    /// The last step and its image under S, over their units; zero for cells that were not near contact then.
+    step: Vec<f32>,
+    image: Vec<f32>,
+}
+
+impl Lists {
+    fn clear(&mut self, yields: bool) {
+        self.starts = [0; ROWS_OF_SLAB + 1];
+        self.columns.clear();
+        self.p.clear();
+        self.v.clear();
+        self.step.clear();
+        self.image.clear();
+        self.upper = if yields { Some(self.upper.take().map_or_else(Vec::new, cleared)) } else { None };
+    }
+
+    /// Makes room for that many cells and no more.
+    fn reserve(&mut self, cells: usize) {
+        self.columns.reserve_exact(cells);
+        self.p.reserve_exact(cells);
+        self.v.reserve_exact(cells);
+        self.step.reserve_exact(cells);
+        self.image.reserve_exact(cells);
+        if let Some(list) = &mut self.upper {
+            list.reserve_exact(cells);
+        }
+    }
+
+    /// Where the cells of a row stand.
+    fn cells(&self, row: usize) -> Range<usize> {
+        self.starts[row] as usize..self.starts[row + 1] as usize
+    }
+
+    fn push(&mut self, column: u32, [p, v]: [f64; 2], upper: f64, [step, image]: [f32; 2]) {
+        self.columns.push(column);
+        self.p.push(p);
+        self.v.push(v);
+        self.step.push(step);
+        self.image.push(image);
+        if let Some(list) = &mut self.upper {
+            list.push(upper);
+        }
+    }
+
+    /// Appends the cells in `cells` of other lists.
+    fn extend(&mut self, other: &Self, cells: Range<usize>) {
+        self.columns.extend_from_slice(&other.columns[cells.clone()]);
+        self.p.extend_from_slice(&other.p[cells.clone()]);
+        self.v.extend_from_slice(&other.v[cells.clone()]);
+        self.step.extend_from_slice(&other.step[cells.clone()]);
+        self.image.extend_from_slice(&other.image[cells.clone()]);
+        if let (Some(list), Some(other)) = (&mut self.upper, &other.upper) {
+            list.extend_from_slice(&other[cells]);
+        }
+    }
+}
+
+fn cleared(mut list: Vec<f64>) -> Vec<f64> {
+    list.clear();
+    list
+}
+
+/// A cell that comes near contact.
+#[derive(Debug, Clone, Copy)]
+struct Entrant {
+    row: usize,
+    column: u32,
+    v: f64,
+    image: f32,
+}
+
+/// How far a step is gone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Advance {
+    /// Multiple of the step.
+    pub(super) length: f64,
+    /// Unit of the step, and of its image.
+    pub(super) unit_pa: f64,
+    pub(super) unit_m: f64,
+    /// Cells whose v is below this come near contact.
+    pub(super) bound: f64,
+}
+
+impl Slab {
+    /// Begins with the pressures `p` of its rows; v is not yet known.
+    fn begin(&mut self, width: usize, p: &[f64], ceiling: Option<Ceiling>, unit_m: f64) {
+        self.width = width;
+        (self.origin_m, self.unit_m) = (0.0, unit_m);
+        self.far.clear();
+        self.far.resize(p.len(), f32::INFINITY);
+        self.ceiling = ceiling;
+        self.entrants.clear();
+        self.summary = Summary::NONE;
+        self.lists.clear(self.ceiling.is_some());
+        self.lists.reserve(p.iter().filter(|p| **p > 0.0).count());
+        for (row, p) in p.chunks_exact(width).enumerate() {
+            for (column, p) in p.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+                let upper = self.ceiling.as_ref().map_or(f64::INFINITY, |ceiling| ceiling.at(row * width + column));
+                self.lists.push(column as u32, [*p, 0.0], upper, [0.0; 2]);
+            }
+            self.lists.starts[row + 1..].fill(self.lists.columns.len() as u32);
+        }
+    }
+
+    /// Gives back the memory of what the next iteration makes anew.
+    pub(super) fn release_scratch(&mut self) {
+        (self.gradient, self.moves, self.preconditioned) = (Vec::new(), Vec::new(), Vec::new());
+        (self.trial, self.full, self.open) = (Vec::new(), Vec::new(), 0);
+    }
+
+    fn rows(&self) -> usize {
+        self.far.len() / self.width
+    }
+
+    /// The bound on [`Slab::far`] that leaves no v below `bound` out.
+    fn far_bound(&self, bound: f64) -> f32 {
+        let over = (bound - self.origin_m) / self.unit_m;
+        if over.is_finite() { (over + 1e-6 * over.abs()) as f32 } else { over as f32 }
+    }
+
+    /// Writes the pressures of a row of the grid; false if there are none.
+    pub(super) fn write_pressure(&self, row: usize, out: &mut [f64]) -> bool {
+        let cells = self.lists.cells(row % ROWS_OF_SLAB);
+        for (column, p) in self.lists.columns[cells.clone()].iter().zip(&self.lists.p[cells.clone()]) {
+            out[*column as usize] = *p;
+        }
+        !cells.is_empty()
+    }
+
+    /// Takes v of a row of the grid, and after the last row all cells that are near contact.
+    pub(super) fn settle(&mut self, row: usize, v: &[f64], origin_m: f64, bound: f64) {
+        let row = row % ROWS_OF_SLAB;
+        self.origin_m = origin_m;
+        let factor = 1.0 / self.unit_m;
+        let far = &mut self.far[row * self.width..][..self.width];
+        far.iter_mut().zip(v).for_each(|(far, v)| *far = (factor * (v - origin_m)) as f32);
+        let cells = self.lists.cells(row);
+        for (column, list_v) in self.lists.columns[cells.clone()].iter().zip(&mut self.lists.v[cells]) {
+            *list_v = v[*column as usize];
+            far[*column as usize] = f32::INFINITY;
+        }
+        self.find(row, bound, None, Some(v));
+        if row + 1 == self.rows() {
+            self.merge(bound);
+        }
+    }
+
+    /// Notes the cells of a row whose v is below `bound`, from the displacements of the last step and all v where these are
+    /// known.
+    fn find(&mut self, row: usize, bound: f64, image: Option<&[f32]>, exact: Option<&[f64]>) {
+        let far_bound = self.far_bound(bound);
+        let Self { far, entrants, origin_m, unit_m, .. } = self;
+        let far = &far[row * self.width..][..self.width];
+        if wide::<Below, _>((far, far_bound)) == 0 {
+            return;
+        }
+        for (column, value) in far.iter().enumerate().filter(|(_, far)| **far < far_bound) {
+            let v = exact.map_or_else(|| *origin_m + *unit_m * f64::from(*value), |v| v[column]);
+            if v < bound || exact.is_none() {
+                let image = image.map_or(0.0, |image| image[column]);
+                entrants.push(Entrant { row, column: column as u32, v, image });
+            }
+        }
+    }
+
+    /// Looks for the cells whose v is below `bound` among all, of which v is given where it is known.
+    fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
+        for row in 0..self.rows() {
+            let exact = exact.map(|v| &v[row * self.width..][..self.width]);
+            self.find(row, bound, None, exact);
+        }
+        self.merge(bound);
+    }
+
+    /// Takes those who come near contact into the lists, in passing dismisses those who left it, and sums up.
+    fn merge(&mut self, bound: f64) {
+        // How many there were the last time tells when it is worth while.
+        let dismisses = IDLE_ONE_IN * self.summary.idle > self.lists.p.len() as f64;
+        if self.entrants.is_empty() && !dismisses {
+            self.summarise(bound);
+            return;
+        }
+        let width = self.width;
+        let Self { lists, next, entrants, far, ceiling, origin_m, unit_m, .. } = self;
+        next.clear(ceiling.is_some());
+        next.reserve(lists.p.len() + entrants.len());
+        let upper = |place: usize| ceiling.as_ref().map_or(f64::INFINITY, |ceiling| ceiling.at(place));
+        let mut waiting = entrants.iter().peekable();
+        for row in 0..far.len() / width {
+            let cells = lists.cells(row);
+            if dismisses {
+                for i in cells {
+                    let (column, p, v) = (lists.columns[i], lists.p[i], lists.v[i]);
+                    let place = row * width + column as usize;
+                    if p > 0.0 || v < bound {
+                        next.push(column, [p, v], upper(place), [lists.step[i], lists.image[i]]);
+                    } else {
+                        far[place] = ((v - *origin_m) / *unit_m) as f32;
+                    }
+                }
+            } else {
+                next.extend(lists, cells);
+            }
+            while let Some(entrant) = waiting.next_if(|entrant| entrant.row == row) {
+                let place = row * width + entrant.column as usize;
+                next.push(entrant.column, [0.0, entrant.v], upper(place), [0.0, entrant.image]);
+                far[place] = f32::INFINITY;
+            }
+            next.starts[row + 1..].fill(next.columns.len() as u32);
+        }
+        entrants.clear();
+        std::mem::swap(lists, next);
+        // Where problems are large, memory is scarcer than the time to ask for it.
+        if next.p.capacity() > MOST_KEPT {
+            *next = Lists::default();
+        }
+        self.summarise(bound);
+    }
+
+    /// Sums up the lists.
+    fn summarise(&mut self, bound: f64) {
+        let Self { lists, trial, open, full, summary, .. } = self;
+        let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
+        *summary = capped!(lists.upper, |caps| wide::<Summarise, _>((p, v, bound, caps)));
+        trial.resize(p.len(), 0.0);
+        *open = wide::<OnBound<false>, _>((trial.as_mut_slice(), p, v, Unbounded));
+        full.clear();
+        if let Some(upper) = &lists.upper {
+            full.resize(p.len(), 0.0);
+            let count = wide::<OnBound<true>, _>((full.as_mut_slice(), p, v, Yielding(upper)));
+            full.truncate(count);
+        }
+        summary.full = full.len() as f64;
+    }
+
+    /// Pressure, v and largest pressure of the cells near contact.
+    pub(super) fn part(&self) -> Part<'_> {
+        Part { p: &self.lists.p, v: &self.lists.v, upper: self.lists.upper.as_deref() }
+    }
+
+    /// Sum of the gradients v − λ of the cells that may move, and their number below the upper bound and on it, as long as nothing is on
+    /// trial since the lists were summed up.
+    pub(super) fn tangent_sums(&self, lambda: f64) -> [f64; 3] {
+        let Self { trial, open, full, summary: Summary { between_v, between, .. }, .. } = self;
+        let below = wide::<Beyond<false>, _>((&trial[..*open], lambda));
+        let above = if full.is_empty() { [0.0; 2] } else { wide::<Beyond<true>, _>((full.as_slice(), lambda)) };
+        [between_v - between * lambda + below[0] + above[0], between + below[1], above[1]]
+    }
+
+    /// Computes the gradient v − λ, over `unit_m`, of the cells that may move, or of all.
+    pub(super) fn differentiate(&mut self, lambda: f64, unit_m: f64, all: bool) {
+        let Self { lists, gradient, moves, .. } = self;
+        let n = lists.p.len();
+        gradient.resize(n, 0.0);
+        moves.resize(n, 0.0);
+        let terms = [lambda, 1.0 / unit_m];
+        let fields = [lists.p.as_slice(), lists.v.as_slice()];
+        let (gradient, moves) = (gradient.as_mut_slice(), moves.as_mut_slice());
+        capped!(lists.upper, |caps| wide::<Gradient, _>((gradient, moves, fields, terms, all, caps)));
+    }
+
+    /// Writes the gradient of a row into it; false if it has none.
+    pub(super) fn scatter_gradient(&self, row: usize, out: &mut [f32]) -> bool {
+        let cells = self.lists.cells(row % ROWS_OF_SLAB);
+        for (column, gradient) in self.lists.columns[cells.clone()].iter().zip(&self.gradient[cells.clone()]) {
+            out[*column as usize] = *gradient;
+        }
+        !cells.is_empty()
+    }
+
+    /// Takes the preconditioned gradient of a row, and after the last row makes the products.
+    pub(super) fn take_preconditioned(&mut self, row: usize, values: &[f32]) {
+        let row = row % ROWS_OF_SLAB;
+        self.preconditioned.resize(self.lists.p.len(), 0.0);
+        let cells = self.lists.cells(row);
+        for (z, column) in self.preconditioned[cells.clone()].iter_mut().zip(&self.lists.columns[cells]) {
+            *z = values[*column as usize];
+        }
+        if row + 1 == self.rows() {
+            let Self { lists, moves, gradient, preconditioned, .. } = self;
+            self.products = wide::<Multiply, _>(
+                [moves, gradient, preconditioned, &lists.step, &lists.image].map(|list: &Vec<f32>| list.as_slice()),
+            );
+        }
+    }
+
+    /// [Σ p w, Σ p g, Σ p u] of the cells that may move, u = v + z, from the heights of the slab's rows; w and g over their
+    /// units.
+    pub(super) fn level(&self, heights_m: &[f64], mean_height_m: f64) -> [f64; 3] {
+        let Lists { columns, p, v, image, .. } = &self.lists;
+        let mut sums = [0.0; 3];
+        for (row, heights_m) in heights_m.chunks_exact(self.width).enumerate() {
+            for i in self.lists.cells(row) {
+                if self.moves[i] > 0.0 {
+                    sums[0] += p[i] * f64::from(image[i]);
+                    sums[1] += p[i] * f64::from(self.gradient[i]);
+                    sums[2] += p[i] * (v[i] + heights_m[columns[i] as usize] - mean_height_m);
+                }
+            }
+        }
+        sums
+    }
+
+    /// Puts the pressure on trial in `direction` into `trial`, for the cells that may move.
+    pub(super) fn propose(&mut self, direction: Direction) -> Extent {
+        let Self { lists, moves, gradient, preconditioned, trial, .. } = self;
+        trial.resize(lists.p.len(), 0.0);
+        preconditioned.resize(lists.p.len(), 0.0);
+        let fields = [moves, gradient, preconditioned, &lists.step].map(|list: &Vec<f32>| list.as_slice());
+        wide::<Propose, _>((trial.as_mut_slice(), lists.p.as_slice(), fields, direction));
+        self.extent()
+    }
+
+    /// That of the trial.
+    fn extent(&self) -> Extent {
+        capped!(self.lists.upper, |caps| wide::<Span, _>((self.trial.as_slice(), caps)))
+    }
+
+    /// Puts the pressure itself into `trial` where it is between the bounds.
+    pub(super) fn propose_itself(&mut self) -> Extent {
+        let Self { lists, trial, .. } = self;
+        trial.clear();
+        let held = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        let itself = |p: f64, upper: f64| if (p > 0.0) & (p < upper) { p } else { held(p) };
+        capped!(lists.upper, |caps| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, caps.at(i)))));
+        self.gradient.clear();
+        self.gradient.resize(self.lists.p.len(), 0.0);
+        self.extent()
+    }
+
+    /// Pressure of the cells that the trial holds on the upper bound.
+    pub(super) fn held(&self) -> f64 {
+        let Some(upper) = &self.lists.upper else { return 0.0 };
+        self.trial.iter().zip(upper).map(|(t, upper)| if *t == f64::INFINITY { *upper } else { 0.0 }).sum()
+    }
+
+    /// Sum of the trial pressures, shifted and within the bounds, and the number of them that follow a shift.
+    pub(super) fn shifted_sum(&self, shift: f64) -> [f64; 2] {
+        capped!(self.lists.upper, |caps| wide::<Shifted, _>((self.trial.as_slice(), shift, caps)))
+    }
+
+    /// Makes `trial` the step to the trial pressure, shifted and within the bounds.
+    pub(super) fn restrict(&mut self, shift: Shift) {
+        let Self { lists, gradient, trial, step, .. } = self;
+        let (trial, p, gradient) = (trial.as_mut_slice(), lists.p.as_slice(), gradient.as_slice());
+        *step = if let Some(by) = shift.common() {
+            let shifted = |t: f64, upper: f64| within(t + by, upper);
+            capped!(lists.upper, |caps| wide::<Cut, _>((trial, p, gradient, by, shifted, caps)))
+        } else {
+            let shifted = |t: f64, upper: f64| shift.applied(t, upper);
+            capped!(lists.upper, |caps| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, caps)))
+        };
+    }
+
+    /// The largest multiple of the step that stays within the bounds.
+    pub(super) fn longest_feasible(&self) -> f64 {
+        let (p, step) = (self.lists.p.as_slice(), self.trial.as_slice());
+        capped!(self.lists.upper, |caps| wide::<Room, _>((p, step, caps)))
+    }
+
+    /// Writes the step, over `unit`, into a row; false if it has none.
+    pub(super) fn scatter_step(&self, row: usize, unit: f64, out: &mut [f32]) -> bool {
+        let cells = self.lists.cells(row % ROWS_OF_SLAB);
+        let factor = 1.0 / unit;
+        for (column, step) in self.lists.columns[cells.clone()].iter().zip(&self.trial[cells.clone()]) {
+            out[*column as usize] = (factor * step) as f32;
+        }
+        !cells.is_empty()
+    }
+
+    /// Takes the displacements of a row by the whole step, over their unit, and after the last row goes along the step and
+    /// takes up the cells that are near contact then.
+    pub(super) fn advance(&mut self, row: usize, advance: Advance, values: &[f32]) {
+        let row = row % ROWS_OF_SLAB;
+        let factor = (advance.length * advance.unit_m / self.unit_m) as f32;
+        let bound = self.far_bound(advance.bound);
+        let far = &mut self.far[row * self.width..][..self.width];
+        if wide::<Drift, _>((far, values, factor, bound)) > 0 {
+            self.find(row, advance.bound, Some(values), None);
+        }
+        let cells = self.lists.cells(row);
+        for (image, column) in self.lists.image[cells.clone()].iter_mut().zip(&self.lists.columns[cells]) {
+            *image = values[*column as usize];
+        }
+        if row + 1 == self.rows() {
+            let moved = self.go(advance);
+            let largest_image = f64::from(wide::<Largest, _>(self.lists.image.as_slice()));
+            self.merge(advance.bound);
+            (self.summary.moved, self.summary.largest_image) = (moved, largest_image);
+        }
+    }
+
+    /// Goes along the step on trial; whether a pressure changed.
+    fn go(&mut self, advance: Advance) -> bool {
+        let Self { lists, trial, .. } = self;
+        let Lists { p, v, step, image, upper, .. } = lists;
+        let (p, v, step) = (p.as_mut_slice(), v.as_mut_slice(), step.as_mut_slice());
+        capped!(upper, |caps| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, caps)))
+    }
+
+    /// Goes the whole step on trial in the pressures alone.
+    pub(super) fn step_pressure(&mut self) {
+        let Lists { p, upper, .. } = &mut self.lists;
+        let steps = p.iter_mut().zip(&self.trial).enumerate();
+        capped!(upper, |caps| steps.for_each(|(i, (p, s))| *p = within(*p + s, caps.at(i))));
+    }
+}
+
+/// `value`, or the bound of [0, `upper`] that it is beyond.
+#[inline(always)]
+pub(super) fn within(value: f64, upper: f64) -> f64 {
+    let value = if value > 0.0 { value } else { 0.0 };
+    if value < upper { value } else { upper }
+}

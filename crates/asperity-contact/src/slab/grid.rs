@@ -1,0 +1,93 @@
+//! The slabs of a whole grid.
+
+use rayon::prelude::*;
+
+use super::{Ceiling, Slab};
+use crate::problem::Hardness;
+use asperity_base::fourier::ROWS_OF_SLAB;
+
+/// Cells of a grid from which its slabs are worth sharing among threads.
+const SHARED_FROM: usize = 1 << 16;
+
+/// All slabs of a grid.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Slabs {
+    slabs: Vec<Slab>,
+    shared: bool,
+}
+
+impl Slabs {
+    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. Cells yield at the `hardness`, if any.
+    pub(crate) fn begin(&mut self, width: usize, p: &[f64], hardness: Option<Hardness<'_>>, unit_m: f64) {
+        let chunk = width * ROWS_OF_SLAB;
+        self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
+        self.shared = p.len() >= SHARED_FROM && rayon::current_num_threads() > 1;
+        for (number, (slab, p)) in self.slabs.iter_mut().zip(p.chunks(chunk)).enumerate() {
+            let ceiling = hardness.map(|hardness| match hardness {
+                Hardness::Uniform { pascal } => Ceiling::Uniform(pascal),
+                Hardness::Field(field) => {
+                    Ceiling::Cells(field.iter().skip(number * chunk).take(p.len()).copied().collect())
+                }
+            });
+            slab.begin(width, p, ceiling, unit_m);
+        }
+    }
+
+    /// Gives the memory back.
+    pub(crate) fn release(&mut self) {
+        self.slabs = Vec::new();
+    }
+
+    pub(crate) fn as_mut_slice(&mut self) -> &mut [Slab] {
+        &mut self.slabs
+    }
+
+    /// The slab of a row of the grid.
+    pub(crate) fn of_row(&self, row: usize) -> &Slab {
+        &self.slabs[row / ROWS_OF_SLAB]
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Slab> {
+        self.slabs.iter()
+    }
+
+    /// Does `work` on every slab.
+    pub(crate) fn each(&mut self, work: impl Fn(&mut Slab) + Sync + Send) {
+        if self.shared { self.slabs.par_iter_mut().for_each(work) } else { self.slabs.iter_mut().for_each(work) }
+    }
+
+    /// Does `work` on every slab and joins what it gives, in order.
+    pub(crate) fn fold<R: Send>(
+        &mut self,
+        first: R,
+        work: impl Fn(&mut Slab) -> R + Sync + Send,
+        join: impl Fn(R, R) -> R,
+    ) -> R {
+        if self.shared {
+            self.slabs.par_iter_mut().map(work).collect::<Vec<_>>().into_iter().fold(first, join)
+        } else {
+            self.slabs.iter_mut().map(work).fold(first, join)
+        }
+    }
+
+    /// Sums of K terms of every slab.
+    pub(crate) fn sums<const K: usize>(&self, terms: impl Fn(&Slab) -> [f64; K] + Sync + Send) -> [f64; K] {
+        let add = |total: [f64; K], terms: [f64; K]| std::array::from_fn(|k| total[k] + terms[k]);
+        if self.shared {
+            self.slabs.par_iter().map(terms).collect::<Vec<_>>().into_iter().fold([0.0; K], add)
+        } else {
+            self.slabs.iter().map(terms).fold([0.0; K], add)
+        }
+    }
+
+    /// Looks for the cells whose v is below `bound` all over the grid, of which all v are given where they are known.
+    pub(crate) fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
+        let chunk = self.slabs.first().map_or(0, |slab| slab.width * ROWS_OF_SLAB);
+        let rows = |number: usize| exact.map(|v| &v[number * chunk..v.len().min((number + 1) * chunk)]);
+        if self.shared {
+            self.slabs.par_iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
+        } else {
+            self.slabs.iter_mut().enumerate().for_each(|(number, slab)| slab.look(bound, rows(number)));
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What is known of the cells of a slab as a whole, and of those of all slabs.
+
+/// What is known of pressure p and v = S p − z of the cells near contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Summary {
+    /// Σ p, of all and of the cells below the upper bound, and Σ p v of the latter.
+    pub(crate) pressure: f64,
+    pub(crate) free: f64,
+    pub(crate) free_v: f64,
+    /// Σ v and number of the cells between the bounds.
+    pub(crate) between_v: f64,
+    pub(crate) between: f64,
+    /// Cells without pressure that are far from contact.
+    pub(crate) idle: f64,
+    /// The least v below the upper bound.
+    pub(crate) least_v: f64,
+    /// Cells at the upper bound.
+    pub(crate) full: f64,
+    /// Largest displacement by the last step over its unit.
+    pub(crate) largest_image: f64,
+    pub(crate) moved: bool,
+}
+
+impl Summary {
+    pub(crate) const NONE: Self = Self {
+        pressure: 0.0,
+        free: 0.0,
+        free_v: 0.0,
+        between_v: 0.0,
+        between: 0.0,
+        idle: 0.0,
+        least_v: f64::INFINITY,
+        full: 0.0,
+        largest_image: 0.0,
+        moved: false,
+    };
+
+    /// Height of the plane that rests on the elastic contact; without any, on the cell that touches next.
+    pub(crate) fn resting_m(&self) -> f64 {
+        if self.free > 0.0 { -self.free_v / self.free } else { -self.least_v }
+    }
+
+    /// That of more cells.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            pressure: self.pressure + other.pressure,
+            free: self.free + other.free,
+            free_v: self.free_v + other.free_v,
+            between_v: self.between_v + other.between_v,
+            between: self.between + other.between,
+            idle: self.idle + other.idle,
+            least_v: self.least_v.min(other.least_v),
+            full: self.full + other.full,
+            largest_image: self.largest_image.max(other.largest_image),
+            moved: self.moved | other.moved,
+        }
+    }
+}
+
+/// Sums over the cells that may move: their number, and products of gradient g, preconditioned gradient z, last step s and
+/// its image w, all over their units.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Products {
+    pub(crate) members: f64,
+    pub(crate) g: f64,
+    pub(crate) z: f64,
+    pub(crate) s: f64,
+    pub(crate) w: f64,
+    pub(crate) gg: f64,
+    pub(crate) gz: f64,
+    pub(crate) gs: f64,
+    pub(crate) sw: f64,
+    pub(crate) zw: f64,
+}
+
+impl Products {
+    /// The sums over more cells.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            members: self.members + other.members,
+            g: self.g + other.g,
+            z: self.z + other.z,
+            s: self.s + other.s,
+            w: self.w + other.w,
+            gg: self.gg + other.gg,
+            gz: self.gz + other.gz,
+            gs: self.gs + other.gs,
+            sw: self.sw + other.sw,
+            zw: self.zw + other.zw,
+        }
+    }
+}
+
+/// The trial p + `pressure`·p + `step`·s + `preconditioned`·z + `gradient`·g + `constant`, with s, z and g over their units.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Direction {
+    pub(crate) pressure: f64,
+    pub(crate) step: f64,
+    pub(crate) preconditioned: f64,
+    pub(crate) gradient: f64,
+    pub(crate) constant: f64,
+}
+
+/// A trial before it is brought within the bounds: over the cells that may move.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    pub(crate) least: f64,
+    pub(crate) largest: f64,
+    pub(crate) members: usize,
+    /// Sum and largest of the upper bounds.
+    pub(crate) capacity: f64,
+    pub(crate) ceiling: f64,
+}
+
+impl Extent {
+    pub(crate) const NONE: Self =
+        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, ceiling: 0.0 };
+
+    /// That of more cells.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            least: self.least.min(other.least),
+            largest: self.largest.max(other.largest),
+            members: self.members + other.members,
+            capacity: self.capacity + other.capacity,
+            ceiling: self.ceiling.max(other.ceiling),
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! A bound-constrained preconditioned conjugate gradient method with one operator application per iteration.
+//!
+//! Each iteration forms a trial direction, preconditioned by about E*|q|/2 (a pyramid of stencils where cells are square and
+//! can be halved, a transform elsewhere) and made conjugate to the step that was *realised* last; projects the trial point on
+//! the bounds; and applies the compliance to the projected step alone. The exact step length along that feasible step is
+//! then known, as is the correction that the next trial point needs if this step was not of optimal length. Whatever the
+//! preconditioner and the history were, a step is taken only along a feasible descent direction with a length that lowers
+//! the energy, and every 32nd step is a full gradient projection, so the iteration converges to the unique solution; once
+//! the contact area no longer changes it is the preconditioned conjugate gradient method.
+//!
+//! Operator and preconditioner are applied to steps in single precision, as in iterative refinement: the displacement of a
+//! step errs by some 10⁻⁷ of it, and the displacement of the pressure is computed afresh in double precision before these errors
+//! make up a share of the residual, and before convergence is claimed.
+//!
+//! # References
+//! I. A. Polonsky and L. M. Keer, *Wear* **231** (1999) 206 (conjugate gradients on the contact area),
+//! <https://doi.org/10.1016/S0043-1648(99)00113-1>.
+//! D. G. Luenberger and Y. Ye, *Linear and Nonlinear Programming*, §7.10 (spacer steps).
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use ndarray::Array2;
+use rayon::prelude::*;
+
+use crate::descent::Descent;
+use crate::{Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap};
+use asperity_base::monitor::{Monitor, Silent};
+
+/// Solves contact problems to a relative tolerance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// Bound on every entry of [`Residual`](crate::Residual).
+    pub tolerance: f64,
+    /// Iterations, each with one operator application, before giving up.
+    pub max_iterations: usize,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { tolerance: 1e-8, max_iterations: 2000 }
+    }
+}
+
+/// What closes the problem. Heights are counted from the mean height of the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Closure {
+    /// The plane is fixed.
+    Plane {
+        /// Height in metre.
+        height_m: f64,
+    },
+    /// The plane is fixed at this height and the mean of the displacement is zero, so that this is the mean gap.
+    Gap {
+        /// Mean gap in metre.
+        metre: f64,
+    },
+    /// The sum of the pressures is fixed.
+    Sum {
+        /// Sum in pascal.
+        pascal: f64,
+    },
+}
+
+impl Closure {
+    /// Height of the plane above the mean height in metre, where it is fixed.
+    pub(super) fn plane_m(self) -> Option<f64> {
+        match self {
+            Self::Plane { height_m } | Self::Gap { metre: height_m } => Some(height_m),
+            Self::Sum { .. } => None,
+        }
+    }
+}
+
+impl Solver {
+    /// Solves `problem`. A solution that is not converged says so; it is not an error.
+    ///
+    /// # Errors
+    /// The tolerance is not positive.
+    pub fn solve(&self, problem: &Problem<'_>) -> Result<Solution, ContactError> {
+        self.solve_with(problem, &mut problem.half_space().workspace())
+    }
+
+    /// As [`Solver::solve`] with scratch memory that is reused between solves.
+    ///
+    /// # Errors
+    /// The tolerance is not positive.
+    pub fn solve_with(&self, problem: &Problem<'_>, workspace: &mut Workspace) -> Result<Solution, ContactError> {
+        self.solve_from(problem, None, workspace, &Silent)
+    }
+
+    /// As [`Solver::solve_with`], beginning with the pressure `start` in pascal of shape `[ny, nx]` if there is one, and
+    /// stopping with [`StopReason::Cancelled`](crate::StopReason::Cancelled) when the monitor asks for it.
+    ///
+    /// The pressure of a similar problem saves some iterations where the load differs by a few percent; it is cut at the
+    /// bounds and brought to the prescribed load. It does not change the solution beyond the tolerance. Under a prescribed mean
+    /// gap, where the plane is sought, it is not used.
+    ///
+    /// # Errors
+    /// The tolerance is not positive, or the start does not fit the map.
+    pub fn solve_from(
+        &self,
+        problem: &Problem<'_>,
+        start: Option<&Array2<f64>>,
+        workspace: &mut Workspace,
+        monitor: &dyn Monitor,
+    ) -> Result<Solution, ContactError> {
+        if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
+            let (parameter, unit, wanted) = ("tolerance", "(relative)", "positive");
+            return Err(ContactError::Parameter { parameter, value: self.tolerance, unit, wanted });
+        }
+        problem.half_space().claim(workspace);
+        let points = problem.heights_m().len();
+        let start = start.map(|start| warm_start(problem, start)).transpose()?.flatten();
+        if let Some(plane_m) = problem.plane_m() {
+            let closure = Closure::Plane { height_m: plane_m - problem.mean_height_m() };
+            let start = start.unwrap_or_else(|| coarse_start::under_plane(problem, plane_m, workspace, monitor));
+            return Ok(self.run(Descent::new(problem, closure, &start, None, workspace), start, monitor));
+        }
+        if let Control::MeanGap { metre } = problem.control() {
+            return Ok(mean_gap::solve(self, problem, metre, workspace, monitor));
+        }
+        // The mean displacement shifts the plane alone: without it, nothing large cancels.
+        let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
+        let closure = Closure::Sum { pascal: pascal * points as f64 };
+        let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
+        Ok(self.run(Descent::new(problem, closure, &start, rigid_mean(problem), workspace), start, monitor))
+    }
+
+    /// Solves many problems, shared among the threads of the current pool: every thread keeps its scratch memory from one problem
+    /// to the next on the same half-space. Solutions come in the order of the problems and are the same on any number of threads;
+    /// after the monitor has cancelled they say so.
+    ///
+    /// # Errors
+    /// The tolerance is not positive.
+    pub fn solve_many(&self, problems: &[Problem<'_>], monitor: &dyn Monitor) -> Result<Vec<Solution>, ContactError> {
+        let done = AtomicUsize::new(0);
+        let solve = |workspace: &mut Workspace, problem: &Problem<'_>| {
+            let solution = self.solve_from(problem, None, workspace, monitor);
+            monitor.progress("contact", done.fetch_add(1, Ordering::Relaxed) + 1, problems.len());
+            solution
+        };
+        problems.par_iter().map_init(Workspace::default, solve).collect()
+    }
+
+    /// Runs a descent, whose start is needed no more.
+    fn run(&self, descent: Descent<'_>, start: Vec<f64>, monitor: &dyn Monitor) -> Solution {
+        drop(start);
+        descent.run(self, monitor)
+    }
+}
+
+/// The pressure `start` within the bounds, in proportion to the prescribed load; none where there is nothing to begin with.
+fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f64>>, ContactError> {
+    let ((rows, columns), (ny, nx)) = (start.dim(), problem.heights_m().dim());
+    if (rows, columns) != (ny, nx) {
+        return Err(ContactError::Shape { rows, columns, ny, nx });
+    }
+    let pressed = |p: f64| if p > 0.0 && p.is_finite() { p } else { 0.0 };
+    let mut p: Vec<f64> = start.iter().map(|p| pressed(*p)).collect();
+    let sum: f64 = p.iter().sum();
+    let wanted = problem.mean_pressure_pa().map_or(sum, |pascal| pascal * p.len() as f64);
+    let upper = problem.hardness_by_cell();
+    let mut capacity = 0.0;
+    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
+        let ceiling = upper.as_ref().map_or(f64::INFINITY, |upper| upper(place));
+        *p = (*p * (wanted / sum)).min(ceiling);
+        capacity += ceiling;
+    }
+    // What has to carry the load needs to be able to.
+    let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;
+    Ok(serves.then_some(p))
+}
+
+/// A mean compliance of zero on the periodic boundary; the free one has no mean mode of its own.
+pub(super) fn rigid_mean(problem: &Problem<'_>) -> Option<f64> {
+    matches!(problem.half_space().boundary(), Boundary::Periodic { .. }).then_some(0.0)
+}

@@ -1,0 +1,71 @@
+//! What else the records of a level say of μ(s): which correlation suits, its spectrum, drifts, and area against load.
+
+use crate::strip::Record;
+use crate::window::Window;
+use asperity_base::correlation::{
+    CrossCorrelation, EstimateError, LengthSettings, RankedLength, RecordEnds, RecordModel, RecordSpectrum,
+    Stationarity, WindowedRecords, cross_correlation, rank_lengths, record_spectrum,
+};
+use asperity_base::stats::Layout;
+
+/// Models of the correlation that is left when the window is taken out.
+pub const MODELS: [RecordModel; 3] =
+    [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
+/// Largest lag of the cross-correlation in windows.
+const CROSS_WINDOWS: f64 = 2.0;
+
+/// Correlation models, spectrum, drifts and cross-correlation of the records of one level.
+#[derive(Debug, Clone)]
+pub struct ProcessAnalysis {
+    /// Models of the correlation without the window, the most likely first; windows of another shape than a rectangle have
+    /// none.
+    pub models: Result<Vec<RankedLength>, EstimateError>,
+    /// Power spectral density.
+    pub spectrum: Result<RecordSpectrum, EstimateError>,
+    /// Drifts along the strips.
+    pub stationarity: Result<Stationarity, EstimateError>,
+    /// Contact area against load of the windows.
+    pub area_and_load: Result<CrossCorrelation, EstimateError>,
+}
+
+impl ProcessAnalysis {
+    /// Analyses records at the mean load ([`Record::at_mean_load`]) of strips of `strip_m` and so many lanes, seen through
+    /// `window`.
+    pub fn of(records: &[Record], window: &Window, layout: impl Into<Layout>, strip_m: f64) -> Self {
+        let Layout { periodic, lanes } = layout.into();
+        let (step_m, series) = (window.step_m(), series(records));
+        let ends = record_ends(records, window, periodic, strip_m);
+        let models = if window.is_rectangle() {
+            let channel = WindowedRecords {
+                window_m: window.length_m(),
+                step_m,
+                cell_m: window.cell_m(),
+                lanes,
+                records: series.clone(),
+            };
+            rank_lengths(&[channel], &MODELS, LengthSettings { ends, ..LengthSettings::default() })
+        } else {
+            Err(EstimateError::Nothing)
+        };
+        let pairs: Vec<(&[f64], &[f64])> =
+            records.iter().map(|record| (record.area_m2.as_slice(), record.load_n.as_slice())).collect();
+        let reach = (CROSS_WINDOWS * window.length_m() / step_m).round() as usize;
+        Self {
+            models,
+            spectrum: record_spectrum(&series, lanes, step_m, ends),
+            stationarity: Stationarity::of(&series, lanes, step_m),
+            area_and_load: cross_correlation(&pairs, lanes, step_m, reach),
+        }
+    }
+}
+
+fn series(records: &[Record]) -> Vec<&[f64]> {
+    records.iter().map(|record| record.friction.as_slice()).collect()
+}
+
+/// What lies beyond the ends of records of a window: a periodic strip makes a periodic record only where the steps of the
+/// window go round it evenly.
+pub fn record_ends(records: &[Record], window: &Window, periodic: bool, strip_m: f64) -> RecordEnds {
+    let round = |record: &Record| (record.friction.len() as f64 * window.step_m() / strip_m - 1.0).abs() < 1e-6;
+    if periodic && records.iter().all(round) { RecordEnds::Periodic } else { RecordEnds::Free }
+}

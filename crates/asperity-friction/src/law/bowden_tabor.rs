@@ -1,0 +1,23 @@
+//! Friction of sheared contacts: F = τ_max A_c.
+
+use crate::law::FrictionLaw;
+use crate::window::WindowContact;
+
+/// Shear-dominated friction of contacts that yield in shear at τ_max: F = τ_max A_c, μ = τ_max A_c/N.
+///
+/// The area is the perimeter-corrected one, never taken smaller than what can carry the load under the hardness H
+/// ([`WindowContact::bearing_area_m2`]). So μ ≥ τ_max/H, with equality where all contact is plastic.
+///
+/// # References
+/// F. P. Bowden and D. Tabor, *The Friction and Lubrication of Solids*, Clarendon Press (1950). Gaus et al. 2016, §4.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BowdenTabor {
+    /// Shear strength τ_max of the contacts in pascal.
+    pub shear_strength_pa: f64,
+}
+
+impl FrictionLaw for BowdenTabor {
+    fn force_n(&self, window: &WindowContact) -> Option<f64> {
+        window.loaded().then(|| self.shear_strength_pa * window.bearing_area_m2())
+    }
+}

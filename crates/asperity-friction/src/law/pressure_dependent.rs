@@ -1,0 +1,26 @@
+//! Friction of contacts whose shear strength grows with the pressure: F = τ₀ A_c + αN.
+
+use crate::law::FrictionLaw;
+use crate::window::WindowContact;
+
+/// Shear strength τ = τ₀ + αp in every point of contact, so that F = ∫τ dA = τ₀ A_c + αN and μ = τ₀ A_c/N + α.
+///
+/// α is what solids, boundary films and lacquers gain in shear strength with the pressure, some hundredths to tenths. The
+/// area is that of [`crate::law::BowdenTabor`], so that μ ≥ τ₀/H + α.
+///
+/// # References
+/// B. J. Briscoe and D. Tabor, *J. Adhesion* **9** (1978) 145, <https://doi.org/10.1080/00218467808075110>.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressureDependent {
+    /// Shear strength τ₀ of the contacts without pressure, in pascal.
+    pub shear_strength_pa: f64,
+    /// α = dτ/dp.
+    pub pressure_coefficient: f64,
+}
+
+impl FrictionLaw for PressureDependent {
+    fn force_n(&self, window: &WindowContact) -> Option<f64> {
+        let force_n = || self.shear_strength_pa * window.bearing_area_m2() + self.pressure_coefficient * window.load_n;
+        window.loaded().then(force_n)
+    }
+}

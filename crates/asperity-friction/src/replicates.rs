@@ -1,0 +1,94 @@
+//! Moments of μ with each strip left out: how the noise of few strips enters what is done with them.
+
+use crate::statistics::correlate;
+use crate::strip::{Level, Record};
+use asperity_base::stats::Moments;
+
+/// Scatter over the mean below which friction does not vary.
+const ROUNDING: f64 = 1e-12;
+
+/// What of μ is asked for when the surface is uncertain; NaN where undefined.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelMoments {
+    /// Mean: of the quotients, or ΣF/ΣN at the mean load.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Standard deviation over mean.
+    pub coefficient_of_variation: f64,
+    /// ℓ_μ in metre of the exponential fit; it contains the window.
+    pub correlation_length_m: f64,
+}
+
+impl LevelMoments {
+    /// Names in the order of [`LevelMoments::values`].
+    pub const NAMES: [&'static str; 4] = ["mean", "std", "coefficient_of_variation", "correlation_length_m"];
+    /// Of a level without an answer.
+    pub const NONE: Self =
+        Self { mean: f64::NAN, std: f64::NAN, coefficient_of_variation: f64::NAN, correlation_length_m: f64::NAN };
+
+    /// All of them.
+    pub fn values(&self) -> [f64; 4] {
+        [self.mean, self.std, self.coefficient_of_variation, self.correlation_length_m]
+    }
+
+    /// Of records whose positions lie `step_m` apart, so many lanes to a strip.
+    fn of(records: &[&[f64]], lanes: usize, step_m: f64) -> Self {
+        let moments = Moments::of_values(records.iter().flat_map(|record| record.iter().copied()));
+        if moments.n < 2 {
+            return Self::NONE;
+        }
+        if moments.std <= ROUNDING * moments.mean.abs() {
+            return Self { mean: moments.mean, std: 0.0, coefficient_of_variation: 0.0, ..Self::NONE };
+        }
+        Self {
+            mean: moments.mean,
+            std: moments.std,
+            coefficient_of_variation: moments.std / moments.mean,
+            correlation_length_m: correlate(records, lanes, step_m).map_or(f64::NAN, |c| c.exponential.length_m),
+        }
+    }
+}
+
+/// Moments of a level, and of all its strips but one, for each strip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MomentReplicates {
+    /// With all strips.
+    pub all: LevelMoments,
+    /// Without each of the realisations, in their order; a strip that failed is not missed.
+    pub without: Vec<LevelMoments>,
+}
+
+impl MomentReplicates {
+    /// Of the quotient F/N of each window.
+    pub fn of_quotient(level: &Level, step_m: f64) -> Self {
+        Self::by(level, |records| {
+            let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
+            LevelMoments::of(&series, level.lanes, step_m)
+        })
+    }
+
+    /// Of windows at the mean load ([`Record::at_mean_load`]), which is that of the strips that are left.
+    pub fn at_mean_load(level: &Level, step_m: f64) -> Self {
+        Self::by(level, |records| {
+            let (mean, records) = Record::at_mean_load(records);
+            let series: Vec<&[f64]> = records.iter().map(|record| &record.friction[..]).collect();
+            LevelMoments { mean, ..LevelMoments::of(&series, level.lanes, step_m) }
+        })
+    }
+
+    fn by(level: &Level, moments: impl Fn(&[Record]) -> LevelMoments) -> Self {
+        let (all, lanes) = (moments(&level.records), level.lanes.max(1));
+        let strips = level.records.len() / lanes + level.failures.len();
+        let mut first = 0;
+        let without = (0..strips).map(|strip| {
+            if level.failures.iter().any(|failure| failure.index == strip) {
+                return all;
+            }
+            let kept = [&level.records[..first], &level.records[first + lanes..]].concat();
+            first += lanes;
+            moments(&kept)
+        });
+        Self { without: without.collect(), all }
+    }
+}

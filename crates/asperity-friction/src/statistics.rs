@@ -1,0 +1,151 @@
+//! What the records of a level say about μ(s) as a process.
+
+mod heavy_tail;
+mod tail;
+
+use std::borrow::Cow;
+
+use crate::FrictionError;
+use crate::strip::Record;
+use asperity_base::correlation::{
+    EstimateError, LagNormalisation, RecordCorrelation, RecordFit, RecordModel, fit_record, fitted_length_interval,
+};
+use asperity_base::law::fit::{Family, Fit, ParameterEstimate, Ranking, rank_by_aic};
+use asperity_base::law::goodness::ProcessNull;
+use asperity_base::stats::{Estimate, Interval, Layout, Moments, ProcessMoments, share_above};
+
+pub use heavy_tail::{HeavyTail, ISOLATED_SHARE};
+pub use tail::{LawTail, ReturnLevel, Tail};
+
+/// Scatter over the mean below which friction does not vary.
+const ROUNDING: f64 = 1e-12;
+
+/// Contact cells that a window should hold for its area to mean something.
+pub const WANTED_CONTACT_CELLS: f64 = 30.0;
+
+/// Simulated samples behind a p-value.
+const DRAWS: usize = 499;
+
+/// Statistics of μ(s), pooled over the records of independent strips.
+#[derive(Debug, Clone)]
+pub struct FrictionStatistics {
+    /// Moments over all windows with contact.
+    pub moments: Moments,
+    /// The same with intervals that know the correlation along the strips.
+    pub estimates: ProcessMoments,
+    /// Windows without contact, left out of everything else.
+    pub empty_windows: usize,
+    /// Mean number of contact cells in a window.
+    pub contact_cells: f64,
+    /// Share of windows that hold fewer contact cells than [`WANTED_CONTACT_CELLS`], empty ones included.
+    pub sparse_share: f64,
+    /// Number of independent windows that the correlated ones are worth.
+    pub effective_windows: f64,
+    /// Marginal laws ranked by Akaike's criterion, the windows' own among them. The p-values of their distances know the fit and the correlation.
+    pub marginals: Ranking,
+    /// Parameters of the laws, in their order, with intervals.
+    pub parameters: Vec<Vec<ParameterEstimate>>,
+    /// The Beta law with bounds fitted by likelihood, where it exists.
+    pub beta: Option<Fit>,
+    /// How large μ gets; none where the records hold too few separate peaks.
+    pub tail: Option<Tail>,
+    /// Autocorrelation over lags up to half the strip, or why there is none.
+    pub correlation: Result<ProcessCorrelation, EstimateError>,
+    records: Vec<Vec<f64>>,
+    layout: Layout,
+}
+
+/// Autocorrelation of μ(s) with its fitted models.
+#[derive(Debug, Clone)]
+pub struct ProcessCorrelation {
+    /// Pooled estimate.
+    pub estimate: RecordCorrelation,
+    /// e^{−s/ℓ}: ℓ is the paper's ℓ_μ, which contains the window.
+    pub exponential: RecordFit,
+    /// 95 % interval of that ℓ by the jackknife over strips or pieces of them; none where they are too few.
+    pub length_interval: Option<Interval>,
+    /// All models of [`RecordModel::USUAL`] fitted with the window inside, the closest first.
+    pub models: Vec<RecordFit>,
+}
+
+impl FrictionStatistics {
+    /// Statistics of the records of one level, whose positions lie `step_m` apart; on a periodic strip the last is a neighbour of
+    /// the first, and lanes of a strip are not taken for independent (`true` and `false` stand for periodic and free strips of
+    /// one lane). A friction coefficient that does not vary at all has no correlation and no marginal law.
+    ///
+    /// # Errors
+    /// Fewer than ten windows with contact.
+    pub fn of(records: &[Record], step_m: f64, layout: impl Into<Layout>, seed: u64) -> Result<Self, FrictionError> {
+        let layout = layout.into();
+        let records = &without_rounding(records)[..];
+        let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+        let pooled: Vec<f64> = series.concat();
+        let estimates = ProcessMoments::of(&series, layout);
+        let moments = estimates.moments;
+        let empty_windows = pooled.len() - moments.n;
+        if moments.n < 10 {
+            return Err(FrictionError::NoContact { windows: pooled.len(), with_contact: moments.n });
+        }
+        let cells = || records.iter().flat_map(|record| &record.contact_cells);
+        let sparse = cells().filter(|cells| **cells < WANTED_CONTACT_CELLS).count();
+        let effective_windows = estimates.effective_size;
+        let families = [&Family::POSITIVE[..], &Family::EMPIRICAL].concat();
+        let mut marginals = rank_by_aic(&families, &pooled, Some(effective_windows));
+        if let Ok(null) = ProcessNull::of(&series, layout, DRAWS, seed) {
+            marginals.assess(&null, &pooled);
+        }
+        let parameters = marginals.fits.iter().map(|fit| fit.estimates(&series, layout)).collect();
+        let beta = marginals.fits.iter().find(|fit| fit.family == Family::BetaFreeBounds).cloned();
+        Ok(Self {
+            moments,
+            estimates,
+            empty_windows,
+            contact_cells: cells().sum::<f64>() / pooled.len() as f64,
+            sparse_share: sparse as f64 / pooled.len() as f64,
+            effective_windows,
+            tail: Tail::of(&series, layout.lanes, step_m, &marginals.fits),
+            marginals,
+            parameters,
+            beta,
+            correlation: correlate(&series, layout.lanes, step_m),
+            records: series.iter().map(|record| record.to_vec()).collect(),
+            layout,
+        })
+    }
+
+    /// The marginal law to go on with, [`Ranking::chosen`].
+    pub fn marginal(&self) -> Option<&Fit> {
+        self.marginals.chosen()
+    }
+
+    /// Share of the windows whose μ exceeds a value, and the same with an interval; the laws have
+    /// [`asperity_base::law::Marginal::survival`].
+    pub fn share_above(&self, mu: f64) -> (f64, Option<Estimate>) {
+        let series: Vec<&[f64]> = self.records.iter().map(Vec::as_slice).collect();
+        share_above(&series, mu, self.layout)
+    }
+}
+
+/// Records whose values differ by rounding alone are made constant, so that nobody takes rounding for a process.
+fn without_rounding(records: &[Record]) -> Cow<'_, [Record]> {
+    let moments = Moments::of_values(records.iter().flat_map(|record| record.friction.iter().copied()));
+    if moments.n == 0 || moments.std > ROUNDING * moments.mean.abs() {
+        return Cow::Borrowed(records);
+    }
+    let constant = |mu: &f64| if mu.is_nan() { f64::NAN } else { moments.mean };
+    let settled =
+        |record: &Record| Record { friction: record.friction.iter().map(constant).collect(), ..record.clone() };
+    records.iter().map(settled).collect()
+}
+
+pub(super) fn correlate(series: &[&[f64]], lanes: usize, step_m: f64) -> Result<ProcessCorrelation, EstimateError> {
+    let largest_lag = series.iter().map(|record| record.len()).max().unwrap_or(0) / 2;
+    let estimate = RecordCorrelation::estimate(series, step_m, largest_lag, LagNormalisation::PairNormalised)?;
+    let exponential = fit_record(&estimate, RecordModel::Exponential)?;
+    let length_interval =
+        fitted_length_interval(series, lanes, step_m, largest_lag, LagNormalisation::PairNormalised, &exponential);
+    let mut models =
+        RecordModel::USUAL.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
+    models.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+    Ok(ProcessCorrelation { estimate, exponential, length_interval, models })
+}

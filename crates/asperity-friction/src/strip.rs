@@ -1,0 +1,287 @@
+//! Strips of a random surface, solved at several levels of contact and seen through a sliding window.
+
+use ndarray::Array2;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::FrictionError;
+use crate::StripSums;
+use crate::law::FrictionLaw;
+use crate::window::{Window, WindowContact};
+use asperity_base::map::HeightMap;
+use asperity_base::monitor::{Cancelled, Monitor, Silent};
+use asperity_base::random;
+use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver, Workspace};
+use asperity_surface::RandomSurface;
+
+/// Least share of strips that must converge at a level before its statistics are formed.
+const LEAST_VALID_SHARE: f64 = 0.95;
+
+/// What is pressed, and how friction is read off.
+#[derive(Clone, Copy)]
+pub struct Strips<'a> {
+    /// Random strips.
+    pub surface: &'a dyn RandomSurface,
+    /// Half-space on the strips' grid.
+    pub half_space: &'a HalfSpace,
+    /// Sliding window; [`Window::narrower`] ones are slid too, for the window study.
+    pub window: &'a Window,
+    /// Friction law of the contacts.
+    pub law: &'a dyn FrictionLaw,
+    /// Hardness in pascal, which caps the pressure; `None` is elastic.
+    pub hardness_pa: Option<f64>,
+    /// Contact solver.
+    pub solver: Solver,
+    /// Number of strips.
+    pub realisations: usize,
+    /// Seed of the strips.
+    pub seed: u64,
+}
+
+/// μ(s) of one strip, or of one lane of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Positions of the window in metre.
+    pub position_m: Vec<f64>,
+    /// Friction coefficient; NaN where the window carries no load.
+    pub friction: Vec<f64>,
+    /// Contact cells in the window.
+    pub contact_cells: Vec<f64>,
+    /// Contact area of the window in square metre, corrected for the perimeter.
+    pub area_m2: Vec<f64>,
+    /// Friction force of the window in newton, 0 where it carries no load.
+    pub friction_force_n: Vec<f64>,
+    /// Load of the window in newton.
+    pub load_n: Vec<f64>,
+}
+
+impl Record {
+    /// What the windows of one strip say.
+    fn of(windows: &[WindowContact], law: &dyn FrictionLaw) -> Self {
+        Self {
+            position_m: windows.iter().map(|w| w.position_m).collect(),
+            friction: windows.iter().map(|w| law.coefficient(w).unwrap_or(f64::NAN)).collect(),
+            contact_cells: windows.iter().map(|w| w.contact_cells).collect(),
+            area_m2: windows.iter().map(WindowContact::bearing_area_m2).collect(),
+            friction_force_n: windows.iter().map(|w| law.force_n(w).unwrap_or(0.0)).collect(),
+            load_n: windows.iter().map(|w| w.load_n).collect(),
+        }
+    }
+
+    /// The records of a level as one process under constant load: μ̄ + (F − μ̄N)/N̄, with F and N the friction force and load
+    /// of a window, N̄ the mean load and μ̄ = ΣF/ΣN.
+    ///
+    /// It is F/N linearised about the mean load, and what a body feels that rests on many windows: a window that hardly
+    /// carries anything hardly counts, while its own quotient F/N may be huge. Where windows share the load evenly the two
+    /// agree. Unlike the quotient it is a moving average along the strip, so that the correlation of a window applies to it.
+    /// Returns μ̄ and the records; a window without load has μ̄. Where no window carries load, all of it is NaN.
+    pub fn at_mean_load(records: &[Self]) -> (f64, Vec<Self>) {
+        let windows = records.iter().map(|record| record.load_n.len()).sum::<usize>() as f64;
+        let force_n: f64 = records.iter().flat_map(|record| &record.friction_force_n).sum();
+        let load_n: f64 = records.iter().flat_map(|record| &record.load_n).sum();
+        let (mean, mean_load_n) = (force_n / load_n, load_n / windows);
+        let linearised = records
+            .iter()
+            .map(|record| {
+                let of = |(force_n, load_n): (&f64, &f64)| mean + (force_n - mean * load_n) / mean_load_n;
+                let friction = record.friction_force_n.iter().zip(&record.load_n).map(of).collect();
+                Self { friction, ..record.clone() }
+            })
+            .collect();
+        (mean, linearised)
+    }
+}
+
+/// A strip without an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailedStrip {
+    /// Index of the realisation.
+    pub index: usize,
+    /// Why.
+    pub reason: String,
+}
+
+/// All strips at one level of contact.
+#[derive(Debug, Clone)]
+pub struct Level {
+    /// Records in the order of realisations and then of lanes, failed strips left out.
+    pub records: Vec<Record>,
+    /// Records per strip: lanes of the window.
+    pub lanes: usize,
+    /// The same seen through the rectangles of [`Window::narrower`].
+    pub narrower: Vec<(Window, Vec<Record>)>,
+    /// Strips left out.
+    pub failures: Vec<FailedStrip>,
+    /// Mean depth of the plane below the highest point of each strip, in metre.
+    pub penetration_m: f64,
+    /// Mean pressure over all strips in pascal.
+    pub mean_pressure_pa: f64,
+    /// Mean pressure of every strip in pascal, failed ones left out.
+    pub strip_pressures_pa: Vec<f64>,
+    /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
+    pub contact_fraction: f64,
+    /// Share of the contact cells with p = H.
+    pub plastic_share: f64,
+    /// Pressure on the first strip in pascal; absent where that strip failed.
+    pub sample_pressure_pa: Option<Array2<f64>>,
+}
+
+/// One strip at one level.
+struct StripResult {
+    records: Vec<Record>,
+    narrower: Vec<Vec<Record>>,
+    penetration_m: f64,
+    mean_pressure_pa: f64,
+    contact_fraction: f64,
+    contact_cells: f64,
+    plastic_cells: f64,
+    pressure_pa: Option<Array2<f64>>,
+}
+
+impl Strips<'_> {
+    /// Solves every strip at every level. The strips are the same at all levels. A level of which fewer than 95 % of the
+    /// strips converged is an error of its own.
+    ///
+    /// Levels do not start from one another: at the distance of percentiles that takes more iterations than the solver's own
+    /// start (`examples/time_friction`: 8 to 17 after 8 to 11).
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub fn solve(
+        &self,
+        levels: &[Control],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Result<Level, FrictionError>>, Cancelled> {
+        let total = self.realisations * levels.len();
+        let done = AtomicUsize::new(0);
+        let strips: Result<Vec<Vec<Result<StripResult, String>>>, Cancelled> = (0..self.realisations)
+            .into_par_iter()
+            .map_init(
+                || self.half_space.workspace(),
+                |workspace, index| {
+                    let map = self.map(index);
+                    levels
+                        .iter()
+                        .map(|&control| {
+                            if monitor.cancelled() {
+                                return Err(Cancelled);
+                            }
+                            let solved = match map.complete_heights_m() {
+                                Ok(heights_m) => self.solve_one(heights_m, control, index == 0, workspace),
+                                Err(error) => Err(error.to_string()),
+                            };
+                            monitor.progress("friction", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                            Ok(solved)
+                        })
+                        .collect()
+                },
+            )
+            .collect();
+        let mut by_level: Vec<Vec<Result<StripResult, String>>> = levels.iter().map(|_| Vec::new()).collect();
+        for strip in strips? {
+            for (level, result) in by_level.iter_mut().zip(strip) {
+                level.push(result);
+            }
+        }
+        Ok(by_level.into_iter().map(|results| self.gather(results)).collect())
+    }
+
+    /// The map of the strip number `index`.
+    pub fn map(&self, index: usize) -> HeightMap {
+        let mut stream = random::stream(self.seed, "friction/strip", index as u64);
+        self.surface.generate(&random::standard_normal(&mut stream, self.surface.germ_len()))
+    }
+
+    /// The converged solution of one strip, or why there is none.
+    pub(super) fn solution(
+        &self,
+        heights_m: &Array2<f64>,
+        control: Control,
+        start: Option<&Array2<f64>>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, String> {
+        let problem =
+            Problem::new(self.half_space, heights_m, control, self.hardness_pa).map_err(|error| error.to_string())?;
+        let solution =
+            self.solver.solve_from(&problem, start, workspace, &Silent).map_err(|error| error.to_string())?;
+        if solution.converged() {
+            return Ok(solution);
+        }
+        let (iterations, residual) = (solution.iterations(), solution.residual().worst());
+        Err(format!("no convergence in {iterations} iterations: residual {residual:.1e}"))
+    }
+
+    fn solve_one(
+        &self,
+        heights_m: &Array2<f64>,
+        control: Control,
+        keep: bool,
+        workspace: &mut Workspace,
+    ) -> Result<StripResult, String> {
+        let solution = self.solution(heights_m, control, None, workspace)?;
+        let narrower = self.window.narrower();
+        let windows: Vec<&Window> = std::iter::once(self.window).chain(&narrower).collect();
+        let sums = StripSums::of(&solution, self.law.ploughs().then_some(heights_m), &windows);
+        let seen = |window: &Window| -> Vec<Record> {
+            window.slide(&sums).iter().map(|lane| Record::of(lane, self.law)).collect()
+        };
+        let points = heights_m.len() as f64;
+        Ok(StripResult {
+            records: seen(self.window),
+            narrower: narrower.iter().map(seen).collect(),
+            penetration_m: solution.penetration_m(),
+            mean_pressure_pa: solution.mean_pressure_pa(),
+            contact_fraction: solution.corrected_contact_fraction(),
+            contact_cells: solution.contact_fraction() * points,
+            plastic_cells: solution.plastic_fraction() * points,
+            pressure_pa: keep.then(|| solution.pressure_pa().clone()),
+        })
+    }
+
+    fn gather(&self, results: Vec<Result<StripResult, String>>) -> Result<Level, FrictionError> {
+        let mut level = Level {
+            records: Vec::new(),
+            lanes: self.window.lanes(matches!(self.half_space.boundary(), Boundary::Periodic { .. })).len(),
+            narrower: self.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
+            failures: Vec::new(),
+            penetration_m: 0.0,
+            mean_pressure_pa: 0.0,
+            strip_pressures_pa: Vec::new(),
+            contact_fraction: 0.0,
+            plastic_share: 0.0,
+            sample_pressure_pa: None,
+        };
+        let (mut contact_cells, mut plastic_cells) = (0.0, 0.0);
+        for (index, result) in results.into_iter().enumerate() {
+            match result {
+                Ok(strip) => {
+                    level.penetration_m += strip.penetration_m;
+                    level.mean_pressure_pa += strip.mean_pressure_pa;
+                    level.strip_pressures_pa.push(strip.mean_pressure_pa);
+                    level.contact_fraction += strip.contact_fraction;
+                    contact_cells += strip.contact_cells;
+                    plastic_cells += strip.plastic_cells;
+                    level.records.extend(strip.records);
+                    for ((_, records), lanes) in level.narrower.iter_mut().zip(strip.narrower) {
+                        records.extend(lanes);
+                    }
+                    if strip.pressure_pa.is_some() {
+                        level.sample_pressure_pa = strip.pressure_pa;
+                    }
+                }
+                Err(reason) => level.failures.push(FailedStrip { index, reason }),
+            }
+        }
+        let (valid, total) = (self.realisations - level.failures.len(), self.realisations);
+        if (valid as f64) < LEAST_VALID_SHARE * total as f64 {
+            let first = level.failures.first().map_or_else(String::new, |failure| failure.reason.clone());
+            return Err(FrictionError::TooFewValid { valid, total, wanted: LEAST_VALID_SHARE, first });
+        }
+        let count = valid as f64;
+        level.penetration_m /= count;
+        level.mean_pressure_pa /= count;
+        level.contact_fraction /= count;
+        level.plastic_share = if contact_cells > 0.0 { plastic_cells / contact_cells } else { 0.0 };
+        Ok(level)
+    }
+}

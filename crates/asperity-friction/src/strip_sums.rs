@@ -1,0 +1,206 @@
+//! Sums over the cells of a solved strip, from which those of every window follow.
+
+use std::ops::{AddAssign, Sub};
+
+use ndarray::Array2;
+
+use crate::window::{Run, Window, WindowContact};
+use asperity_base::map::Grid;
+use asperity_contact::{Boundary, Solution, area::PERIMETER_WEIGHT};
+
+/// Prefix sums along x of what windows count: of every row or, where all windows span the strip, of whole columns.
+///
+/// A window is a set of runs of cells, each of which is the difference of two prefixes. Every cell brings half of the edges
+/// around it that count for the perimeter, so that both cells of an edge within a window give it whole, and an edge on the
+/// border of the window counts half.
+#[derive(Debug, Clone)]
+pub struct StripSums {
+    grid: Grid,
+    periodic: bool,
+    of_columns: bool,
+    /// nx + 1 prefixes per row.
+    prefixes: Vec<Tally>,
+}
+
+/// What is added up over cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    /// Those with p > 0.
+    contact: f64,
+    /// Halves of the edges that count for the perimeter.
+    half_edges: f64,
+    pressure_pa: f64,
+    /// p/H.
+    yield_share: f64,
+    /// p|∂z/∂x| where p = H.
+    ploughing_pa: f64,
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.contact += other.contact;
+        self.half_edges += other.half_edges;
+        self.pressure_pa += other.pressure_pa;
+        self.yield_share += other.yield_share;
+        self.ploughing_pa += other.ploughing_pa;
+    }
+}
+
+impl Sub for Tally {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self {
+            contact: self.contact - other.contact,
+            half_edges: self.half_edges - other.half_edges,
+            pressure_pa: self.pressure_pa - other.pressure_pa,
+            yield_share: self.yield_share - other.yield_share,
+            ploughing_pa: self.ploughing_pa - other.ploughing_pa,
+        }
+    }
+}
+
+/// State of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cell {
+    Apart,
+    Elastic,
+    Plastic,
+}
+
+impl StripSums {
+    /// The sums that `windows` need on a solved strip. With the undeformed heights of the strip, in metre, ploughing is counted
+    /// too.
+    ///
+    /// # Panics
+    /// If the heights do not have the shape of the solution.
+    pub fn of(solution: &Solution, ploughing_heights_m: Option<&Array2<f64>>, windows: &[&Window]) -> Self {
+        let p = solution.pressure_pa();
+        let (ny, nx) = p.dim();
+        assert!(ploughing_heights_m.is_none_or(|heights| heights.dim() == (ny, nx)), "heights of another strip");
+        let grid = solution.grid();
+        let periodic = matches!(solution.boundary(), Boundary::Periodic { .. });
+        let of_columns = windows.iter().all(|window| window.spans_columns());
+        let states = Array2::from_shape_fn((ny, nx), |cell| match p[cell] > 0.0 {
+            false => Cell::Apart,
+            true if solution.is_plastic(cell) => Cell::Plastic,
+            true => Cell::Elastic,
+        });
+        let hardness_pa =
+            |cell| solution.hardness_pa().or_else(|| solution.hardness_field_pa().map(|field| field[cell]));
+        let tally = |cell: (usize, usize)| {
+            let (here, pressure_pa) = (states[cell], p[cell]);
+            let ploughed = ploughing_heights_m.filter(|_| here == Cell::Plastic);
+            Tally {
+                contact: f64::from(here != Cell::Apart),
+                half_edges: f64::from(counted_edges(&states, cell, periodic)),
+                pressure_pa,
+                yield_share: hardness_pa(cell).map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
+                ploughing_pa: ploughed.map_or(0.0, |z| pressure_pa * slope_x(z, cell, grid.dx_m(), periodic).abs()),
+            }
+        };
+        let stride = nx + 1;
+        let mut prefixes = vec![Tally::default(); stride * if of_columns { 1 } else { ny }];
+        for row in 0..ny {
+            let sums = if of_columns { &mut prefixes[..] } else { &mut prefixes[row * stride..][..stride] };
+            for column in 0..nx {
+                sums[column + 1] += tally((row, column));
+            }
+        }
+        for sums in prefixes.chunks_mut(stride) {
+            for column in 0..nx {
+                let before = sums[column];
+                sums[column + 1] += before;
+            }
+        }
+        Self { grid, periodic, of_columns, prefixes }
+    }
+
+    /// The grid of the strip.
+    pub(super) fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Whether the strip is periodic.
+    pub(super) fn periodic(&self) -> bool {
+        self.periodic
+    }
+
+    /// Whether rows were added up.
+    pub(super) fn of_columns(&self) -> bool {
+        self.of_columns
+    }
+
+    /// What the window of these runs sees whose first row is `lane` and whose first column is `start`.
+    pub(super) fn window(&self, runs: &[Run], lane: usize, start: usize, position_m: f64) -> WindowContact {
+        let (nx, stride) = (self.grid.nx(), self.grid.nx() + 1);
+        let rows = self.prefixes.len() / stride;
+        let mut sum = Tally::default();
+        for run in runs {
+            let prefix = &self.prefixes[(lane + run.row) % rows * stride..][..stride];
+            let (first, end) = (start + run.start, start + run.end);
+            match (first / nx, (end - 1) / nx) {
+                (a, b) if a == b => sum += prefix[end - b * nx] - prefix[first - a * nx],
+                (a, b) => {
+                    sum += prefix[nx] - prefix[first - a * nx];
+                    sum += prefix[end - b * nx];
+                }
+            }
+        }
+        let cell_m2 = self.grid.cell_area_m2();
+        WindowContact {
+            position_m,
+            contact_cells: sum.contact,
+            area_m2: (sum.contact - PERIMETER_WEIGHT * 0.5 * sum.half_edges) * cell_m2,
+            least_area_m2: sum.yield_share * cell_m2,
+            load_n: sum.pressure_pa * cell_m2,
+            ploughing_n: sum.ploughing_pa * cell_m2,
+        }
+    }
+}
+
+/// Edges of a cell between contact and no contact that count for the perimeter: those whose contact cell is not plastic.
+fn counted_edges(states: &Array2<Cell>, (row, column): (usize, usize), periodic: bool) -> u8 {
+    let (ny, nx) = states.dim();
+    let here = states[[row, column]];
+    let edge = |inside: bool, other: (usize, usize)| {
+        let there = states[other];
+        let opened = matches!((here, there), (Cell::Apart, Cell::Elastic) | (Cell::Elastic, Cell::Apart));
+        u8::from((inside || periodic) && opened)
+    };
+    edge(column > 0, (row, (column + nx - 1) % nx))
+        + edge(column + 1 < nx, (row, (column + 1) % nx))
+        + edge(row > 0, ((row + ny - 1) % ny, column))
+        + edge(row + 1 < ny, ((row + 1) % ny, column))
+}
+
+/// ∂z/∂x of a cell by central differences; one-sided at the ends of a free strip.
+fn slope_x(heights_m: &Array2<f64>, (row, column): (usize, usize), dx_m: f64, periodic: bool) -> f64 {
+    let nx = heights_m.ncols();
+    let (before, after) = if periodic {
+        ((column + nx - 1) % nx, (column + 1) % nx)
+    } else {
+        (column.saturating_sub(1), (column + 1).min(nx - 1))
+    };
+    let apart = if periodic { 2 } else { after - before };
+    (heights_m[[row, after]] - heights_m[[row, before]]) / (apart as f64 * dx_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_exact_on_parabolas_inside_and_on_lines_at_free_ends() {
+        let parabola = Array2::from_shape_fn((1, 6), |(_, column)| (column as f64 * 0.5).powi(2));
+        for column in 1..5 {
+            for periodic in [false, true] {
+                assert!((slope_x(&parabola, (0, column), 0.5, periodic) - column as f64).abs() < 1e-14);
+            }
+        }
+        let line = Array2::from_shape_fn((1, 6), |(_, column)| 3.0 * column as f64);
+        assert_eq!([slope_x(&line, (0, 0), 1.0, false), slope_x(&line, (0, 5), 1.0, false)], [3.0, 3.0]);
+        // On a periodic strip the line falls back by five steps.
+        assert_eq!(slope_x(&line, (0, 0), 1.0, true), (3.0 - 15.0) / 2.0);
+    }
+}

@@ -1,0 +1,360 @@
+//! A window that slides along a solved strip.
+
+use ndarray::Array2;
+use thiserror::Error;
+
+use crate::strip_sums::StripSums;
+use asperity_base::map::Grid;
+
+/// Why a window does not fit its strip.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum WindowError {
+    /// The window is not longer than a cell.
+    #[error("the window is {window_m:e} m long, the cells {cell_m:e} m; a window holds at least two cells")]
+    TooShort {
+        /// Length of the window in metre.
+        window_m: f64,
+        /// Length of a cell in metre.
+        cell_m: f64,
+    },
+    /// The strip holds too few independent windows.
+    #[error("the strip is {strip_m:e} m long, the window {window_m:e} m; the strip must hold at least ten windows")]
+    TooLong {
+        /// Length of the window in metre.
+        window_m: f64,
+        /// Length of the strip in metre.
+        strip_m: f64,
+    },
+    /// The window is not wider than a cell.
+    #[error("the window is {window_m:e} m wide, the cells {cell_m:e} m; a window is at least two cells wide")]
+    TooNarrow {
+        /// Width of the window in metre.
+        window_m: f64,
+        /// Width of a cell in metre.
+        cell_m: f64,
+    },
+    /// The window is wider than the strip.
+    #[error("the window is {window_m:e} m wide, the strip {strip_m:e} m; a window is at most as wide as the strip")]
+    TooWide {
+        /// Width of the window in metre.
+        window_m: f64,
+        /// Width of the strip in metre.
+        strip_m: f64,
+    },
+    /// The mask of the window has no cell.
+    #[error("the mask of the window has no cell")]
+    Empty,
+}
+
+/// Cells `start..end` of one row of a window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Run {
+    pub(super) row: usize,
+    pub(super) start: usize,
+    pub(super) end: usize,
+}
+
+/// A set of cells that is moved along x, by at most an eighth of its length.
+///
+/// A window narrower than the strip is laid side by side in as many *lanes* as a periodic strip is wide, spread evenly; on a
+/// free strip, whose sides are loaded edges, it has one lane in the middle. Lanes have no cell in common, but neighbours are
+/// correlated where heights are, and all of them share the strip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// Cells along x and along y, and those of the strip along y.
+    cells: usize,
+    rows: usize,
+    strip_rows: usize,
+    step_cells: usize,
+    /// Size of a cell along x and along y.
+    cell_m: f64,
+    row_m: f64,
+    runs: Vec<Run>,
+}
+
+impl Window {
+    /// A rectangle of about `length_m` (rounded to whole cells) and of the whole width of strips of `grid`, moved by a
+    /// sixteenth of its length, rounded down to whole cells.
+    ///
+    /// # Errors
+    /// The window holds fewer than two cells, or the strip fewer than ten windows.
+    pub fn new(length_m: f64, grid: Grid) -> Result<Self, WindowError> {
+        Ok(Self::box_of(cells_along(length_m, grid)?, grid.ny(), grid))
+    }
+
+    /// A rectangle of about `length_m` × `width_m`, rounded to whole cells.
+    ///
+    /// # Errors
+    /// As [`Window::new`], and where the window is wider than the strip or less than two cells wide.
+    pub fn rectangle(length_m: f64, width_m: f64, grid: Grid) -> Result<Self, WindowError> {
+        Ok(Self::box_of(cells_along(length_m, grid)?, rows_across(width_m, grid)?, grid))
+    }
+
+    /// An ellipse of the axes `length_m` along x and `width_m` along y: the cells whose centre lies in it.
+    ///
+    /// # Errors
+    /// As [`Window::rectangle`].
+    pub fn ellipse(length_m: f64, width_m: f64, grid: Grid) -> Result<Self, WindowError> {
+        let (cells, rows) = (cells_along(length_m, grid)?, rows_across(width_m, grid)?);
+        let mask = Array2::from_shape_fn((rows, cells), |(row, column)| {
+            let from_centre = |index: usize, count: usize| (2 * index + 1) as f64 / count as f64 - 1.0;
+            from_centre(row, rows).powi(2) + from_centre(column, cells).powi(2) <= 1.0
+        });
+        Ok(Self { runs: runs_of(&mask), ..Self::box_of(cells, rows, grid) })
+    }
+
+    /// Any set of cells: those that are true in `mask`, of shape [rows, cells], on strips of `grid`.
+    ///
+    /// # Errors
+    /// As [`Window::rectangle`] with the size of the mask, or no cell is true.
+    pub fn from_mask(mask: &Array2<bool>, grid: Grid) -> Result<Self, WindowError> {
+        let (rows, cells) = mask.dim();
+        let cells = cells_along(cells as f64 * grid.dx_m(), grid)?;
+        let rows = rows_across(rows as f64 * grid.dy_m(), grid)?;
+        let runs = runs_of(mask);
+        if runs.is_empty() { Err(WindowError::Empty) } else { Ok(Self { runs, ..Self::box_of(cells, rows, grid) }) }
+    }
+
+    fn box_of(cells: usize, rows: usize, grid: Grid) -> Self {
+        let (cell_m, row_m) = (grid.dx_m(), grid.dy_m());
+        let runs = (0..rows).map(|row| Run { row, start: 0, end: cells }).collect();
+        Self { cells, rows, strip_rows: grid.ny(), step_cells: (cells / 16).max(1), cell_m, row_m, runs }
+    }
+
+    /// Rectangles of a half, a quarter and an eighth of the cells along x and as wide, as far as they hold four, for the
+    /// window study. That knows what a rectangle does to a correlation: a window of another shape is led by the rectangle of
+    /// its whole length.
+    pub fn narrower(&self) -> Vec<Self> {
+        let whole = if self.is_rectangle() { None } else { Some(self.cells) };
+        let parts = [2, 4, 8].map(|part| self.cells / part).into_iter().filter(|cells| *cells >= 4);
+        whole
+            .into_iter()
+            .chain(parts)
+            .map(|cells| Self {
+                cells,
+                step_cells: (cells / 16).max(1),
+                runs: (0..self.rows).map(|row| Run { row, start: 0, end: cells }).collect(),
+                ..*self
+            })
+            .collect()
+    }
+
+    /// Whether every cell of its length and width belongs to it.
+    pub fn is_rectangle(&self) -> bool {
+        self.runs.len() == self.rows && self.runs.iter().all(|run| run.start == 0 && run.end == self.cells)
+    }
+
+    /// Length in metre.
+    pub fn length_m(&self) -> f64 {
+        self.cells as f64 * self.cell_m
+    }
+
+    /// Width in metre.
+    pub fn width_m(&self) -> f64 {
+        self.rows as f64 * self.row_m
+    }
+
+    /// Area of its cells in square metre.
+    pub fn area_m2(&self) -> f64 {
+        let cells: usize = self.runs.iter().map(|run| run.end - run.start).sum();
+        cells as f64 * self.cell_m * self.row_m
+    }
+
+    /// Length of a cell along x in metre.
+    pub fn cell_m(&self) -> f64 {
+        self.cell_m
+    }
+
+    /// Cells along x.
+    pub fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// Cells along y.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Distance between neighbouring positions in metre.
+    pub fn step_m(&self) -> f64 {
+        self.step_cells as f64 * self.cell_m
+    }
+
+    /// Which cells belong to it, of shape [rows, cells].
+    pub fn mask(&self) -> Array2<bool> {
+        let mut mask = Array2::from_elem((self.rows, self.cells), false);
+        for run in &self.runs {
+            (run.start..run.end).for_each(|column| mask[[run.row, column]] = true);
+        }
+        mask
+    }
+
+    /// First rows of the lanes on a strip.
+    pub fn lanes(&self, periodic: bool) -> Vec<usize> {
+        if !periodic {
+            return vec![(self.strip_rows - self.rows) / 2];
+        }
+        let count = self.strip_rows / self.rows;
+        (0..count).map(|lane| lane * self.strip_rows / count).collect()
+    }
+
+    /// Whether sums over whole columns are enough for it.
+    pub(super) fn spans_columns(&self) -> bool {
+        self.rows == self.strip_rows && self.is_rectangle()
+    }
+
+    /// First columns of the positions on a strip of `grid`.
+    fn starts(&self, grid: Grid, periodic: bool) -> Vec<usize> {
+        if periodic {
+            return (0..grid.nx()).step_by(self.step_cells).collect();
+        }
+        // Rounding of the pitches must not cost a cell.
+        let margin = (grid.height_m() / grid.dx_m() * (1.0 - 1e-9)).ceil() as usize;
+        (margin..(grid.nx() + 1).saturating_sub(self.cells + margin)).step_by(self.step_cells).collect()
+    }
+
+    /// Contact and load of every position on a solved strip, lane by lane in the order of sliding.
+    ///
+    /// On a periodic strip the window wraps around; on a free one, which is a punch with loaded ends, positions nearer to
+    /// an end than the strip is wide are left out.
+    ///
+    /// # Panics
+    /// If the sums are those of other windows on another strip.
+    pub fn slide(&self, sums: &StripSums) -> Vec<Vec<WindowContact>> {
+        let grid = sums.grid();
+        assert!(grid.ny() == self.strip_rows && grid.dx_m() == self.cell_m, "the window belongs to another strip");
+        assert!(!sums.of_columns() || self.spans_columns(), "the sums over whole columns do not serve this window");
+        let runs = if sums.of_columns() { &self.runs[..1] } else { &self.runs[..] };
+        let starts = self.starts(grid, sums.periodic());
+        let centre_m = |start: usize| (start as f64 + 0.5 * self.cells as f64) * self.cell_m;
+        self.lanes(sums.periodic())
+            .into_iter()
+            .map(|lane| starts.iter().map(|&start| sums.window(runs, lane, start, centre_m(start))).collect())
+            .collect()
+    }
+}
+
+/// Whole cells along x of a window, if it fits.
+fn cells_along(length_m: f64, grid: Grid) -> Result<usize, WindowError> {
+    let cells = (length_m / grid.dx_m()).round();
+    if cells.is_nan() || cells < 2.0 {
+        return Err(WindowError::TooShort { window_m: length_m, cell_m: grid.dx_m() });
+    }
+    // Rounding to whole cells may cost a fraction of the tenth window.
+    if 10.0 * length_m > grid.width_m() * (1.0 + 1e-9) {
+        return Err(WindowError::TooLong { window_m: length_m, strip_m: grid.width_m() });
+    }
+    Ok(cells as usize)
+}
+
+/// Whole cells along y of a window, if it fits.
+fn rows_across(width_m: f64, grid: Grid) -> Result<usize, WindowError> {
+    let rows = (width_m / grid.dy_m()).round();
+    if rows.is_nan() || rows < 2.0 {
+        return Err(WindowError::TooNarrow { window_m: width_m, cell_m: grid.dy_m() });
+    }
+    if width_m > grid.height_m() * (1.0 + 1e-9) {
+        return Err(WindowError::TooWide { window_m: width_m, strip_m: grid.height_m() });
+    }
+    Ok(rows as usize)
+}
+
+/// The rows of a mask as runs of cells.
+fn runs_of(mask: &Array2<bool>) -> Vec<Run> {
+    let mut runs = Vec::new();
+    for (row, cells) in mask.rows().into_iter().enumerate() {
+        let mut start = None;
+        for (column, inside) in cells.iter().copied().chain([false]).enumerate() {
+            match (start, inside) {
+                (None, true) => start = Some(column),
+                (Some(first), false) => {
+                    runs.push(Run { row, start: first, end: column });
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+    }
+    runs
+}
+
+/// What a window sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindowContact {
+    /// Position of the centre of the window in metre.
+    pub position_m: f64,
+    /// Cells with p > 0.
+    pub contact_cells: f64,
+    /// Contact area in square metre, corrected for the perimeter. Edges of contact on the border of the window belong half to
+    /// it, so that windows side by side add up.
+    pub area_m2: f64,
+    /// Least area that carries the load under the hardness, ∫p/H dA, in square metre; 0 where nothing yields.
+    pub least_area_m2: f64,
+    /// Load in newton.
+    pub load_n: f64,
+    /// ∫p|∂z/∂x| dA over the cells with p = H, in newton; 0 where no law asked for it.
+    pub ploughing_n: f64,
+}
+
+impl WindowContact {
+    /// Whether it carries load.
+    pub fn loaded(&self) -> bool {
+        self.load_n > 0.0
+    }
+
+    /// The corrected contact area, but no less than what carries the load under the hardness, in square metre. The two are
+    /// equal where all contact is plastic; of a few small contacts the correction may take more than there is.
+    pub fn bearing_area_m2(&self) -> f64 {
+        self.area_m2.max(self.least_area_m2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use super::*;
+
+    fn grid() -> Grid {
+        Grid::new(200, 40, 2e-6, 1e-6).unwrap()
+    }
+
+    #[test]
+    fn an_ellipse_covers_its_area_symmetrically() {
+        let window = Window::ellipse(40e-6, 20e-6, grid()).unwrap();
+        let mask = window.mask();
+        assert_eq!((mask.dim(), window.is_rectangle()), ((20, 20), false));
+        for ((row, column), inside) in mask.indexed_iter() {
+            assert_eq!(*inside, mask[[19 - row, column]]);
+            assert_eq!(*inside, mask[[row, 19 - column]]);
+        }
+        // A circle of radius 10 cells holds its area but for part of a ring of cells: |error| of Gauss' circle problem.
+        assert!((window.area_m2() / (FRAC_PI_4 * 40e-6 * 20e-6) - 1.0).abs() < 0.02);
+        let lengths: Vec<usize> = window.narrower().iter().map(Window::cells).collect();
+        assert_eq!(lengths, [20, 10, 5]);
+        assert!(window.narrower().iter().all(|part| part.is_rectangle() && part.rows() == 20));
+    }
+
+    #[test]
+    fn lanes_lie_side_by_side_on_periodic_strips_and_in_the_middle_of_free_ones() {
+        let lanes = |width_m, periodic| Window::rectangle(40e-6, width_m, grid()).unwrap().lanes(periodic);
+        assert_eq!(lanes(40e-6, true), [0]);
+        assert_eq!(lanes(40e-6, false), [0]);
+        assert_eq!(lanes(10e-6, true), [0, 10, 20, 30]);
+        assert_eq!(lanes(12e-6, true), [0, 13, 26]);
+        assert_eq!(lanes(12e-6, false), [14]);
+    }
+
+    #[test]
+    fn windows_that_do_not_fit_are_refused() {
+        assert!(matches!(Window::rectangle(40e-6, 41e-6, grid()), Err(WindowError::TooWide { .. })));
+        assert!(matches!(Window::ellipse(40e-6, 1e-6, grid()), Err(WindowError::TooNarrow { .. })));
+        assert!(matches!(Window::rectangle(41e-6, 20e-6, grid()), Err(WindowError::TooLong { .. })));
+        let mask = Array2::from_elem((4, 5), false);
+        assert_eq!(Window::from_mask(&mask, grid()), Err(WindowError::Empty));
+        let ring = Array2::from_shape_fn((4, 5), |(row, column)| row % 3 == 0 || column % 4 == 0);
+        let window = Window::from_mask(&ring, grid()).unwrap();
+        assert_eq!((window.mask(), window.runs.len()), (ring, 6));
+        assert!((window.area_m2() - 14.0 * 2e-12).abs() < 1e-20);
+    }
+}

@@ -1,0 +1,229 @@
+//! What of the correlation of μ(s) is not the window's.
+//!
+//! A window of length W that slides over uncorrelated friction gives a triangular correlation by itself. One process seen
+//! through several windows tells the two apart: its own length ℓ is the same under all of them.
+
+use rayon::prelude::*;
+
+use crate::strip::Record;
+use crate::window::Window;
+use asperity_base::correlation::{
+    EstimateError, LackOfFit, LagNormalisation, LengthFit, LengthSettings, RankedLength, RecordCorrelation,
+    RecordModel, WindowedModel, WindowedRecords, fit_length, fit_record, rank_lengths,
+};
+use asperity_base::stats::{Interval, Moments, student_quantile, student_two_sided};
+
+/// Most groups of strips of the jackknife, and the fewest.
+const MOST_GROUPS: usize = 20;
+const LEAST_GROUPS: usize = 5;
+/// Difference of Akaike's criterion up to which the exponential is kept where chance may have made it.
+const KEPT: f64 = 10.0;
+
+/// One process under several windows, ρ_W = triangle_W ⊛ ρ_0(ℓ), fitted jointly by [`fit_length`].
+///
+/// Records of several windows are moving averages of the same strips. Where two windows show the same wavenumber they say the
+/// same, so it counts once, and the narrowest window says nearly everything: the others show whether one ℓ holds under
+/// all of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowStudy {
+    /// What each window sees, from the longest.
+    pub windows: Vec<WindowCorrelation>,
+    /// Model ρ_0 without the window.
+    pub model: RecordModel,
+    /// ℓ in metre, without the window; 0 where the windows explain everything.
+    pub length_m: f64,
+    /// 95 % interval of ℓ: the wider of that of the likelihood and that of the jackknife over strips.
+    pub interval: Interval,
+    /// Whether the model fits the spectra under all windows.
+    pub lack_of_fit: Option<LackOfFit>,
+    /// Probability that ℓ from single windows differs as much where one ℓ holds under all: Student tests of the differences from the narrowest
+    /// window, whose scatter is that of the jackknife over strips, by Bonferroni. None with fewer than five strips or two windows.
+    pub one_length_p: Option<f64>,
+    /// Root mean square misfit of the correlations under all windows.
+    pub misfit: f64,
+    /// Shortest step of a window in metre: a shorter ℓ cannot be told from 0.
+    pub resolution_m: f64,
+}
+
+/// The process under one window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindowCorrelation {
+    /// Length of the window in metre.
+    pub window_m: f64,
+    /// Standard deviation of μ.
+    pub std: f64,
+    /// Standard deviation that the joint fit expects.
+    pub expected_std: f64,
+    /// ℓ in metre of e^{−s/ℓ} fitted to the correlation under this window, which contains the window.
+    pub length_m: f64,
+    /// ℓ of ρ_0 without the window, from this window alone; absent where the strips hold too few windows.
+    pub own: Option<LengthFit>,
+}
+
+impl WindowStudy {
+    /// The study with ρ_0 = e^{−s/ℓ} of records at the mean load ([`Record::at_mean_load`]), which are moving averages; the
+    /// same strips, in the same order, under every window. Strips are taken for free ones of one lane.
+    ///
+    /// # Errors
+    /// No strip, records that do not vary, or strips shorter than about three windows.
+    pub fn of(records: &[(Window, Vec<Record>)]) -> Result<Self, EstimateError> {
+        Self::with(records, 1, &[RecordModel::Exponential], LengthSettings::default())
+    }
+
+    /// The study of strips of so many lanes, with the best of some models or other ends. Ends are periodic only where the positions of every window go round the
+    /// strip evenly.
+    ///
+    /// # Errors
+    /// As [`WindowStudy::of`].
+    pub fn with(
+        records: &[(Window, Vec<Record>)],
+        lanes: usize,
+        models: &[RecordModel],
+        settings: LengthSettings,
+    ) -> Result<Self, EstimateError> {
+        let channels: Vec<WindowedRecords<'_>> =
+            records.iter().map(|(window, records)| under(window, records, lanes)).collect();
+        let joint = best(&rank_lengths(&channels, models, settings)?).ok_or(EstimateError::Nothing)?;
+        let model = joint.model;
+        let shape = WindowedModel::new(model, 0.0).on_cells(channels[0].cell_m);
+        let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
+        let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = channels
+            .par_iter()
+            .map(|channel| {
+                let estimate = correlation(channel)?;
+                let fitted = WindowCorrelation {
+                    window_m: channel.window_m,
+                    std: estimate.variance.sqrt(),
+                    expected_std: joint.std * std_ratio(&shape, joint.length_m, channel.window_m, narrowest_m),
+                    length_m: fit_record(&estimate, RecordModel::Exponential)?.length_m,
+                    own: fit_length(std::slice::from_ref(channel), model, settings).ok(),
+                };
+                Ok((fitted, estimate.misfit(&shape.under(channel.window_m), joint.length_m)))
+            })
+            .collect();
+        let seen = seen?;
+        let resolution_m = channels.iter().map(|channel| channel.step_m).fold(f64::INFINITY, f64::min);
+        let own: Vec<f64> = seen.iter().filter_map(|(seen, _)| seen.own).map(|own| own.length_m).collect();
+        let scatter = Scatter::of(&channels, model, settings, resolution_m);
+        let mean_square = seen.iter().map(|(_, misfit)| misfit * misfit).sum::<f64>() / seen.len() as f64;
+        Ok(Self {
+            windows: seen.into_iter().map(|(seen, _)| seen).collect(),
+            model,
+            length_m: joint.length_m,
+            interval: scatter.as_ref().map_or(joint.interval, |scatter| scatter.widened(&joint)),
+            lack_of_fit: joint.lack_of_fit,
+            one_length_p: scatter.filter(|_| own.len() == channels.len()).and_then(|scatter| scatter.one_length(&own)),
+            misfit: mean_square.sqrt(),
+            resolution_m,
+        })
+    }
+
+    /// Whether the windows alone explain the correlation: the interval of ℓ includes what cannot be told from 0.
+    pub fn window_only(&self) -> bool {
+        self.interval.low < self.resolution_m
+    }
+}
+
+/// The exponential, unless another model is better beyond chance or by far.
+fn best(models: &[RankedLength]) -> Option<LengthFit> {
+    let simple = |ranked: &&RankedLength| {
+        ranked.fit.model == RecordModel::Exponential && !ranked.worse && ranked.aic_difference < KEPT
+    };
+    models.iter().find(simple).or(models.first()).map(|ranked| ranked.fit)
+}
+
+/// Logarithms of ℓ without each group of strips: of all windows together, and of every window alone. Lengths below a tenth of the resolution
+/// count as that.
+struct Scatter {
+    joint: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    least_m: f64,
+}
+
+impl Scatter {
+    fn of(
+        channels: &[WindowedRecords<'_>],
+        model: RecordModel,
+        settings: LengthSettings,
+        resolution_m: f64,
+    ) -> Option<Self> {
+        let lanes = channels.first()?.lanes;
+        let strips = channels.iter().map(|channel| channel.records.len() / lanes).min()?;
+        let groups = strips.min(MOST_GROUPS);
+        let least_m = 0.1 * resolution_m;
+        if groups < LEAST_GROUPS {
+            return None;
+        }
+        let without = |group: usize| -> Option<(f64, Vec<f64>)> {
+            let left: Vec<WindowedRecords<'_>> = channels
+                .iter()
+                .map(|channel| {
+                    let kept = |index: &usize| (index / lanes) * groups / strips != group;
+                    let records = (0..strips * lanes).filter(kept).map(|index| channel.records[index]).collect();
+                    WindowedRecords { records, ..channel.clone() }
+                })
+                .collect();
+            let length = |channels: &[WindowedRecords<'_>]| {
+                fit_length(channels, model, settings).ok().map(|fit| fit.length_m.max(least_m).ln())
+            };
+            let own = left.iter().map(|channel| length(std::slice::from_ref(channel)).unwrap_or(f64::NAN)).collect();
+            Some((length(&left)?, own))
+        };
+        let found: Option<Vec<(f64, Vec<f64>)>> = (0..groups).into_par_iter().map(without).collect();
+        let (joint, own) = found?.into_iter().unzip();
+        Some(Self { joint, own, least_m })
+    }
+
+    fn freedom(&self) -> f64 {
+        self.joint.len() as f64 - 1.0
+    }
+
+    /// The joint interval, or that of the jackknife where it is wider.
+    fn widened(&self, fit: &LengthFit) -> Interval {
+        let reach = student_quantile(0.975, self.freedom()) * Moments::of(&self.joint).std * self.freedom().sqrt();
+        let Interval { low, high } = fit.interval;
+        if fit.length_m <= self.least_m || !reach.is_finite() {
+            return fit.interval;
+        }
+        Interval { low: low.min(fit.length_m * (-reach).exp()), high: high.max(fit.length_m * reach.exp()) }
+    }
+
+    fn one_length(&self, own_m: &[f64]) -> Option<f64> {
+        let narrowest = own_m.len().checked_sub(1).filter(|last| *last > 0)?;
+        let of = |length_m: f64| length_m.max(self.least_m).ln();
+        let p = |window: usize| {
+            let differences: Vec<f64> = self.own.iter().map(|own| own[window] - own[narrowest]).collect();
+            let error = Moments::of(&differences).std * self.freedom().sqrt();
+            student_two_sided((of(own_m[window]) - of(own_m[narrowest])) / error, self.freedom())
+        };
+        let least = (0..narrowest).map(p).filter(|p| p.is_finite()).fold(f64::INFINITY, f64::min);
+        least.is_finite().then(|| (least * narrowest as f64).min(1.0))
+    }
+}
+
+fn under<'a>(window: &Window, records: &'a [Record], lanes: usize) -> WindowedRecords<'a> {
+    WindowedRecords {
+        window_m: window.length_m(),
+        step_m: window.step_m(),
+        cell_m: window.cell_m(),
+        lanes,
+        records: records.iter().map(|record| record.friction.as_slice()).collect(),
+    }
+}
+
+/// Standard deviation under a window over that under a narrower one.
+fn std_ratio(shape: &WindowedModel, length_m: f64, window_m: f64, narrower_m: f64) -> f64 {
+    if length_m == 0.0 {
+        return (narrower_m / window_m).sqrt();
+    }
+    let variance = |window_m: f64| shape.under(window_m).covariance(0.0, length_m);
+    (variance(window_m) / variance(narrower_m)).sqrt()
+}
+
+fn correlation(channel: &WindowedRecords<'_>) -> Result<RecordCorrelation, EstimateError> {
+    // Beyond four windows there is nothing left to see of either.
+    let lags = (4.0 * channel.window_m / channel.step_m) as usize;
+    let longest = channel.records.iter().map(|record| record.len()).max().unwrap_or(0);
+    let normalisation = LagNormalisation::PairNormalised;
+    RecordCorrelation::estimate(&channel.records, channel.step_m, lags.min(longest / 2), normalisation)
+}

@@ -1,0 +1,158 @@
+//! Cheaper models of a contact: the same map on fewer points, solved to a loose tolerance.
+
+use ndarray::{Array2, s};
+
+use crate::{Observation, Problem, stiffness};
+use asperity_base::map::{Grid, HeightMap};
+use asperity_contact::{self as contact, Control, HalfSpace, Solver, Workspace};
+
+/// Points kept of so many along either side, the coarsest first; of all, solved to a loose tolerance.
+const STRIDES: [usize; 3] = [4, 2, 1];
+/// Fewest points along a side.
+const LEAST_POINTS: usize = 8;
+/// Tolerance of coarse solutions: their error is that of the grid,
+const TOLERANCE: f64 = 1e-2;
+/// and fewest times that of fine ones with which the fine grid is a coarse model too.
+const LOOSER: f64 = 30.0;
+
+/// A contact on every so many points of the map along either side, the cell in question among them.
+#[derive(Debug)]
+pub(super) struct Coarse {
+    half_space: HalfSpace,
+    stride: usize,
+    first: (usize, usize),
+    cell: (usize, usize),
+}
+
+impl Coarse {
+    /// The coarse models that a problem has, the coarsest first: none of a grid that cannot be divided.
+    pub(super) fn ladder(problem: &Problem<'_>) -> Vec<Self> {
+        STRIDES.iter().filter_map(|stride| Self::new(problem, *stride)).collect()
+    }
+
+    fn new(problem: &Problem<'_>, stride: usize) -> Option<Self> {
+        let grid = problem.half_space().grid();
+        let (nx, ny) = (grid.nx() / stride, grid.ny() / stride);
+        if stride == 1 && problem.solver().tolerance * LOOSER > TOLERANCE {
+            return None;
+        }
+        if nx * stride != grid.nx() || ny * stride != grid.ny() || nx.min(ny) < LEAST_POINTS {
+            return None;
+        }
+        let pitch = stride as f64;
+        let grid = Grid::new(nx, ny, pitch * grid.dx_m(), pitch * grid.dy_m()).ok()?;
+        let fine = problem.half_space();
+        let half_space = HalfSpace::on(fine.substrate(), grid, fine.boundary()).ok()?;
+        let (row, column) = problem.cell();
+        let first = (row % stride, column % stride);
+        Some(Self { half_space, stride, first, cell: (row / stride, column / stride) })
+    }
+
+    /// Points along either side.
+    pub(super) fn shape(&self) -> (usize, usize) {
+        self.half_space.grid().shape()
+    }
+
+    pub(super) fn workspace(&self) -> Workspace {
+        self.half_space.workspace()
+    }
+
+    /// The contact of a map, under the plane that the whole map would have; whatever its residual, for it is a model only.
+    /// `None` where it cannot be posed.
+    pub(super) fn observe(
+        &self,
+        problem: &Problem<'_>,
+        map: &HeightMap,
+        workspace: &mut Workspace,
+    ) -> Option<Observation> {
+        let heights_m = map.complete_heights_m().ok()?;
+        let control = match problem.control() {
+            control @ (Control::Penetration { .. } | Control::Percentile { .. }) => {
+                let fine =
+                    contact::Problem::new(problem.half_space(), heights_m, control, problem.hardness_pa()).ok()?;
+                Control::Plane { height_m: fine.plane_m()? }
+            }
+            control => control,
+        };
+        let (row, column) = self.first;
+        let heights_m: Array2<f64> = heights_m.slice(s![row..;self.stride, column..;self.stride]).to_owned();
+        let coarse = contact::Problem::new(&self.half_space, &heights_m, control, problem.hardness_pa()).ok()?;
+        let solver = Solver { tolerance: TOLERANCE, ..problem.solver() };
+        let solution = solver.solve_with(&coarse, workspace).ok()?;
+        let mut observation = Observation::of(&solution, self.cell);
+        if problem.has_stiffness() {
+            let tolerance = stiffness::LOOSE_TOLERANCE;
+            let found = stiffness::of_approach_pa_per_m(&self.half_space, &solution, tolerance, workspace).ok()?;
+            observation.stiffness_pa_per_m = Some(found.pascal_per_m);
+        }
+        Some(observation)
+    }
+}
+
+/// Work of one iteration over that of a transform of the map, and of one solution beside its iterations in the same arithmetic: measured
+/// with a profiler, once; only the allocation of samples hangs on them.
+const TRANSFORMS_PER_ITERATION: f64 = 4.0;
+const WORK_PER_SOLUTION: f64 = 6e4;
+
+/// Work of generating a map, in units of the arithmetic of transforms.
+pub(super) fn generation_work(shape: (usize, usize)) -> f64 {
+    let points = (shape.0 * shape.1) as f64;
+    points * points.log2()
+}
+
+/// Work of a solution with so many iterations, in the same units.
+pub(super) fn solution_work(shape: (usize, usize), iterations: f64) -> f64 {
+    TRANSFORMS_PER_ITERATION * (iterations + 2.0) * generation_work(shape) + WORK_PER_SOLUTION
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Shape, gaussian_surface};
+    use asperity_contact::Boundary;
+
+    #[test]
+    fn a_coarse_contact_of_a_smooth_map_is_nearly_the_fine_one() {
+        // The contact is two to six cells wide on the coarsest grid: its load errs by some percent.
+        let grid = Grid::covering(64, 64, 1.0, 1.0).unwrap();
+        let wave = |x: f64| (std::f64::consts::TAU * x).cos();
+        let shape = Shape::new(grid, 1.0, |x, y| wave(x - 32.5 / 64.0) * wave(y - 32.5 / 64.0));
+        let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
+        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+        for control in [
+            Control::Plane { height_m: 0.7 },
+            Control::Penetration { metre: 0.3 },
+            Control::Percentile { percent: 20.0 },
+            Control::MeanPressure { pascal: 0.2 },
+        ] {
+            let problem = Problem::new(&shape, &half_space, control, None).unwrap();
+            let ladder = Coarse::ladder(&problem);
+            assert_eq!(ladder.iter().map(Coarse::shape).collect::<Vec<_>>(), [(16, 16), (32, 32), (64, 64)]);
+            let map = HeightMap::new(grid, shape.heights_m.clone()).unwrap();
+            let fine = problem.observe(&[0.0], &mut half_space.workspace()).unwrap();
+            for (coarse, tolerance) in ladder.iter().zip([0.1, 0.05, 0.02]) {
+                let found = coarse.observe(&problem, &map, &mut coarse.workspace()).unwrap();
+                assert!(
+                    (found.pressure_pa / fine.pressure_pa - 1.0).abs() < tolerance,
+                    "{control:?} {found:?} {fine:?}"
+                );
+                assert!((found.mean_pressure_pa / fine.mean_pressure_pa - 1.0).abs() < tolerance, "{control:?}");
+                assert!((found.mean_gap_m - fine.mean_gap_m).abs() < 0.02, "{control:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_cell_is_among_the_points_kept() {
+        let (surface, half_space) = gaussian_surface(32, 30);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: -9.0 }, None).unwrap();
+        let problem = problem.at_cell(13, 22).unwrap();
+        let coarse = Coarse::new(&problem, 4).unwrap();
+        assert_eq!((coarse.first, coarse.cell), ((1, 2), (3, 5)));
+        assert!(Coarse::new(&problem, 8).is_none());
+        assert!(
+            Coarse::ladder(&Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap()).len()
+                == 3
+        );
+    }
+}

@@ -1,0 +1,67 @@
+//! Directions in the space of germs that have names.
+
+use crate::Problem;
+use crate::adapted::{Adapted, responses};
+
+/// Orthonormal directions, each of what is new in a mean height that has a name.
+#[derive(Debug, Clone, Default)]
+pub(super) struct NamedDirections {
+    pub(super) names: Vec<String>,
+    directions: Adapted,
+}
+
+impl NamedDirections {
+    /// The height of the cell, and the mean heights of rings around it from the inmost out, `most` in all: what each says
+    /// beyond those before it. Ring n goes up to 2ⁿ⁻¹ times the finer pitch. None of a surface whose germ is too long.
+    pub(super) fn of_cell(problem: &Problem<'_>, most: usize) -> Self {
+        let mut named = Self::default();
+        for (ring, response) in responses(problem) {
+            if named.names.len() == most {
+                break;
+            }
+            if let Some(directions) = named.directions.with(&response) {
+                named.directions = directions;
+                named.names.push(if ring == 0 { "height of the cell".to_owned() } else { format!("ring {ring}") });
+            }
+        }
+        named
+    }
+
+    /// The leading variables themselves.
+    pub(super) fn leading(germ_len: usize, most: usize) -> Self {
+        let unit = |j: usize| (0..germ_len).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
+        let count = most.min(germ_len);
+        Self {
+            names: (1..=count).map(|mode| format!("mode {mode}")).collect(),
+            directions: Adapted::of_orthonormal((0..count).map(unit).collect()),
+        }
+    }
+
+    /// The variables of a germ.
+    pub(super) fn of(&self, germ: &[f64]) -> Vec<f64> {
+        self.directions.of(germ)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::gaussian_surface;
+    use asperity_base::random::{standard_normal, stream};
+    use asperity_contact::Control;
+    use asperity_surface::RandomSurface;
+
+    #[test]
+    fn the_first_direction_is_the_height_of_the_cell() {
+        let (surface, half_space) = gaussian_surface(16, 40);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let problem = problem.at_cell(3, 5).unwrap();
+        let named = NamedDirections::of_cell(&problem, 4);
+        assert_eq!(named.names, ["height of the cell", "ring 1", "ring 2", "ring 3"]);
+        let germs: Vec<Vec<f64>> = (0..3).map(|i| standard_normal(&mut stream(1, "directions", i), 40)).collect();
+        let ratio = |germ: &Vec<f64>| surface.generate(germ).heights_m()[[3, 5]] / named.of(germ)[0];
+        assert!((ratio(&germs[0]) / ratio(&germs[1]) - 1.0).abs() < 1e-9);
+        let leading = NamedDirections::leading(40, 2);
+        assert_eq!((leading.of(&germs[0]), leading.names[1].as_str()), (germs[0][..2].to_vec(), "mode 2"));
+    }
+}

@@ -1,0 +1,100 @@
+//! The paper's chaos expansions of the pressure in contact, eq. (8) to (11).
+//!
+//! Both are fitted by least squares to the K samples in contact alone, and give the law
+//! (1 − K/K_t) δ₀ + K/K_t · F_c with F_c from many evaluations on fresh germs. Fitting only p > 0 and clipping afterwards
+//! is truncated regression: the law is biased, and the variance of the variables left out is lost. Standard errors and
+//! bands hold the bias, which is estimated from samples that the expansion is not fitted to, see [`surrogate`].
+//!
+//! The contact model limits the pressure to the hardness; the expansions do not know it, and the exponential of eq. (9) exceeds it
+//! by orders of magnitude on some germs. Values above the hardness are set to the hardness, as those below zero are set to zero.
+
+use crate::surrogate::{self, Atoms, Evidence, Fitted, Surrogate, others};
+use crate::{Estimate, MethodError};
+use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError};
+
+/// Which function of the pressure is expanded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Response {
+    /// Eq. (8): p_c = min([Σ a_i Γ_i(ξ)]⁺, H).
+    Pressure,
+    /// Eq. (9): log p_c = min(Σ b_i Γ_i(ξ), log H).
+    Logarithm,
+}
+
+/// Samples and what is expanded in what.
+#[derive(Debug)]
+struct Conditional<'a> {
+    response: Response,
+    basis: Basis,
+    germs: &'a [Vec<f64>],
+    pressures_pa: &'a [f64],
+    fresh: &'a [Vec<f64>],
+    /// Upper bound of the pressure.
+    largest_pa: f64,
+}
+
+/// The law of the pressure from an expansion in the variables of the basis, those that lead the germs; `fresh` germs evaluate F_c.
+///
+/// # Errors
+/// The samples in contact are too few or do not tell the functions apart, or without a hardness the expansion of the logarithm
+/// overflows.
+pub(super) fn estimate(
+    response: Response,
+    germs: &[Vec<f64>],
+    evidence: Evidence<'_>,
+    basis: Basis,
+    fresh: &[Vec<f64>],
+    seed: u64,
+) -> Result<Estimate, MethodError> {
+    let Evidence { pressures_pa, largest_pa, .. } = evidence;
+    let conditional = Conditional { response, basis, germs, pressures_pa, fresh, largest_pa };
+    let found = surrogate::estimate(&conditional, evidence, seed)?;
+    let in_contact = evidence.pressures_pa.iter().filter(|p| **p > 0.0).count();
+    let (contact_probability_se, interval) = evidence.share_in_contact(seed);
+    Ok(Estimate {
+        contact_probability: in_contact as f64 / evidence.pressures_pa.len() as f64,
+        contact_probability_se,
+        contact_probability_interval: Some(interval),
+        contact_probability_bias: None,
+        ..found
+    })
+}
+
+impl Surrogate for Conditional<'_> {
+    fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError> {
+        let contact: Vec<usize> = samples.iter().copied().filter(|i| self.pressures_pa[*i] > 0.0).collect();
+        let (count, coefficients) = (contact.len(), self.basis.len());
+        if count <= coefficients {
+            return Err(RegressionError::TooFewSamples { samples: count, coefficients }.into());
+        }
+        let value = |i: &usize| match self.response {
+            Response::Pressure => self.pressures_pa[*i],
+            Response::Logarithm => self.pressures_pa[*i].ln(),
+        };
+        let germs: Vec<&[f64]> = contact.iter().map(|i| self.germs[*i].as_slice()).collect();
+        let values: Vec<f64> = contact.iter().map(value).collect();
+        let fit = LeastSquares::new(self.basis.design_matrix(&germs).view())?.fit(&values)?;
+        let expansion = Expansion::new(self.basis.clone(), fit.coefficients.clone());
+        let pressure_pa = |value: f64| match self.response {
+            Response::Pressure => value.clamp(0.0, self.largest_pa),
+            Response::Logarithm => value.exp().min(self.largest_pa),
+        };
+        let in_contact = count as f64 / samples.len() as f64;
+        let law = |values: Vec<f64>| -> Atoms {
+            let probability = in_contact / values.len() as f64;
+            let atoms = values.into_iter().map(|value| (pressure_pa(value), probability));
+            std::iter::once((0.0, 1.0 - in_contact)).chain(atoms).collect()
+        };
+        let held: Vec<&[f64]> =
+            others(samples, self.germs.len()).into_iter().map(|i| self.germs[i].as_slice()).collect();
+        Ok(Fitted {
+            law: law(expansion.evaluate_many(self.fresh)),
+            given: expansion.evaluate_many(&held).into_iter().map(|value| law(vec![value])).collect(),
+            coefficients,
+            leave_one_out_error: fit.leave_one_out.relative_error,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,136 @@
+//! The law of the random contact pressure (paper §3).
+//!
+//! A random surface is pressed against a rigid plane; the pressure p at one cell is a random
+//! variable with an atom at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
+//! [`solve`] evaluates it on a design of germs, and [`Study`] estimates its law by several [`Method`]s from the same
+//! number of contact solutions and compares each with its own Monte Carlo reference.
+//!
+//! ```
+//! use asperity_contact::{Boundary, Control, HalfSpace};
+//! use asperity_base::correlation::{CorrelationModel, Covariance};
+//! use asperity_base::map::Grid;
+//! use asperity_base::monitor::Silent;
+//! use asperity_pressure::{Method, Problem, Study};
+//! use asperity_surface::{KarhunenLoeve, ModesRoute};
+//!
+//! let grid = Grid::covering(16, 16, 200e-6, 200e-6)?;
+//! let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1e-6, 20e-6, 20e-6)?;
+//! let surface = KarhunenLoeve::new(&covariance, grid, 40, ModesRoute::Separable)?;
+//! let half_space = HalfSpace::new(grid, 230e9, Boundary::Free)?;
+//! let median_plane = Control::Plane { height_m: 0.0 };
+//! let problem = Problem::new(&surface, &half_space, median_plane, Some(2e9))?;
+//! let sizes = Study { fine_solves: 100, reference_samples: 300, surrogate_samples: 1000, ..Study::new(2016) };
+//! let results = sizes.run(&problem, &Silent)?;
+//! if let Some((estimate, distances)) = results.estimate(Method::Default) {
+//!     assert!(estimate.contact_probability < 0.5 && distances.ks_distance < 0.2);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod adapted;
+mod band;
+mod coarse;
+mod directions;
+mod estimate;
+mod expansion;
+mod field;
+mod field_samples;
+mod homogeneity;
+mod method;
+mod nested;
+mod predictor;
+mod problem;
+mod sample;
+mod sensitivity;
+mod stiffness;
+mod study;
+mod surrogate;
+mod telescope;
+#[cfg(test)]
+mod testing;
+
+pub use band::{Band, QuantileResult};
+pub use estimate::{Comparison, Estimate};
+pub use field::{FieldLaws, GlobalExpansion, QuantileMap};
+pub use homogeneity::Homogeneity;
+pub use method::{Method, MethodError};
+pub use nested::{CoarseSolves, Quantity};
+pub use problem::{FailureReason, Observation, Problem};
+pub use sample::{Failure, Samples, Sampling, solve};
+pub use sensitivity::{Sensitivity, SensitivityError, SensitivityIndices, VariableSet};
+pub use study::{MethodResult, Reference, Results, ScalarResult, Study};
+
+use thiserror::Error;
+
+use asperity_base::map::Grid;
+use asperity_base::monitor::Cancelled;
+use asperity_chaos::{BasisError, DistanceError, SamplingError};
+
+/// Why a law of the pressure could not be computed.
+#[derive(Debug, Error)]
+pub enum PressureError {
+    /// The surface and the half-space have different grids.
+    #[error("the surface lives on {surface:?}, the half-space on {half_space:?}")]
+    Grid {
+        /// Grid of the surface.
+        surface: Grid,
+        /// Grid of the half-space.
+        half_space: Grid,
+    },
+    /// The cell lies outside the grid.
+    #[error("cell (row {row}, column {column}) lies outside the {ny} × {nx} grid")]
+    Cell {
+        /// Row of the cell.
+        row: usize,
+        /// Column of the cell.
+        column: usize,
+        /// Rows of the grid.
+        ny: usize,
+        /// Columns of the grid.
+        nx: usize,
+    },
+    /// A setting lies outside its range.
+    #[error("{parameter} is {value}, but must be {wanted}")]
+    Parameter {
+        /// Name of the setting.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+    /// Too many contact problems had no converged solution.
+    #[error(
+        "{stage}: only {valid} of {samples} contact problems were solved, {wanted_percent} % are wanted; \
+         the first failure, sample {first_index}: {first_reason}"
+    )]
+    TooFewValid {
+        /// Name of the sampled run.
+        stage: String,
+        /// Converged samples.
+        valid: usize,
+        /// All samples.
+        samples: usize,
+        /// Wanted share in percent.
+        wanted_percent: f64,
+        /// Index of the first failed sample.
+        first_index: usize,
+        /// Its reason.
+        first_reason: FailureReason,
+    },
+    /// The design could not be made.
+    #[error(transparent)]
+    Sampling(#[from] SamplingError),
+    /// The basis could not be made.
+    #[error(transparent)]
+    Basis(#[from] BasisError),
+    /// A law could not be made from its values.
+    #[error(transparent)]
+    Law(#[from] DistanceError),
+    /// A method has no answer.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The monitor stopped the run.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

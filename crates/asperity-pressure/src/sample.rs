@@ -1,0 +1,333 @@
+//! Contact solutions on a design of germs.
+
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::field_samples::{FieldSamples, FieldSums, signed};
+use crate::{FailureReason, Observation, PressureError, Problem};
+use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_chaos::{Design, SamplingMethod, StepLaw};
+
+/// A sample without an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// Index of the sample in its design.
+    pub index: usize,
+    /// Why.
+    pub reason: FailureReason,
+}
+
+/// Which germs are solved.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampling<'a> {
+    /// How the germs are placed.
+    pub method: SamplingMethod,
+    /// Independent randomisations among which they are divided.
+    pub replicates: usize,
+    /// Seed and name of the run: runs of another name are independent.
+    pub seed: u64,
+    /// See `seed`.
+    pub stage: &'a str,
+    /// Number of germs; rounded up to as many for every replicate.
+    pub samples: usize,
+    /// Every so many cells along either side a pressure is kept beside that of the problem's cell.
+    pub site_stride: Option<usize>,
+    /// Bytes of whole pressure fields that are kept at most, of the leading samples; beside them every cell's sum over all
+    /// samples. `None` keeps neither.
+    pub field_bytes: Option<usize>,
+    /// Least share (0 to 1) of the contact problems that have to be solved.
+    pub valid_share: f64,
+}
+
+impl<'a> Sampling<'a> {
+    /// So many independent germs.
+    pub fn monte_carlo(seed: u64, stage: &'a str, samples: usize, valid_share: f64) -> Self {
+        Self {
+            method: SamplingMethod::MonteCarlo,
+            replicates: 1,
+            seed,
+            stage,
+            samples,
+            site_stride: None,
+            field_bytes: None,
+            valid_share,
+        }
+    }
+}
+
+/// The pressures of a design of germs, in index order, and the samples that failed.
+#[derive(Debug, Clone)]
+pub struct Samples {
+    /// One for each replicate, equally large.
+    designs: Vec<Design>,
+    /// Indices of the samples that were solved.
+    indices: Vec<usize>,
+    observations: Vec<Observation>,
+    /// Pressures of the sites in pascal, of each solved sample.
+    sites: Vec<Vec<f32>>,
+    fields: Option<FieldSamples>,
+    failures: Vec<Failure>,
+}
+
+/// Solves the contact problems in parallel; the result does not depend on the number of threads.
+///
+/// # Errors
+/// The design cannot be made, fewer than the wanted share of the problems were solved, or the monitor cancelled.
+pub fn solve(problem: &Problem<'_>, sampling: Sampling<'_>, monitor: &dyn Monitor) -> Result<Samples, PressureError> {
+    let Sampling { method, replicates, seed, stage, samples, site_stride, field_bytes, valid_share } = sampling;
+    let each = samples.div_ceil(replicates.max(1));
+    let design = Design::new(method, seed, stage, each, problem.surface().germ_len())?;
+    let designs = (0..replicates.max(1)).map(|number| design.replicate(number)).collect::<Result<Vec<_>, _>>()?;
+    let samples = each * designs.len();
+    let done = AtomicUsize::new(0);
+    let sums = field_bytes.map(|_| FieldSums::new(problem.half_space()));
+    let kept = field_bytes.map_or(0, |bytes| bytes / (size_of::<f32>() * problem.half_space().grid().points()));
+    type Outcome = Result<(Observation, Vec<f32>, Option<Vec<f32>>), FailureReason>;
+    let outcomes: Vec<Outcome> = (0..samples)
+        .into_par_iter()
+        .map_init(
+            || (problem.half_space().workspace(), vec![0.0; design.dimensions()]),
+            |(workspace, germ), index| {
+                if monitor.cancelled() {
+                    return Err(Cancelled);
+                }
+                designs[index / each].fill_germ(index % each, germ);
+                let outcome = problem.solve(germ, workspace).and_then(|solution| {
+                    let observation = problem.observation(&solution, workspace)?;
+                    let stride = site_stride.unwrap_or(usize::MAX);
+                    let sites = solution.pressure_pa().indexed_iter();
+                    let sites = sites.filter(|((row, column), _)| {
+                        site_stride.is_some() && row % stride == 0 && column % stride == 0
+                    });
+                    let sites = sites.map(|(_, p)| *p as f32).collect();
+                    if let Some(sums) = &sums {
+                        sums.add(solution.pressure_pa());
+                    }
+                    Ok((observation, sites, (index < kept).then(|| signed(&solution))))
+                });
+                monitor.progress(stage, done.fetch_add(1, Ordering::Relaxed) + 1, samples);
+                Ok(outcome)
+            },
+        )
+        .collect::<Result<_, Cancelled>>()?;
+    let mut solved = Samples {
+        designs,
+        indices: Vec::new(),
+        observations: Vec::new(),
+        sites: Vec::new(),
+        fields: sums.map(FieldSamples::new),
+        failures: Vec::new(),
+    };
+    for (index, outcome) in outcomes.into_iter().enumerate() {
+        match outcome {
+            Ok((observation, sites, field)) => {
+                solved.indices.push(index);
+                solved.observations.push(observation);
+                solved.sites.push(sites);
+                if let (Some(fields), Some(field)) = (&mut solved.fields, field) {
+                    fields.kept.push(field);
+                }
+            }
+            Err(reason) => solved.failures.push(Failure { index, reason }),
+        }
+    }
+    match solved.failures.first() {
+        Some(first) if (solved.indices.len() as f64) < valid_share * samples as f64 || solved.indices.is_empty() => {
+            Err(PressureError::TooFewValid {
+                stage: stage.to_owned(),
+                valid: solved.indices.len(),
+                samples,
+                wanted_percent: 100.0 * valid_share,
+                first_index: first.index,
+                first_reason: first.reason.clone(),
+            })
+        }
+        _ => Ok(solved),
+    }
+}
+
+impl Samples {
+    /// Number of samples with an answer.
+    pub fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// Whether no sample has an answer: never, [`solve`] refuses that.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// Number of contact problems posed, failed ones included.
+    pub fn posed(&self) -> usize {
+        self.designs.iter().map(Design::samples).sum()
+    }
+
+    /// What the solutions say, in index order.
+    pub fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// The samples without an answer, in index order.
+    pub fn failures(&self) -> &[Failure] {
+        &self.failures
+    }
+
+    /// The whole germ of the solved sample number `position`.
+    pub fn germ(&self, position: usize) -> Vec<f64> {
+        let (index, each) = (self.indices[position], self.designs[0].samples());
+        self.designs[index / each].germ(index % each)
+    }
+
+    /// The leading `variables` germ values of every solved sample.
+    pub fn leading_germs(&self, variables: usize) -> Vec<Vec<f64>> {
+        (0..self.len())
+            .map(|position| {
+                let mut germ = self.germ(position);
+                germ.truncate(variables);
+                germ
+            })
+            .collect()
+    }
+
+    /// Number of independent randomisations.
+    pub fn replicates(&self) -> usize {
+        self.designs.len()
+    }
+
+    /// The randomisation of the solved sample number `position`.
+    pub(super) fn replicate_of(&self, position: usize) -> usize {
+        self.indices[position] / self.designs[0].samples()
+    }
+
+    /// Pressures of the sites that were kept in pascal, of each solved sample.
+    pub fn sites(&self) -> &[Vec<f32>] {
+        &self.sites
+    }
+
+    /// Fields, if they were asked for.
+    pub(super) fn fields(&self) -> Option<&FieldSamples> {
+        self.fields.as_ref()
+    }
+
+    /// The same without fields.
+    pub(super) fn without_fields(self) -> Self {
+        Self { fields: None, ..self }
+    }
+
+    /// Number K of samples in contact.
+    pub fn in_contact(&self) -> usize {
+        self.observations.iter().filter(|o| o.pressure_pa > 0.0).count()
+    }
+
+    /// K/K_t, the share of samples in contact.
+    pub fn contact_probability(&self) -> f64 {
+        self.in_contact() as f64 / self.len() as f64
+    }
+
+    /// The empirical law of the pressure in pascal.
+    ///
+    /// # Errors
+    /// A pressure is not finite.
+    pub fn law(&self) -> Result<StepLaw, PressureError> {
+        let pressures: Vec<f64> = self.observations.iter().map(|o| o.pressure_pa).collect();
+        Ok(StepLaw::empirical(&pressures)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::gaussian_surface;
+    use asperity_base::map::{Grid, HeightMap};
+    use asperity_base::monitor::Silent;
+    use asperity_contact::{Boundary, ContactError, Control, HalfSpace};
+    use asperity_surface::RandomSurface;
+
+    /// Flat, and therefore refused by the contact solver, whenever ξ < `flat_below`.
+    struct OftenFlat {
+        grid: Grid,
+        flat_below: f64,
+    }
+
+    impl RandomSurface for OftenFlat {
+        fn germ_len(&self) -> usize {
+            1
+        }
+
+        fn grid(&self) -> Grid {
+            self.grid
+        }
+
+        fn generate(&self, germ: &[f64]) -> HeightMap {
+            let amplitude = if germ[0] < self.flat_below { 0.0 } else { 1.0 };
+            HeightMap::from_function(self.grid, |x, y| amplitude * (x + 2.0 * y).sin()).unwrap()
+        }
+    }
+
+    fn solve_often_flat(flat_below: f64, valid_share: f64) -> Result<Samples, PressureError> {
+        let surface = OftenFlat { grid: Grid::new(6, 6, 1.0, 1.0).unwrap(), flat_below };
+        let half_space = HalfSpace::new(surface.grid, 1.0, Boundary::Free).unwrap();
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.5 }, None)?;
+        let sampling = Sampling::monte_carlo(1, "often_flat", 40, valid_share);
+        solve(&problem, Sampling { method: SamplingMethod::LatinHypercube, ..sampling }, &Silent)
+    }
+
+    #[test]
+    fn failed_samples_are_recorded_with_index_and_reason() {
+        // Φ(−1.6449) = 5 %: exactly two of forty strata.
+        let samples = solve_often_flat(-1.644_853_627, 0.95).unwrap();
+        assert_eq!((samples.len(), samples.posed(), samples.failures().len()), (38, 40, 2));
+        for failure in samples.failures() {
+            assert_eq!(failure.reason, FailureReason::Contact(ContactError::Flat));
+            assert!((0..samples.len()).all(|i| samples.indices[i] != failure.index));
+        }
+        assert!((0..samples.len()).all(|i| samples.germ(i)[0] > -1.645));
+    }
+
+    #[test]
+    fn statistics_of_too_few_valid_samples_are_refused() {
+        let error = solve_often_flat(0.0, 0.95).unwrap_err();
+        assert!(matches!(error, PressureError::TooFewValid { valid: 20, samples: 40, .. }), "{error}");
+        assert!(error.to_string().contains("flat"));
+        assert_eq!(solve_often_flat(0.0, 0.5).unwrap().len(), 20);
+    }
+
+    #[test]
+    fn a_cancelled_run_says_so_and_a_watched_one_counts_to_the_end() {
+        struct Watch {
+            cancel: bool,
+            most: AtomicUsize,
+        }
+        impl Monitor for Watch {
+            fn progress(&self, what: &str, done: usize, total: usize) {
+                assert_eq!((what, total), ("watched", 12));
+                self.most.fetch_max(done, Ordering::Relaxed);
+            }
+            fn cancelled(&self) -> bool {
+                self.cancel
+            }
+        }
+        let (surface, half_space) = gaussian_surface(8, 4);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let run = |watch: &Watch| solve(&problem, Sampling::monte_carlo(1, "watched", 12, 0.95), watch);
+        let watch = Watch { cancel: false, most: AtomicUsize::new(0) };
+        assert_eq!(run(&watch).unwrap().len(), 12);
+        assert_eq!(watch.most.load(Ordering::Relaxed), 12);
+        let stop = Watch { cancel: true, most: AtomicUsize::new(0) };
+        assert!(matches!(run(&stop), Err(PressureError::Cancelled(_))));
+    }
+
+    #[test]
+    fn one_sample_solved_alone_is_the_same_as_in_its_run() {
+        let (surface, half_space) = gaussian_surface(12, 10);
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+        let sampling = Sampling { replicates: 4, ..Sampling::monte_carlo(3, "alone", 20, 0.95) };
+        let samples = solve(&problem, Sampling { method: SamplingMethod::Sobol, ..sampling }, &Silent).unwrap();
+        let design = Design::new(SamplingMethod::Sobol, 3, "alone", 5, 10).unwrap();
+        let germ = design.replicate(2).unwrap().germ(3);
+        assert_eq!(samples.germ(13), germ);
+        assert_eq!((samples.replicate_of(13), samples.replicates()), (2, 4));
+        let alone = problem.observe(&germ, &mut half_space.workspace()).unwrap();
+        assert_eq!(samples.observations()[13], alone);
+    }
+}

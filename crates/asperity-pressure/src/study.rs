@@ -1,0 +1,397 @@
+//! Several estimates of one law, each from the same number of contact solutions, against their own reference.
+
+use crate::estimate::{Comparison, Estimate};
+use crate::expansion::{self, Response};
+use crate::field::{FIELD_BYTES, FieldLaws};
+use crate::homogeneity::Homogeneity;
+use crate::nested::{CoarseSolves, NestedSamples, Quantity};
+use crate::sample::Sampling;
+use crate::sensitivity::{self, Sensitivity};
+use crate::surrogate::latent::LatentOverlap;
+use crate::surrogate::two_part::TwoPart;
+use crate::surrogate::{self, Evidence, Rotated};
+use crate::telescope::Telescoped;
+use crate::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
+use asperity_base::monitor::Monitor;
+use asperity_base::stats::{Interval, NORMAL_95};
+use asperity_chaos::{Basis, Design, SamplingMethod, StepLaw};
+
+/// Probabilities whose quantiles are told.
+const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
+/// Independent randomisations of stratified designs.
+const REPLICATES: usize = 10;
+/// Sites along either side whose pressures are pooled.
+const SITES: usize = 16;
+
+/// What is estimated how well: sizes of the runs. Runs of one seed are independent of each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Study {
+    /// Seed of all runs.
+    pub seed: u64,
+    /// Contact solutions of each method.
+    pub fine_solves: usize,
+    /// Contact solutions of the Monte Carlo reference.
+    pub reference_samples: usize,
+    /// Leading germ variables of the expansions of eq. (8) and (9).
+    pub variables: usize,
+    /// Their total degree.
+    pub degree: usize,
+    /// Evaluations of an expansion on fresh germs.
+    pub surrogate_samples: usize,
+    /// Least share of converged contact problems in a run.
+    pub valid_share: f64,
+    /// Whether the stiffness of contacts is among the scalars: one linear problem more for each Monte Carlo and each coarse
+    /// solution. It changes nothing else.
+    pub stiffness: bool,
+}
+
+/// One method's answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodResult {
+    /// The method.
+    pub method: Method,
+    /// Contact solutions on which it rests, failed ones included.
+    pub fine_solves: usize,
+    /// Solutions on coarser grids on which it rests beside.
+    pub coarse_solves: Vec<CoarseSolves>,
+    /// Those without an answer.
+    pub failures: Vec<Failure>,
+    /// The estimate with its distances from the reference, or why there is none.
+    pub outcome: Result<(Estimate, Comparison), MethodError>,
+}
+
+/// The law of a scalar of the whole contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarResult {
+    /// The scalar.
+    pub quantity: Quantity,
+    /// Its mean,
+    pub mean: f64,
+    /// the standard error of the mean,
+    pub mean_se: f64,
+    /// and its 95 % interval within the possible values.
+    pub mean_interval: Interval,
+    /// Its law, estimated as by [`Method::Default`].
+    pub law: StepLaw,
+    /// 95 % intervals of the 10, 50 and 90 % quantiles.
+    pub quantiles: Vec<QuantileResult>,
+}
+
+/// The Monte Carlo law that the methods are measured against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Contact solutions, failed ones included.
+    pub samples: usize,
+    /// Those without an answer.
+    pub failures: Vec<Failure>,
+    /// Cells of each solution whose pressures are pooled: more than one where the surface is stationary.
+    pub sites: usize,
+    /// The estimate.
+    pub estimate: Estimate,
+    /// Kolmogorov–Smirnov distances to the true law up to this have a probability of 95 %: smaller distances of other laws are not
+    /// resolved.
+    pub ks_resolution: f64,
+}
+
+/// Everything a study of one pressure found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Results {
+    /// The reference.
+    pub reference: Reference,
+    /// One entry for each of [`Method::ALL`].
+    pub methods: Vec<MethodResult>,
+    /// Laws of the scalars of the whole contact.
+    pub scalars: Vec<ScalarResult>,
+    /// Laws of the pressures of all cells.
+    pub fields: Option<FieldLaws>,
+    /// Which variables matter.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+impl Study {
+    /// The customary sizes: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8 variables.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            fine_solves: 500,
+            reference_samples: 5000,
+            variables: 8,
+            degree: 3,
+            surrogate_samples: 10_000,
+            valid_share: 0.95,
+            stiffness: false,
+        }
+    }
+
+    /// Estimates the law of the pressure of `problem` by every method.
+    ///
+    /// # Errors
+    /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
+    pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
+        self.validate(problem)?;
+        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+        // What scalars are estimated of.
+        let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
+        let stride = site_stride(problem);
+        let reference = {
+            let stage = "pressure/reference";
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_share);
+            let site_stride = problem.cells_are_alike().then_some(stride);
+            self.reference(&solve(problem, Sampling { site_stride, ..sampling }, monitor)?, largest_pa)?
+        };
+        let monte_carlo = {
+            let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+            let kept = Sampling { site_stride: Some(stride), field_bytes: Some(FIELD_BYTES), ..sampling };
+            solve(&whole, kept, monitor)?
+        };
+        let site_shape = site_shape(problem, stride);
+        let fields = FieldLaws::of(&monte_carlo, self.variables, self.degree, site_shape);
+        let monte_carlo = monte_carlo.without_fields();
+        let stratified = |method, stage| {
+            let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_share);
+            match solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor) {
+                Err(PressureError::Sampling(reason)) => Ok(Err(MethodError::from(reason))),
+                Err(error) => Err(error),
+                Ok(samples) => Ok(Ok(samples)),
+            }
+        };
+        let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
+        let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
+        let nested = NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor)?;
+        let fresh = self.fresh_germs(self.variables)?;
+        let basis = Basis::hermite(self.variables, self.degree)?;
+        let leading = latin.as_ref().map(|latin| {
+            let groups = (0..latin.len()).map(|position| latin.replicate_of(position)).collect::<Vec<usize>>();
+            (latin.leading_germs(self.variables), pressures_pa(latin), groups)
+        });
+        let rotated =
+            Rotated::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
+        let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Telescoped, MethodError>| match &nested {
+            Ok(nested) => Ok(Estimate::of_telescoped(estimate(nested)?, largest_pa)),
+            Err(reason) => Err(reason.clone()),
+        };
+        let replicated = |samples: &Result<Samples, MethodError>| match samples {
+            Ok(samples) => Ok(Estimate::of_replicates(samples, largest_pa, self.seed)?),
+            Err(reason) => Err(PressureError::Method(reason.clone())),
+        };
+        let mut methods = Vec::with_capacity(Method::ALL.len());
+        for method in Method::ALL {
+            let task = format!("pressure/law/{}", method.name());
+            monitor.progress(&task, 0, 1);
+            let stratified = match method {
+                Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => Some(&latin),
+                Method::Sobol => Some(&sobol),
+                _ => None,
+            };
+            let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
+            let expanded = |response| match &leading {
+                Ok((germs, pressures_pa, groups)) => {
+                    let evaluations = fresh.len();
+                    let evidence = Evidence { pressures_pa, groups: Some(groups), evaluations, largest_pa };
+                    expansion::estimate(response, germs, evidence, basis.clone(), &fresh, self.seed)
+                }
+                Err(reason) => Err((*reason).clone()),
+            };
+            let by_rotated = |estimate: &dyn Fn(&Rotated) -> Result<Estimate, MethodError>| match &rotated {
+                Ok(rotated) => estimate(rotated),
+                Err(reason) => Err(reason.clone()),
+            };
+            let estimate = match method {
+                Method::MonteCarlo => Ok(Estimate::of_independent(&monte_carlo, largest_pa, self.seed)?),
+                Method::LatinHypercube => method_error(replicated(&latin))?,
+                Method::Sobol => method_error(replicated(&sobol))?,
+                Method::PolynomialChaos => expanded(Response::Pressure),
+                Method::PolynomialChaosLog => expanded(Response::Logarithm),
+                Method::PolynomialChaosLocal => by_rotated(&|rotated| {
+                    if rotated.variables() == 0 {
+                        return Err(MethodError::NoVariables);
+                    }
+                    let basis = Basis::hermite(rotated.variables(), self.degree)?;
+                    let (rows, evidence) = (&rotated.rows, rotated.evidence());
+                    expansion::estimate(Response::Pressure, rows, evidence, basis, &rotated.fresh, self.seed)
+                }),
+                Method::LatentOverlap => by_rotated(&|rotated| {
+                    surrogate::estimate(&LatentOverlap::new(rotated, self.degree), rotated.evidence(), self.seed)
+                }),
+                Method::TwoPart => by_rotated(&|rotated| {
+                    surrogate::estimate(&TwoPart::new(rotated, self.degree), rotated.evidence(), self.seed)
+                }),
+                Method::ControlVariate => {
+                    by_nested(&|nested| nested.estimate_by_germ(Quantity::Pressure, problem, self.seed))
+                }
+                Method::Multilevel => {
+                    by_nested(&|nested| nested.estimate_plain(Quantity::Pressure, problem, self.seed))
+                }
+                Method::PooledSites => match poolable(problem, &monte_carlo, site_shape) {
+                    Ok(()) => Ok(Estimate::of_sites(&monte_carlo, largest_pa, self.seed)?),
+                    Err(reason) => Err(reason),
+                },
+                Method::Default => by_nested(&|nested| nested.estimate(Quantity::Pressure, problem, self.seed)),
+            };
+            let uses_coarse = matches!(method, Method::Multilevel | Method::Default);
+            methods.push(MethodResult {
+                method,
+                fine_solves: samples.map_or(0, Samples::posed),
+                coarse_solves: match &nested {
+                    Ok(nested) if uses_coarse => nested.coarse_solves(problem),
+                    _ => Vec::new(),
+                },
+                failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
+                outcome: estimate.map(|estimate| {
+                    let comparison = Comparison::between(&estimate.law, &reference.estimate.law);
+                    (estimate, comparison)
+                }),
+            });
+            monitor.progress(&task, 1, 1);
+        }
+        let scalars = match &nested {
+            Ok(nested) => self.scalars(problem, nested),
+            Err(_) => Vec::new(),
+        };
+        let sensitivities = sensitivity::of(problem, &monte_carlo, self.variables, self.degree, self.seed);
+        Ok(Results { reference, methods, scalars, fields, sensitivities })
+    }
+
+    /// The law by [`Method::Default`] alone, without a reference: what a user who trusts it wants. The solutions on coarser grids beside.
+    ///
+    /// # Errors
+    /// As [`Study::run`], and what [`MethodError`] says.
+    pub fn law(
+        &self,
+        problem: &Problem<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(Estimate, Vec<CoarseSolves>), PressureError> {
+        self.validate(problem)?;
+        let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
+        let samples = solve(problem, sampling, monitor)?;
+        let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
+        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+        let estimate = Estimate::of_telescoped(nested.estimate(Quantity::Pressure, problem, self.seed)?, largest_pa);
+        Ok((estimate, nested.coarse_solves(problem)))
+    }
+
+    fn reference(&self, samples: &Samples, largest_pa: f64) -> Result<Reference, PressureError> {
+        let sites = samples.sites().first().map_or(0, Vec::len);
+        let estimate = if sites > 0 {
+            Estimate::of_sites(samples, largest_pa, self.seed)?
+        } else {
+            Estimate::of_independent(samples, largest_pa, self.seed)?
+        };
+        let ks_resolution = match &estimate.band {
+            Some(band) if sites > 0 => {
+                band.simultaneous_factor * band.standard_errors.iter().copied().fold(0.0, f64::max)
+            }
+            _ => 1.358 / (samples.len() as f64).sqrt(),
+        };
+        let failures = samples.failures().to_vec();
+        Ok(Reference { samples: samples.posed(), failures, sites: sites.max(1), estimate, ks_resolution })
+    }
+
+    /// The laws of the scalars; those that cannot be had are left out.
+    fn scalars(&self, problem: &Problem<'_>, nested: &NestedSamples) -> Vec<ScalarResult> {
+        let scalar = |quantity: Quantity| {
+            let found = nested.estimate(quantity, problem, self.seed).ok()?;
+            let [least, largest] = quantity.bounds(problem);
+            let half = NORMAL_95 * found.mean_se;
+            let possible = |value: f64| value.clamp(least, largest);
+            Some(ScalarResult {
+                quantity,
+                mean: possible(found.mean),
+                mean_se: found.mean_se,
+                mean_interval: Interval { low: possible(found.mean - half), high: possible(found.mean + half) },
+                quantiles: PROBABILITIES.into_iter().map(|p| found.band.quantile(&found.law, p)).collect(),
+                law: found.law.clone(),
+            })
+        };
+        Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Pressure).filter_map(scalar).collect()
+    }
+
+    fn validate(&self, problem: &Problem<'_>) -> Result<(), PressureError> {
+        let at_least = |parameter, value: usize, least: usize, wanted| {
+            if value >= least {
+                Ok(())
+            } else {
+                Err(PressureError::Parameter { parameter, value: value as f64, wanted })
+            }
+        };
+        at_least("fine_solves", self.fine_solves, 2, "at least 2")?;
+        at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
+        at_least("surrogate_samples", self.surrogate_samples, 2, "at least 2")?;
+        at_least("variables", self.variables, 1, "at least 1")?;
+        if self.variables > problem.surface().germ_len() {
+            return Err(PressureError::Parameter {
+                parameter: "variables",
+                value: self.variables as f64,
+                wanted: "at most the number of germ variables of the surface",
+            });
+        }
+        if !(self.valid_share > 0.0 && self.valid_share <= 1.0) {
+            return Err(PressureError::Parameter {
+                parameter: "valid_share",
+                value: self.valid_share,
+                wanted: "above 0 and at most 1",
+            });
+        }
+        Ok(())
+    }
+
+    /// Germs on which expansions are evaluated.
+    fn fresh_germs(&self, variables: usize) -> Result<Vec<Vec<f64>>, PressureError> {
+        let design = self.fresh_design("pressure/expansion", variables)?;
+        Ok((0..design.samples()).map(|i| design.germ(i)).collect())
+    }
+
+    fn fresh_design(&self, stage: &str, variables: usize) -> Result<Design, PressureError> {
+        Ok(Design::new(SamplingMethod::MonteCarlo, self.seed, stage, self.surrogate_samples, variables)?)
+    }
+}
+
+/// Every so many cells that pressures are pooled of.
+fn site_stride(problem: &Problem<'_>) -> usize {
+    let (ny, nx) = problem.half_space().grid().shape();
+    (nx.min(ny) / SITES).max(1)
+}
+
+/// Rows and columns of the sites.
+fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
+    let (ny, nx) = problem.half_space().grid().shape();
+    (ny.div_ceil(stride), nx.div_ceil(stride))
+}
+
+/// Whether sites may be pooled: they are alike, or the samples do not show that they are not.
+fn poolable(problem: &Problem<'_>, samples: &Samples, shape: (usize, usize)) -> Result<(), MethodError> {
+    if problem.cells_are_alike() {
+        return Ok(());
+    }
+    let homogeneity = Homogeneity::of_sites(samples, shape)?;
+    if homogeneity.is_plausible() { Ok(()) } else { Err(MethodError::CellsDiffer { p_value: homogeneity.p_value }) }
+}
+
+fn pressures_pa(samples: &Samples) -> Vec<f64> {
+    samples.observations().iter().map(|o| o.pressure_pa).collect()
+}
+
+/// A method's error apart from others.
+fn method_error(outcome: Result<Estimate, PressureError>) -> Result<Result<Estimate, MethodError>, PressureError> {
+    match outcome {
+        Ok(estimate) => Ok(Ok(estimate)),
+        Err(PressureError::Method(reason)) => Ok(Err(reason)),
+        Err(error) => Err(error),
+    }
+}
+
+impl Results {
+    /// The estimate of one method, if it has one.
+    pub fn estimate(&self, method: Method) -> Option<&(Estimate, Comparison)> {
+        self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
+    }
+
+    /// `points` pressures in pascal, equally spaced from 0 to the largest of the reference.
+    pub fn common_grid_pa(&self, points: usize) -> Vec<f64> {
+        let largest = self.reference.estimate.law.quantile(1.0);
+        (0..points).map(|i| largest * i as f64 / (points.max(2) - 1) as f64).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

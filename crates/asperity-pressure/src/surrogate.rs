@@ -1,0 +1,328 @@
+//! Laws from models that are cheap to evaluate, and how far from the truth they are.
+//!
+//! A [`Surrogate`] is fitted to samples; its law is its own, whatever it is worth. What it is off by is estimated from samples that
+//! it was not fitted to: on the same germs the truth and the law that the model gives are both known. With h_f the law given
+//! the germ by a fit to all samples but those of part f of ten, and s(t) = 1(p ≤ t),
+//!
+//! F̃(t) = mean_i [s_i(t) − β (h_f(t | ξ_i) − E h_f(t))]
+//!
+//! over all samples i, each with its part f, has the expectation F(t) for every β; that of least variance, kept between 0 and 1, is
+//! taken from the samples (control variates), so that a bad model does not widen what is known without it. The difference from
+//! the model's own law is its bias, and the spread of the terms tells the error of F̃. Intervals are those of F̃: they are corrected for
+//! the bias, and where that is large the model's own value lies beside them.
+//!
+//! # References
+//! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
+//! V. Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
+
+pub(super) mod censored;
+pub(super) mod functions;
+pub(super) mod latent;
+pub(super) mod newton;
+pub(super) mod two_part;
+
+use rayon::prelude::*;
+
+use crate::adapted::Adapted;
+use crate::band::{Moments, Total};
+use crate::estimate::nodes;
+use crate::nested::kappa_pa_per_m;
+use crate::telescope::RARE;
+use crate::{Band, Estimate, MethodError, Problem, Samples};
+use asperity_base::stats::{Interval, wilson_interval};
+use asperity_chaos::{Design, StepLaw};
+
+/// Parts into which the samples are split.
+const FOLDS: usize = 10;
+/// Most variables of the rotated germ, and the degree of the polynomials that choose them.
+const MOST_VARIABLES: usize = 8;
+const CHOOSING_DEGREE: usize = 3;
+/// Fewest samples in contact from which a law of the pressure in contact is modelled.
+pub(super) const LEAST_IN_CONTACT: usize = 10;
+/// Samples for each coefficient that a degree needs to be tried.
+pub(super) const SAMPLES_PER_TERM: usize = 4;
+
+/// Pressures in pascal and their probabilities.
+pub(super) type Atoms = Vec<(f64, f64)>;
+
+/// What a model says.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    /// The law.
+    pub(super) law: Atoms,
+    /// The law given the germ of each sample that was not fitted, in their order.
+    pub(super) given: Vec<Atoms>,
+    pub(super) coefficients: usize,
+    pub(super) leave_one_out_error: Option<f64>,
+}
+
+/// A model of the pressure.
+pub(super) trait Surrogate: Sync {
+    /// Fits the samples at increasing positions.
+    fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError>;
+}
+
+/// Samples that models are fitted to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evidence<'a> {
+    pub(super) pressures_pa: &'a [f64],
+    /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
+    pub(super) groups: Option<&'a [usize]>,
+    /// Fresh germs on which models are evaluated.
+    pub(super) evaluations: usize,
+    /// Upper bound of the pressure: the hardness, or infinity.
+    pub(super) largest_pa: f64,
+}
+
+impl Evidence<'_> {
+    fn group(&self, sample: usize) -> usize {
+        self.groups.map_or(sample, |groups| groups[sample])
+    }
+
+    /// Number of groups.
+    fn count(&self) -> usize {
+        self.groups.map_or(self.pressures_pa.len(), |groups| groups.iter().max().map_or(0, |last| last + 1))
+    }
+
+    /// Degrees of freedom of the spread of the groups, where they are few.
+    fn degrees_of_freedom(&self) -> Option<usize> {
+        self.groups.map(|_| self.count().saturating_sub(1))
+    }
+
+    /// Samples in contact.
+    fn in_contact(&self) -> usize {
+        self.pressures_pa.iter().filter(|p| **p > 0.0).count()
+    }
+
+    /// The mean of a vector of each sample with its error.
+    fn mean(&self, vectors: &[Vec<f64>]) -> Total {
+        let length = vectors.first().map_or(0, Vec::len);
+        let mut groups = vec![vec![0.0; length]; self.count()];
+        let scale = self.count() as f64 / vectors.len() as f64;
+        for (sample, vector) in vectors.iter().enumerate() {
+            groups[self.group(sample)].iter_mut().zip(vector).for_each(|(sum, value)| *sum += scale * value);
+        }
+        let mut moments = Moments::new(length);
+        groups.iter().for_each(|group| moments.add(group));
+        let mut total = Total::new(length);
+        total.add_mean(&moments);
+        total
+    }
+
+    /// The share of samples in contact: its standard error and 95 % interval.
+    pub(super) fn share_in_contact(&self, seed: u64) -> (f64, Interval) {
+        let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
+        let share = in_contact as f64 / samples as f64;
+        if self.groups.is_none() {
+            return ((share * (1.0 - share) / samples as f64).sqrt(), wilson_interval(in_contact, samples));
+        }
+        let seen: Vec<Vec<f64>> = self.pressures_pa.iter().map(|p| vec![f64::from(u8::from(*p <= 0.0))]).collect();
+        let band = self.mean(&seen).band(&[0.0], self.degrees_of_freedom(), seed);
+        (band.standard_errors[0], self.contact_interval(&band))
+    }
+
+    /// The 95 % interval of P(contact) from the band of F; Wilson's where samples of either kind are rare.
+    fn contact_interval(&self, band: &Band) -> Interval {
+        let (samples, in_contact) = (self.pressures_pa.len(), self.in_contact());
+        if in_contact.min(samples - in_contact) < RARE {
+            return wilson_interval(in_contact, samples);
+        }
+        let [low, high] = band.pointwise(0);
+        Interval { low: 1.0 - high, high: 1.0 - low }
+    }
+}
+
+/// The law by a surrogate, with its bias and error. It has none of these where parts of the samples have no model.
+///
+/// # Errors
+/// The samples have no model, or it overflows.
+pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
+    let samples: Vec<usize> = (0..evidence.pressures_pa.len()).collect();
+    let fitted = surrogate.fit(&samples)?;
+    let overflowed = fitted.law.iter().filter(|(p, _)| !p.is_finite()).count();
+    if overflowed > 0 {
+        return Err(MethodError::Overflow { overflowed, evaluations: evidence.evaluations });
+    }
+    let law = StepLaw::weighted(fitted.law)?;
+    let contact_probability = 1.0 - law.cdf(0.0);
+    let mean_pa = law.mean().min(evidence.largest_pa);
+    let own = Estimate {
+        contact_probability,
+        contact_probability_se: f64::NAN,
+        contact_probability_interval: None,
+        contact_probability_bias: None,
+        mean_pa,
+        mean_se_pa: f64::NAN,
+        mean_bias_pa: None,
+        band: None,
+        interval_failure: None,
+        coefficients: Some(fitted.coefficients),
+        leave_one_out_error: fitted.leave_one_out_error,
+        largest_pa: evidence.largest_pa,
+        law,
+    };
+    let empirical = StepLaw::empirical(evidence.pressures_pa)?;
+    let nodes = nodes(&empirical, samples.len());
+    let unbiased = match held_out(surrogate, evidence, &nodes) {
+        Ok(unbiased) => unbiased,
+        Err(reason) => return Ok(Estimate { interval_failure: Some(reason), ..own }),
+    };
+    let cdf: Vec<f64> = nodes.iter().map(|t| own.law.cdf(*t)).collect();
+    let band = unbiased.band(&nodes, evidence.degrees_of_freedom(), seed).of_biased(cdf);
+    Ok(Estimate {
+        contact_probability_se: band.standard_errors[0],
+        contact_probability_interval: Some(evidence.contact_interval(&band)),
+        contact_probability_bias: Some(-band.bias[0]),
+        mean_se_pa: unbiased.standard_error(nodes.len(), evidence.degrees_of_freedom()),
+        mean_bias_pa: Some(mean_pa - unbiased.value(nodes.len()).clamp(0.0, evidence.largest_pa)),
+        band: Some(band.widened([evidence.in_contact(), samples.len()])),
+        ..own
+    })
+}
+
+/// Distribution function at the nodes and mean without bias.
+fn held_out(surrogate: &dyn Surrogate, evidence: Evidence<'_>, nodes: &[f64]) -> Result<Total, MethodError> {
+    let count = evidence.pressures_pa.len();
+    let parts: Vec<(Vec<usize>, Result<Fitted, MethodError>)> = (0..FOLDS)
+        .into_par_iter()
+        .map(|fold| {
+            let (held, fitted): (Vec<usize>, Vec<usize>) = (0..count).partition(|i| evidence.group(*i) % FOLDS == fold);
+            (held, surrogate.fit(&fitted))
+        })
+        .collect();
+    let mut seen: Vec<Vec<f64>> = evidence.pressures_pa.iter().map(|p| summary(vec![(*p, 1.0)], nodes)).collect();
+    let mut said = vec![Vec::new(); count];
+    for (held, fitted) in parts {
+        if held.is_empty() {
+            continue;
+        }
+        let fitted = fitted?;
+        let expected = summary(fitted.law, nodes);
+        for (sample, given) in held.into_iter().zip(fitted.given) {
+            let own = summary(given, nodes);
+            said[sample] = own.iter().zip(&expected).map(|(own, expected)| own - expected).collect();
+        }
+    }
+    let slopes: Vec<f64> = (0..=nodes.len()).map(|k| slope(&seen, &said, k)).collect();
+    for (seen, said) in seen.iter_mut().zip(&said) {
+        seen.iter_mut().zip(said).zip(&slopes).for_each(|((seen, said), slope)| {
+            if *slope > 0.0 {
+                *seen -= slope * said;
+            }
+        });
+    }
+    let mut total = evidence.mean(&seen);
+    // Fresh germs have an error of their own.
+    let mut fresh = Moments::new(nodes.len() + 1);
+    for said in &said {
+        let used = said.iter().zip(&slopes).map(|(said, slope)| if *slope > 0.0 { slope * said } else { 0.0 });
+        fresh.add(&used.collect::<Vec<_>>());
+    }
+    total.add_error(&fresh, evidence.evaluations as f64);
+    Ok(total)
+}
+
+/// The share between 0 and 1 of what was said that makes the differences from what was seen vary least.
+fn slope(seen: &[Vec<f64>], said: &[Vec<f64>], k: usize) -> f64 {
+    let n = seen.len() as f64;
+    let mean = |vectors: &[Vec<f64>]| vectors.iter().map(|v| v[k]).sum::<f64>() / n;
+    let (of_seen, of_said) = (mean(seen), mean(said));
+    let both: f64 = seen.iter().zip(said).map(|(a, b)| (a[k] - of_seen) * (b[k] - of_said)).sum();
+    let own: f64 = said.iter().map(|b| (b[k] - of_said).powi(2)).sum();
+    let slope = both / own;
+    if slope.is_finite() { slope.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Distribution function at the nodes, and mean.
+fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
+    atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
+    let (mut atoms, mut below) = (atoms.into_iter().peekable(), 0.0);
+    let mut values: Vec<f64> = nodes
+        .iter()
+        .map(|t| {
+            while let Some((_, probability)) = atoms.next_if(|(p, _)| p <= t) {
+                below += probability;
+            }
+            below
+        })
+        .collect();
+    values.push(mean);
+    values
+}
+
+/// Samples in the variables of the germ rotated to the cell, see [`Adapted`], and fresh ones.
+#[derive(Debug, Clone)]
+pub(super) struct Rotated {
+    /// Variables of each sample; none where no direction predicts the pressure.
+    pub(super) rows: Vec<Vec<f64>>,
+    pub(super) pressures_pa: Vec<f64>,
+    /// Fresh variables, independent and standard normal.
+    pub(super) fresh: Vec<Vec<f64>>,
+    /// Upper bound of the pressure.
+    pub(super) largest_pa: f64,
+}
+
+impl Rotated {
+    /// `design` makes fresh germs of so many variables.
+    pub(super) fn new<E>(
+        problem: &Problem<'_>,
+        samples: &Samples,
+        design: impl Fn(usize) -> Result<Design, E>,
+    ) -> Result<Result<Self, MethodError>, E> {
+        let germs: Vec<Vec<f64>> = (0..samples.len()).map(|i| samples.germ(i)).collect();
+        let latent = latent_pa(samples);
+        let adapted = match Adapted::new(problem, MOST_VARIABLES, CHOOSING_DEGREE, &germs, &latent) {
+            Ok(adapted) => adapted,
+            Err(error) => return Ok(Err(error)),
+        };
+        let rows: Vec<Vec<f64>> = germs.iter().map(|germ| adapted.of(germ)).collect();
+        let variables = rows.first().map_or(0, Vec::len);
+        // A design has at least one variable.
+        let design = design(variables.max(1))?;
+        let fresh = (0..design.samples()).map(|i| design.germ(i)).collect();
+        let pressures_pa = samples.observations().iter().map(|o| o.pressure_pa).collect();
+        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+        Ok(Ok(Self { rows, pressures_pa, fresh, largest_pa }))
+    }
+
+    pub(super) fn variables(&self) -> usize {
+        self.rows.first().map_or(0, Vec::len)
+    }
+
+    /// The samples, independent of each other.
+    pub(super) fn evidence(&self) -> Evidence<'_> {
+        let Self { pressures_pa, fresh, largest_pa, .. } = self;
+        Evidence { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
+    }
+
+    /// The rows of some samples.
+    pub(super) fn rows_of(&self, samples: &[usize]) -> Vec<Vec<f64>> {
+        samples.iter().map(|i| self.rows[*i].clone()).collect()
+    }
+
+    /// The rows of all others.
+    pub(super) fn rows_but(&self, samples: &[usize]) -> Vec<Vec<f64>> {
+        self.rows_of(&others(samples, self.rows.len()))
+    }
+}
+
+/// The pressure of each sample, continued below zero by the gap and above the hardness by the plastic displacement.
+pub(super) fn latent_pa(samples: &Samples) -> Vec<f64> {
+    let kappa = kappa_pa_per_m(samples.observations());
+    let latent = |o: &crate::Observation| o.pressure_pa + kappa * (o.plastic_displacement_m - o.gap_m);
+    samples.observations().iter().map(latent).collect()
+}
+
+/// Positions below `count` that are not among increasing ones.
+pub(super) fn others(samples: &[usize], count: usize) -> Vec<usize> {
+    (0..count).filter(|i| samples.binary_search(i).is_err()).collect()
+}
+
+/// A point between 0 and 1 for each index, evenly spread.
+pub(super) fn golden(index: usize) -> f64 {
+    ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,341 @@
+//! What is known of a friction coefficient as a process, in SI: to be drawn from, carried to a machine, and kept in a file.
+
+use super::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, positive};
+use asperity_base::law::Marginal;
+
+/// Most values of one simulated record.
+const MOST_VALUES: f64 = 1e9;
+
+/// A friction coefficient μ(s) = mean + m(s), fitted to a study's windows or to a measured record.
+///
+/// [`FittedProcess::model`] makes the generator's model of m, in any unit of length; [`FittedProcess::to_json`] and
+/// [`FittedProcess::from_json`] keep every bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedProcess {
+    /// Mean of μ, positive: the static coefficient at the start of the Stribeck curve.
+    pub mean: f64,
+    /// Its 95 % interval.
+    pub mean_interval: Option<[f64; 2]>,
+    /// Standard deviation of μ; 0 for a constant coefficient.
+    pub std: f64,
+    /// Its 95 % interval.
+    pub std_interval: Option<[f64; 2]>,
+    /// The law fitted to μ, bounds included. Draws take its shape, with the mean and the standard deviation above. `None`
+    /// only where μ is constant.
+    pub marginal: Option<Marginal>,
+    /// Correlation of μ along the sliding distance. `None` only where μ is constant.
+    pub correlation: Option<FittedCorrelation>,
+    /// How realisations are made; `None`: [`Generator::of`] the correlation.
+    pub generator: Option<Generator>,
+    /// Coefficient a of μ/(1 + a|v|) in s/m, where it is known.
+    pub stribeck_s_per_m: Option<f64>,
+    /// Length and width of the area over which this friction is averaged, in metre: window and strip of a study, the contact
+    /// of a specimen. Larger areas scatter less; without it nothing is said of them.
+    pub averaged_over_m: Option<[f64; 2]>,
+    /// Mean pressure at which it was found.
+    pub mean_pressure_pa: Option<f64>,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// Correlation of μ(s), as it was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FittedCorrelation {
+    /// Shape of the correlation of μ; a window in metre.
+    pub shape: CorrelationShape,
+    /// Length ℓ of the shape in metre.
+    pub length_m: f64,
+    /// Its 95 % interval.
+    pub length_interval_m: Option<[f64; 2]>,
+    /// Window over which μ was averaged and which the length therefore contains, in metre; `None` where no window is known.
+    /// With [`CorrelationShape::WindowedExponential`] it is the window of the shape, and the length is free of it.
+    pub window_m: Option<f64>,
+    /// What is left of the length without that window, in metre, where it is known: ℓ of an exponential of the same integral
+    /// scale.
+    pub length_without_window_m: Option<f64>,
+}
+
+/// Where a process comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The kind of its source.
+    pub kind: OriginKind,
+    /// The source in words: file and column, or level of the study.
+    pub description: String,
+}
+
+/// Kinds of sources.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OriginKind {
+    /// Windows on solved strips.
+    Study,
+    /// A measured record.
+    Record,
+    /// Written by hand.
+    Stated,
+}
+
+impl OriginKind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Study, Self::Record, Self::Stated];
+
+    /// Name as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Study => "study",
+            Self::Record => "record",
+            Self::Stated => "stated",
+        }
+    }
+}
+
+impl FittedProcess {
+    /// Whether μ does not vary.
+    pub fn is_constant(&self) -> bool {
+        self.std == 0.0
+    }
+
+    /// Fails with the first value that cannot be right.
+    ///
+    /// # Errors
+    /// A mean that is not positive, a negative standard deviation, a law or a correlation that is none or is absent although
+    /// μ varies, an interval that does not rise, a generator that cannot make the correlation or the law, a Stribeck coefficient below zero.
+    pub fn check(&self) -> Result<(), ProcessError> {
+        positive("mean", self.mean)?;
+        non_negative("std", self.std)?;
+        for (parameter, interval) in [("mean_interval", self.mean_interval), ("std_interval", self.std_interval)] {
+            rising(parameter, interval)?;
+        }
+        if let Some(law) = &self.marginal {
+            law.check()?;
+            positive("standard deviation of the marginal law", law.std())?;
+        }
+        if let Some(correlation) = &self.correlation {
+            correlation.check()?;
+        }
+        if !self.is_constant() {
+            let present = [("marginal", self.marginal.is_some()), ("correlation", self.correlation.is_some())];
+            if let Some((absent, _)) = present.iter().find(|(_, present)| !present) {
+                return Err(ProcessError::Absent { absent, std: self.std });
+            }
+        }
+        if let (Some(generator), Some(correlation), Some(law)) = (self.generator, &self.correlation, &self.marginal) {
+            generator.check(correlation.shape, law)?;
+        }
+        if let Some(a) = self.stribeck_s_per_m {
+            non_negative("stribeck_s_per_m", a)?;
+        }
+        for side in self.averaged_over_m.into_iter().flatten() {
+            positive("averaged_over_m", side)?;
+        }
+        self.mean_pressure_pa.map_or(Ok(()), |pressure| positive("mean_pressure_pa", pressure))
+    }
+
+    /// The model of m(s) with lengths counted in `unit_m`: 1 for metre, N/c for the oscillator. The correlation is that of
+    /// m, not of the normal process below it; unless a generator is stated, exponential ones are made by recursion, others by
+    /// harmonics.
+    ///
+    /// # Errors
+    /// As [`FittedProcess::check`]; and a constant μ has no such model.
+    pub fn model(&self, unit_m: f64) -> Result<ProcessModel, ProcessError> {
+        self.check()?;
+        positive("unit of length", unit_m)?;
+        positive("friction standard deviation", self.std)?;
+        let absent = |absent| ProcessError::Absent { absent, std: self.std };
+        let marginal = self.marginal.clone().ok_or_else(|| absent("marginal"))?;
+        let correlation = self.correlation.ok_or_else(|| absent("correlation"))?;
+        Ok(ProcessModel {
+            shape: correlation.shape.in_unit(unit_m),
+            generator: self.generator.unwrap_or_else(|| Generator::of(correlation.shape)),
+            correlation: Correlation::Corrected,
+            ..ProcessModel::new(marginal, self.std, correlation.length_m / unit_m)
+        })
+    }
+
+    /// Stribeck coefficient per unit of a dimensionless velocity that counts in `unit_m_per_s`, N/(mω₀) of the oscillator.
+    pub fn stribeck(&self, unit_m_per_s: f64) -> Option<f64> {
+        self.stribeck_s_per_m.map(|a| a * unit_m_per_s)
+    }
+
+    /// A record μ(0), μ(h), … of this process over `length_m`, `step_m` = h apart; realisation `index` under `seed`.
+    ///
+    /// # Errors
+    /// As [`FittedProcess::check`]; a length shorter than a step, more than 10⁹ values, or a step of which a window of the
+    /// correlation is no multiple.
+    pub fn simulate(&self, length_m: f64, step_m: f64, seed: u64, index: u64) -> Result<Vec<f64>, ProcessError> {
+        positive("step", step_m)?;
+        positive("length", length_m)?;
+        // A length of whole steps keeps its last value in spite of rounding.
+        let steps = (length_m / step_m * (1.0 + 1e-12)).floor();
+        if !(1.0..MOST_VALUES).contains(&steps) {
+            let parameter = "number of steps in the length";
+            return Err(ProcessError::Parameter { parameter, value: steps, wanted: "from 1 to 10⁹" });
+        }
+        let count = steps as usize + 1;
+        self.check()?;
+        if self.is_constant() {
+            return Ok(vec![self.mean; count]);
+        }
+        let process = FrictionProcess::with_step(self.model(1.0)?, step_m)?;
+        let mut path = process.path(seed, index);
+        Ok((0..count).map(|_| self.mean + path.next_knot()).collect())
+    }
+}
+
+impl FittedCorrelation {
+    fn check(&self) -> Result<(), ProcessError> {
+        self.shape.check(self.length_m)?;
+        rising("length_m_interval", self.length_interval_m)?;
+        if let Some(window) = self.window_m {
+            positive("window_m", window)?;
+        }
+        if let CorrelationShape::WindowedExponential { window } = self.shape
+            && self.window_m != Some(window)
+        {
+            let value = self.window_m.unwrap_or(f64::NAN);
+            return Err(ProcessError::Parameter {
+                parameter: "window_m",
+                value,
+                wanted: "the window of the correlation",
+            });
+        }
+        self.length_without_window_m.map_or(Ok(()), |length| non_negative("length_without_window_m", length))
+    }
+}
+
+fn non_negative(parameter: &'static str, value: f64) -> Result<(), ProcessError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(ProcessError::Parameter { parameter, value, wanted: "zero or positive, and finite" })
+    }
+}
+
+fn rising(parameter: &'static str, interval: Option<[f64; 2]>) -> Result<(), ProcessError> {
+    match interval {
+        Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
+            Err(ProcessError::Parameter { parameter, value: low, wanted: "two finite numbers, the lower first" })
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use asperity_base::correlation::{LagNormalisation, RecordCorrelation};
+    use asperity_base::stats::Moments;
+
+    pub(crate) fn fitted(shape: CorrelationShape) -> FittedProcess {
+        FittedProcess {
+            mean: 0.21,
+            mean_interval: Some([0.2, 0.1 + 0.12]),
+            std: 0.01 / 3.0,
+            std_interval: None,
+            marginal: Some("beta:2.1,5,0.2,0.25".parse().unwrap()),
+            correlation: Some(FittedCorrelation {
+                shape,
+                length_m: 250e-6,
+                length_interval_m: Some([2e-4, 3e-4]),
+                window_m: match shape {
+                    CorrelationShape::WindowedExponential { window } => Some(window),
+                    _ => Some(75e-6),
+                },
+                length_without_window_m: None,
+            }),
+            generator: None,
+            stribeck_s_per_m: Some(4.2 / 7.9),
+            averaged_over_m: Some([75e-6, 1e-3]),
+            mean_pressure_pa: None,
+            origin: Origin { kind: OriginKind::Record, description: "run \"1\".csv".into() },
+        }
+    }
+
+    /// Moments and correlation of one simulated record.
+    type Drawn = (Moments, Vec<f64>);
+
+    #[test]
+    fn a_simulated_record_has_the_moments_and_the_correlation_of_its_process() {
+        for shape in [
+            CorrelationShape::Exponential,
+            CorrelationShape::SquaredExponential,
+            CorrelationShape::Matern { nu: 1.5 },
+            CorrelationShape::WindowedExponential { window: 500e-6 },
+        ] {
+            let process = fitted(shape);
+            let found: Vec<Drawn> = (0..24)
+                .map(|index| {
+                    let mu = process.simulate(0.5, 50e-6, 4, index).unwrap();
+                    assert_eq!(mu.len(), 10_001);
+                    let acf = RecordCorrelation::estimate(&[&mu], 50e-6, 40, LagNormalisation::PairNormalised);
+                    (Moments::of(&mu), acf.unwrap().correlation)
+                })
+                .collect();
+            let close = |name: &str, wanted: f64, bias: f64, value: &dyn Fn(&Drawn) -> f64| {
+                let over = Moments::of(&found.iter().map(value).collect::<Vec<_>>());
+                let error = (over.mean - wanted).abs();
+                assert!(
+                    error < 4.0 * over.standard_error() + bias,
+                    "{shape:?}, {name}: {} ± {}",
+                    over.mean,
+                    over.standard_error()
+                );
+            };
+            close("mean", process.mean, 0.0, &|(moments, _)| moments.mean);
+            // The mean of a record takes the share 2ℓ/L of the variance along, about 1e-3.
+            close("std", process.std, 1e-3 * process.std, &|(moments, _)| moments.std);
+            close("skewness", 0.5598, 3e-3, &|(moments, _)| moments.skewness);
+            let exact = FrictionProcess::with_step(process.model(1.0).unwrap(), 50e-6).unwrap();
+            for lag in [1, 5, 10, 20] {
+                let wanted = exact.correlation_at(50e-6 * lag as f64);
+                close("correlation", wanted, 3e-3, &|(_, acf)| acf[lag]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_stated_generator_makes_the_record() {
+        let process = FittedProcess { generator: Some(Generator::Renewal), ..fitted(CorrelationShape::Exponential) };
+        let mu = process.simulate(0.1, 5e-6, 4, 0).unwrap();
+        // A jump per correlation length.
+        let jumps = mu.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
+        let wanted = 20_000.0 * -(-5.0_f64 / 250.0).exp_m1();
+        assert!((jumps - wanted).abs() < 4.0 * wanted.sqrt(), "{jumps}");
+        let windowed = CorrelationShape::WindowedExponential { window: 500e-6 };
+        let error = FittedProcess { generator: Some(Generator::Jacobi), ..fitted(windowed) }.check().unwrap_err();
+        assert!(matches!(error, ProcessError::Generator { generator: "jacobi", .. }), "{error}");
+    }
+
+    #[test]
+    fn the_model_counts_lengths_and_velocities_in_the_unit_asked_for() {
+        let process = fitted(CorrelationShape::WindowedExponential { window: 500e-6 });
+        let model = process.model(0.025).unwrap();
+        assert!((model.correlation_length - 0.01).abs() < 1e-15);
+        assert!(
+            matches!(model.shape, CorrelationShape::WindowedExponential { window } if (window - 0.02).abs() < 1e-15)
+        );
+        assert!((process.stribeck(7.9).unwrap() - 4.2).abs() < 1e-12);
+        let (metre, dimensionless) =
+            (FrictionProcess::new(process.model(1.0).unwrap()).unwrap(), FrictionProcess::new(model).unwrap());
+        assert!((metre.step() / dimensionless.step() - 0.025).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_window_that_is_no_multiple_of_the_step_is_refused_with_the_next_that_is() {
+        let process = fitted(CorrelationShape::WindowedExponential { window: 500e-6 });
+        assert!(process.simulate(0.01, 50e-6, 1, 0).is_ok());
+        let error = process.simulate(0.01, 60e-6, 1, 0).unwrap_err();
+        assert!(matches!(error, ProcessError::StepInWindow { nearest, .. } if (nearest - 62.5e-6).abs() < 1e-12));
+        assert!(process.simulate(1e-6, 50e-6, 1, 0).is_err() && process.simulate(1e6, 1e-9, 1, 0).is_err());
+    }
+
+    #[test]
+    fn constant_friction_needs_no_law_and_varying_friction_does() {
+        let steady =
+            FittedProcess { std: 0.0, marginal: None, correlation: None, ..fitted(CorrelationShape::Exponential) };
+        assert_eq!(steady.simulate(1e-3, 1e-4, 1, 0).unwrap(), vec![0.21; 11]);
+        assert!(steady.check().is_ok() && steady.model(1.0).is_err());
+        let error = FittedProcess { std: 0.1, ..steady }.check().unwrap_err();
+        assert!(error.to_string().contains("marginal"), "{error}");
+    }
+}

@@ -1,0 +1,416 @@
+//! A prepared record as a process: its moments, its law, its correlation, and tables that show how well they fit.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::smoothing::polynomial;
+use super::{MeasuredError, Prepared};
+use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
+use crate::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
+use asperity_base::correlation::{
+    LagNormalisation, LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory,
+    WindowedModel,
+};
+use asperity_base::law::Marginal;
+use asperity_base::law::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
+use asperity_base::law::goodness::ProcessNull;
+use asperity_base::stats::{
+    Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present,
+};
+
+/// Least number of independent values that a record must be worth.
+const LEAST_INDEPENDENT: f64 = 5.0;
+/// A polynomial of this degree that leaves less than this share of the variance says that the record is a slow curve.
+const SLOW_DEGREE: usize = 3;
+const SLOW_REST: f64 = 0.1;
+/// Simulated records behind a p-value, and their seed.
+const DRAWS: usize = 499;
+const SEED: u64 = 0;
+/// Share of a step that stands for a length below it.
+const LEAST_LENGTH: f64 = 0.05;
+/// Mean friction coefficient above which a unit is likely to be wrong.
+const LARGEST_FRICTION: f64 = 2.0;
+/// Lengths below which moments have the intervals of the correlation's model where those are wider.
+const SHORT: f64 = 100.0;
+/// Values that an empirical law keeps.
+const EMPIRICAL_VALUES: usize = 1001;
+
+/// Which law is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum LawChoice {
+    /// The first by Akaike's criterion whose ends the record sees, its own quantiles among the laws.
+    #[default]
+    Auto,
+    /// One family.
+    One(Family),
+    /// The record's own quantiles.
+    Empirical,
+}
+
+impl FromStr for LawChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "auto" => return Ok(Self::Auto),
+            "empirical" => return Ok(Self::Empirical),
+            "normal" => return Ok(Self::One(Family::Normal)),
+            "lognormal" => return Ok(Self::One(Family::ShiftedLognormal)),
+            "weibull" => return Ok(Self::One(Family::ShiftedWeibull)),
+            "beta" => return Ok(Self::One(Family::BetaFreeBounds)),
+            "johnson" => return Ok(Self::One(Family::Johnson)),
+            _ => {}
+        }
+        let bounds = text.trim().strip_prefix("beta:").and_then(|bounds| bounds.split_once(','));
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+        match bounds.map(|(low, high)| (number(low), number(high))) {
+            Some((Some(low), Some(high))) if low < high => Ok(Self::One(Family::Beta { low, high })),
+            _ => Err(format!(
+                "`{text}` is no law to fit; write auto, normal, lognormal, weibull, beta, beta:LOW,HIGH, johnson or empirical"
+            )),
+        }
+    }
+}
+
+impl fmt::Display for LawChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Empirical => f.write_str("empirical"),
+            Self::One(Family::Beta { low, high }) => write!(f, "beta:{low},{high}"),
+            Self::One(family) => f.write_str(family.name()),
+        }
+    }
+}
+
+/// Named columns of equal length.
+pub type Series = Vec<(String, Vec<f64>)>;
+
+/// A record with the process fitted to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedRecord {
+    /// The process.
+    pub process: FittedProcess,
+    /// Moments of μ with intervals that know the correlation.
+    pub moments: ProcessMoments,
+    /// Laws by Akaike's criterion.
+    pub laws: Ranking,
+    /// How well the law of the process fits, with p-values that know the fit and the correlation; none for the record's own
+    /// quantiles.
+    pub goodness: Option<FitGoodness>,
+    /// Autocorrelation up to half the record.
+    pub correlation: RecordCorrelation,
+    /// Its models, the most likely first.
+    pub models: Vec<RankedLength>,
+    /// The one of the process, with the noise that was found beside it.
+    pub length: LengthFit,
+    /// How the values come from the process.
+    pub observation: Observation,
+    /// Standard deviation of the values, noise and averaging included; that of the process is without.
+    pub std_measured: f64,
+    /// What to be wary of, in words.
+    pub warnings: Vec<String>,
+}
+
+/// The laws tried, and the one to go on with.
+fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
+    let families = match choice {
+        LawChoice::One(family) => vec![family],
+        LawChoice::Auto | LawChoice::Empirical => [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat(),
+    };
+    let ranking = rank_by_aic(&families, values, Some(effective_size));
+    let law = if choice == LawChoice::Empirical {
+        let sorted = sorted_present(values.iter().copied());
+        let count = sorted.len().min(EMPIRICAL_VALUES);
+        let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
+        Marginal::empirical(quantiles.collect())?
+    } else {
+        match (ranking.chosen(), ranking.failed.first()) {
+            (Some(fit), _) => fit.law.clone(),
+            (None, Some((_, error))) => return Err(error.clone().into()),
+            (None, None) => return Err(MeasuredError::TooFew { present: 0, what: "are there", wanted: 10 }),
+        }
+    };
+    Ok((ranking, law))
+}
+
+/// Correlation up to half the record, and its models.
+fn correlate(
+    pieces: &[&[f64]],
+    step_m: f64,
+    history: RecordHistory,
+) -> Result<(RecordCorrelation, ObservedLengths), MeasuredError> {
+    let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
+    let found = RecordCorrelation::estimate(pieces, step_m, longest / 2, LagNormalisation::PairNormalised)?;
+    Ok((found, ObservedLengths::of(pieces, step_m, history)?))
+}
+
+/// Standard deviation of the process over that of the values: less noise, and what averaging took.
+fn std_ratio(fit: &LengthFit) -> f64 {
+    let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
+    let left = if fit.length_m > 0.0 { window.covariance(0.0, fit.length_m) } else { 1.0 };
+    ((1.0 - fit.noise_share) / left).sqrt()
+}
+
+/// Moments whose intervals know the fitted correlation where the record is short.
+fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthFit) -> ProcessMoments {
+    let moments = ProcessMoments::of(pieces, false);
+    let lengths = moments.moments.n as f64 * step_m / fit.length_m;
+    // A filter that takes slow waves out makes another correlation than the model's.
+    if moments.mean.is_some() && lengths > SHORT || history.band.high_pass_m.is_some() || fit.length_m == 0.0 {
+        return moments;
+    }
+    let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
+    let share = 1.0 - fit.noise_share;
+    let rho = |lag: usize| match lag {
+        0 => 1.0,
+        _ => share * window.correlation(lag as f64 * step_m, fit.length_m),
+    };
+    let error = (fit.interval.high / fit.interval.low).ln() / (2.0 * NORMAL_95);
+    moments.with_correlation(pieces, false, &rho, if error.is_finite() { error } else { 1.0 })
+}
+
+impl FittedRecord {
+    /// Fits a process to a prepared record; `description` says where it comes from.
+    ///
+    /// # Errors
+    /// Fewer than 10 values, or so few correlation lengths that they are worth fewer than 5; values that do not vary; a law
+    /// that cannot be fitted.
+    pub fn of(prepared: &Prepared, choice: LawChoice, description: &str) -> Result<Self, MeasuredError> {
+        let record = &prepared.record;
+        let values = &record.friction[..];
+        let (present, pieces) = (record.present(), record.pieces());
+        if present < 10 {
+            return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
+        }
+        if Moments::of(values).std == 0.0 {
+            return Err(StatsError::Constant { statistic: "the law of friction", n: present }.into());
+        }
+        // A slow curve has the correlation of nothing.
+        let rest: Vec<f64> = values.iter().zip(polynomial(values, SLOW_DEGREE)).map(|(mu, curve)| mu - curve).collect();
+        if Moments::of(&rest).std.powi(2) < SLOW_REST * Moments::of(values).std.powi(2) {
+            let effective = SLOW_DEGREE as f64 + 1.0;
+            return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
+        }
+        let (correlation, ObservedLengths { models, chosen: best, observation, narrowed_to_per_m }) =
+            correlate(&pieces, record.step_m, prepared.history)?;
+        // A slow wave looks like many values; it is few lengths all the same.
+        let effective = 0.5 * present as f64 * record.step_m / best.length_m;
+        if effective < LEAST_INDEPENDENT {
+            return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
+        }
+        let moments = moments(&pieces, record.step_m, prepared.history, &best);
+        let effective_size = moments.effective_size.max(LEAST_INDEPENDENT);
+        let (mut laws, marginal) = law(choice, values, effective_size)?;
+        if let Ok(null) = ProcessNull::of(&pieces, false, DRAWS, SEED) {
+            laws.assess(&null, values);
+        }
+        let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
+        // What a narrowed band calls noise is not that of the values.
+        let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
+        let (shape, length_m) = CorrelationShape::of(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
+        let process = FittedProcess {
+            mean: moments.moments.mean,
+            mean_interval: moments.mean.filter(|_| prepared.history.band.high_pass_m.is_none()).map(pair),
+            std: ratio * moments.moments.std,
+            std_interval: moments.std.map(pair).map(|ends| ends.map(|end| ratio * end)),
+            marginal: Some(marginal),
+            correlation: Some(FittedCorrelation {
+                shape,
+                length_m,
+                length_interval_m: Some([best.interval.low, best.interval.high]),
+                window_m: None,
+                length_without_window_m: None,
+            }),
+            generator: None,
+            stribeck_s_per_m: None,
+            averaged_over_m: None,
+            mean_pressure_pa: None,
+            origin: Origin { kind: OriginKind::Record, description: description.into() },
+        };
+        process.check()?;
+        let mut warnings = Vec::new();
+        let filtered = prepared.history.band.high_pass_m.is_some();
+        if (moments.mean.is_none() && !filtered) || moments.std.is_none() {
+            warnings.push(
+                "the record holds too few correlation lengths for intervals: measure longer, or take a trend out"
+                    .into(),
+            );
+        }
+        if filtered {
+            warnings.push(
+                "the slow waves that were taken out would tell how the mean scatters from record to record: it has no \
+                 interval"
+                    .into(),
+            );
+        }
+        warnings.extend(said_of(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
+        if best.length_m < 2.0 * record.step_m {
+            warnings.push(format!(
+                "the correlation length of {:.3e} m is hardly longer than the step of {:.3e} m: sampled more finely, it may be \
+                 shorter",
+                best.length_m, record.step_m
+            ));
+        }
+        if let Some(fit) = goodness.filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
+            warnings.push(format!(
+                "the law does not fit: its distribution function is off by {:.3}, which chance would do with probability {:.1e}; \
+                 another may fit better",
+                fit.kolmogorov_smirnov.statistic, fit.kolmogorov_smirnov.p_value
+            ));
+        }
+        if process.mean > LARGEST_FRICTION {
+            warnings.push(format!(
+                "a mean friction coefficient of {:.3} is hardly one: are the units of friction and normal force right?",
+                process.mean
+            ));
+        }
+        let negative = values.iter().filter(|mu| **mu < 0.0).count();
+        if negative > 0 {
+            warnings.push(format!(
+                "{negative} of {present} values are below zero, which friction is not: is there an offset?"
+            ));
+        }
+        if let Some(large) = prepared.removed.iter().find(|removal| removal.variance_share > 0.5) {
+            warnings.push(format!(
+                "{:.0} % of the variance went with the {}: what is left is the smaller part of the record",
+                100.0 * large.variance_share,
+                large.step.replace('_', "-")
+            ));
+        }
+        Ok(Self {
+            process,
+            std_measured: moments.moments.std,
+            moments,
+            laws,
+            goodness,
+            correlation,
+            models,
+            length: best,
+            observation,
+            warnings,
+        })
+    }
+
+    /// What the figures show: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`, `friction_acf`.
+    pub fn tables(&self, prepared: &Prepared) -> Vec<(&'static str, Series)> {
+        let mut tables = vec![("friction_record", record_table(prepared))];
+        tables.extend(self.histogram(prepared).map(|table| ("friction_histogram", table)));
+        if let Some(law) = &self.process.marginal {
+            let sorted = sorted_present(prepared.record.friction.iter().copied());
+            let effective_size = self.moments.effective_size;
+            tables.push(("friction_pit", named(integral_transform(law, &sorted, effective_size))));
+            tables.push(("friction_qq", named(quantile_pairs(law, &sorted))));
+        }
+        tables.push(("friction_acf", self.correlations()));
+        tables
+    }
+
+    fn histogram(&self, prepared: &Prepared) -> Option<Series> {
+        let histogram = Histogram::of(&prepared.record.friction).ok()?;
+        let centres = histogram.centres();
+        let chosen = self.process.marginal.as_ref();
+        let density = |law: &Marginal| centres.iter().map(|mu| law.pdf(*mu)).collect::<Vec<f64>>();
+        let mut columns = vec![("mu".to_owned(), centres.clone()), ("density".into(), histogram.density())];
+        // Densities of a measured law are steps of its own noise.
+        columns.extend(
+            chosen
+                .filter(|law| !matches!(law, Marginal::Empirical { .. }))
+                .map(|law| ("fitted_density".into(), density(law))),
+        );
+        let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
+        let others = self.laws.fits.iter().filter(|fit| Some(&fit.law) != chosen).filter(smooth);
+        columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.law))));
+        Some(columns)
+    }
+
+    fn correlations(&self) -> Series {
+        let step_m = self.correlation.step_m;
+        // What follows ten lengths is the noise of the estimate.
+        let likely = self.models.iter().filter(|model| !model.worse);
+        let reach = likely.map(|model| 10.0 * model.fit.length_m / step_m).fold(20.0, f64::max);
+        let lags = self.correlation.correlation.len().min(reach.ceil().min(1e9) as usize);
+        let lag_m: Vec<f64> = (0..lags).map(|lag| lag as f64 * step_m).collect();
+        let model = |fit: &LengthFit| -> (String, Vec<f64>) {
+            let length_m = fit.length_m.max(LEAST_LENGTH * step_m);
+            (fit.model.name().into(), lag_m.iter().map(|lag| fit.model.correlation(*lag, length_m)).collect())
+        };
+        let mut columns =
+            vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];
+        // A model that is worse beyond chance may fit a scale that is not seen.
+        columns.extend(self.models.iter().filter(|ranked| !ranked.worse).map(|ranked| model(&ranked.fit)));
+        columns
+    }
+}
+
+/// What the fit of the correlation found beside the length, in words.
+fn said_of(
+    fit: &LengthFit,
+    observation: Observation,
+    narrowed_to_per_m: Option<f64>,
+    std: f64,
+    ratio: f64,
+) -> Vec<String> {
+    let mut said = Vec::new();
+    let whole = narrowed_to_per_m.is_none();
+    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_share > 0.0) {
+        said.push(format!(
+            "white noise makes {:.2} % ({:.2} to {:.2} %) of the variance: the correlation length is without it",
+            100.0 * fit.noise_share,
+            100.0 * interval.low,
+            100.0 * interval.high
+        ));
+    }
+    match observation {
+        Observation::Points => {}
+        Observation::Means => said.push(
+            "the spectrum is that of means over the step, not of values at points: the correlation length is without that \
+             averaging"
+                .into(),
+        ),
+        Observation::MovingAverage { values } => said.push(format!(
+            "the spectrum is that of a moving average of {values} values, as of a sensor's filter: the correlation length is \
+             without it"
+        )),
+    }
+    if (ratio - 1.0).abs() > 0.005 {
+        said.push(format!(
+            "the standard deviation of the values is {std:.4e}; without noise and averaging, that of the process is {:.4e}",
+            ratio * std
+        ));
+    }
+    if let Some(highest_per_m) = narrowed_to_per_m {
+        said.push(format!(
+            "no correlation model fits the fast waves, as behind a filter of the instrument: only waves longer than {:.3e} m \
+             were used for the correlation length, and the standard deviation is that of the values as they are",
+            highest_per_m.recip()
+        ));
+    }
+    if let Some(test) = fit.lack_of_fit.filter(|test| test.significant()) {
+        said.push(format!(
+            "no correlation model fits the record (its spectrum departs as chance would do with probability {:.1e}): the \
+             correlation length and its interval hold for the shape {} alone; look at friction_acf",
+            test.p_value,
+            fit.model.name()
+        ));
+    }
+    said
+}
+
+fn pair(estimate: Estimate) -> [f64; 2] {
+    [estimate.interval.low, estimate.interval.high]
+}
+
+fn named(columns: Columns) -> Series {
+    columns.into_iter().map(|(name, values)| (name.to_owned(), values)).collect()
+}
+
+fn record_table(prepared: &Prepared) -> Series {
+    let record = &prepared.record;
+    vec![
+        ("position_m".into(), (0..record.friction.len()).map(|index| record.position_m(index)).collect()),
+        ("measured".into(), prepared.measured.clone()),
+        ("trend".into(), prepared.trend.clone()),
+        ("mu".into(), record.friction.clone()),
+    ]
+}

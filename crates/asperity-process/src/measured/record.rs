@@ -1,0 +1,287 @@
+//! From columns to μ over the sliding distance.
+
+use super::columns::{Chosen, ColumnTable};
+use super::sampling::{Grid, even};
+use super::strokes::{Signs, Strokes, signs};
+use super::{MeasuredError, sampling};
+use asperity_base::quantity::{Force, Length, Time};
+
+/// Which columns of a file hold the record, by name or by number counted from 1.
+///
+/// A unit that is given here counts before that of the header.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordColumns {
+    /// The friction force or coefficient.
+    pub column: String,
+    /// Its unit; a coefficient has none, `1` or `-`.
+    pub unit: Option<String>,
+    /// What the values follow one another in.
+    pub abscissa: Abscissa,
+    /// Sliding velocity in m/s, which makes a distance of a time.
+    pub velocity_m_per_s: Option<f64>,
+    /// The force that presses, which makes a coefficient of a force.
+    pub normal_force: Option<NormalForce>,
+}
+
+/// What the values of a record follow one another in.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Abscissa {
+    /// A column of times.
+    Time {
+        /// The column.
+        column: String,
+        /// Its unit.
+        unit: Option<String>,
+    },
+    /// A column of sliding distances.
+    Distance {
+        /// The column.
+        column: String,
+        /// Its unit.
+        unit: Option<String>,
+    },
+    /// Equal times, values per second.
+    SamplingRate {
+        /// The rate in hertz.
+        hertz: f64,
+    },
+}
+
+/// The force that presses.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NormalForce {
+    /// The same throughout.
+    Constant {
+        /// In newton.
+        newton: f64,
+    },
+    /// A column of the file.
+    Column {
+        /// The column.
+        column: String,
+        /// Its unit.
+        unit: Option<String>,
+    },
+}
+
+/// A friction coefficient at equal steps of the sliding distance; NaN in gaps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredRecord {
+    /// Distance of the first value in metre, as the file counts.
+    pub start_m: f64,
+    /// Step in metre.
+    pub step_m: f64,
+    /// μ.
+    pub friction: Vec<f64>,
+    /// Sliding velocity in m/s, where it is known.
+    pub velocity_m_per_s: Option<f64>,
+    /// Distances in metre at which strokes of a reciprocating machine begin, the first left out.
+    pub strokes_m: Vec<f64>,
+    /// What was done to the record, in words; each is worth a look.
+    pub warnings: Vec<String>,
+}
+
+/// Whether a text is a unit that this module knows.
+pub(super) fn is_unit(text: &str) -> bool {
+    is_none(text) || [of_time(text), of_length(text), of_force(text)].iter().any(Option::is_some)
+}
+
+fn is_none(unit: &str) -> bool {
+    matches!(unit, "" | "1" | "-" | "–" | "—" | "[-]")
+}
+
+fn of_time(unit: &str) -> Option<f64> {
+    let unit = if unit == "sec" { "s" } else { unit };
+    format!("1 {unit}").parse::<Time>().ok().map(|time| time.0)
+}
+
+fn of_length(unit: &str) -> Option<f64> {
+    format!("1 {unit}").parse::<Length>().ok().map(|length| length.0)
+}
+
+fn of_force(unit: &str) -> Option<f64> {
+    format!("1 {unit}").parse::<Force>().ok().map(|force| force.0)
+}
+
+/// Factor to SI of a column of a known dimension.
+fn factor(
+    chosen: &Chosen<'_>,
+    stated: Option<&str>,
+    of: fn(&str) -> Option<f64>,
+    wanted: &'static str,
+    example: &'static str,
+) -> Result<f64, MeasuredError> {
+    let column = || chosen.name.to_owned();
+    let unit = stated.or(chosen.unit).ok_or_else(|| MeasuredError::NoUnit { column: column(), example })?;
+    of(unit).ok_or_else(|| MeasuredError::WrongUnit { column: column(), unit: unit.into(), wanted })
+}
+
+impl MeasuredRecord {
+    /// μ over the sliding distance of the columns of a file.
+    ///
+    /// A force F is divided by the normal force N row by row; rows with N ≤ 0 are gaps. Times are distances at the sliding
+    /// velocity. Rows that are missing from an even sampling are gaps. Steps that differ by less than 1 % are resampled,
+    /// with a warning; steps that differ by more are refused. A record that is negative, from sliding the other way,
+    /// is reversed, with a warning. Strokes of alternating sign become |μ| stroke by stroke, their reversals gaps, with a warning.
+    ///
+    /// # Errors
+    /// Columns that are not there or hold words, units that are absent or of another kind, a time without velocity, a
+    /// force without normal force, uneven sampling, fewer than 2 rows, values on both sides of zero that are no strokes.
+    pub fn new(table: &ColumnTable, columns: &RecordColumns) -> Result<Self, MeasuredError> {
+        if table.rows() < 2 {
+            return Err(MeasuredError::TooFew { present: table.rows(), what: "are in the file", wanted: 2 });
+        }
+        let mut warnings = Vec::new();
+        let values = coefficient(table, columns, &mut warnings)?;
+        let velocity = columns.velocity_m_per_s;
+        if let Some(value) = velocity.filter(|value| !(value.is_finite() && *value > 0.0)) {
+            return Err(MeasuredError::Option { option: "sliding velocity", value, wanted: "positive and finite" });
+        }
+        let Grid { start, step, values } = match &columns.abscissa {
+            Abscissa::SamplingRate { hertz } => {
+                if !(hertz.is_finite() && *hertz > 0.0) {
+                    let (option, wanted) = ("sampling rate", "positive and finite");
+                    return Err(MeasuredError::Option { option, value: *hertz, wanted });
+                }
+                Grid { start: 0.0, step: hertz.recip(), values }
+            }
+            Abscissa::Time { column, unit } => {
+                let chosen = table.column(column)?;
+                let factor = factor(&chosen, unit.as_deref(), of_time, "time", "s or ms")?;
+                scaled(even(table, &chosen, values, &mut warnings)?, factor)
+            }
+            Abscissa::Distance { column, unit } => {
+                let chosen = table.column(column)?;
+                let factor = factor(&chosen, unit.as_deref(), of_length, "length", "m or mm")?;
+                scaled(even(table, &chosen, values, &mut warnings)?, factor)
+            }
+        };
+        let per_axis = match columns.abscissa {
+            Abscissa::Distance { .. } => 1.0,
+            Abscissa::Time { .. } | Abscissa::SamplingRate { .. } => velocity.ok_or(MeasuredError::NoVelocity)?,
+        };
+        let mut friction = values;
+        let present = sampling::sum(&friction).1;
+        if present == 0 {
+            return Err(MeasuredError::TooFew { present, what: "are present in the column", wanted: 2 });
+        }
+        let mut starts = Vec::new();
+        match signs(&friction) {
+            Signs::One { reversed: false } => {}
+            Signs::One { reversed: true } => {
+                friction.iter_mut().for_each(|mu| *mu = -*mu);
+                warnings.push("friction is negative on average: its sign was reversed".into());
+            }
+            Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_share }) => {
+                warnings.push(format!(
+                    "friction alternates its sign: {} strokes to and fro count as pieces of one process, by their |μ| without \
+                     the reversals, {:.1} % of the values; strokes over one track repeat each other, which the intervals do not \
+                     know",
+                    found.len() + 1,
+                    100.0 * reversal_share
+                ));
+                (friction, starts) = (sizes, found);
+            }
+            Signs::None { ratio } => return Err(MeasuredError::NoDirection { ratio }),
+        }
+        let gaps = friction.len() - present;
+        if gaps > 0 {
+            let share = 100.0 * gaps as f64 / friction.len() as f64;
+            warnings.push(format!("{gaps} of {} values are missing ({share:.2} %) and stay gaps", friction.len()));
+        }
+        let (start_m, step_m) = (start * per_axis, step * per_axis);
+        Ok(Self {
+            start_m,
+            step_m,
+            friction,
+            velocity_m_per_s: velocity,
+            strokes_m: starts.iter().map(|index| start_m + step_m * *index as f64).collect(),
+            warnings,
+        })
+    }
+
+    /// The record, or its strokes one by one, without missing values at their ends.
+    pub fn pieces(&self) -> Vec<&[f64]> {
+        let index = |position_m: &f64| ((position_m - self.start_m) / self.step_m).ceil().max(0.0) as usize;
+        let n = self.friction.len();
+        let mut ends: Vec<usize> = self.strokes_m.iter().map(index).map(|end| end.min(n)).collect();
+        ends.push(n);
+        let mut start = 0;
+        let mut pieces = Vec::new();
+        for end in ends {
+            let piece = &self.friction[start.min(end)..end];
+            let first = piece.iter().position(|mu| !mu.is_nan());
+            let last = piece.iter().rposition(|mu| !mu.is_nan());
+            pieces.extend(first.zip(last).map(|(first, last)| &piece[first..=last]));
+            start = end;
+        }
+        pieces
+    }
+
+    /// Values that are present.
+    pub fn present(&self) -> usize {
+        sampling::sum(&self.friction).1
+    }
+
+    /// Distance in metre of the value `index`.
+    pub fn position_m(&self, index: usize) -> f64 {
+        self.start_m + self.step_m * index as f64
+    }
+}
+
+fn scaled(grid: Grid, factor: f64) -> Grid {
+    Grid { start: grid.start * factor, step: grid.step * factor, values: grid.values }
+}
+
+/// μ row by row.
+fn coefficient(
+    table: &ColumnTable,
+    columns: &RecordColumns,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<f64>, MeasuredError> {
+    let chosen = table.column(&columns.column)?;
+    let unit = columns.unit.as_deref().or(chosen.unit);
+    let column = || chosen.name.to_owned();
+    let force = match unit {
+        Some(unit) if is_none(unit) => None,
+        Some("%") => return Ok(chosen.values.iter().map(|mu| 0.01 * mu).collect()),
+        Some(unit) => Some(of_force(unit).ok_or_else(|| MeasuredError::WrongUnit {
+            column: column(),
+            unit: unit.into(),
+            wanted: "force, nor is it none, as of a coefficient (- or 1)",
+        })?),
+        // Without a unit it can only be a coefficient, unless a normal force says otherwise.
+        None if columns.normal_force.is_some() => {
+            return Err(MeasuredError::NoUnit { column: column(), example: "N or mN" });
+        }
+        None => None,
+    };
+    let Some(newton) = force else {
+        return match columns.normal_force {
+            Some(_) => Err(MeasuredError::IdleNormalForce { column: column() }),
+            None => Ok(chosen.values.to_vec()),
+        };
+    };
+    match &columns.normal_force {
+        None => Err(MeasuredError::NoNormalForce { column: column() }),
+        Some(NormalForce::Constant { newton: normal }) => {
+            if !(normal.is_finite() && *normal > 0.0) {
+                let (option, wanted) = ("normal force", "positive and finite");
+                return Err(MeasuredError::Option { option, value: *normal, wanted });
+            }
+            Ok(chosen.values.iter().map(|force| force * newton / normal).collect())
+        }
+        Some(NormalForce::Column { column, unit }) => {
+            let pressing = table.column(column)?;
+            let normal_newton = factor(&pressing, unit.as_deref(), of_force, "force", "N or mN")?;
+            let idle = pressing.values.iter().filter(|normal| **normal <= 0.0).count();
+            if idle > 0 {
+                warnings.push(format!("in {idle} rows the normal force is not above zero; they count as gaps"));
+            }
+            let quotient = |(force, normal): (&f64, &f64)| {
+                if *normal > 0.0 { force * newton / (normal * normal_newton) } else { f64::NAN }
+            };
+            Ok(chosen.values.iter().zip(pressing.values).map(quotient).collect())
+        }
+    }
+}

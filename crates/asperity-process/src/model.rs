@@ -1,0 +1,390 @@
+//! Stationary random friction processes.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::jacobi::JacobiStep;
+use super::table::TranslationTable;
+use super::{CorrelationShape, Generator, Path, ProcessError, positive};
+use asperity_base::law::Marginal;
+use asperity_base::law::translation::Translation;
+use asperity_base::random;
+
+/// Name of the random stage of friction processes.
+const STAGE: &str = "friction process";
+
+/// Whose correlation has the given shape and length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Correlation {
+    /// The normal process's; the translation then shortens the correlation of m a little (the paper's way). A Jacobi
+    /// diffusion and a renewal process have none, and the correlation of m is the given one in either case.
+    #[default]
+    Plain,
+    /// The normal process is given the longer length with which the correlation of m is e⁻¹ at the given one.
+    Corrected,
+}
+
+/// What a random friction process is made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProcessModel {
+    /// Shape of the law of m; its location and scale are set by the zero mean and `std`.
+    pub marginal: Marginal,
+    /// Standard deviation σ of the friction coefficient.
+    pub std: f64,
+    /// Correlation length ℓ, in the unit of the sliding distance.
+    pub correlation_length: f64,
+    /// Shape of the correlation.
+    #[serde(default)]
+    pub shape: CorrelationShape,
+    /// Knots per lag at which the correlation falls to 1/e, which is ℓ of an exponential; a renewal process has no knots but
+    /// where it is recorded.
+    pub steps_per_length: usize,
+    /// How it is made.
+    pub generator: Generator,
+    /// Whose correlation is meant.
+    pub correlation: Correlation,
+    /// Least value of m: lower knots are raised to it and counted. None leaves the process alone.
+    pub least: Option<f64>,
+}
+
+impl ProcessModel {
+    /// An autoregressive process with twenty knots per correlation length, without correction and without clamp.
+    pub fn new(marginal: Marginal, std: f64, correlation_length: f64) -> Self {
+        Self {
+            marginal,
+            std,
+            correlation_length,
+            shape: CorrelationShape::default(),
+            steps_per_length: 20,
+            generator: Generator::default(),
+            correlation: Correlation::default(),
+            least: None,
+        }
+    }
+
+    /// Fraction of the values of m that are raised to `least`: those that the law has below it.
+    pub fn clipped_fraction(&self) -> f64 {
+        let below = |least: f64| self.marginal.cdf(self.marginal.mean() + least / self.std * self.marginal.std());
+        self.least.map_or(0.0, below)
+    }
+
+    fn check(&self) -> Result<(), ProcessError> {
+        self.marginal.check()?;
+        positive("friction standard deviation", self.std)?;
+        self.shape.check(self.correlation_length)?;
+        positive("standard deviation of the marginal law", self.marginal.std())?;
+        positive("steps per correlation length", self.steps_per_length as f64)?;
+        self.generator.check(self.shape, &self.marginal)?;
+        if let Some(value) = self.least.filter(|least| least.is_nan() || *least >= 0.0) {
+            return Err(ProcessError::Parameter { parameter: "least fluctuation", value, wanted: "negative" });
+        }
+        Ok(())
+    }
+}
+
+/// Distances between knots that add up to sliding distances in double precision.
+const STEPS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
+
+/// Tables and length of a [`FrictionProcess`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Parts<'a> {
+    pub(super) table: &'a TranslationTable,
+    pub(super) jacobi: Option<&'a JacobiStep>,
+    pub(super) length: f64,
+}
+
+/// A stationary random process m(s) of zero mean, ready to be sampled.
+#[derive(Debug, Clone)]
+pub struct FrictionProcess {
+    model: ProcessModel,
+    table: TranslationTable,
+    translation: Translation,
+    /// One step of a Jacobi diffusion; shared, because it is large.
+    jacobi: Option<Arc<JacobiStep>>,
+    /// Correlation length of the normal process, or of m if there is none.
+    normal_length: f64,
+    /// Distance between knots.
+    step: f64,
+}
+
+impl FrictionProcess {
+    /// Checks a model and tabulates its translation.
+    ///
+    /// Fails if a parameter is not positive, knots are not between 1e-15 and 1e15 apart, the law is none or has no finite standard deviation, the generator cannot make
+    /// the correlation or the law, the clamp is not negative, or a step of a Jacobi diffusion is below a thousandth of its
+    /// correlation length.
+    pub fn new(model: ProcessModel) -> Result<Self, ProcessError> {
+        model.check()?;
+        let step = model.shape.decay_length(model.correlation_length) / model.steps_per_length as f64;
+        let step = match model.shape {
+            // A window is a whole number of steps.
+            CorrelationShape::WindowedExponential { window } => window / (window / step).ceil(),
+            _ => step,
+        };
+        Self::made(model, step)
+    }
+
+    /// The same with knots `step` apart, whatever the model says of them.
+    ///
+    /// Fails as [`FrictionProcess::new`] and if a window is no whole number of steps.
+    pub fn with_step(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
+        model.check()?;
+        positive("step", step)?;
+        if let CorrelationShape::WindowedExponential { window } = model.shape {
+            let steps = (window / step).round();
+            if steps < 1.0 || (window / step - steps).abs() > 1e-6 * steps {
+                let nearest = window / steps.max(1.0);
+                return Err(ProcessError::StepInWindow { step, window, nearest });
+            }
+        }
+        Self::made(model, step)
+    }
+
+    fn made(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
+        if !STEPS.contains(&step) {
+            let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
+            return Err(ProcessError::Parameter { parameter, value: step, wanted });
+        }
+        let translation = Translation::new(&model.marginal)?;
+        let normal_length = match model.correlation {
+            Correlation::Corrected if model.generator.translates() => {
+                let wanted = translation.normal_correlation((-1.0_f64).exp())?;
+                let decay = model.shape.decay_length(model.correlation_length);
+                model.shape.longer(model.correlation_length, decay, wanted)
+            }
+            _ => model.correlation_length,
+        };
+        let table = TranslationTable::new(&model.marginal, model.std);
+        let jacobi = match (model.generator, &model.marginal) {
+            (Generator::Jacobi, Marginal::Beta { a, b, .. }) => {
+                Some(Arc::new(JacobiStep::new(*a, *b, step / normal_length)?))
+            }
+            _ => None,
+        };
+        Ok(Self { model, table, translation, jacobi, normal_length, step })
+    }
+
+    /// The model it was made of.
+    pub fn model(&self) -> &ProcessModel {
+        &self.model
+    }
+
+    /// Distance between knots: 1/N of the lag at which the correlation is 1/e, ℓ/N of an exponential; under a window a
+    /// little less, so that the window is a whole number of steps.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Correlation from knot to knot, e^{−h/ℓ_G} of an exponential: of the normal process if there is one, else of m.
+    pub fn normal_step_correlation(&self) -> f64 {
+        self.model.shape.correlation(self.step, self.normal_length)
+    }
+
+    /// Correlation of m at two knots a distance `lag` apart, after the translation (without clamp).
+    pub fn correlation_at(&self, lag: f64) -> f64 {
+        let correlation = self.model.shape.correlation(lag, self.normal_length);
+        if self.model.generator.translates() { self.translation.correlation(correlation) } else { correlation }
+    }
+
+    /// Lower and upper end of the support of m; infinite for unbounded laws.
+    pub fn support(&self) -> (f64, f64) {
+        (self.table.at_probability(0.0), self.table.at_probability(1.0))
+    }
+
+    /// Error bound of the tabulated translation, in standard deviations.
+    pub fn translation_error(&self) -> f64 {
+        self.table.error()
+    }
+
+    /// Largest error of the tabulated step of a Jacobi diffusion, in normal scores; 0 of all other generators.
+    pub fn transition_error(&self) -> f64 {
+        self.jacobi.as_ref().map_or(0.0, |step| step.error())
+    }
+
+    /// What the realisations need.
+    pub(super) fn parts(&self) -> Parts<'_> {
+        Parts { table: &self.table, jacobi: self.jacobi.as_deref(), length: self.normal_length }
+    }
+
+    /// Realisation `index` under `seed`.
+    pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
+        Path::new(self, random::stream(seed, STAGE, index))
+    }
+}
+
+/// Variance of the mean of a process of correlation e^{−|s|/ℓ} over a window W, relative to its variance:
+/// 2(ℓ/W)·[1 − (ℓ/W)(1 − e^{−W/ℓ})].
+pub fn window_variance_factor(correlation_length: f64, window: f64) -> f64 {
+    let share = correlation_length / window;
+    2.0 * share * (1.0 + share * (-1.0 / share).exp_m1())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::stats::Moments;
+
+    fn beta(std: f64, length: f64) -> ProcessModel {
+        ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)
+    }
+
+    fn knots(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
+        let mut path = process.path(7, index);
+        (0..count).map(|_| path.next_knot()).collect()
+    }
+
+    #[test]
+    fn the_autoregression_has_the_published_coefficient() {
+        let model = ProcessModel { steps_per_length: 25, ..ProcessModel::new(Marginal::STANDARD_NORMAL, 1.0, 250.0) };
+        let process = FrictionProcess::new(model).unwrap();
+        assert_eq!(process.step(), 10.0);
+        assert!((process.normal_step_correlation() - 0.960_789_439_2).abs() < 5e-11);
+    }
+
+    #[test]
+    fn the_mean_over_a_window_has_the_published_variance() {
+        assert!((window_variance_factor(250.0, 600.0) - 0.51761).abs() < 5e-6);
+        // A sampled process, averaged by the trapezoidal rule over 60 steps: the rule's own error is (Δ/ℓ)²/6 relative.
+        let model = ProcessModel { steps_per_length: 25, ..ProcessModel::new(Marginal::STANDARD_NORMAL, 1.0, 250.0) };
+        let process = FrictionProcess::new(model).unwrap();
+        let paths = 20_000;
+        let mean_square = (0..paths)
+            .map(|i| {
+                let m = knots(&process, i, 61);
+                let mean = (m.iter().sum::<f64>() - 0.5 * (m[0] + m[60])) / 60.0;
+                mean * mean
+            })
+            .sum::<f64>()
+            / paths as f64;
+        let standard_error = 0.51761 * (2.0 / paths as f64).sqrt();
+        assert!((mean_square - 0.51761).abs() < 4.0 * standard_error + 3e-4, "{mean_square}");
+    }
+
+    #[test]
+    fn knots_have_the_wanted_moments_and_correlation_whatever_the_generator() {
+        let (recursion, harmonics) = (Generator::Autoregressive, Generator::Spectral { harmonics: 64 });
+        let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
+        for (generator, correlation, shape, length) in [
+            (recursion, Correlation::Plain, CorrelationShape::Exponential, 3.0),
+            (recursion, Correlation::Corrected, CorrelationShape::Exponential, 3.0),
+            (recursion, Correlation::Plain, windowed, 3.0),
+            (recursion, Correlation::Corrected, windowed, 0.3),
+            (recursion, Correlation::Plain, windowed, 0.0),
+            (harmonics, Correlation::Plain, CorrelationShape::Exponential, 3.0),
+            (harmonics, Correlation::Corrected, CorrelationShape::SquaredExponential, 3.0),
+            (harmonics, Correlation::Plain, CorrelationShape::Matern { nu: 1.5 }, 3.0),
+        ] {
+            let model = ProcessModel { generator, correlation, shape, ..beta(0.002, length) };
+            let process = FrictionProcess::new(model).unwrap();
+            let paths: Vec<Vec<f64>> = (0..20_000).map(|i| knots(&process, i, 41)).collect();
+            let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
+                let values: Vec<f64> = paths.iter().map(|m| f(m)).collect();
+                let moments = Moments::of(&values);
+                (moments.mean, 4.0 * moments.standard_error())
+            };
+            for (power, wanted) in [(1, 0.0), (2, 1.0), (3, 0.5598)] {
+                let (found, margin) = mean_of(&|m| (m[40] / 0.002).powi(power));
+                assert!((found - wanted).abs() < margin, "{generator:?}, {shape:?}: mean of m^{power} is {found}");
+            }
+            for lag in [1, 10, 20, 40] {
+                let wanted = process.correlation_at(lag as f64 * process.step());
+                let (found, margin) = mean_of(&|m| m[0] * m[lag] / 0.002_f64.powi(2));
+                assert!((found - wanted).abs() < margin, "{generator:?}, {shape:?}: {found} at {lag}, not {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_correction_meets_the_length_and_the_plain_translation_shortens_it() {
+        let plain = FrictionProcess::new(beta(1.0, 2.0)).unwrap();
+        let model = ProcessModel { correlation: Correlation::Corrected, ..beta(1.0, 2.0) };
+        let corrected = FrictionProcess::new(model).unwrap();
+        assert!((corrected.normal_step_correlation().powi(20) - 0.375_013_83).abs() < 5e-9);
+        assert!((corrected.correlation_at(2.0) - (-1.0_f64).exp()).abs() < 1e-12);
+        assert!((plain.normal_step_correlation() - (-0.05_f64).exp()).abs() < 1e-15);
+        assert!(plain.correlation_at(2.0) < corrected.correlation_at(2.0));
+    }
+
+    #[test]
+    fn the_correction_meets_the_decay_of_every_shape() {
+        for (generator, shape) in [
+            (Generator::Autoregressive, CorrelationShape::WindowedExponential { window: 3.0 }),
+            (Generator::Spectral { harmonics: 8 }, CorrelationShape::SquaredExponential),
+            (Generator::Spectral { harmonics: 8 }, CorrelationShape::Matern { nu: 2.2 }),
+        ] {
+            let model = ProcessModel { correlation: Correlation::Corrected, generator, shape, ..beta(1.0, 2.0) };
+            let found = FrictionProcess::new(model).unwrap().correlation_at(shape.decay_length(2.0));
+            assert!((found - (-1.0_f64).exp()).abs() < 1e-11, "{shape:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_generator_that_cannot_make_a_correlation_says_which_can() {
+        let windowed = CorrelationShape::WindowedExponential { window: 1.0 };
+        for (generator, shape, able) in [
+            (Generator::Autoregressive, CorrelationShape::SquaredExponential, "spectral"),
+            (Generator::Autoregressive, CorrelationShape::Matern { nu: 1.5 }, "spectral"),
+            (Generator::Spectral { harmonics: 8 }, windowed, "autoregressive"),
+        ] {
+            let error = FrictionProcess::new(ProcessModel { generator, shape, ..beta(1.0, 1.0) }).unwrap_err();
+            assert!(error.to_string().contains(able) && error.to_string().contains(shape.name()), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_support_of_beta_friction_is_the_published_one() {
+        let (low, high) = FrictionProcess::new(beta(1.0, 1.0)).unwrap().support();
+        assert!((low + 1.844).abs() < 5e-4 && (high - 4.392).abs() < 5e-4);
+    }
+
+    #[test]
+    fn a_clamp_is_counted_and_nothing_falls_below_it() {
+        let model = ProcessModel { least: Some(-1e-3), ..beta(1e-3, 1.0) };
+        let process = FrictionProcess::new(model).unwrap();
+        let mut path = process.path(1, 0);
+        let values: Vec<f64> = (0..2000).map(|_| path.next_knot()).collect();
+        let raised = values.iter().filter(|m| **m == -1e-3).count() as u64;
+        assert!(raised > 0 && raised == path.clamped());
+        assert!(values.iter().all(|m| *m >= -1e-3));
+        // Its fraction is that of the law: 2,000 values worth some 1,000 independent ones, four standard errors.
+        for generator in [Generator::Autoregressive, Generator::Jacobi, Generator::Spectral { harmonics: 256 }] {
+            let model = ProcessModel { least: Some(-1e-3), generator, ..beta(1e-3, 0.05) };
+            let wanted = model.clipped_fraction();
+            let process = FrictionProcess::with_step(model, 0.05).unwrap();
+            let (runs, knots) = (20, 500);
+            let clamped: u64 = (0..runs)
+                .map(|run| {
+                    let mut path = process.path(1, run);
+                    path.fill(&mut vec![0.0; knots]);
+                    path.clamped()
+                })
+                .sum();
+            let found = clamped as f64 / (runs as usize * knots) as f64;
+            let error = (wanted * (1.0 - wanted) * 2.2 / (runs as usize * knots) as f64).sqrt();
+            assert!((found - wanted).abs() < 4.0 * error, "{generator:?}: {found} and {wanted}");
+        }
+        // P(X < mean − std) of the standard normal law.
+        let normal = ProcessModel { least: Some(-1e-3), ..ProcessModel::new("normal".parse().unwrap(), 1e-3, 1.0) };
+        assert!((normal.clipped_fraction() - 0.158_655_253_931_457).abs() < 1e-12);
+        assert_eq!(beta(1e-3, 1.0).clipped_fraction(), 0.0);
+        assert!(FrictionProcess::new(ProcessModel { least: Some(0.1), ..beta(1e-3, 1.0) }).is_err());
+    }
+
+    #[test]
+    fn realisations_depend_on_seed_and_index_alone_and_nonsense_is_refused() {
+        let process = FrictionProcess::new(beta(1e-3, 1.0)).unwrap();
+        assert_eq!(knots(&process, 3, 5), knots(&process, 3, 5));
+        assert_ne!(knots(&process, 3, 5), knots(&process, 4, 5));
+        for model in [
+            beta(0.0, 1.0),
+            beta(1.0, f64::NAN),
+            ProcessModel { steps_per_length: 0, ..beta(1.0, 1.0) },
+            ProcessModel { generator: Generator::Spectral { harmonics: 0 }, ..beta(1.0, 1.0) },
+        ] {
+            assert!(FrictionProcess::new(model).is_err());
+        }
+    }
+}

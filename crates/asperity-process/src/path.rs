@@ -1,0 +1,299 @@
+//! Realisations of a random friction process.
+
+use rand_distr::{Distribution, StandardNormal};
+
+use super::jacobi::JacobiStep;
+use super::moving_average::MovingAverage;
+use super::renewal::Renewal;
+use super::spectral::Harmonics;
+use super::table::TranslationTable;
+use super::{Cell, CorrelationShape, EqualCells, Fluctuation, FrictionProcess, Generator};
+use asperity_base::random::Stream;
+
+/// Knots whose normal values are drawn before they are used.
+const BLOCK: usize = 64;
+
+/// A realisation of a [`FrictionProcess`], made as it is read; it is endless.
+///
+/// It is read knot by knot ([`Path::next_knot`], [`Path::fill`]) or cell by cell ([`Fluctuation`]), not both.
+#[derive(Debug, Clone)]
+pub struct Path<'a> {
+    rng: Stream,
+    source: Source<'a>,
+    cells: EqualCells,
+    limited: Limited<'a>,
+}
+
+#[derive(Debug, Clone)]
+enum Source<'a> {
+    Autoregressive(Recursion),
+    Averaged(MovingAverage),
+    Spectral(Harmonics),
+    Jacobi { g: f64, step: &'a JacobiStep },
+    Renewal(Renewal),
+}
+
+/// g_{i+1} = φg_i + √(1 − φ²)ξ.
+#[derive(Debug, Clone, Copy)]
+struct Recursion {
+    g: f64,
+    coefficient: f64,
+    innovation: f64,
+}
+
+impl Recursion {
+    /// The value at this knot; moves to the next.
+    #[inline]
+    fn advance(&mut self, xi: f64) -> f64 {
+        let next = self.coefficient * self.g + self.innovation * xi;
+        std::mem::replace(&mut self.g, next)
+    }
+}
+
+/// From normal values to m, raised to the least value where one is stated.
+#[derive(Debug, Clone, Copy)]
+struct Limited<'a> {
+    table: &'a TranslationTable,
+    /// −∞ without a limit.
+    least: f64,
+    clamped: u64,
+}
+
+impl Limited<'_> {
+    #[inline]
+    fn value(&mut self, normal: f64) -> f64 {
+        let m = self.table.value(normal);
+        if m < self.least {
+            self.clamped += 1;
+            return self.least;
+        }
+        m
+    }
+}
+
+impl<'a> Path<'a> {
+    pub(super) fn new(process: &'a FrictionProcess, mut rng: Stream) -> Self {
+        let (model, parts) = (process.model(), process.parts());
+        let step_share = process.step() / parts.length;
+        let source = match (model.generator, model.shape, parts.jacobi) {
+            (Generator::Renewal, ..) => Source::Renewal(Renewal::new(parts.length, process.step())),
+            (Generator::Jacobi, _, Some(step)) => Source::Jacobi { g: StandardNormal.sample(&mut rng), step },
+            (Generator::Spectral { harmonics }, shape, _) => {
+                let quantile = |probability| shape.spectral_quantile(probability).unwrap_or(f64::NAN);
+                Source::Spectral(Harmonics::draw(harmonics, step_share, quantile, &mut rng))
+            }
+            (_, CorrelationShape::WindowedExponential { window }, _) => {
+                let steps = (window / process.step()).round() as usize;
+                Source::Averaged(MovingAverage::draw(steps, step_share, &mut rng))
+            }
+            _ => {
+                let coefficient = process.normal_step_correlation();
+                // 1 − φ² without cancellation.
+                let innovation = (-(-2.0 * step_share).exp_m1()).sqrt();
+                Source::Autoregressive(Recursion { g: StandardNormal.sample(&mut rng), coefficient, innovation })
+            }
+        };
+        let least = model.least.unwrap_or(f64::NEG_INFINITY);
+        let limited = Limited { table: parts.table, least, clamped: 0 };
+        Self { rng, source, cells: EqualCells::new(process.step()), limited }
+    }
+
+    /// m at the next knot, the first at s = 0. A renewal process is recorded there.
+    #[inline]
+    pub fn next_knot(&mut self) -> f64 {
+        let normal = match &mut self.source {
+            Source::Autoregressive(recursion) => recursion.advance(StandardNormal.sample(&mut self.rng)),
+            Source::Averaged(average) => average.advance(&mut self.rng),
+            Source::Spectral(harmonics) => harmonics.advance(),
+            Source::Jacobi { g, step } => {
+                let next = step.next(*g, StandardNormal.sample(&mut self.rng));
+                std::mem::replace(g, next)
+            }
+            Source::Renewal(renewal) => return renewal.knot(&mut self.rng, |normal| self.limited.value(normal)),
+        };
+        self.limited.value(normal)
+    }
+
+    /// m at the next knots: the same bits as [`Path::next_knot`] called as often, in less time.
+    pub fn fill(&mut self, knots: &mut [f64]) {
+        match &mut self.source {
+            Source::Autoregressive(recursion) => {
+                // Apart, the draws and the recursion wait for each other less.
+                for block in knots.chunks_mut(BLOCK) {
+                    for knot in &mut *block {
+                        *knot = StandardNormal.sample(&mut self.rng);
+                    }
+                    for knot in &mut *block {
+                        *knot = recursion.advance(*knot);
+                    }
+                    for knot in &mut *block {
+                        *knot = self.limited.value(*knot);
+                    }
+                }
+            }
+            _ => knots.iter_mut().for_each(|knot| *knot = self.next_knot()),
+        }
+    }
+
+    /// Values so far that were raised to the least one: knots, or intervals of a renewal process.
+    pub fn clamped(&self) -> u64 {
+        self.limited.clamped
+    }
+}
+
+impl Fluctuation for Path<'_> {
+    #[inline]
+    fn next_cell(&mut self) -> Option<Cell> {
+        if let Source::Renewal(renewal) = &mut self.source {
+            return Some(renewal.cell(&mut self.rng, |normal| self.limited.value(normal)));
+        }
+        let left = match self.cells.last {
+            Some(left) => left,
+            None => self.next_knot(),
+        };
+        let right = self.next_knot();
+        Some(self.cells.close(left, right))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Correlation, ProcessError, ProcessModel};
+    use asperity_base::law::goodness::kolmogorov_smirnov;
+    use asperity_base::stats::Moments;
+
+    fn model(law: &str, generator: Generator) -> ProcessModel {
+        ProcessModel { generator, ..ProcessModel::new(law.parse().unwrap(), 0.002, 3.0) }
+    }
+
+    #[test]
+    fn diffusion_and_renewal_are_stationary_with_exponential_correlation() {
+        for (law, generator, skewness) in [
+            ("beta:2.1,5", Generator::Jacobi, 0.5598),
+            ("beta:0.5,0.5", Generator::Jacobi, 0.0),
+            ("beta:2.1,5", Generator::Renewal, 0.5598),
+            ("gamma:4,1", Generator::Renewal, 1.0),
+        ] {
+            // The correction has nothing to correct.
+            let model = ProcessModel { correlation: Correlation::Corrected, ..model(law, generator) };
+            let process = FrictionProcess::new(model.clone()).unwrap();
+            let mut knots = vec![0.0; 61];
+            let paths: Vec<Vec<f64>> = (0..20_000)
+                .map(|i| {
+                    process.path(7, i).fill(&mut knots);
+                    knots.iter().map(|m| m / 0.002).collect()
+                })
+                .collect();
+            let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
+                let moments = Moments::of(&paths.iter().map(|m| f(m)).collect::<Vec<f64>>());
+                (moments.mean, 4.0 * moments.standard_error())
+            };
+            for (power, wanted) in [(1, 0.0), (2, 1.0), (3, skewness)] {
+                let (found, margin) = mean_of(&|m| m[60].powi(power));
+                assert!((found - wanted).abs() < margin, "{law} {generator:?}: mean of m^{power} is {found}");
+            }
+            for lag in [1, 10, 20, 60] {
+                let wanted = (-0.05 * lag as f64).exp();
+                assert!((process.correlation_at(0.15 * lag as f64) - wanted).abs() < 1e-14);
+                let (found, margin) = mean_of(&|m| m[0] * m[lag]);
+                assert!((found - wanted).abs() < margin, "{law} {generator:?}: {found} at {lag}, not {wanted}");
+            }
+            // The law after sixty steps.
+            let standard = model.marginal.standardised(0.0, 1.0).unwrap();
+            let last: Vec<f64> = paths.iter().map(|m| m[60]).collect();
+            let p = kolmogorov_smirnov(&last, &standard, None).unwrap().p_value;
+            assert!(p > 0.001, "{law} {generator:?}: p = {p}");
+        }
+    }
+
+    #[test]
+    fn a_diffusion_slows_down_at_its_bounds_as_its_variance_says() {
+        // Var[X_h | x] from the second eigenfunction; binned by x, against the squared changes of many steps.
+        let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
+        let mut knots = vec![0.0; 400_000];
+        process.path(3, 0).fill(&mut knots);
+        let (a, b, h) = (2.1, 5.0, 0.05_f64);
+        let (mean, std) = (0.295_775, 0.025_715_f64.sqrt());
+        let x: Vec<f64> = knots.iter().map(|m| mean + m / 0.002 * std).collect();
+        let mut errors = [(0.0, 0.0, 0.0); 5];
+        for pair in x.windows(2) {
+            // E[X] and E[X²] after h solve two linear equations.
+            let first = mean + (pair[0] - mean) * (-h).exp();
+            let fast = 2.0 * (1.0 + a + b) / (a + b);
+            let forced = 2.0 * mean + 2.0 / (a + b);
+            // d E[X²]/ds = −fast E[X²] + forced E[X].
+            let settled = forced * mean / fast;
+            let slow = forced * (pair[0] - mean) / (fast - 1.0);
+            let second = settled + slow * (-h).exp() + (pair[0] * pair[0] - settled - slow) * (-fast * h).exp();
+            let deviation = (pair[1] - first).powi(2) - (second - first * first);
+            let (count, sum, squares) = &mut errors[((pair[0] * 6.0) as usize).min(4)];
+            (*count, *sum, *squares) = (*count + 1.0, *sum + deviation, *squares + deviation * deviation);
+        }
+        for (count, sum, squares) in errors {
+            assert!(count > 1000.0 && f64::abs(sum) < 4.0 * f64::sqrt(squares), "{count} {sum} {squares}");
+        }
+    }
+
+    #[test]
+    fn filled_knots_are_the_same_bits_as_single_ones() {
+        let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
+        for (generator, shape) in [
+            (Generator::Autoregressive, CorrelationShape::Exponential),
+            (Generator::Autoregressive, windowed),
+            (Generator::Spectral { harmonics: 16 }, CorrelationShape::Exponential),
+            (Generator::Jacobi, CorrelationShape::Exponential),
+            (Generator::Renewal, CorrelationShape::Exponential),
+        ] {
+            let model = ProcessModel { shape, least: Some(-0.001), ..model("beta:2.1,5", generator) };
+            let process = FrictionProcess::new(model).unwrap();
+            let (mut single, mut filled) = (process.path(5, 2), process.path(5, 2));
+            for count in [1, 63, 64, 65, 200] {
+                let mut knots = vec![0.0; count];
+                filled.fill(&mut knots);
+                assert!(knots.iter().all(|knot| knot.to_bits() == single.next_knot().to_bits()), "{generator:?}");
+                assert_eq!(filled.clamped(), single.clamped());
+            }
+            assert!(filled.clamped() > 0);
+        }
+    }
+
+    #[test]
+    fn cells_join_the_knots_and_those_of_a_renewal_jump() {
+        let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
+        let (mut knots, mut cells) = (process.path(5, 2), process.path(5, 2));
+        let mut left = knots.next_knot();
+        for i in 1..200 {
+            let right = knots.next_knot();
+            let cell = Cell { end: f64::from(i) * process.step(), length: process.step(), left, right };
+            assert_eq!(cells.next_cell(), Some(cell));
+            left = right;
+        }
+        let process = FrictionProcess::new(model("beta:2.1,5", Generator::Renewal)).unwrap();
+        let (mut knots, mut path) = (process.path(5, 2), process.path(5, 2));
+        let cells: Vec<Cell> = (0..2000).map(|_| path.next_cell().unwrap()).collect();
+        assert!(cells.iter().all(|cell| cell.left == cell.right && cell.length > 0.0));
+        let mean = cells[1999].end / 2000.0;
+        assert!((mean - 3.0).abs() < 4.0 * 3.0 / 2000.0_f64.sqrt(), "{mean}");
+        for i in 0..20_000 {
+            let place = f64::from(i) * process.step();
+            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(knots.next_knot()));
+        }
+    }
+
+    #[test]
+    fn laws_and_correlations_that_a_generator_cannot_make_are_refused_by_name() {
+        let refused = |law: &str, generator, shape| {
+            FrictionProcess::new(ProcessModel { shape, ..model(law, generator) }).unwrap_err()
+        };
+        let error = refused("gamma:2,1", Generator::Jacobi, CorrelationShape::Exponential);
+        assert_eq!(error, ProcessError::Marginal { generator: "jacobi", law: "gamma", wanted: "beta" });
+        assert!(error.to_string().contains("beta law, not a gamma one"), "{error}");
+        for generator in [Generator::Jacobi, Generator::Renewal] {
+            let error = refused("beta:2.1,5", generator, CorrelationShape::SquaredExponential).to_string();
+            assert!(error.contains(generator.name()) && error.contains("spectral"), "{error}");
+        }
+        let fine = ProcessModel { steps_per_length: 2000, ..model("beta:2.1,5", Generator::Jacobi) };
+        assert!(FrictionProcess::new(fine).is_err());
+    }
+}

@@ -1,0 +1,226 @@
+//! Shapes of the correlation of a friction process.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ProcessError, positive};
+use asperity_base::correlation::{CorrelationModel, RecordModel, windowed_exponential};
+use asperity_base::law::standard_normal_quantile;
+use asperity_base::stats::student_quantile;
+
+/// Largest order of a Matérn correlation; beyond, it is a squared exponential to every digit that a record could show.
+const LARGEST_NU: f64 = 100.0;
+/// Halvings of a bracket: enough for every bit.
+const HALVINGS: usize = 200;
+
+/// The correlation ρ(s) of a process, up to its length ℓ.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CorrelationShape {
+    /// e^{−s/ℓ}.
+    #[default]
+    Exponential,
+    /// e^{−(s/ℓ)²}.
+    SquaredExponential,
+    /// Matérn of smoothness ν, with √(2ν) s/ℓ as argument; ν = ½ is the exponential.
+    Matern {
+        /// Smoothness ν in (0, 100].
+        nu: f64,
+    },
+    /// The moving average over a window W of an exponential of length ℓ ([`windowed_exponential`]); ℓ = 0 leaves the triangle
+    /// of the window.
+    WindowedExponential {
+        /// Window W, in the unit of the sliding distance.
+        window: f64,
+    },
+}
+
+impl CorrelationShape {
+    /// Shape and length of a fitted model of length ℓ. A triangle is what its window makes of uncorrelated values.
+    pub fn of(model: RecordModel, length: f64) -> (Self, f64) {
+        match model {
+            RecordModel::Exponential => (Self::Exponential, length),
+            RecordModel::SquaredExponential => (Self::SquaredExponential, length),
+            RecordModel::Matern { nu } => (Self::Matern { nu }, length),
+            RecordModel::Triangle => (Self::WindowedExponential { window: length }, 0.0),
+        }
+    }
+
+    /// Name as in files: `exponential`, `squared_exponential`, `matern`, `windowed_exponential`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Exponential => "exponential",
+            Self::SquaredExponential => "squared_exponential",
+            Self::Matern { .. } => "matern",
+            Self::WindowedExponential { .. } => "windowed_exponential",
+        }
+    }
+
+    /// Correlation at a lag, for the length ℓ in the same unit.
+    ///
+    /// # Panics
+    /// With a window, if window and length are negative or both zero.
+    pub fn correlation(&self, lag: f64, length: f64) -> f64 {
+        let r = lag.abs() / length;
+        match *self {
+            Self::Exponential => (-r).exp(),
+            Self::SquaredExponential => CorrelationModel::SquaredExponential.correlation(r),
+            Self::Matern { nu } => CorrelationModel::Matern { nu }.correlation(r),
+            Self::WindowedExponential { window } => windowed_exponential(lag, window, length),
+        }
+    }
+
+    /// The same shape with lags counted in another unit, `unit` of the present ones.
+    #[must_use]
+    pub fn in_unit(self, unit: f64) -> Self {
+        match self {
+            Self::WindowedExponential { window } => Self::WindowedExponential { window: window / unit },
+            other => other,
+        }
+    }
+
+    /// Fails unless the shape is one and `length` belongs to it: positive, or zero under a window.
+    pub(super) fn check(&self, length: f64) -> Result<(), ProcessError> {
+        match *self {
+            Self::Matern { nu } if !(nu > 0.0 && nu <= LARGEST_NU) => {
+                let parameter = "smoothness of the correlation";
+                return Err(ProcessError::Parameter { parameter, value: nu, wanted: "in (0, 100]" });
+            }
+            Self::WindowedExponential { window } => {
+                positive("window of the correlation", window)?;
+                if length == 0.0 {
+                    return Ok(());
+                }
+            }
+            _ => {}
+        }
+        positive("correlation length", length)
+    }
+
+    /// Whether it is e^{−s/ℓ}.
+    pub(super) fn is_exponential(&self) -> bool {
+        matches!(self, Self::Exponential | Self::Matern { nu: 0.5 })
+    }
+
+    /// Whether a normal process of this shape is an Ornstein–Uhlenbeck process or its moving average.
+    pub(super) fn has_recursion(&self) -> bool {
+        self.is_exponential() || matches!(self, Self::WindowedExponential { .. })
+    }
+
+    /// Lag at which the correlation is 1/e.
+    pub fn decay_length(&self, length: f64) -> f64 {
+        match *self {
+            Self::Exponential | Self::SquaredExponential | Self::Matern { nu: 0.5 } => length,
+            Self::Matern { .. } | Self::WindowedExponential { .. } => {
+                let start = match *self {
+                    Self::WindowedExponential { window } => window + length,
+                    _ => length,
+                };
+                rising_root(start, |lag| (-1.0_f64).exp() - self.correlation(lag, length))
+            }
+        }
+    }
+
+    /// The length with which the correlation at `lag` is that of `wanted`, which is at least that of `length`.
+    pub(super) fn longer(&self, length: f64, lag: f64, wanted: f64) -> f64 {
+        match *self {
+            Self::Exponential | Self::Matern { nu: 0.5 } => -lag / wanted.ln(),
+            Self::SquaredExponential => lag / (-wanted.ln()).sqrt(),
+            Self::Matern { .. } | Self::WindowedExponential { .. } => {
+                rising_root(length.max(lag), |length| self.correlation(lag, length) - wanted)
+            }
+        }
+    }
+
+    /// Frequency times ℓ below which the share `probability` of the spectrum of positive frequencies lies; `None` under a
+    /// window, whose spectrum has no such closed form.
+    pub(super) fn spectral_quantile(&self, probability: f64) -> Option<f64> {
+        match *self {
+            Self::Exponential => Some((std::f64::consts::FRAC_PI_2 * probability).tan()),
+            // A normal law of variance 2.
+            Self::SquaredExponential => Some(2.0_f64.sqrt() * standard_normal_quantile(0.5 + 0.5 * probability)),
+            // Student's law of 2ν degrees of freedom.
+            Self::Matern { nu } => Some(student_quantile(0.5 + 0.5 * probability, 2.0 * nu)),
+            Self::WindowedExponential { .. } => None,
+        }
+    }
+}
+
+/// The root of a rising function of a positive number, between 0 and what doubling `start` reaches.
+fn rising_root(start: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, start);
+    for _ in 0..HALVINGS {
+        if f(high) >= 0.0 {
+            break;
+        }
+        low = high;
+        high *= 2.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if f(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_decay_length_is_where_the_correlation_is_one_over_e() {
+        for shape in [
+            CorrelationShape::Exponential,
+            CorrelationShape::SquaredExponential,
+            CorrelationShape::Matern { nu: 1.5 },
+            CorrelationShape::Matern { nu: 3.2 },
+            CorrelationShape::WindowedExponential { window: 600.0 },
+        ] {
+            let lag = shape.decay_length(250.0);
+            assert!((shape.correlation(lag, 250.0) - (-1.0_f64).exp()).abs() < 1e-12, "{shape:?}");
+            let longer = shape.longer(250.0, lag, 0.4);
+            assert!(longer > 250.0 && (shape.correlation(lag, longer) - 0.4).abs() < 1e-12, "{shape:?}");
+        }
+        // The triangle of a window alone: 1 − 1/e of it.
+        let triangle = CorrelationShape::WindowedExponential { window: 600.0 };
+        assert!((triangle.decay_length(0.0) / 600.0 - (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn spectral_quantiles_integrate_to_the_correlation() {
+        // ρ(s) = ∫ cos(ω(u) s) du over the shares u, by the midpoint rule of n points. It sees nothing of frequencies that turn
+        // by more than half a circle from point to point: a share of about 1/√n under e^{−s}, 3e-4 and 4e-5 under the last two.
+        for (shape, tolerance) in [
+            (CorrelationShape::Exponential, 2e-3),
+            (CorrelationShape::SquaredExponential, 1e-5),
+            (CorrelationShape::Matern { nu: 0.8 }, 1e-3),
+            (CorrelationShape::Matern { nu: 1.5 }, 5e-4),
+            (CorrelationShape::Matern { nu: 4.0 }, 1e-4),
+        ] {
+            let n = 20_000;
+            let quantiles: Vec<f64> =
+                (0..n).map(|k| shape.spectral_quantile((f64::from(k) + 0.5) / f64::from(n)).unwrap()).collect();
+            for s in [0.3, 1.0, 2.5] {
+                let found = quantiles.iter().map(|w| (w * s).cos()).sum::<f64>() / f64::from(n);
+                let error = found - shape.correlation(s, 1.0);
+                assert!(error.abs() < tolerance, "{shape:?} at {s}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn shapes_that_are_none_are_refused() {
+        for (shape, length) in [
+            (CorrelationShape::Matern { nu: 0.0 }, 1.0),
+            (CorrelationShape::Matern { nu: f64::NAN }, 1.0),
+            (CorrelationShape::WindowedExponential { window: 0.0 }, 1.0),
+            (CorrelationShape::WindowedExponential { window: 1.0 }, -1.0),
+            (CorrelationShape::SquaredExponential, 0.0),
+        ] {
+            assert!(shape.check(length).is_err(), "{shape:?} {length}");
+        }
+        assert!(CorrelationShape::WindowedExponential { window: 1.0 }.check(0.0).is_ok());
+    }
+}

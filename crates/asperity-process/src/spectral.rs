@@ -1,0 +1,49 @@
+//! Spectral representation of a standard normal process.
+
+use std::f64::consts::TAU;
+
+use rand_distr::{Distribution, Open01};
+
+use asperity_base::random::Stream;
+
+/// A sum of harmonics √(2/K) Σ cos(ω_k s + φ_k), advanced knot by knot.
+///
+/// The spectral distribution over positive frequencies, for e^{−|s|/ℓ} that is F(ω) = (2/π) atan(ωℓ), is cut into K strata
+/// of equal weight; each gives one harmonic of random frequency and phase. So the correlation at the knots is exact at every lag, without a period and
+/// without a cut-off frequency, and every realisation has unit power. The law is normal in the limit of many harmonics
+/// (excess kurtosis −3/(2K)).
+///
+/// # References
+/// Shinozuka & Deodatis, *Appl. Mech. Rev.* **44** (1991) 191, <https://doi.org/10.1115/1.3119501>.
+#[derive(Debug, Clone)]
+pub(super) struct Harmonics {
+    amplitude: f64,
+    /// cos, sin of the present angle and of the angle per knot.
+    phasors: Vec<[f64; 4]>,
+}
+
+impl Harmonics {
+    /// Draws `count` harmonics for knots `step_share` correlation lengths apart; `quantile` is the inverse of F, of ωℓ.
+    pub(super) fn draw(count: usize, step_share: f64, quantile: impl Fn(f64) -> f64, rng: &mut Stream) -> Self {
+        let uniform = |rng: &mut Stream| -> f64 { Open01.sample(rng) };
+        let phasors = (0..count)
+            .map(|k| {
+                let frequency = quantile((k as f64 + uniform(rng)) / count as f64);
+                let phase = TAU * uniform(rng);
+                let angle = frequency * step_share;
+                [phase.cos(), phase.sin(), angle.cos(), angle.sin()]
+            })
+            .collect();
+        Self { amplitude: (2.0 / count as f64).sqrt(), phasors }
+    }
+
+    /// The value at this knot; moves to the next.
+    pub(super) fn advance(&mut self) -> f64 {
+        let mut sum = 0.0;
+        for [c, s, turn_c, turn_s] in &mut self.phasors {
+            sum += *c;
+            (*c, *s) = (*c * *turn_c - *s * *turn_s, *c * *turn_s + *s * *turn_c);
+        }
+        self.amplitude * sum
+    }
+}

@@ -1,0 +1,69 @@
+//! A fluctuation that ends when its reader should stop.
+
+use super::{Cell, Fluctuation};
+use asperity_base::monitor::Monitor;
+
+/// Cells between two looks at the monitor: about a millisecond.
+const EVERY: u32 = 16_384;
+
+/// A fluctuation that ends once its monitor cancels, so that a path over billions of knots need not be followed to its end.
+/// The motion then fails as on a record that is too short, and its caller, who knows the monitor, tells the difference.
+pub struct Watched<'a, F> {
+    fluctuation: F,
+    monitor: &'a dyn Monitor,
+    left: u32,
+}
+
+impl<'a, F> Watched<'a, F> {
+    /// `fluctuation` under the eyes of a monitor.
+    pub fn new(fluctuation: F, monitor: &'a dyn Monitor) -> Self {
+        Self { fluctuation, monitor, left: EVERY }
+    }
+}
+
+impl<F: Fluctuation> Fluctuation for Watched<'_, F> {
+    #[inline]
+    fn next_cell(&mut self) -> Option<Cell> {
+        self.left -= 1;
+        if self.left == 0 {
+            if self.monitor.cancelled() {
+                self.left = 1;
+                return None;
+            }
+            self.left = EVERY;
+        }
+        self.fluctuation.next_cell()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    use super::*;
+    use crate::{FrictionProcess, ProcessModel};
+
+    struct Switch(AtomicBool);
+
+    impl Monitor for Switch {
+        fn progress(&self, _: &str, _: usize, _: usize) {}
+
+        fn cancelled(&self) -> bool {
+            self.0.load(Ordering::Relaxed)
+        }
+    }
+
+    #[test]
+    fn nothing_changes_until_the_monitor_cancels_and_then_it_ends() {
+        let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 1e-3, 0.01)).unwrap();
+        let monitor = Switch(AtomicBool::new(false));
+        let (mut bare, mut watched) = (process.path(1, 2), Watched::new(process.path(1, 2), &monitor));
+        for _ in 0..3 * EVERY {
+            assert_eq!(watched.next_cell(), bare.next_cell());
+        }
+        monitor.0.store(true, Ordering::Relaxed);
+        let left = (0..=EVERY).find(|_| watched.next_cell().is_none());
+        assert!(left.is_some());
+        assert_eq!((watched.next_cell(), watched.next_cell()), (None, None));
+    }
+}

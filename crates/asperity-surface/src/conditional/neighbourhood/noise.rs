@@ -1,0 +1,69 @@
+//! How much of the measured heights the correlation does not explain.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use rayon::prelude::*;
+
+use crate::conditional::kernel::Lags;
+use asperity_base::map::Grid;
+
+/// Variances of the noise that are tried, over that of the heights, from [`LEAST_NOISE`] up by factors of ten.
+const DECADES: i32 = 8;
+/// Noise that is always allowed: rounding makes smooth correlations singular.
+pub(super) const LEAST_NOISE: f64 = 1e-10;
+/// Side in points, and number along a side of the map, of the patches whose likelihood is asked.
+const PATCH: usize = 12;
+const PATCHES: usize = 6;
+/// Logarithm of the likelihood by which more noise must be better.
+const DECISIVE: f64 = 3.0;
+
+/// Variance of white noise under which `values` at `places` are likeliest, in decades from 1e-10 to 1e-2 of the variance
+/// `variance` of the field: the least one that none exceeds decisively.
+///
+/// A correlation smoother than the heights, such as a fitted model under measurement noise, would have the voids swing: the
+/// steps between neighbours are then impossible, and are continued.
+pub(super) fn likeliest_noise(lags: &Lags, grid: Grid, places: &[usize], values: &[f64], variance: f64) -> f64 {
+    let (ny, nx) = grid.shape();
+    let mut at = vec![f64::NAN; nx * ny];
+    places.iter().zip(values).for_each(|(place, value)| at[*place] = *value);
+    let corner = |i: usize, n: usize| i * n.saturating_sub(PATCH) / (PATCHES - 1);
+    let corners: Vec<(usize, usize)> =
+        (0..PATCHES * PATCHES).map(|i| (corner(i / PATCHES, ny), corner(i % PATCHES, nx))).collect();
+    let likelihoods: Vec<Vec<f64>> = corners
+        .par_iter()
+        .map(|(top, left)| {
+            let mut patch = Vec::new();
+            for row in *top..(top + PATCH).min(ny) {
+                for column in *left..(left + PATCH).min(nx) {
+                    let value = at[row * nx + column];
+                    if !value.is_nan() {
+                        patch.push((column as isize, row as isize, value));
+                    }
+                }
+            }
+            (0..=DECADES).map(|decade| likelihood(lags, &patch, noise(decade), variance)).collect()
+        })
+        .collect();
+    let sums: Vec<f64> = (0..=DECADES as usize).map(|d| likelihoods.iter().map(|l| l[d]).sum()).collect();
+    let best = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = sums.iter().position(|sum| *sum >= best - DECISIVE).unwrap_or(0);
+    noise(least as i32)
+}
+
+fn noise(decade: i32) -> f64 {
+    LEAST_NOISE * 10.0_f64.powi(decade)
+}
+
+/// Logarithm of the Gaussian density of the values of a patch, but for a constant.
+fn likelihood(lags: &Lags, patch: &[(isize, isize, f64)], noise: f64, variance: f64) -> f64 {
+    let n = patch.len();
+    let between = Mat::from_fn(n, n, |i, j| {
+        lags.at(patch[i].0 - patch[j].0, patch[i].1 - patch[j].1) + if i == j { noise } else { 0.0 }
+    });
+    let Ok(factor) = between.llt(Side::Lower) else { return f64::NEG_INFINITY };
+    let values = Mat::from_fn(n, 1, |i, _| patch[i].2);
+    let weights = factor.solve(&values);
+    let misfit: f64 = (0..n).map(|i| values[(i, 0)] * weights[(i, 0)]).sum::<f64>() / variance;
+    let log_determinant: f64 = 2.0 * (0..n).map(|i| factor.L()[(i, i)].ln()).sum::<f64>();
+    -0.5 * (misfit + log_determinant)
+}

@@ -1,0 +1,43 @@
+//! Filters: outliers become missing points, Gaussian filters take out small or large scales.
+
+mod gaussian;
+mod outliers;
+mod waves;
+
+use thiserror::Error;
+
+use asperity_base::map::MapError;
+
+pub use gaussian::{GaussianFilter, Regression, Smoothed};
+pub use outliers::{Filtered, reject_outliers};
+pub use waves::{Edges, Respaced};
+
+/// Why a map could not be filtered.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FilterError {
+    /// The threshold is not positive and finite.
+    #[error("the outlier threshold is {found} standard deviations, but must be positive and finite")]
+    Threshold {
+        /// Threshold found.
+        found: f64,
+    },
+    /// The cutoff is shorter than a pixel or longer than the field.
+    #[error("the cutoff is {found_m:e} m, but must lie between the pixel, {low_m:e} m, and the field, {high_m:e} m")]
+    Cutoff {
+        /// Cutoff found in metre.
+        found_m: f64,
+        /// Least one, the longer pitch, in metre.
+        low_m: f64,
+        /// Largest one, the shorter side, in metre.
+        high_m: f64,
+    },
+    /// The robust weights did not settle.
+    #[error("the robust filter did not settle in {iterations} iterations")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+    },
+    /// No height would be left.
+    #[error(transparent)]
+    Map(#[from] MapError),
+}

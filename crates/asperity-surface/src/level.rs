@@ -1,0 +1,282 @@
+//! Removal of form by least squares, the F-operation of ISO 25178-2.
+
+mod polynomial;
+mod round;
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+use std::str::FromStr;
+
+use ndarray::Array2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use asperity_base::map::{HeightMap, MapError};
+
+/// Highest degree of a polynomial form. Beyond, a form follows waviness and takes it out of the roughness.
+pub const MAX_DEGREE: u8 = 12;
+
+/// What is taken out of the heights before they are called roughness.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Level {
+    /// Nothing.
+    None,
+    /// The mean height.
+    Mean,
+    /// The least-squares plane.
+    #[default]
+    Plane,
+    /// The least-squares polynomial of total degree two.
+    Quadratic,
+    /// The least-squares polynomial of this total degree, 0 to [`MAX_DEGREE`].
+    Polynomial(u8),
+    /// The circular cylinder of least squares in height, of any axis and tilt.
+    Cylinder,
+    /// The sphere of least squares in height.
+    Sphere,
+}
+
+impl Level {
+    /// The forms without a parameter.
+    const PLAIN: [Self; 6] = [Self::None, Self::Mean, Self::Plane, Self::Quadratic, Self::Cylinder, Self::Sphere];
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("none"),
+            Self::Mean => f.write_str("mean"),
+            Self::Plane => f.write_str("plane"),
+            Self::Quadratic => f.write_str("quadratic"),
+            Self::Polynomial(degree) => write!(f, "polynomial:{degree}"),
+            Self::Cylinder => f.write_str("cylinder"),
+            Self::Sphere => f.write_str("sphere"),
+        }
+    }
+}
+
+impl FromStr for Level {
+    type Err = LevelError;
+
+    fn from_str(text: &str) -> Result<Self, LevelError> {
+        let plain = Self::PLAIN.into_iter().find(|level| level.to_string() == text);
+        let degree = || text.strip_prefix("polynomial:")?.parse().ok().filter(|degree| *degree <= MAX_DEGREE);
+        plain.or_else(|| degree().map(Self::Polynomial)).ok_or_else(|| LevelError::Unknown { text: text.into() })
+    }
+}
+
+impl TryFrom<String> for Level {
+    type Error = LevelError;
+
+    fn try_from(text: String) -> Result<Self, LevelError> {
+        text.parse()
+    }
+}
+
+impl From<Level> for String {
+    fn from(level: Level) -> Self {
+        level.to_string()
+    }
+}
+
+/// Why a form could not be removed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LevelError {
+    /// The text names no form.
+    #[error(
+        "`{text}` is no form to remove; write none, mean, plane, quadratic, polynomial:N (N up to {MAX_DEGREE}), cylinder \
+         or sphere"
+    )]
+    Unknown {
+        /// What was found.
+        text: String,
+    },
+    /// The present points do not determine the form: they are too few or lie on a line or conic.
+    #[error("the {present} heights that are present do not determine a form `{level}`")]
+    Undetermined {
+        /// Form that was wanted.
+        level: Level,
+        /// Heights present.
+        present: usize,
+    },
+    /// The search for a cylinder or sphere came to no end.
+    #[error("no {level} fits the heights: the search did not settle in {iterations} steps")]
+    NotConverged {
+        /// Form that was wanted.
+        level: Level,
+        /// Steps taken.
+        iterations: usize,
+    },
+}
+
+/// A map without its form, and the form.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Levelled {
+    /// What is left, missing where the heights were.
+    pub map: HeightMap,
+    /// Heights of the form in metre at every point, missing or not, shape `[ny, nx]`; NaN beyond the rim of a cylinder or
+    /// sphere.
+    pub form_m: Array2<f64>,
+    /// Radius of a cylinder or sphere in metre: positive for a ridge or cap, negative for a groove or dish.
+    pub radius_m: Option<f64>,
+}
+
+/// Removes the least-squares form from the present heights; missing ones stay missing and have no say.
+///
+/// Residuals are vertical. The result does not depend on pitch, offset or mask beyond rounding. When all that is left is
+/// the rounding of the heights, it is set to zero: a perfect plane has no roughness.
+///
+/// # Errors
+/// [`LevelError::Undetermined`] when the present points do not determine the form, [`LevelError::NotConverged`] when the
+/// search for a cylinder or sphere does not settle.
+pub fn remove_form(map: &HeightMap, level: Level) -> Result<Levelled, LevelError> {
+    let present = map.grid().points() - map.missing_points();
+    let undetermined = |_| LevelError::Undetermined { level, present };
+    let (form_m, radius_m) = match level {
+        Level::None => (Array2::zeros(map.grid().shape()), None),
+        Level::Mean => (polynomial::fit(map, 0).map_err(undetermined)?, None),
+        Level::Plane => (polynomial::fit(map, 1).map_err(undetermined)?, None),
+        Level::Quadratic => (polynomial::fit(map, 2).map_err(undetermined)?, None),
+        Level::Polynomial(degree) => (polynomial::fit(map, degree.min(MAX_DEGREE).into()).map_err(undetermined)?, None),
+        Level::Cylinder | Level::Sphere => {
+            let fitted = round::fit(map, level == Level::Cylinder).map_err(|error| match error {
+                round::RoundError::Undetermined => undetermined(polynomial::Undetermined),
+                round::RoundError::NotConverged { iterations } => LevelError::NotConverged { level, iterations },
+            })?;
+            (fitted.heights_m, Some(fitted.radius_m))
+        }
+    };
+    if level == Level::None {
+        return Ok(Levelled { map: map.clone(), form_m, radius_m });
+    }
+    let mut left = map.heights_m() - &form_m;
+    // What is no larger than the rounding of the heights is not roughness.
+    let largest_m = map.present_m().fold(0.0, |m: f64, z| m.max(z.abs()));
+    let rounding_m = 16.0 * f64::EPSILON * largest_m;
+    if left.iter().all(|z| z.is_nan() || z.abs() <= rounding_m) {
+        left.mapv_inplace(|z| if z.is_nan() { z } else { 0.0 });
+    }
+    let map = HeightMap::new(map.grid(), left).map_err(|_: MapError| undetermined(polynomial::Undetermined))?;
+    Ok(Levelled { map, form_m, radius_m })
+}
+
+/// A form that exceeds the roughness around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DominantForm {
+    /// The form, a plane or a quadratic polynomial.
+    pub level: Level,
+    /// Root mean square height of the form about its mean, in metre.
+    pub form_rms_m: f64,
+    /// Root mean square height of the rest, in metre.
+    pub roughness_rms_m: f64,
+}
+
+/// Returns the least-squares form of an unlevelled map if its root mean square height exceeds that of the rest.
+///
+/// The form is quadratic if what it adds to the plane exceeds the rest, and a plane otherwise. `None` where neither exceeds the rest
+/// or the heights do not determine it.
+pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
+    let rms_after = |level: Level| {
+        let left = remove_form(map, level).ok()?.map;
+        let (count, sum) = left.present_m().fold((0.0, 0.0), |(count, sum), z| (count + 1.0, sum + z * z));
+        Some(f64::sqrt(sum / count))
+    };
+    let (mean, plane) = (rms_after(Level::Mean)?, rms_after(Level::Plane)?);
+    // Residuals of least squares are orthogonal to the form.
+    let between = |before: f64, after: f64| (before * before - after * after).max(0.0).sqrt();
+    let quadratic = rms_after(Level::Quadratic).unwrap_or(plane);
+    let (level, rest) =
+        if between(plane, quadratic) > quadratic { (Level::Quadratic, quadratic) } else { (Level::Plane, plane) };
+    let form_rms_m = between(mean, rest);
+    (form_rms_m > rest).then_some(DominantForm { level, form_rms_m, roughness_rms_m: rest })
+}
+
+/// Sums of `count` values over the rows of a map: rows are worked on by all threads and added in order, so the result does
+/// not depend on how many there are.
+fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    /// Rows that are added up before they are handed on.
+    const BLOCK: usize = 16;
+    let blocks: Vec<Vec<f64>> = (0..rows.div_ceil(BLOCK))
+        .into_par_iter()
+        .map(|block| {
+            let mut sums = vec![0.0; count];
+            for row in block * BLOCK..((block + 1) * BLOCK).min(rows) {
+                of_row(row, &mut sums);
+            }
+            sums
+        })
+        .collect();
+    blocks.iter().fold(vec![0.0; count], |mut total, sums| {
+        total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
+        total
+    })
+}
+
+/// Solves a symmetric positive definite system in place by Cholesky's factorisation, after scaling its diagonal to one;
+/// `false` when a pivot says that the system does not determine the unknowns.
+fn solve_symmetric(matrix: &mut [f64], right: &mut [f64]) -> bool {
+    /// Least pivot of a unit diagonal.
+    const LEAST_PIVOT: f64 = 1e-11;
+    let n = right.len();
+    let scale: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();
+    if scale.iter().any(|s| s.is_nan() || *s == 0.0) {
+        return false;
+    }
+    for i in 0..n {
+        right[i] /= scale[i];
+        for j in 0..n {
+            matrix[i * n + j] /= scale[i] * scale[j];
+        }
+    }
+    for i in 0..n {
+        for j in 0..=i {
+            let product: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
+            let rest = matrix[i * n + j] - product;
+            if i == j {
+                if rest.is_nan() || rest < LEAST_PIVOT {
+                    return false;
+                }
+                matrix[i * n + i] = rest.sqrt();
+            } else {
+                matrix[i * n + j] = rest / matrix[j * n + j];
+            }
+        }
+        let product: f64 = (0..i).map(|k| matrix[i * n + k] * right[k]).sum();
+        right[i] = (right[i] - product) / matrix[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let product: f64 = (i + 1..n).map(|k| matrix[k * n + i] * right[k]).sum();
+        right[i] = (right[i] - product) / matrix[i * n + i];
+    }
+    right.iter_mut().zip(&scale).for_each(|(x, s)| *x /= s);
+    true
+}
+
+/// Coordinates that run from −1 to 1 over the columns or rows that hold a present point.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    centre: f64,
+    half: f64,
+}
+
+impl Span {
+    /// The spans of (columns, rows).
+    fn of(map: &HeightMap) -> (Self, Self) {
+        let ends = |place: fn((usize, usize)) -> usize| {
+            let present = map.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
+            let (low, high) =
+                present.fold((usize::MAX, 0), |(low, high), (at, _)| (low.min(place(at)), high.max(place(at))));
+            // One row alone has no extent; its scaled coordinate is then 0 and a slope stays undetermined.
+            let half = if high > low { 0.5 * (high - low) as f64 } else { 1.0 };
+            Self { centre: 0.5 * (low + high) as f64, half }
+        };
+        (ends(|at| at.1), ends(|at| at.0))
+    }
+
+    fn at(self, index: usize) -> f64 {
+        (index as f64 - self.centre) / self.half
+    }
+}

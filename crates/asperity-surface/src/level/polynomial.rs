@@ -1,0 +1,95 @@
+//! Polynomials of a total degree.
+
+use ndarray::Array2;
+use rayon::prelude::*;
+
+use super::{Span, solve_symmetric, sums_over_rows};
+use asperity_base::map::HeightMap;
+
+/// The present points do not determine the polynomial.
+#[derive(Debug)]
+pub(super) struct Undetermined;
+
+/// Times that the fit is repeated on what it left, which takes out the rounding of the normal equations.
+const REFINEMENTS: usize = 2;
+
+/// Heights of the least-squares polynomial of total `degree` at every point of the map, in metre.
+///
+/// The basis are products P_a(u) P_b(v), a + b ≤ degree, of Legendre polynomials in coordinates from −1 to 1 over the
+/// present points: orthogonal on a full map but for the sampling. A row's share of the normal equations is P_b P_d times
+/// the sums of P_a P_c over its present points, so a fit costs degree² operations a point and not degree⁴.
+pub(super) fn fit(map: &HeightMap, degree: usize) -> Result<Array2<f64>, Undetermined> {
+    let (ny, nx) = map.grid().shape();
+    let (columns, rows) = Span::of(map);
+    let one = degree + 1;
+    let terms: Vec<(usize, usize)> = (0..one).flat_map(|sum| (0..=sum).map(move |b| (sum - b, b))).collect();
+    let along_x: Vec<f64> = (0..nx).flat_map(|column| legendre(columns.at(column), degree)).collect();
+    let along_y: Vec<f64> = (0..ny).flat_map(|row| legendre(rows.at(row), degree)).collect();
+    let heights = map.heights_m();
+    let n = terms.len();
+    let gram = sums_over_rows(ny, n * n, |row, sums| {
+        let mut products = vec![0.0; one * one];
+        for (z, p) in heights.row(row).iter().zip(along_x.chunks_exact(one)) {
+            if !z.is_nan() {
+                for a in 0..one {
+                    for c in 0..=a {
+                        products[a * one + c] += p[a] * p[c];
+                    }
+                }
+            }
+        }
+        let y = &along_y[row * one..(row + 1) * one];
+        for (i, &(a, b)) in terms.iter().enumerate() {
+            for (j, &(c, d)) in terms.iter().enumerate() {
+                sums[i * n + j] += products[a.max(c) * one + a.min(c)] * y[b] * y[d];
+            }
+        }
+    });
+    // Roughness of nanometres may sit on millimetres of offset: the mean goes first.
+    let present = (map.grid().points() - map.missing_points()) as f64;
+    let mean_m = sums_over_rows(ny, 1, |row, sum| {
+        sum[0] += heights.row(row).iter().filter(|z| !z.is_nan()).sum::<f64>();
+    })[0]
+        / present;
+    let mut coefficients = vec![0.0; n];
+    let value = |coefficients: &[f64], x: &[f64], y: &[f64]| -> f64 {
+        terms.iter().zip(coefficients).map(|(&(a, b), c)| c * x[a] * y[b]).sum()
+    };
+    for _ in 0..=REFINEMENTS {
+        let mut correction = sums_over_rows(ny, n, |row, sums| {
+            let y = &along_y[row * one..(row + 1) * one];
+            let mut products = vec![0.0; one];
+            for (z, x) in heights.row(row).iter().zip(along_x.chunks_exact(one)) {
+                if !z.is_nan() {
+                    let left = (z - mean_m) - value(&coefficients, x, y);
+                    products.iter_mut().zip(x).for_each(|(sum, p)| *sum += left * p);
+                }
+            }
+            for (sum, &(a, b)) in sums.iter_mut().zip(&terms) {
+                *sum += products[a] * y[b];
+            }
+        });
+        if !solve_symmetric(&mut gram.clone(), &mut correction) {
+            return Err(Undetermined);
+        }
+        coefficients.iter_mut().zip(&correction).for_each(|(c, d)| *c += d);
+    }
+    let mut form = vec![0.0; nx * ny];
+    form.par_chunks_exact_mut(nx).zip(along_y.par_chunks_exact(one)).for_each(|(out, y)| {
+        for (z, x) in out.iter_mut().zip(along_x.chunks_exact(one)) {
+            *z = mean_m + value(&coefficients, x, y);
+        }
+    });
+    Ok(Array2::from_shape_fn((ny, nx), |(row, column)| form[row * nx + column]))
+}
+
+/// P_0(u) … P_degree(u) by Bonnet's recurrence.
+fn legendre(u: f64, degree: usize) -> Vec<f64> {
+    let mut values = vec![1.0, u];
+    for k in 1..degree {
+        let k1 = k as f64;
+        values.push(((2.0 * k1 + 1.0) * u * values[k] - k1 * values[k - 1]) / (k1 + 1.0));
+    }
+    values.truncate(degree + 1);
+    values
+}

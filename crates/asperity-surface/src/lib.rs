@@ -1,0 +1,70 @@
+//! What a rough surface is, and how to draw maps like it (paper §2).
+
+pub mod areal;
+mod conditional;
+mod filling;
+pub mod filter;
+pub mod fractal;
+mod gaussian;
+#[cfg(test)]
+mod germ_response;
+mod karhunen_loeve;
+pub mod level;
+pub mod pooling;
+pub mod preparation;
+mod spectral;
+mod translation;
+pub mod uncertainty;
+mod weierstrass_mandelbrot;
+
+pub use conditional::{ConditionalError, ConditionalSurface, Conditioning, NeighbourhoodSurface, surrounded};
+pub use filling::{
+    FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, filling_memory_bytes,
+};
+pub use gaussian::{GaussianSurface, GeneratorError};
+pub use karhunen_loeve::{
+    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_for_slopes,
+    modes_memory_bytes, profile_modes,
+};
+pub use spectral::SpectralField;
+pub use translation::{
+    CorrectedField, CorrectionReport, Feasibility, Predistorted, Translated, TranslationCorrection, TranslationError,
+    TranslationReport,
+};
+pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};
+
+use ndarray::Array2;
+
+use asperity_base::map::{Grid, HeightMap};
+
+/// A random surface: a map that is a deterministic function of a germ, the vector ξ of independent standard normal
+/// variables. Samplers and chaos expansions act on the germ.
+pub trait RandomSurface: Sync {
+    /// Number of germ variables, most important first.
+    fn germ_len(&self) -> usize;
+
+    /// Grid of the generated maps.
+    fn grid(&self) -> Grid;
+
+    /// The map of one germ of [`RandomSurface::germ_len`] values.
+    ///
+    /// # Panics
+    /// If the germ has another length or a value that is not finite.
+    fn generate(&self, germ: &[f64]) -> HeightMap;
+
+    /// Response of the weighted sum Σ w z of heights to each germ variable at ξ = 0, in metre; `weights` has shape `[ny, nx]`.
+    ///
+    /// The adjoint of the generator, at about the cost of one map; exact for all ξ where the map is linear in the germ. `None`
+    /// where it has to be found by differences.
+    ///
+    /// # Panics
+    /// If the weights have another shape.
+    fn germ_response(&self, _weights: &Array2<f64>) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Whether maps that differ by a shift on the periodic grid are equally likely, up to a thousandth of the variance.
+    fn is_periodic_and_stationary(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,365 @@
+//! Stationary Gaussian surfaces by Fourier synthesis.
+
+mod modes;
+#[cfg(test)]
+mod round_trip;
+
+use ndarray::Array2;
+
+use super::gaussian::{check_germ, map_of, row_order};
+use super::{GaussianSurface, GeneratorError, RandomSurface};
+use asperity_base::correlation::{Covariance, StationaryCovariance};
+use asperity_base::fourier::{RealFft2, good_length, signed_index};
+use asperity_base::map::{Grid, HeightMap};
+
+pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
+
+/// Share of negative circulant variance that counts as rounding.
+const NEGLIGIBLE: f64 = 1e-12;
+/// Largest side of an embedding domain over that of the grid, and its largest number of points.
+const LARGEST_FACTOR: usize = 64;
+const LARGEST_DOMAIN: usize = 1 << 24;
+
+/// A stationary Gaussian surface z = σ Σ_q √(λ_q/A) (…) over the Fourier modes of a periodic domain of area A.
+///
+/// The germ holds one standard normal variable per degree of freedom of the domain (a cosine and a sine per pair ±q),
+/// sorted by falling variance; one inverse transform makes a map. Every point has the same variance.
+///
+/// - [`SpectralField::periodic`]: λ from the covariance wrapped onto the grid. The ensemble covariance on the grid *is*
+///   the wrapped covariance, with the exact variance; it fails to be one only by [`SpectralField::clipped_variance`].
+/// - [`SpectralField::from_psd`]: λ_q = P(q)/σ² at the grid's wavevectors, never negative. The ensemble covariance is the
+///   model's summed over all periodic images, without what lies beyond the grid's wavevectors. Its variance over σ² is
+///   [`SpectralField::captured_variance`]: below 1 for a coarse grid, above 1 for one of few correlation lengths.
+/// - [`SpectralField::free`]: a crop of a larger periodic domain on which the wrapped covariance is non-negative
+///   (circulant embedding), so that opposite edges are uncorrelated unless the covariance says so.
+///
+/// # References
+/// Dietrich & Newsam, *SIAM J. Sci. Comput.* **18** (1997) 1088, <https://doi.org/10.1137/S1064827592240555>;
+/// Wu, *Tribol. Int.* **33** (2000) 47, <https://doi.org/10.1016/S0301-679X(00)00016-5>.
+#[derive(Debug, Clone)]
+pub struct SpectralField {
+    grid: Grid,
+    std_m: f64,
+    modes: FourierModes,
+    captured_variance: f64,
+    clipped_variance: f64,
+}
+
+impl SpectralField {
+    /// A field on the periodic `grid` with the covariance wrapped at the least image.
+    pub fn periodic(covariance: &dyn StationaryCovariance, grid: Grid) -> Self {
+        Self::on_domain(covariance, grid, grid)
+    }
+
+    /// A field on the periodic `grid` with the model's power spectral density at the grid's wavevectors.
+    pub fn from_psd(covariance: &Covariance, grid: Grid) -> Self {
+        let fft = RealFft2::new(grid.nx(), grid.ny());
+        let variance = covariance.std_m() * covariance.std_m();
+        let (qx_min, qy_min) = (std::f64::consts::TAU / grid.width_m(), std::f64::consts::TAU / grid.height_m());
+        let ny = grid.ny();
+        let eigenvalues_m2: Vec<f64> = (0..fft.stored_kx())
+            .flat_map(|kx| (0..ny).map(move |ky| (kx, ky)))
+            .map(|(kx, ky)| covariance.psd_m4(kx as f64 * qx_min, signed_index(ky, ny) * qy_min) / variance)
+            .collect();
+        let modes = FourierModes::new(grid, fft, &eigenvalues_m2);
+        let captured_variance = modes.eigenvalues_m2().sum::<f64>() / grid.area_m2();
+        Self { grid, std_m: covariance.std_m(), modes, captured_variance, clipped_variance: 0.0 }
+    }
+
+    /// A field that is not periodic on `grid`, with the exact covariance where the embedding is non-negative.
+    ///
+    /// The domain starts at twice the grid. Until negative eigenvalues hold less than 1e−12 of the variance, the side across
+    /// which the covariance has decayed less is doubled, up to 64 times the grid or 2²⁴ points; what the negative
+    /// eigenvalues still hold then is clipped and reported.
+    ///
+    /// # Errors
+    /// Never for a valid grid, except when the padded one is not.
+    pub fn free(covariance: &dyn StationaryCovariance, grid: Grid) -> Result<Self, GeneratorError> {
+        let (mut factor_x, mut factor_y) = (2, 2);
+        loop {
+            let (nx, ny) = (good_length(factor_x * grid.nx()), good_length(factor_y * grid.ny()));
+            let domain = Grid::new(nx, ny, grid.dx_m(), grid.dy_m())?;
+            let field = Self::on_domain(covariance, grid, domain);
+            let (across_x, across_y) = largest_across(covariance, domain);
+            let factor = if across_x > across_y { &mut factor_x } else { &mut factor_y };
+            if field.clipped_variance < NEGLIGIBLE || *factor >= LARGEST_FACTOR || 2 * domain.points() > LARGEST_DOMAIN
+            {
+                return Ok(field);
+            }
+            *factor *= 2;
+        }
+    }
+
+    /// The same field with its germ in the order of wavevectors, the same for all covariances. Sorted by variance, a variable
+    /// belongs to another wave as soon as the covariance changes, and two waves of one variance are in the order that rounding
+    /// gives them: with this order a germ means the same waves in fields of different covariance on one grid. Free fields may
+    /// have domains of different size, on which it does not.
+    #[must_use]
+    pub fn by_wavevector(mut self) -> Self {
+        self.modes.sort_by_place();
+        self
+    }
+
+    /// The modes, on the grid itself or on the embedding of a free field.
+    pub(super) fn modes(&self) -> &FourierModes {
+        &self.modes
+    }
+
+    fn on_domain(covariance: &dyn StationaryCovariance, grid: Grid, domain: Grid) -> Self {
+        let fft = RealFft2::new(domain.nx(), domain.ny());
+        let spectrum = wrapped_spectrum(covariance, domain, &fft);
+        Self::from_spectrum(grid, domain, fft, covariance.std_m(), &spectrum)
+    }
+
+    /// A crop of `domain` with given eigenvalues.
+    pub(super) fn from_spectrum(
+        grid: Grid,
+        domain: Grid,
+        fft: RealFft2,
+        std_m: f64,
+        spectrum: &WrappedSpectrum,
+    ) -> Self {
+        let modes = FourierModes::new(domain, fft, &spectrum.eigenvalues_m2);
+        Self { grid, std_m, modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
+    }
+
+    /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].
+    pub fn captured_variance(&self) -> f64 {
+        self.captured_variance
+    }
+
+    /// Share of the variance that negative eigenvalues of the wrapped covariance held. They are set to zero and the
+    /// others scaled to keep the variance, so the covariance met deviates from the one asked for by about this much.
+    pub fn clipped_variance(&self) -> f64 {
+        self.clipped_variance
+    }
+}
+
+/// Largest |ρ| where a periodic domain closes along x, and along y. Without a lay at an angle both lie on the axes.
+fn largest_across(covariance: &dyn StationaryCovariance, domain: Grid) -> (f64, f64) {
+    const STEPS: usize = 64;
+    let (half_x, half_y) = (0.5 * domain.width_m(), 0.5 * domain.height_m());
+    let along = |value: &dyn Fn(f64) -> f64| {
+        if covariance.mirror_symmetric() {
+            return value(0.0).abs();
+        }
+        (0..=STEPS).map(|i| value(2.0 * i as f64 / STEPS as f64 - 1.0).abs()).fold(0.0, f64::max)
+    };
+    (along(&|t| covariance.correlation(half_x, t * half_y)), along(&|t| covariance.correlation(t * half_x, half_y)))
+}
+
+impl RandomSurface for SpectralField {
+    fn germ_len(&self) -> usize {
+        self.modes.len()
+    }
+
+    fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    fn generate(&self, germ: &[f64]) -> HeightMap {
+        check_germ(germ, self.germ_len());
+        let mut heights = self.modes.synthesise(germ, self.grid.ny(), self.grid.nx());
+        for z in &mut heights {
+            *z *= self.std_m;
+        }
+        map_of(self.grid, heights)
+    }
+
+    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        let weights = row_order(weights, self.grid);
+        let mut response = self.modes.analyse(&weights, self.grid.ny(), self.grid.nx());
+        response.iter_mut().for_each(|value| *value *= self.std_m);
+        Some(response)
+    }
+
+    fn is_periodic_and_stationary(&self) -> bool {
+        let fft = self.modes.fft();
+        (fft.ny(), fft.nx()) == self.grid.shape()
+    }
+}
+
+impl GaussianSurface for SpectralField {
+    fn pointwise_std_m(&self) -> Array2<f64> {
+        Array2::from_elem(self.grid.shape(), self.std_m * self.captured_variance.sqrt())
+    }
+
+    fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {
+        let shares = self.modes.covariance_with(row, column, self.grid.ny(), self.grid.nx());
+        let variance = self.std_m * self.std_m;
+        Array2::from_shape_fn(self.grid.shape(), |(r, c)| variance * shares[r * self.grid.nx() + c])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::correlation::{CorrelationModel, Rotated};
+    use asperity_base::random;
+
+    fn model(model: CorrelationModel, length_x_m: f64, length_y_m: f64) -> Covariance {
+        Covariance::new(model, 2.0, length_x_m, length_y_m).unwrap()
+    }
+
+    /// The least image of a lag of `n` points.
+    fn wrapped(lag: usize, n: usize) -> f64 {
+        lag.min(n - lag) as f64
+    }
+
+    #[test]
+    fn the_covariance_of_the_modes_is_the_wrapped_model() {
+        let covariance = model(CorrelationModel::Exponential, 3.0, 1.5);
+        for (nx, ny) in [(24, 16), (15, 24), (24, 9)] {
+            let field = SpectralField::periodic(&covariance, Grid::new(nx, ny, 1.0, 0.5).unwrap());
+            assert_eq!(field.germ_len(), nx * ny);
+            assert!(field.clipped_variance() < 1e-12);
+            let met = field.covariance_with_m2(4, 7);
+            for ((row, column), value) in met.indexed_iter() {
+                let (dx, dy) = (wrapped(column.abs_diff(7), nx), 0.5 * wrapped(row.abs_diff(4), ny));
+                let wanted = covariance.value_m2(dx, dy);
+                assert!((value - wanted).abs() < 1e-12, "{nx}x{ny} ({row},{column}): {value} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_germ_variable_moves_a_mode_of_its_own_variance() {
+        // z is linear in the germ, so Σ_j z_j(x)z_j(x₀) over unit germs is the covariance, with no sampling error.
+        let grid = Grid::new(12, 10, 1.0, 1.0).unwrap();
+        let field = SpectralField::periodic(&model(CorrelationModel::Matern { nu: 1.5 }, 1.5, 1.0), grid);
+        let mut met = Array2::<f64>::zeros(grid.shape());
+        let mut last = f64::INFINITY;
+        for j in 0..field.germ_len() {
+            let mut germ = vec![0.0; field.germ_len()];
+            germ[j] = 1.0;
+            let mode = field.generate(&germ).heights_m().clone();
+            let power = mode.mapv(|z| z * z).sum();
+            assert!(power <= last * (1.0 + 1e-12), "mode {j} is larger than the one before");
+            last = power;
+            met.scaled_add(mode[[2, 3]], &mode);
+        }
+        let wanted = field.covariance_with_m2(2, 3);
+        assert!(met.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!((wanted[[2, 3]] - field.pointwise_std_m()[[2, 3]].powi(2)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_crop_of_an_embedding_has_the_model_covariance_without_wrapping() {
+        for kind in [
+            CorrelationModel::Exponential,
+            CorrelationModel::SquaredExponential,
+            CorrelationModel::SelfAffine { hurst: 0.8 },
+        ] {
+            let covariance = model(kind, 4.0, 6.0);
+            let field = SpectralField::free(&covariance, Grid::new(20, 17, 1.0, 1.0).unwrap()).unwrap();
+            assert!(field.clipped_variance() < 1e-9, "{kind:?}: {}", field.clipped_variance());
+            let met = field.covariance_with_m2(0, 0);
+            for ((row, column), value) in met.indexed_iter() {
+                let error = (value - covariance.value_m2(column as f64, row as f64)).abs();
+                assert!(error < 1e-8, "{kind:?} at ({row},{column}): {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_oblique_lay_keeps_its_angle_periodic_and_free() {
+        let ridge = Rotated::new(model(CorrelationModel::SquaredExponential, 9.0, 2.0), 0.7).unwrap();
+        for (nx, ny) in [(48, 40), (47, 41)] {
+            let grid = Grid::new(nx, ny, 1.0, 1.0).unwrap();
+            for field in [SpectralField::periodic(&ridge, grid), SpectralField::free(&ridge, grid).unwrap()] {
+                assert!(field.clipped_variance() < 1e-5, "{}", field.clipped_variance());
+                let met = field.covariance_with_m2(20, 23);
+                for (x, y) in [(0, 0), (5, 4), (-5, 4), (5, -4), (-5, -4), (10, 8), (1, 0), (0, -1)] {
+                    let value = met[[(20 + y) as usize, (23 + x) as usize]];
+                    let wanted = 4.0 * ridge.correlation(f64::from(x), f64::from(y));
+                    assert!((value - wanted).abs() < 1e-4, "({x}, {y}): {value} {wanted}");
+                }
+                // Along the ridge the correlation falls as e^{−(r/9)²}, across as e^{−(r/2)²}.
+                let along = met[[20 + 4, 23 + 5]] / met[[20, 23]];
+                let r = (5.0 * 0.7_f64.cos() + 4.0 * 0.7_f64.sin()).powi(2) / 81.0
+                    + (4.0 * 0.7_f64.cos() - 5.0 * 0.7_f64.sin()).powi(2) / 4.0;
+                assert!((along - (-r).exp()).abs() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn a_narrow_strip_is_padded_across_and_not_along() {
+        let covariance = model(CorrelationModel::SquaredExponential, 12.0, 12.0);
+        let field = SpectralField::free(&covariance, Grid::new(256, 8, 1.0, 1.0).unwrap()).unwrap();
+        assert!(field.clipped_variance() < 1e-12);
+        // The wrap across must reach e^{−(L/2ℓ)²} ≲ 1e−13, L ≥ 11ℓ = 131: 8 × 16 points; along, twice the strip does.
+        assert_eq!(field.germ_len(), 512 * 128);
+        let met = field.covariance_with_m2(0, 0);
+        assert!((met[[7, 20]] - covariance.value_m2(20.0, 7.0)).abs() < 1e-11);
+    }
+
+    #[test]
+    fn clipping_is_reported_and_keeps_the_variance() {
+        // A squared exponential as long as the domain is not positive once wrapped: its derivative jumps at L/2.
+        let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
+        let field = SpectralField::periodic(&model(CorrelationModel::SquaredExponential, 24.0, 24.0), grid);
+        // It factorises, so its eigenvalues are products of cosine sums.
+        let line: Vec<f64> = (0..32)
+            .map(|k| {
+                let turn = std::f64::consts::TAU * f64::from(k) / 32.0;
+                (0..32).map(|n| (-(wrapped(n, 32) / 24.0).powi(2)).exp() * (turn * n as f64).cos()).sum()
+            })
+            .collect();
+        let negative: f64 = line.iter().flat_map(|a| line.iter().map(move |b| (-a * b).max(0.0))).sum();
+        let wanted = negative / 1024.0;
+        assert!(wanted > 1e-3 && (field.clipped_variance() - wanted).abs() < 1e-12, "{wanted}");
+        assert!((field.covariance_with_m2(0, 0)[[0, 0]] - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_spectral_route_reports_the_variance_beyond_its_wavevectors() {
+        // A resolved squared exponential loses nothing; its covariance is the model's, summed over images.
+        let smooth = model(CorrelationModel::SquaredExponential, 6.0, 5.0);
+        let field = SpectralField::from_psd(&smooth, Grid::new(64, 64, 1.0, 1.0).unwrap());
+        assert!((field.captured_variance() - 1.0).abs() < 1e-12);
+        let met = field.covariance_with_m2(0, 0);
+        for (row, column) in [(0, 0), (3, 5), (10, 2)] {
+            assert!((met[[row, column]] - smooth.value_m2(column as f64, row as f64)).abs() < 1e-10);
+        }
+        // An exponential holds a share ∫_{|q|>π/Δ} P beyond the grid: on a fine grid about 1 − (1 + k²)^{−1/2}-like tails.
+        // Bounded by the disc inside and the disc around the square of wavevectors, P integrated in closed form.
+        let rough = model(CorrelationModel::Exponential, 8.0, 8.0);
+        let field = SpectralField::from_psd(&rough, Grid::new(256, 256, 1.0, 1.0).unwrap());
+        let inside = |k: f64| 1.0 - 1.0 / (1.0 + k * k).sqrt();
+        let nyquist = 8.0 * std::f64::consts::PI;
+        assert!(
+            field.captured_variance() > inside(nyquist) && field.captured_variance() < inside(nyquist * 2_f64.sqrt())
+        );
+    }
+
+    #[test]
+    fn a_long_anisotropic_strip_has_the_model_covariance_within_four_standard_errors() {
+        let covariance = model(CorrelationModel::SelfAffine { hurst: 0.7 }, 12.0, 4.0);
+        let (nx, ny) = (512, 32);
+        let field = SpectralField::periodic(&covariance, Grid::new(nx, ny, 1.0, 1.0).unwrap());
+        let lags = [(0, 0), (1, 0), (5, 0), (20, 0), (0, 1), (0, 4), (6, 2), (100, 10)];
+        let count = 60;
+        let mut sums = vec![(0.0, 0.0); lags.len()];
+        for index in 0..count {
+            let germ = random::standard_normal(&mut random::stream(3, "strip", index), field.germ_len());
+            let map = field.generate(&germ);
+            let z = map.heights_m();
+            for (sum, (lag_x, lag_y)) in sums.iter_mut().zip(lags) {
+                let mean = z
+                    .indexed_iter()
+                    .map(|((row, column), value)| value * z[[(row + lag_y) % ny, (column + lag_x) % nx]])
+                    .sum::<f64>()
+                    / (nx * ny) as f64;
+                sum.0 += mean;
+                sum.1 += mean * mean;
+            }
+        }
+        for ((sum, square), (lag_x, lag_y)) in sums.into_iter().zip(lags) {
+            let mean = sum / count as f64;
+            let error = ((square / count as f64 - mean * mean) / (count - 1) as f64).sqrt();
+            let wanted = covariance.value_m2(lag_x as f64, lag_y as f64);
+            assert!((mean - wanted).abs() < 4.0 * error, "lag ({lag_x},{lag_y}): {mean} ± {error}, wanted {wanted}");
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Non-Gaussian surfaces by translation, z = F⁻¹(Φ(g)).
+
+mod correction;
+mod lags;
+mod normal_to_law;
+mod predistorted;
+#[cfg(test)]
+mod tests;
+
+use ndarray::Array2;
+
+use super::gaussian::map_of;
+use super::{GaussianSurface, GeneratorError, RandomSurface};
+use asperity_base::correlation::StationaryCovariance;
+use asperity_base::law::{LawError, Marginal, translation::Translation};
+use asperity_base::map::{Grid, HeightMap};
+
+pub use correction::{CorrectedField, CorrectionReport, Feasibility, TranslationCorrection};
+pub use predistorted::Predistorted;
+
+use normal_to_law::NormalToLaw;
+
+/// Least pointwise variance, over the largest on the map, that may be scaled up to a full marginal.
+const LEAST_SHARE: f64 = 1e-6;
+/// Half width of the difference that is the slope of the map from normal heights.
+const SLOPE_STEP: f64 = 1e-3;
+
+/// A surface z(x) = F⁻¹(Φ(g(x)/σ_g(x))) whose heights have the law F at every point.
+///
+/// A truncated expansion has a pointwise variance below σ² that varies over the map. The Gaussian field is therefore
+/// divided by its *own* standard deviation at each point: the marginal is F exactly, everywhere, and what truncation
+/// leaves out shows in the correlation alone, which [`Translated::correlation_report`] measures.
+///
+/// *Plain* translation takes a Gaussian field with the wanted correlation; F⁻¹∘Φ then distorts it (towards zero). For the
+/// *corrected* one, make the Gaussian field by [`TranslationCorrection`], or any other generator's with [`Predistorted`].
+///
+/// # References
+/// Grigoriu, *J. Eng. Mech.* **110** (1984) 610, <https://doi.org/10.1061/(ASCE)0733-9399(1984)110:4(610)>.
+#[derive(Debug, Clone)]
+pub struct Translated<S> {
+    gaussian: S,
+    law: Marginal,
+    map: NormalToLaw,
+    /// 1/σ_g at each point in row order.
+    inverse_std_per_m: Vec<f64>,
+    least_variance_share: f64,
+}
+
+/// How far the correlation of a translated surface lies from a target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TranslationReport {
+    /// Largest |ρ − target| over all lags of up to half the map from its centre.
+    pub largest_deviation: f64,
+    /// Lag along x of that deviation in metre.
+    pub lag_x_m: f64,
+    /// Lag along y of that deviation in metre.
+    pub lag_y_m: f64,
+    /// Root mean square deviation over these lags.
+    pub rms_deviation: f64,
+}
+
+impl<S: GaussianSurface> Translated<S> {
+    /// Heights of law `law`, in metre.
+    ///
+    /// # Errors
+    /// A law with a parameter outside its range, or a field that hardly varies at some point.
+    pub fn new(gaussian: S, law: Marginal) -> Result<Self, TranslationError> {
+        Self::scaled(gaussian, law, 0.0, 1.0)
+    }
+
+    /// Heights of the law of shape `law`, shifted to mean zero and scaled to `rms_height_m`.
+    ///
+    /// # Errors
+    /// As [`Translated::new`], and an rms height that is not positive.
+    pub fn with_rms_height(gaussian: S, law: Marginal, rms_height_m: f64) -> Result<Self, TranslationError> {
+        if !(rms_height_m > 0.0 && rms_height_m.is_finite()) {
+            let parameter = "rms_height_m";
+            return Err(GeneratorError::Parameter { parameter, value: rms_height_m, wanted: "positive" }.into());
+        }
+        law.check()?;
+        let scale = rms_height_m / law.std();
+        let offset = -scale * law.mean();
+        Self::scaled(gaussian, law, offset, scale)
+    }
+
+    fn scaled(gaussian: S, law: Marginal, offset: f64, scale: f64) -> Result<Self, TranslationError> {
+        law.check()?;
+        let std = gaussian.pointwise_std_m();
+        let largest = std.iter().fold(0.0_f64, |m, s| m.max(*s));
+        let mut least_variance_share = 1.0_f64;
+        for ((row, column), value) in std.indexed_iter() {
+            let share = if largest > 0.0 { (value / largest).powi(2) } else { 0.0 };
+            if share < LEAST_SHARE {
+                return Err(GeneratorError::NoVariance { row, column, share }.into());
+            }
+            least_variance_share = least_variance_share.min(share);
+        }
+        let map = NormalToLaw::new(&law, offset, scale);
+        let inverse_std_per_m = std.iter().map(|s| 1.0 / s).collect();
+        Ok(Self { gaussian, law, map, inverse_std_per_m, least_variance_share })
+    }
+
+    /// The Gaussian field beneath.
+    pub fn gaussian(&self) -> &S {
+        &self.gaussian
+    }
+
+    /// The law of the heights before any shift and scale.
+    pub fn law(&self) -> &Marginal {
+        &self.law
+    }
+
+    /// Least pointwise variance of the Gaussian field over its largest; 1 for a stationary field.
+    pub fn least_variance_share(&self) -> f64 {
+        self.least_variance_share
+    }
+
+    /// Correlation of the translated heights with the one at (`row`, `column`), shape `[ny, nx]`; no sampling is involved.
+    ///
+    /// # Errors
+    /// As [`Translated::new`].
+    pub fn correlation_with(&self, row: usize, column: usize) -> Result<Array2<f64>, TranslationError> {
+        let translation = Translation::new(&self.law)?;
+        let mut correlation = self.gaussian.covariance_with_m2(row, column);
+        let nx = self.gaussian.grid().nx();
+        let here = self.inverse_std_per_m[row * nx + column];
+        for (value, there) in correlation.iter_mut().zip(&self.inverse_std_per_m) {
+            *value = translation.correlation((*value * here * there).clamp(-1.0, 1.0));
+        }
+        Ok(correlation)
+    }
+
+    /// Compares the correlation around the map's centre with that of `target`: what translation, its correction and the
+    /// truncation of the field leave.
+    ///
+    /// # Errors
+    /// As [`Translated::new`].
+    pub fn correlation_report(&self, target: &dyn StationaryCovariance) -> Result<TranslationReport, TranslationError> {
+        let grid = self.gaussian.grid();
+        let (row, column) = (grid.ny() / 2, grid.nx() / 2);
+        let met = self.correlation_with(row, column)?;
+        let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
+        for ((r, c), value) in met.indexed_iter() {
+            let lag_x = (c as f64 - column as f64) * grid.dx_m();
+            let lag_y = (r as f64 - row as f64) * grid.dy_m();
+            let deviation = (value - target.correlation(lag_x, lag_y)).abs();
+            report.rms_deviation += deviation * deviation / grid.points() as f64;
+            if deviation > report.largest_deviation {
+                (report.largest_deviation, report.lag_x_m, report.lag_y_m) = (deviation, lag_x, lag_y);
+            }
+        }
+        report.rms_deviation = report.rms_deviation.sqrt();
+        Ok(report)
+    }
+}
+
+impl<S: GaussianSurface> RandomSurface for Translated<S> {
+    fn germ_len(&self) -> usize {
+        self.gaussian.germ_len()
+    }
+
+    fn grid(&self) -> Grid {
+        self.gaussian.grid()
+    }
+
+    fn generate(&self, germ: &[f64]) -> HeightMap {
+        let map = self.gaussian.generate(germ);
+        let heights =
+            map.heights_m().iter().zip(&self.inverse_std_per_m).map(|(g, inverse)| self.map.value(g * inverse));
+        map_of(self.gaussian.grid(), heights.collect())
+    }
+
+    /// Every point has the same map from normal heights over their standard deviation, and so the same slope at zero.
+    fn germ_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
+        let nx = self.gaussian.grid().nx();
+        let normal = Array2::from_shape_fn(weights.dim(), |(row, column)| {
+            weights[[row, column]] * self.inverse_std_per_m[row * nx + column]
+        });
+        let mut response = self.gaussian.germ_response(&normal)?;
+        let slope_m = (self.map.value(SLOPE_STEP) - self.map.value(-SLOPE_STEP)) / (2.0 * SLOPE_STEP);
+        response.iter_mut().for_each(|value| *value *= slope_m);
+        Some(response)
+    }
+
+    fn is_periodic_and_stationary(&self) -> bool {
+        self.gaussian.is_periodic_and_stationary()
+    }
+}
+
+/// Why a surface could not be translated.
+#[derive(Debug, thiserror::Error)]
+pub enum TranslationError {
+    /// The law is not valid.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// The Gaussian field cannot carry it.
+    #[error(transparent)]
+    Generator(#[from] GeneratorError),
+    /// The target is not a correlation everywhere.
+    #[error(
+        "the target correlation at the lag ({lag_x_m}, {lag_y_m}) m is {value}, but must be in [-1, 1], and 1 at zero"
+    )]
+    Target {
+        /// Lag along x in metre.
+        lag_x_m: f64,
+        /// Lag along y in metre.
+        lag_y_m: f64,
+        /// Value found.
+        value: f64,
+    },
+}

@@ -1,0 +1,302 @@
+//! How well one map knows the statistics of its surface.
+//!
+//! A map is one sample of a stationary random surface, of which it holds so many correlation lengths. To first order the error
+//! of a statistic is the sum of what each place of the map adds to it, its influence. Influences are summed on cells of half
+//! a correlation length; the variance of their total is estimated from the products over pairs of cells under a flat-top
+//! window. What the removed form took along is put back, with its own influence. Intervals are Student's on as many degrees
+//! of freedom as the map holds blocks, on a scale on which the spread hardly depends on the statistic, or bent for the skewness
+//! of the pivot. Correlation lengths are those that a test does not refuse; Sk, Spk and Svk are bootstrapped.
+//!
+//! How often intervals hold the truth was counted: `docs/validation/intervals.md`.
+
+mod cells;
+mod heights;
+mod lengths;
+mod material;
+mod removal;
+#[cfg(test)]
+mod tests;
+mod window;
+
+use thiserror::Error;
+
+use self::cells::Cells;
+use self::heights::{HeightSums, sdq};
+use self::lengths::Lengths;
+use self::material::Draws;
+use self::removal::Removal;
+use self::window::Window;
+use super::areal::Parameters;
+use super::level::Level;
+use asperity_base::correlation::{Autocorrelation, Axis};
+use asperity_base::map::HeightMap;
+use asperity_base::stats::{Interval, Moments};
+
+/// Correlation areas l_x l_y that a map must hold, and so many for each coefficient of the removed form. On fewer the
+/// intervals are too narrow for what they rest on, as counted on maps of 8 to 24 lengths a side and forms of degree 3 to 8.
+const LEAST_AREAS: f64 = 400.0;
+const LEAST_AREAS_PER_TERM: f64 = 100.0;
+/// Largest share of the variance that may have gone with the form.
+const LARGEST_REMOVED: f64 = 0.3;
+
+/// A statistic of a map as an estimate of that of the surface from which the map is a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The statistic of the map.
+    pub value: f64,
+    /// The same with what the removed form took along put back: the best guess of the surface's.
+    pub surface: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// Confidence interval of the surface's statistic.
+    pub interval: Interval,
+    /// Number of independent blocks of the map on which the standard error rests, its degrees of freedom.
+    pub blocks: f64,
+}
+
+/// Finite numbers in the right order, or nothing.
+fn estimate(value: f64, surface: f64, standard_error: f64, interval: Interval, blocks: f64) -> Option<Estimate> {
+    let sound = interval.low <= interval.high && interval.high.is_finite() && standard_error > 0.0;
+    sound.then_some(Estimate { value, surface, standard_error, interval, blocks })
+}
+
+/// The statistics of a map that are to be estimates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Values {
+    /// Arithmetical mean height Sa in metre.
+    pub sa_m: f64,
+    /// Root-mean-square height Sq in metre.
+    pub sq_m: f64,
+    /// Skewness Ssk.
+    pub ssk: f64,
+    /// Kurtosis Sku.
+    pub sku: f64,
+    /// Root-mean-square gradient Sdq by forward differences.
+    pub sdq: Option<f64>,
+    /// Autocorrelation length Sal in metre.
+    pub sal_m: Option<f64>,
+    /// Core height Sk in metre.
+    pub sk_m: f64,
+    /// Reduced peak height Spk in metre.
+    pub spk_m: f64,
+    /// Reduced dale height Svk in metre.
+    pub svk_m: f64,
+    /// 1/e correlation length along x in metre.
+    pub correlation_length_x_m: Option<f64>,
+    /// 1/e correlation length along y in metre.
+    pub correlation_length_y_m: Option<f64>,
+}
+
+impl Values {
+    /// The values of a map whose parameters and autocorrelation are known.
+    pub fn new(parameters: &Parameters, correlation: &Autocorrelation) -> Self {
+        Self {
+            sa_m: parameters.sa_m,
+            sq_m: parameters.sq_m,
+            ssk: parameters.ssk,
+            sku: parameters.sku,
+            sdq: parameters.sdq,
+            sal_m: parameters.sal_m,
+            sk_m: parameters.core.sk_m,
+            spk_m: parameters.core.spk_m,
+            svk_m: parameters.core.svk_m,
+            correlation_length_x_m: correlation.correlation_length_m(Axis::X),
+            correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
+        }
+    }
+
+    /// Correlation areas l_x l_y that the heights present take.
+    fn areas_in(&self, map: &HeightMap) -> Option<f64> {
+        let (grid, present) = (map.grid(), map.present_m().count());
+        let [x_m, y_m] = self.lengths_m();
+        Some(present as f64 * grid.dx_m() * grid.dy_m() / (x_m? * y_m?))
+    }
+
+    fn lengths_m(&self) -> [Option<f64>; 2] {
+        [self.correlation_length_x_m, self.correlation_length_y_m]
+    }
+}
+
+/// Estimates of the statistics of a map; `None` where the map holds too few correlation lengths.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Estimates {
+    /// Arithmetical mean height Sa in metre.
+    pub sa_m: Option<Estimate>,
+    /// Root-mean-square height Sq in metre.
+    pub sq_m: Option<Estimate>,
+    /// Skewness Ssk.
+    pub ssk: Option<Estimate>,
+    /// Kurtosis Sku.
+    pub sku: Option<Estimate>,
+    /// Root-mean-square gradient Sdq.
+    pub sdq: Option<Estimate>,
+    /// Autocorrelation length Sal in metre.
+    pub sal_m: Option<Estimate>,
+    /// Core height Sk in metre.
+    pub sk_m: Option<Estimate>,
+    /// Reduced peak height Spk in metre.
+    pub spk_m: Option<Estimate>,
+    /// Reduced dale height Svk in metre.
+    pub svk_m: Option<Estimate>,
+    /// 1/e correlation length along x in metre.
+    pub correlation_length_x_m: Option<Estimate>,
+    /// 1/e correlation length along y in metre.
+    pub correlation_length_y_m: Option<Estimate>,
+}
+
+impl Estimates {
+    /// Names as in tables and JSON, and estimates.
+    pub fn named(&self) -> [(&'static str, Option<Estimate>); 11] {
+        [
+            ("Sa_m", self.sa_m),
+            ("Sq_m", self.sq_m),
+            ("Ssk", self.ssk),
+            ("Sku", self.sku),
+            ("Sdq", self.sdq),
+            ("Sal_m", self.sal_m),
+            ("Sk_m", self.sk_m),
+            ("Spk_m", self.spk_m),
+            ("Svk_m", self.svk_m),
+            ("correlation_length_x_m", self.correlation_length_x_m),
+            ("correlation_length_y_m", self.correlation_length_y_m),
+        ]
+    }
+}
+
+/// Why no estimates could be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum UncertaintyError {
+    /// A parameter lies outside its range.
+    #[error("{parameter} is {value}, but must be {wanted}")]
+    Parameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Values allowed.
+        wanted: &'static str,
+    },
+}
+
+/// How estimates are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertainty {
+    /// Confidence level of the intervals, between 0 and 1.
+    pub level: f64,
+    /// Free coefficients of the form that was removed from the map: 1 for the mean, 3 for a plane; see [`removed_terms`].
+    pub removed_terms: usize,
+    /// Draws of the bootstrap of Sk, Spk and Svk.
+    pub resamples: usize,
+    /// Its seed.
+    pub seed: u64,
+}
+
+impl Default for Uncertainty {
+    fn default() -> Self {
+        Self { level: 0.95, removed_terms: 1, resamples: 300, seed: 0 }
+    }
+}
+
+/// Free coefficients of a form.
+pub fn removed_terms(level: Level) -> usize {
+    match level {
+        Level::None | Level::Mean => 1,
+        Level::Plane => 3,
+        Level::Quadratic => 6,
+        Level::Polynomial(degree) => (usize::from(degree) + 1) * (usize::from(degree) + 2) / 2,
+        Level::Cylinder => 5,
+        Level::Sphere => 4,
+    }
+}
+
+impl Uncertainty {
+    /// Estimates of the statistics of a map, whose values the caller has.
+    ///
+    /// # Errors
+    /// A confidence level outside (0, 1), or fewer than two resamples.
+    pub fn of(&self, map: &HeightMap, values: &Values) -> Result<Estimates, UncertaintyError> {
+        self.check()?;
+        let Some(basis) = self.basis(map, values) else { return Ok(Estimates::default()) };
+        let Basis { cells, sums, window, removal, tail } = &basis;
+        let tail = *tail;
+        let lengths = Lengths::new(cells, window, sums, removal, tail);
+        let draws = Draws { seed: self.seed, resamples: self.resamples, tail };
+        let [sk_m, spk_m, svk_m] = material::core(cells, window, sums, values, removal.share, &draws);
+        let lengths_m = values.lengths_m();
+        Ok(Estimates {
+            sa_m: sums.sa(window, values.sa_m, removal, tail),
+            sq_m: sums.sq(window, values.sq_m, removal, tail),
+            ssk: sums.ssk(window, values.ssk, values.sku, tail),
+            sku: sums.sku(window, values.ssk, values.sku, tail),
+            sdq: sdq(cells, window, values.sdq, tail),
+            sal_m: lengths.sal(values.sal_m, lengths_m),
+            sk_m,
+            spk_m,
+            svk_m,
+            correlation_length_x_m: lengths.along(Axis::X, values.correlation_length_x_m),
+            correlation_length_y_m: lengths.along(Axis::Y, values.correlation_length_y_m),
+        })
+    }
+
+    /// Confidence intervals of the surface's correlation at chosen lags along x and along y, in points; `None` where the map
+    /// holds too few correlation lengths. Each holds for its own lag, not all of them at once.
+    ///
+    /// # Errors
+    /// As [`Uncertainty::of`].
+    ///
+    /// # Panics
+    /// If a lag is not less than the points of the map along its axis.
+    pub fn correlation(
+        &self,
+        map: &HeightMap,
+        values: &Values,
+        lags: [&[usize]; 2],
+    ) -> Result<[Vec<Option<Interval>>; 2], UncertaintyError> {
+        self.check()?;
+        let Some(basis) = self.basis(map, values) else { return Ok(lags.map(|lags| vec![None; lags.len()])) };
+        let lengths = Lengths::new(&basis.cells, &basis.window, &basis.sums, &basis.removal, basis.tail);
+        let [x, y] = lags;
+        Ok([
+            x.iter().map(|lag| lengths.correlation((*lag as isize, 0))).collect(),
+            y.iter().map(|lag| lengths.correlation((0, *lag))).collect(),
+        ])
+    }
+
+    fn check(&self) -> Result<(), UncertaintyError> {
+        if !(self.level > 0.0 && self.level < 1.0) {
+            let wanted = "between 0 and 1";
+            return Err(UncertaintyError::Parameter { parameter: "confidence level", value: self.level, wanted });
+        }
+        if self.resamples < 2 {
+            let value = self.resamples as f64;
+            return Err(UncertaintyError::Parameter { parameter: "number of resamples", value, wanted: "at least 2" });
+        }
+        Ok(())
+    }
+
+    /// What all estimates rest on; `None` when the map holds too few correlation lengths for any.
+    fn basis(&self, map: &HeightMap, values: &Values) -> Option<Basis> {
+        let least = LEAST_AREAS.max(LEAST_AREAS_PER_TERM * self.removed_terms as f64);
+        // Along a lay that does not decay there is no length, and the blocks beside each other are counted alone.
+        if values.areas_in(map).is_some_and(|areas| areas < least) {
+            return None;
+        }
+        let mean_m = Moments::of_values(map.heights_m().iter().copied()).mean;
+        let cells = Cells::cut(map, mean_m, values.sq_m, values.lengths_m())?;
+        let sums = HeightSums::of(&cells);
+        let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
+        let removal = Removal::of(&window, &sums, self.removed_terms as f64);
+        let tail = 0.5 * (1.0 - self.level);
+        (removal.share <= LARGEST_REMOVED).then_some(Basis { cells, sums, window, removal, tail })
+    }
+}
+
+/// A map cut into cells, and the sums over them.
+struct Basis {
+    cells: Cells,
+    sums: HeightSums,
+    window: Window,
+    removal: Removal,
+    /// Probability beyond either end of an interval.
+    tail: f64,
+}

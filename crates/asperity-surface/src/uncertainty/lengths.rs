@@ -1,0 +1,225 @@
+//! Lengths at which the correlation falls to a level.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+use super::cells::Cells;
+use super::heights::HeightSums;
+use super::removal::Removal;
+use super::window::Window;
+use super::{Estimate, estimate};
+use asperity_base::correlation::Axis;
+use asperity_base::stats::{Interval, Spread};
+
+/// Means that are fitted to the map before the influence on a correlation is taken: of heights, squares and products.
+const FITTED: f64 = 3.0;
+/// Directions over half a turn along which Sal is sought.
+const DIRECTIONS: usize = 12;
+/// Ratio of the lengths at which the correlation along a direction is looked at.
+const STRIDE: f64 = 1.25;
+
+/// A lag in points along x and y.
+type Lag = (isize, usize);
+
+/// What lengths are estimated from.
+pub(super) struct Lengths<'a> {
+    cells: &'a Cells,
+    window: &'a Window,
+    sums: &'a HeightSums,
+    removal: &'a Removal,
+    /// Probability beyond either end of an interval.
+    tail: f64,
+    /// Correlation of the surface at a lag less a level, and its influences on the cells.
+    known: RefCell<BTreeMap<Lag, (f64, Vec<f64>)>>,
+}
+
+impl<'a> Lengths<'a> {
+    pub(super) fn new(
+        cells: &'a Cells,
+        window: &'a Window,
+        sums: &'a HeightSums,
+        removal: &'a Removal,
+        tail: f64,
+    ) -> Self {
+        Self { cells, window, sums, removal, tail, known: RefCell::default() }
+    }
+
+    /// The length over which the correlation along an axis falls to 1/e, found to be `value_m`.
+    ///
+    /// A length is refused when the mean of z(x)z(x + τ) − z²(x)/e over the map is farther from zero than its spread
+    /// allows; the interval holds the lengths that are not. No slope of the correlation enters, and the mean is linear in
+    /// what is averaged.
+    pub(super) fn along(&self, axis: Axis, value_m: Option<f64>) -> Option<Estimate> {
+        let level = (-1.0_f64).exp();
+        let value_m = value_m?;
+        let grid = self.cells.grid();
+        let (pitch_m, limit) = match axis {
+            Axis::X => (grid.dx_m(), grid.nx() / 2),
+            Axis::Y => (grid.dy_m(), grid.ny() / 2),
+        };
+        let lag = |k: usize| match axis {
+            Axis::X => (k as isize, 0),
+            Axis::Y => (0, k),
+        };
+        let distance = |k: usize| {
+            let (difference, spread) = self.tested(lag(k), level)?;
+            Some(spread.distance(difference, self.tail))
+        };
+        let inside = (value_m / pitch_m).floor() as usize;
+        if inside + 1 > limit {
+            return None;
+        }
+        let low = outward(inside + 1, 0, |k| distance(k).map(|d| 1.0 - d))?;
+        let high = outward(inside, limit, |k| distance(k).map(|d| 1.0 + d))?;
+        let centre = outward(inside, limit, |k| self.difference(lag(k), level))?;
+        let (_, spread) = self.tested(lag(inside.max(1)), level)?;
+        // The mean slope of the correlation over the interval turns the spread of a correlation into that of a length.
+        let (near, far) = (low.floor() as usize, high.ceil() as usize);
+        let fall = self.difference(lag(near), level)? - self.difference(lag(far), level)?;
+        let error = spread.variance.sqrt() * (far - near) as f64 / fall;
+        let interval = Interval { low: low * pitch_m, high: high * pitch_m };
+        estimate(value_m, centre * pitch_m, error * pitch_m, interval, spread.blocks)
+    }
+
+    /// Sal, the shortest length over all directions at which the correlation falls to 0.2; `guess_m` are lengths along x and
+    /// y of that order.
+    ///
+    /// The shortest of many estimates is too short. The lower end is the shortest lower end of all directions; the upper one
+    /// is the shortest upper end, with limits that hold for all directions at once, which is safe rather than narrow.
+    pub(super) fn sal(&self, sal_m: Option<f64>, guess_m: [Option<f64>; 2]) -> Option<Estimate> {
+        let (sal_m, level) = (sal_m?, 0.2);
+        let mut shortest: Option<(f64, f64, f64)> = None;
+        let (mut low, mut high) = (f64::INFINITY, f64::INFINITY);
+        for direction in 0..DIRECTIONS {
+            let turn = std::f64::consts::PI * direction as f64 / DIRECTIONS as f64;
+            let Some(ray) = self.ray(turn, level, guess_m) else { continue };
+            let (_, spread) = self.tested(ray.lag, level)?;
+            let relative = spread.variance.sqrt() / ray.slope_per_m / ray.length_m;
+            low = low.min(ray.length_m * (-spread.student(self.tail) * relative).exp());
+            high = high.min(ray.length_m * (spread.student(self.tail / DIRECTIONS as f64) * relative).exp());
+            if shortest.is_none_or(|(length_m, ..)| ray.length_m < length_m) {
+                shortest = Some((ray.length_m, relative * ray.length_m, spread.blocks));
+            }
+        }
+        let (centre, se, blocks) = shortest?;
+        estimate(sal_m, centre, se, Interval { low, high }, blocks)
+    }
+
+    /// Interval of the correlation at a lag, on the scale artanh ρ, on which the spread hardly depends on ρ and no end
+    /// reaches ±1.
+    pub(super) fn correlation(&self, lag: Lag) -> Option<Interval> {
+        if lag == (0, 0) {
+            return Some(Interval { low: 1.0, high: 1.0 });
+        }
+        let correlation = self.difference(lag, 0.0)?;
+        let (_, spread) = self.tested(lag, correlation)?;
+        let half = spread.student(self.tail) * spread.variance.sqrt() / (1.0 - correlation * correlation);
+        let end = |sign: f64| (correlation.atanh() + sign * half).tanh();
+        let interval = Interval { low: end(-1.0), high: end(1.0) };
+        (interval.low <= interval.high).then_some(interval)
+    }
+
+    /// Correlation of the surface at a lag, less a level; `None` without pairs.
+    fn difference(&self, lag: Lag, level: f64) -> Option<f64> {
+        if let Some((correlation, _)) = self.known.borrow().get(&lag) {
+            return Some(correlation - level);
+        }
+        let pairs = self.cells.pairs(lag.0, lag.1);
+        let (sum, count) = pairs.iter().fold((0.0, 0.0), |(sum, count), p| (sum + p[0], count + p[1]));
+        if count == 0.0 {
+            return None;
+        }
+        let (mean, kept) = (sum / count, 1.0 - self.removal.share);
+        let of_pairs = pairs.iter().map(|p| kept * (p[0] - mean * p[1]) / count);
+        let influence = of_pairs.zip(&self.removal.influence).map(|(own, put)| own + (1.0 - mean) * put).collect();
+        let correlation = kept * mean + self.removal.share;
+        self.known.borrow_mut().insert(lag, (correlation, influence));
+        Some(correlation - level)
+    }
+
+    /// The same and its spread.
+    pub(super) fn tested(&self, lag: Lag, level: f64) -> Option<(f64, Spread)> {
+        let difference = self.difference(lag, level)?;
+        let known = self.known.borrow();
+        let (_, product) = known.get(&lag)?;
+        let weight = level * (1.0 - self.removal.share);
+        let squares = self.sums.power[1].iter().zip(&self.sums.share).map(|(square, share)| weight * (square - share));
+        let influence: Vec<f64> = product.iter().zip(squares).map(|(product, square)| product - square).collect();
+        Some((difference, self.window.spread(&influence, FITTED)?))
+    }
+
+    /// Where the correlation in a direction falls to `level` within half the field.
+    fn ray(&self, turn: f64, level: f64, guess_m: [Option<f64>; 2]) -> Option<Ray> {
+        let grid = self.cells.grid();
+        let lag = |length_m: f64| -> Option<Lag> {
+            let (x, y) = ((turn.cos() * length_m / grid.dx_m()).round(), (turn.sin() * length_m / grid.dy_m()).round());
+            let within = x.abs() <= (grid.nx() / 2) as f64 && y.abs() <= (grid.ny() / 2) as f64;
+            within.then_some((x as isize, y.max(0.0) as usize))
+        };
+        // Lags are whole points: their own lengths count.
+        let length_m = |(x, y): Lag| (x as f64 * grid.dx_m()).hypot(y as f64 * grid.dy_m());
+        let look = |wanted_m: f64| {
+            let lag = lag(wanted_m)?;
+            Some((length_m(lag), self.difference(lag, level)?))
+        };
+        let along = |cosine: f64, guess_m: Option<f64>| guess_m.map_or(0.0, |guess_m| (cosine / guess_m).powi(2));
+        let inverse = along(turn.cos(), guess_m[0]) + along(turn.sin(), guess_m[1]);
+        let start_m = if inverse > 0.0 { 1.0 / inverse.sqrt() } else { guess_m[0].or(guess_m[1])? };
+        let mut wanted_m = start_m.min(0.5 * grid.width_m().hypot(grid.height_m()));
+        while lag(wanted_m).is_none() {
+            wanted_m /= STRIDE;
+        }
+        let mut near = look(wanted_m)?;
+        let mut far = near;
+        while far.1 > 0.0 {
+            wanted_m *= STRIDE;
+            (near, far) = (far, look(wanted_m)?);
+        }
+        while near.1 <= 0.0 {
+            wanted_m /= STRIDE;
+            (near, far) = (look(wanted_m)?, near);
+        }
+        let slope_per_m = (near.1 - far.1) / (far.0 - near.0);
+        let crossing = |near: (f64, f64), far: (f64, f64)| near.0 + near.1 / (near.1 - far.1) * (far.0 - near.0);
+        let middle = look(crossing(near, far))?;
+        let length_m = match middle {
+            // Still one of the two lags.
+            (length_m, _) if length_m <= near.0 || length_m >= far.0 => crossing(near, far),
+            (_, difference) if difference > 0.0 => crossing(middle, far),
+            _ => crossing(near, middle),
+        };
+        Some(Ray { length_m, slope_per_m, lag: lag(length_m)? })
+    }
+}
+
+struct Ray {
+    length_m: f64,
+    slope_per_m: f64,
+    /// The nearest lag.
+    lag: Lag,
+}
+
+/// Where a function that is positive at `from` first falls to zero on the way to `to`, found in whole steps that double, and
+/// linear between steps; `None` when it does not fall so far, or is not defined on the way.
+fn outward(from: usize, to: usize, value: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+    let (mut near, mut above) = (from, value(from)?);
+    let mut stride = 1;
+    while above > 0.0 && near != to {
+        let next = if to > from { (near + stride).min(to) } else { near.saturating_sub(stride).max(to) };
+        let reached = value(next)?;
+        if reached <= 0.0 {
+            let (mut far, mut below) = (next, reached);
+            while far.abs_diff(near) > 1 {
+                let middle = usize::midpoint(far, near);
+                match value(middle)? {
+                    v if v <= 0.0 => (far, below) = (middle, v),
+                    v => (near, above) = (middle, v),
+                }
+            }
+            return Some(near as f64 + above / (above - below) * (far as f64 - near as f64));
+        }
+        (near, above) = (next, reached);
+        stride *= 2;
+    }
+    None
+}

@@ -1,0 +1,349 @@
+use super::*;
+use crate::areal::parameters;
+use crate::level::remove_form;
+use crate::{RandomSurface, SpectralField, Translated};
+use asperity_base::correlation::{CorrelationModel, Covariance};
+use asperity_base::law::Marginal;
+use asperity_base::map::Grid;
+use asperity_base::random;
+use ndarray::{Array2, s};
+use rand::RngExt;
+
+/// Points to a correlation length.
+const POINTS: usize = 4;
+
+fn covariance(model: CorrelationModel) -> Covariance {
+    Covariance::new(model, 1.0, POINTS as f64, POINTS as f64).unwrap()
+}
+
+/// Maps of `lengths` correlation lengths a side, cut from a periodic field ten lengths wider.
+fn maps(model: CorrelationModel, law: &Marginal, lengths: usize, count: u64) -> impl Iterator<Item = HeightMap> {
+    let (side, domain) = (lengths * POINTS, (lengths + 10) * POINTS);
+    let field = SpectralField::periodic(&covariance(model), Grid::new(domain, domain, 1.0, 1.0).unwrap());
+    let field = Translated::new(field, law.standardised(0.0, 1.0).unwrap()).unwrap();
+    (0..count).map(move |index| {
+        let germ = random::standard_normal(&mut random::stream(41, "maps", index), field.germ_len());
+        let heights = field.generate(&germ).heights_m().slice(s![..side, ..side]).to_owned();
+        HeightMap::new(Grid::new(side, side, 1.0, 1.0).unwrap(), heights).unwrap()
+    })
+}
+
+fn normal() -> Marginal {
+    Marginal::normal(0.0, 1.0).unwrap()
+}
+
+fn values(map: &HeightMap) -> Values {
+    Values::new(&parameters(map).unwrap(), &Autocorrelation::estimate(map).unwrap())
+}
+
+/// Estimates with as few draws as the bootstrap takes.
+fn estimates(map: &HeightMap) -> Estimates {
+    Uncertainty { resamples: 2, ..Uncertainty::default() }.of(map, &values(map)).unwrap()
+}
+
+/// Values of what takes little time.
+fn quick_values(map: &HeightMap) -> Values {
+    let moments = Moments::of_values(map.heights_m().iter().copied());
+    let correlation = Autocorrelation::estimate(map).unwrap();
+    Values {
+        sa_m: 0.8 * moments.std,
+        sq_m: moments.std,
+        ssk: moments.skewness,
+        sku: moments.excess_kurtosis + 3.0,
+        sdq: None,
+        sal_m: None,
+        sk_m: 1.0,
+        spk_m: 1.0,
+        svk_m: 1.0,
+        correlation_length_x_m: correlation.correlation_length_m(Axis::X),
+        correlation_length_y_m: correlation.correlation_length_m(Axis::Y),
+    }
+}
+
+fn with_holes(map: &HeightMap, share: f64, index: u64) -> HeightMap {
+    let mut holes = random::stream(42, "holes", index);
+    let punch = |z: &f64| if holes.random::<f64>() < share { f64::NAN } else { *z };
+    HeightMap::new(map.grid(), map.heights_m().map(punch)).unwrap()
+}
+
+/// How many of the 95 % intervals of Sq, Ssk and the length along x hold the surface's own.
+fn covered(maps: impl Iterator<Item = HeightMap>, ssk: f64, length_m: f64) -> [f64; 3] {
+    let (mut held, mut all) = ([0.0; 3], 0.0);
+    for map in maps {
+        let e = Uncertainty { resamples: 2, ..Uncertainty::default() }.of(&map, &quick_values(&map)).unwrap();
+        let truths = [(e.sq_m, 1.0), (e.ssk, ssk), (e.correlation_length_x_m, length_m)];
+        for (held, (estimate, truth)) in held.iter_mut().zip(truths) {
+            *held += f64::from(u8::from(estimate.unwrap().interval.contains(truth)));
+        }
+        all += 1.0;
+    }
+    held.map(|held| held / all)
+}
+
+/// Of 200 intervals at 95 % fewer than 177 hold, or all, with a probability below 1e-4 (binomial law).
+fn assert_covered(name: &str, found: [f64; 3]) {
+    for (statistic, share) in ["Sq", "Ssk", "length"].into_iter().zip(found) {
+        let held = (200.0 * share).round();
+        assert!((177.0..=199.0).contains(&held), "{name}: {statistic} is held by {held} of 200 intervals");
+    }
+}
+
+#[test]
+fn intervals_of_normal_surfaces_hold_the_truth_nineteen_times_of_twenty() {
+    for model in [CorrelationModel::SquaredExponential, CorrelationModel::Exponential] {
+        assert_covered(model.name(), covered(maps(model, &normal(), 30, 200), 0.0, POINTS as f64));
+    }
+}
+
+#[test]
+fn so_do_those_of_skewed_surfaces_with_every_fifth_height_missing() {
+    let law = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
+    let translation = asperity_base::law::translation::Translation::new(&law).unwrap();
+    let model = CorrelationModel::Exponential;
+    // The length at which the translated correlation falls to 1/e.
+    let length_m = POINTS as f64 * -translation.normal_correlation((-1.0_f64).exp()).unwrap().ln();
+    let holed = maps(model, &law, 30, 200).enumerate().map(|(index, map)| with_holes(&map, 0.2, index as u64));
+    assert_covered("beta", covered(holed, law.skewness(), length_m));
+}
+
+#[test]
+fn removing_a_plane_does_not_spoil_the_intervals() {
+    let uncertainty =
+        Uncertainty { resamples: 2, removed_terms: removed_terms(Level::Plane), ..Uncertainty::default() };
+    let (mut held, mut sum) = ([0.0; 2], 0.0);
+    for map in maps(CorrelationModel::Exponential, &normal(), 30, 200) {
+        let map = remove_form(&map, Level::Plane).unwrap().map;
+        let e = uncertainty.of(&map, &quick_values(&map)).unwrap();
+        let (sq, length) = (e.sq_m.unwrap(), e.correlation_length_y_m.unwrap());
+        held[0] += f64::from(u8::from(sq.interval.contains(1.0)));
+        held[1] += f64::from(u8::from(length.interval.contains(POINTS as f64)));
+        sum += sq.surface * sq.surface - sq.value * sq.value;
+    }
+    assert_covered("plane", [held[0] / 200.0, held[1] / 200.0, 0.95]);
+    // A plane takes three times the variance of the mean, 2π/30² less 8 % for the edges; it is known to a third on one map.
+    let wanted = 3.0 * 0.92 * std::f64::consts::TAU / 900.0;
+    assert!((sum / 200.0 / wanted - 1.0).abs() < 0.15, "{} for {wanted}", sum / 200.0);
+}
+
+#[test]
+fn limits_of_the_correlation_hold_it_at_lags_near_and_far() {
+    let lags = [0, 1, 4, 12, 40];
+    let uncertainty = Uncertainty::default();
+    let mut held = [0; 5];
+    for map in maps(CorrelationModel::Exponential, &normal(), 30, 200) {
+        let turned = HeightMap::new(map.grid(), map.heights_m().t().to_owned()).unwrap();
+        let [x, none] = uncertainty.correlation(&map, &quick_values(&map), [&lags, &[]]).unwrap();
+        assert!(none.is_empty());
+        let [_, y] = uncertainty.correlation(&turned, &quick_values(&turned), [&[], &lags[..2]]).unwrap();
+        for k in 0..5 {
+            let (interval, truth) = (x[k].unwrap(), (-(lags[k] as f64) / POINTS as f64).exp());
+            assert!(interval.low >= -1.0 && interval.high <= 1.0);
+            held[k] += usize::from(interval.contains(truth));
+        }
+        let (x, y) = (x[1].unwrap(), y[1].unwrap());
+        assert!((x.low - y.low).abs() < 1e-9 && (x.high - y.high).abs() < 1e-9, "{x:?} {y:?}");
+    }
+    // At lag zero the correlation is 1; elsewhere fewer than 177 hold, or all, with a probability below 1e-4.
+    assert!(held[0] == 200 && held[1..].iter().all(|held| (177..200).contains(held)), "{held:?}");
+}
+
+/// Bartlett's variances for a normal surface of known mean, by sums over all lags s of the map:
+/// Var⟨z²⟩ = Σ w(s) 2ρ²(s), and of ⟨z(x)z(x + τ) − z²(x)/e⟩ with ρ(τ) = 1/e, w(s) the share of pairs of points.
+fn bartlett(model: CorrelationModel, side: usize) -> (f64, f64) {
+    let c = covariance(model);
+    let (n, tau, level) = (side as isize, POINTS as f64, (-1.0_f64).exp());
+    let (mut square, mut decay) = (0.0, 0.0);
+    for y in 1 - n..n {
+        for x in 1 - n..n {
+            let weight = ((n - x.abs()) * (n - y.abs())) as f64 / (n as f64).powi(4);
+            let rho = |shift: f64| c.correlation(x as f64 + shift, y as f64);
+            let (here, right, left) = (rho(0.0), rho(tau), rho(-tau));
+            square += weight * 2.0 * here * here;
+            // Covariances of products of four normal variables (Isserlis).
+            let products = here * here + right * left;
+            let mixed = 2.0 * here * right + 2.0 * here * left;
+            decay += weight * (products - level * mixed + level * level * 2.0 * here * here);
+        }
+    }
+    (square, decay)
+}
+
+#[test]
+fn standard_errors_of_normal_surfaces_are_those_of_bartlett() {
+    for model in [CorrelationModel::SquaredExponential, CorrelationModel::Exponential] {
+        let (square, decay) = bartlett(model, 30 * POINTS);
+        let (mut sq, mut length) = (0.0, 0.0);
+        for map in maps(model, &normal(), 30, 60) {
+            let moments = Moments::of_values(map.heights_m().iter().copied());
+            let cells = Cells::cut(&map, moments.mean, moments.std, [Some(POINTS as f64); 2]).unwrap();
+            let sums = HeightSums::of(&cells);
+            let window = Window::new(cells.rows, cells.columns, cells.step, cells.length, &sums.share);
+            sq += window.spread(&sums.sq_influence(), 2.0).unwrap().variance / 60.0;
+            let removal = Removal::none(sums.share.len());
+            let lengths = Lengths::new(&cells, &window, &sums, &removal, 0.025);
+            length += lengths.tested((POINTS as isize, 0), (-1.0_f64).exp()).unwrap().1.variance / 60.0;
+        }
+        // Single variances scatter by half, the mean of 60 by 6 %; what is allowed for the window's tail and for fitted means
+        // makes up for a tenth on average.
+        for (name, found, wanted) in [("Sq", sq, square), ("length", length, decay)] {
+            let ratio = found / wanted;
+            assert!(ratio > 1.0 - 0.18 && ratio < 1.1 + 0.18, "{}: {name} {found} {wanted}", model.name());
+        }
+    }
+}
+
+#[test]
+fn standard_errors_are_the_spread_over_maps() {
+    let law = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
+    let uncertainty = Uncertainty { resamples: 100, ..Uncertainty::default() };
+    let all: Vec<Estimates> = maps(CorrelationModel::SquaredExponential, &law, 30, 80)
+        .map(|map| uncertainty.of(&map, &values(&map)).unwrap())
+        .collect();
+    for (k, (name, _)) in all[0].named().into_iter().enumerate() {
+        let of: Vec<Estimate> = all.iter().filter_map(|e| e.named()[k].1).collect();
+        assert!(of.len() >= 78, "{name} of {}", of.len());
+        let spread = Moments::of(&of.iter().map(|e| e.surface).collect::<Vec<_>>()).sample_std();
+        let told = Moments::of(&of.iter().map(|e| e.standard_error).collect::<Vec<_>>()).mean;
+        // The spread of 80 values is known to 8 %; the error of Sal is a direction's, that of the shortest a little smaller.
+        assert!((told / spread - 1.0).abs() < 0.3, "{name}: {told} for {spread}");
+    }
+}
+
+#[test]
+fn influences_are_derivatives_of_the_statistics() {
+    // Heights of one cell counted 1 + ε times: the statistic moves by ε times the cell's influence.
+    let map = maps(CorrelationModel::Exponential, &Marginal::lognormal(0.0, 0.4, 0.0).unwrap(), 10, 1).next().unwrap();
+    let moments = Moments::of_values(map.heights_m().iter().copied());
+    let cells = Cells::cut(&map, moments.mean, moments.std, [Some(4.0); 2]).unwrap();
+    let sums = HeightSums::of(&cells);
+    let place = cells.columns + 3;
+    let statistics = |weight: f64| {
+        let mean = |k: usize| sums.power[k].iter().sum::<f64>() + (weight - 1.0) * sums.power[k][place];
+        let all = 1.0 + (weight - 1.0) * sums.share[place];
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| mean(k) / all);
+        let second = b - a * a;
+        let third = c - 3.0 * a * b + 2.0 * a.powi(3);
+        let fourth = d - 4.0 * a * c + 6.0 * a * a * b - 3.0 * a.powi(4);
+        [second.ln(), third / second.powf(1.5), fourth / (second * second)]
+    };
+    let (up, down) = (statistics(1.0 + 1e-4), statistics(1.0 - 1e-4));
+    let (ssk, sku) = (moments.skewness, moments.excess_kurtosis + 3.0);
+    let found = [sums.sq_influence(), sums.ssk_influence(ssk), sums.sku_influence(ssk, sku)];
+    for k in 0..3 {
+        let wanted = (up[k] - down[k]) / 2e-4;
+        assert!((found[k][place] - wanted).abs() < 1e-6 * wanted.abs(), "{k}: {} {wanted}", found[k][place]);
+        assert!(found[k].iter().sum::<f64>().abs() < 1e-12, "influences add up to zero");
+    }
+}
+
+#[test]
+fn pairs_are_those_of_every_row_or_of_every_so_many() {
+    let map = maps(CorrelationModel::Exponential, &normal(), 30, 1).next().unwrap();
+    let heights = |map: &HeightMap, row: usize, column: usize| map.heights_m().get([row, column]).copied();
+    for (map, length_m, stride) in [(map.clone(), 4.0, 1), (with_holes(&map, 0.2, 7), 4.0, 1), (map, 13.0, 3)] {
+        let cells = Cells::cut(&map, 0.0, 1.0, [Some(length_m), Some(length_m)]).unwrap();
+        for (lag_x, lag_y) in [(0, 0), (5, 0), (-7, 3), (0, 11), (2, 40)] {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for ((row, column), z) in map.heights_m().indexed_iter().filter(|((row, _), _)| row % stride == 0) {
+                let other = heights(&map, row + lag_y, column.wrapping_add_signed(lag_x));
+                if let Some(other) = other.filter(|other| !other.is_nan() && !z.is_nan()) {
+                    sum += z * other;
+                    count += 1.0;
+                }
+            }
+            let found = cells.pairs(lag_x, lag_y).into_iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+            assert!((found[0] - sum).abs() < 1e-9 * count && found[1] == count, "{found:?} {sum} {count}");
+        }
+    }
+}
+
+#[test]
+fn missing_rows_change_nothing_but_the_count() {
+    // Twice as many rows still make cells of half a correlation length.
+    let full = maps(CorrelationModel::SquaredExponential, &normal(), 15, 1).next().unwrap();
+    let side = full.grid().nx();
+    let padded =
+        Array2::from_shape_fn(
+            (2 * side, side),
+            |(row, column)| {
+                if row < side { full.heights_m()[[row, column]] } else { f64::NAN }
+            },
+        );
+    let padded = HeightMap::new(Grid::new(side, 2 * side, 1.0, 1.0).unwrap(), padded).unwrap();
+    let (a, b) = (estimates(&full), estimates(&padded));
+    for ((name, a), (_, b)) in a.named().into_iter().zip(b.named()).filter(|((name, _), _)| !name.ends_with("k_m")) {
+        assert_eq!(a.is_some(), b.is_some(), "{name}");
+        let (Some(a), Some(b)) = (a, b) else { continue };
+        assert!((a.standard_error / b.standard_error - 1.0).abs() < 1e-9, "{name}: {a:?} {b:?}");
+        assert!((a.interval.low / b.interval.low - 1.0).abs() < 1e-6, "{name}: {a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_turned_map_has_turned_lengths_and_units_go_through() {
+    let map = maps(CorrelationModel::Exponential, &normal(), 20, 1).next().unwrap();
+    let turned = map.heights_m().t().map(|z| 1e-6 * z);
+    let turned = HeightMap::new(Grid::new(80, 80, 1e-5, 1e-5).unwrap(), turned).unwrap();
+    let (a, b) = (estimates(&map), estimates(&turned));
+    for (a, b, unit) in [
+        (a.correlation_length_x_m, b.correlation_length_y_m, 1e-5),
+        (a.correlation_length_y_m, b.correlation_length_x_m, 1e-5),
+        (a.sq_m, b.sq_m, 1e-6),
+        (a.ssk, b.ssk, 1.0),
+        (a.sdq, b.sdq, 0.1),
+    ] {
+        let (a, b) = (a.unwrap(), b.unwrap());
+        assert!((b.interval.high / a.interval.high / unit - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+        assert!((b.standard_error / a.standard_error / unit - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_lay_as_long_as_the_map_leaves_the_blocks_across_it() {
+    // Profiles along x, each a copy of the first but for a little noise: as many blocks as lie side by side along x.
+    let rough = maps(CorrelationModel::SquaredExponential, &normal(), 50, 1).next().unwrap();
+    let side = rough.grid().nx();
+    let noise = random::standard_normal(&mut random::stream(43, "noise", 0), side * side);
+    let lay = Array2::from_shape_fn((side, side), |(row, column)| {
+        rough.heights_m()[[0, column]] + 0.1 * noise[row * side + column]
+    });
+    let map = HeightMap::new(rough.grid(), lay).unwrap();
+    let e = estimates(&map);
+    assert_eq!(e.correlation_length_y_m, None);
+    let (sq, length) = (e.sq_m.unwrap(), e.correlation_length_x_m.unwrap());
+    // A profile of 50 lengths has Var⟨z²⟩ = 2 ∫ρ² = 2 √(π/2)/50, so Sq an error of 11 %, known to a third.
+    assert!(sq.standard_error > 0.06 && sq.standard_error < 0.2, "{sq:?}");
+    assert!(sq.blocks < 20.0 && length.interval.contains(POINTS as f64), "{sq:?} {length:?}");
+}
+
+#[test]
+fn a_map_of_few_correlation_lengths_says_nothing() {
+    let map = maps(CorrelationModel::Exponential, &normal(), 5, 1).next().unwrap();
+    assert_eq!(estimates(&map), Estimates::default());
+    // Of ten lengths a side there would be intervals, which are too narrow; a form of many coefficients needs more yet.
+    let map = maps(CorrelationModel::Exponential, &normal(), 10, 1).next().unwrap();
+    assert_eq!(estimates(&map), Estimates::default());
+    let map = maps(CorrelationModel::Exponential, &normal(), 30, 1).next().unwrap();
+    let form = |terms| Uncertainty { removed_terms: terms, resamples: 20, ..Uncertainty::default() };
+    let values = values(&map);
+    assert!(form(3).of(&map, &values).unwrap().sq_m.is_some());
+    assert_eq!(form(15).of(&map, &values).unwrap(), Estimates::default());
+}
+
+#[test]
+fn estimates_do_not_depend_on_the_number_of_threads() {
+    let map = with_holes(&maps(CorrelationModel::Exponential, &normal(), 30, 1).next().unwrap(), 0.1, 0);
+    let values = values(&map);
+    let run = || Uncertainty { resamples: 20, ..Uncertainty::default() }.of(&map, &values).unwrap();
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    assert_eq!(pool(1).install(run), pool(3).install(run));
+}
+
+#[test]
+fn senseless_requests_are_refused() {
+    let map = maps(CorrelationModel::Exponential, &normal(), 10, 1).next().unwrap();
+    let values = values(&map);
+    let of = |level, resamples| Uncertainty { level, resamples, ..Uncertainty::default() }.of(&map, &values);
+    assert!(matches!(of(1.0, 100), Err(UncertaintyError::Parameter { parameter: "confidence level", .. })));
+    assert!(matches!(of(0.95, 1), Err(UncertaintyError::Parameter { parameter: "number of resamples", .. })));
+}

@@ -1,0 +1,305 @@
+//! Weierstrass–Mandelbrot profiles and surfaces, Gaus et al. 2016, eq. (1).
+
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::{PI, TAU};
+
+use serde::{Deserialize, Serialize};
+
+use super::gaussian::{check_germ, map_of};
+use super::{GeneratorError, RandomSurface};
+use asperity_base::fourier::Complex64;
+use asperity_base::law::standard_normal_cdf;
+use asperity_base::map::{Grid, HeightMap};
+
+/// How the sum over frequencies, which diverges towards the low ones, is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WeierstrassForm {
+    /// Σ γ^{(D−2)j} cos(γ^j x + φ_j) over a finite range of j: stationary.
+    Truncated,
+    /// Σ γ^{(D−2)j} [cos φ_j − cos(γ^j x + φ_j)], which converges over all j: zero at the origin, with stationary
+    /// increments.
+    Convergent,
+}
+
+fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str) -> Result<(), GeneratorError> {
+    if valid && value.is_finite() { Ok(()) } else { Err(GeneratorError::Parameter { parameter, value, wanted }) }
+}
+
+/// A Weierstrass–Mandelbrot profile z(x) = G^{D−1} Σ_{j=j₁}^{j₂} γ^{(D−2)j} cos(γ^j x + φ_j), or its convergent form.
+///
+/// γ^j is an angular wavenumber in rad/m, G a length in metre, D the fractal dimension of the graph.
+///
+/// # References
+/// Berry & Lewis, *Proc. R. Soc. A* **370** (1980) 459, <https://doi.org/10.1098/rspa.1980.0044>; Majumdar & Tien,
+/// *Wear* **136** (1990) 313, <https://doi.org/10.1016/0043-1648(90)90154-3>.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeierstrassProfile {
+    dimension: f64,
+    gamma: f64,
+    roughness_m: f64,
+    form: WeierstrassForm,
+    exponents: Vec<f64>,
+}
+
+impl WeierstrassProfile {
+    /// The sum over whole j from `first` to `last`, with fractal roughness G.
+    ///
+    /// # Errors
+    /// D outside (1, 2), γ not above 1, G not positive, or an empty range.
+    pub fn new(
+        dimension: f64,
+        gamma: f64,
+        roughness_m: f64,
+        first: i32,
+        last: i32,
+        form: WeierstrassForm,
+    ) -> Result<Self, GeneratorError> {
+        check("dimension", dimension, dimension > 1.0 && dimension < 2.0, "in (1, 2)")?;
+        check("gamma", gamma, gamma > 1.0, "above 1")?;
+        check("roughness_m", roughness_m, roughness_m > 0.0, "positive")?;
+        check("last", f64::from(last), last >= first, "at least the first exponent")?;
+        let exponents = (first..=last).map(f64::from).collect();
+        Ok(Self { dimension, gamma, roughness_m, form, exponents })
+    }
+
+    /// Wavenumbers γ^j in rad/m, rising.
+    pub fn wavenumbers_rad_per_m(&self) -> Vec<f64> {
+        self.exponents.iter().map(|j| self.gamma.powf(*j)).collect()
+    }
+
+    /// Amplitudes G^{D−1} γ^{(D−2)j} in metre, falling.
+    pub fn amplitudes_m(&self) -> Vec<f64> {
+        let scale = self.roughness_m.powf(self.dimension - 1.0);
+        self.exponents.iter().map(|j| scale * self.gamma.powf((self.dimension - 2.0) * j)).collect()
+    }
+
+    /// Height in metre at x for the given phases in radian.
+    ///
+    /// # Panics
+    /// If there is not one phase per term.
+    pub fn height_m(&self, x_m: f64, phases: &[f64]) -> f64 {
+        assert_eq!(phases.len(), self.exponents.len(), "one phase per term");
+        let terms = self.wavenumbers_rad_per_m().into_iter().zip(self.amplitudes_m()).zip(phases);
+        terms
+            .map(|((q, amplitude), phase)| match self.form {
+                WeierstrassForm::Truncated => amplitude * (q * x_m + phase).cos(),
+                WeierstrassForm::Convergent => amplitude * (phase.cos() - (q * x_m + phase).cos()),
+            })
+            .sum()
+    }
+
+    /// Variance ½ G^{2(D−1)} Σ γ^{2(D−2)j} of the stationary part, in m².
+    pub fn variance_m2(&self) -> f64 {
+        0.5 * self.amplitudes_m().iter().map(|a| a * a).sum::<f64>()
+    }
+
+    /// Structure function E (z(x + τ) − z(x))² = G^{2(D−1)} Σ γ^{2(D−2)j} (1 − cos γ^jτ) in m²; that of both forms.
+    ///
+    /// Over all j it obeys S(γτ) = γ^{2(2−D)} S(τ).
+    pub fn structure_function_m2(&self, lag_m: f64) -> f64 {
+        let terms = self.wavenumbers_rad_per_m().into_iter().zip(self.amplitudes_m());
+        // 1 − cos by the half angle, which keeps the small ones.
+        terms.map(|(q, amplitude)| 2.0 * (amplitude * (0.5 * q * lag_m).sin()).powi(2)).sum()
+    }
+}
+
+/// A Weierstrass–Mandelbrot surface in the generalisation of Ausloos and Berman,
+///
+/// z(x) = G^{D−2} √(ln γ/M) Σ_{m=1}^{M} Σ_j γ^{(D−3)j} cos(γ^j (x cos α_m + y sin α_m) + φ_mj), α_m = πm/M, 2 < D < 3,
+///
+/// or its convergent form; a profile of it has dimension D − 1 and Hurst exponent 3 − D. The wavenumbers are
+/// γ^j = (2π/L)γ^k, k = 0, 1, … up to the grid's Nyquist wavenumber, with L the longer side. The germ sets the phases,
+/// φ = 2πΦ(ξ), wavenumber by wavenumber from the lowest, all ridges of one before the next.
+///
+/// Heights are sums of cosines with uniform phases: close to Gaussian for many terms, but not a linear function of the
+/// germ.
+///
+/// # References
+/// Ausloos & Berman, *Proc. R. Soc. A* **400** (1985) 331, <https://doi.org/10.1098/rspa.1985.0083>; Yan & Komvopoulos,
+/// *J. Appl. Phys.* **84** (1998) 3617, <https://doi.org/10.1063/1.368536>.
+#[derive(Debug, Clone)]
+pub struct WeierstrassMandelbrot {
+    grid: Grid,
+    dimension: f64,
+    gamma: f64,
+    roughness_m: f64,
+    form: WeierstrassForm,
+    waves: Vec<Wave>,
+}
+
+/// One cosine: its wavevector in rad/m and its amplitude over G^{D−2}.
+#[derive(Debug, Clone, Copy)]
+struct Wave {
+    qx: f64,
+    qy: f64,
+    amplitude: f64,
+}
+
+/// Waves of all wavenumbers in rad/m along all angles: amplitude √(ln γ/M) γ^{(D−3)j} with γ^j the wavenumber.
+fn waves(wavenumbers: impl Iterator<Item = f64>, angles: &[f64], dimension: f64, gamma: f64) -> Vec<Wave> {
+    let norm = (gamma.ln() / angles.len() as f64).sqrt();
+    let of_one = |q: f64| {
+        let amplitude = norm * q.powf(dimension - 3.0);
+        angles.iter().map(move |angle| Wave { qx: q * angle.cos(), qy: q * angle.sin(), amplitude })
+    };
+    wavenumbers.flat_map(of_one).collect()
+}
+
+impl WeierstrassMandelbrot {
+    /// A surface of fractal dimension 2 < D < 3 with `ridges` directions and fractal roughness G.
+    ///
+    /// # Errors
+    /// D outside (2, 3), γ not above 1, G not positive, or no ridge.
+    pub fn new(
+        grid: Grid,
+        dimension: f64,
+        gamma: f64,
+        ridges: usize,
+        roughness_m: f64,
+        form: WeierstrassForm,
+    ) -> Result<Self, GeneratorError> {
+        check("dimension", dimension, dimension > 2.0 && dimension < 3.0, "in (2, 3)")?;
+        check("ridges", ridges as f64, ridges > 0, "at least 1")?;
+        let angles: Vec<f64> = (1..=ridges).map(|m| PI * m as f64 / ridges as f64).collect();
+        Self::with_ridges(grid, dimension, gamma, &angles, roughness_m, form)
+    }
+
+    /// A corrugation along y whose profile along x is eq. (1) with dimension 1 < D < 2: one ridge, without the factor
+    /// √(ln γ). The wavenumbers start at 2π over the width.
+    ///
+    /// # Errors
+    /// D outside (1, 2), γ not above 1, or G not positive.
+    pub fn corrugation(
+        grid: Grid,
+        profile_dimension: f64,
+        gamma: f64,
+        roughness_m: f64,
+        form: WeierstrassForm,
+    ) -> Result<Self, GeneratorError> {
+        let valid = profile_dimension > 1.0 && profile_dimension < 2.0;
+        check("profile_dimension", profile_dimension, valid, "in (1, 2)")?;
+        let mut surface = Self::with_ridges(grid, profile_dimension + 1.0, gamma, &[0.0], roughness_m, form)?;
+        for wave in &mut surface.waves {
+            wave.amplitude /= gamma.ln().sqrt();
+        }
+        Ok(surface)
+    }
+
+    fn with_ridges(
+        grid: Grid,
+        dimension: f64,
+        gamma: f64,
+        angles: &[f64],
+        roughness_m: f64,
+        form: WeierstrassForm,
+    ) -> Result<Self, GeneratorError> {
+        check("gamma", gamma, gamma > 1.0, "above 1")?;
+        check("roughness_m", roughness_m, roughness_m > 0.0, "positive")?;
+        let (length_m, nyquist) = match angles {
+            [0.0] => (grid.width_m(), PI / grid.dx_m()),
+            _ => (grid.width_m().max(grid.height_m()), PI / grid.dx_m().max(grid.dy_m())),
+        };
+        // The first wavenumber is always there, also on a grid too coarse for a second.
+        let first = TAU / length_m;
+        let more = std::iter::successors(Some(first * gamma), |q| Some(q * gamma));
+        let wavenumbers = std::iter::once(first).chain(more.take_while(|q| *q <= nyquist * (1.0 + 1e-12)));
+        let waves = waves(wavenumbers, angles, dimension, gamma);
+        Ok(Self { grid, dimension, gamma, roughness_m, form, waves })
+    }
+
+    /// The same surface with G such that the variance of the stationary part is `rms_height_m`².
+    ///
+    /// The rms height of one map about its own mean fluctuates around this value, mostly by its few longest waves.
+    ///
+    /// # Errors
+    /// An rms height that is not positive.
+    pub fn with_rms_height(mut self, rms_height_m: f64) -> Result<Self, GeneratorError> {
+        check("rms_height_m", rms_height_m, rms_height_m > 0.0, "positive")?;
+        let factor = rms_height_m / self.variance_m2().sqrt();
+        self.roughness_m *= factor.powf(1.0 / (self.dimension - 2.0));
+        Ok(self)
+    }
+
+    /// Fractal dimension D of the surface.
+    pub fn dimension(&self) -> f64 {
+        self.dimension
+    }
+
+    /// Ratio γ of neighbouring wavenumbers.
+    pub fn gamma(&self) -> f64 {
+        self.gamma
+    }
+
+    /// Fractal roughness G in metre.
+    pub fn roughness_m(&self) -> f64 {
+        self.roughness_m
+    }
+
+    fn scale(&self) -> f64 {
+        self.roughness_m.powf(self.dimension - 2.0)
+    }
+
+    /// Variance of the stationary part in m².
+    pub fn variance_m2(&self) -> f64 {
+        let sum: f64 = self.waves.iter().map(|wave| wave.amplitude * wave.amplitude).sum();
+        0.5 * self.scale() * self.scale() * sum
+    }
+
+    /// Structure function E (z(s + (x, y)) − z(s))² in m².
+    pub fn structure_function_m2(&self, lag_x_m: f64, lag_y_m: f64) -> f64 {
+        let sum: f64 = self
+            .waves
+            .iter()
+            .map(|wave| 2.0 * (wave.amplitude * (0.5 * (wave.qx * lag_x_m + wave.qy * lag_y_m)).sin()).powi(2))
+            .sum();
+        self.scale() * self.scale() * sum
+    }
+
+    /// Heights for given phases in radian.
+    ///
+    /// # Panics
+    /// If there is not one finite phase per wave.
+    pub fn map(&self, phases: &[f64]) -> HeightMap {
+        check_germ(phases, self.waves.len());
+        let (ny, nx) = self.grid.shape();
+        let mut heights = vec![0.0; nx * ny];
+        let mut along_x = vec![Complex64::default(); nx];
+        for (wave, phase) in self.waves.iter().zip(phases) {
+            // cos(a + b) = Re e^{ia} e^{ib}: nx + ny sines and cosines instead of nx·ny.
+            for (column, value) in along_x.iter_mut().enumerate() {
+                *value = Complex64::cis(wave.qx * column as f64 * self.grid.dx_m());
+            }
+            let amplitude = self.scale() * wave.amplitude;
+            let (sign, offset) = match self.form {
+                WeierstrassForm::Truncated => (1.0, 0.0),
+                WeierstrassForm::Convergent => (-1.0, amplitude * phase.cos()),
+            };
+            for (row, line) in heights.chunks_exact_mut(nx).enumerate() {
+                let along_y = Complex64::cis(wave.qy * row as f64 * self.grid.dy_m() + phase) * (sign * amplitude);
+                for (z, x) in line.iter_mut().zip(&along_x) {
+                    *z += offset + x.re * along_y.re - x.im * along_y.im;
+                }
+            }
+        }
+        map_of(self.grid, heights)
+    }
+}
+
+impl RandomSurface for WeierstrassMandelbrot {
+    fn germ_len(&self) -> usize {
+        self.waves.len()
+    }
+
+    fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    fn generate(&self, germ: &[f64]) -> HeightMap {
+        check_germ(germ, self.germ_len());
+        let phases: Vec<f64> = germ.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
+        self.map(&phases)
+    }
+}

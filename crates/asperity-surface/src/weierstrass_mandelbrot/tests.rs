@@ -1,0 +1,227 @@
+use super::*;
+use asperity_base::correlation::{Axis, profile_spectrum, radial_spectrum};
+use asperity_base::random;
+
+/// What a sum over j = −60 … 60 leaves out of the one over all j, in which power falls with γ^{−2Hj} upwards and γ^{2(1−H)j}
+/// downwards, at lags of order 1.
+fn left_out(gamma: f64, hurst: f64) -> f64 {
+    10.0 * (gamma.powf(-120.0 * hurst) + gamma.powf(-120.0 * (1.0 - hurst)))
+}
+
+#[test]
+fn the_structure_function_of_the_two_sided_sum_is_self_affine() {
+    for (dimension, gamma) in [(1.2, 1.5), (1.5, 1.5), (1.8, 1.5), (1.4, 1.7), (1.6, 1.5)] {
+        let profile = WeierstrassProfile::new(dimension, gamma, 1.0, -60, 60, WeierstrassForm::Convergent).unwrap();
+        for lag in [0.1, 1.0, 2.3] {
+            let ratio = profile.structure_function_m2(gamma * lag) / profile.structure_function_m2(lag);
+            let wanted = gamma.powf(2.0 * (2.0 - dimension));
+            assert!((ratio / wanted - 1.0).abs() < left_out(gamma, 2.0 - dimension), "D {dimension}: {ratio} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn the_structure_function_of_a_two_sided_surface_is_self_affine_in_every_direction() {
+    let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
+    let angles: Vec<f64> = (1..=7).map(|m| PI * f64::from(m) / 7.0).collect();
+    for dimension in [2.2, 2.5, 2.8] {
+        let gamma: f64 = 1.5;
+        let surface = WeierstrassMandelbrot {
+            grid,
+            dimension,
+            gamma,
+            roughness_m: 0.3,
+            form: WeierstrassForm::Convergent,
+            waves: waves((-60..=60).map(|j| gamma.powi(j)), &angles, dimension, gamma),
+        };
+        for (x, y) in [(1.0, 0.0), (0.0, 1.0), (0.4, -0.3), (-1.1, 1.7)] {
+            let ratio = surface.structure_function_m2(gamma * x, gamma * y) / surface.structure_function_m2(x, y);
+            let wanted = gamma.powf(2.0 * (3.0 - dimension));
+            assert!((ratio / wanted - 1.0).abs() < left_out(gamma, 3.0 - dimension), "D {dimension}: {ratio} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn the_variance_of_the_truncated_sum_is_the_published_number() {
+    let profile = WeierstrassProfile::new(1.5, 1.5, 1.0, 0, 20, WeierstrassForm::Truncated).unwrap();
+    assert!((profile.variance_m2() - 1.499_699_271).abs() < 5e-10);
+}
+
+#[test]
+fn random_phases_have_the_variance_and_the_structure_function() {
+    let profile = WeierstrassProfile::new(1.5, 1.5, 0.3, 0, 20, WeierstrassForm::Truncated).unwrap();
+    let count = 20_000;
+    let mut stream = random::stream(5, "phases", 0);
+    let (mut squares, mut steps) = (Vec::new(), Vec::new());
+    for _ in 0..count {
+        let phases: Vec<f64> =
+            random::standard_normal(&mut stream, 21).into_iter().map(|xi| TAU * standard_normal_cdf(xi)).collect();
+        let (here, there) = (profile.height_m(0.4, &phases), profile.height_m(0.9, &phases));
+        squares.push(here * here);
+        steps.push((there - here).powi(2));
+    }
+    for (values, wanted) in [(squares, profile.variance_m2()), (steps, profile.structure_function_m2(0.5))] {
+        let mean = values.iter().sum::<f64>() / count as f64;
+        let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt() / count as f64;
+        assert!((mean - wanted).abs() < 4.0 * error, "{mean} ± {error}, wanted {wanted}");
+    }
+}
+
+/// Slope of a least-squares line through (ln x, ln y).
+fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = points.len() as f64;
+    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / points.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>()
+}
+
+/// Three lines per octave, at 2^m, 2^{m+1/3} and 2^{m+2/3} times the first.
+const THIRD: f64 = 1.259_921_049_894_873_2;
+
+/// Mean density in octaves 2^m of `first`, m in `octaves`, whose edges lie midway between lines. `power` is what a value of
+/// the spectrum holds at its wavenumber, `extent` the measure of wavevectors up to one.
+fn in_octaves(
+    first: f64,
+    octaves: std::ops::Range<i32>,
+    spectrum: &[(f64, f64)],
+    extent: impl Fn(f64) -> f64,
+) -> Vec<(f64, f64)> {
+    octaves
+        .map(|m| {
+            let low = first * 2_f64.powf(f64::from(m) - 1.0 / 6.0);
+            let inside = spectrum.iter().filter(|(q, _)| *q >= low && *q < 2.0 * low);
+            (low, inside.map(|(_, power)| power).sum::<f64>() / (extent(2.0 * low) - extent(low)))
+        })
+        .collect()
+}
+
+#[test]
+fn the_spectrum_of_a_profile_falls_with_the_power_five_minus_two_d_in_octaves_and_not_line_by_line() {
+    for dimension in [1.2, 1.5, 1.8] {
+        let grid = Grid::new(16384, 2, 1.0, 1.0).unwrap();
+        let surface =
+            WeierstrassMandelbrot::corrugation(grid, dimension, THIRD, 1.0, WeierstrassForm::Truncated).unwrap();
+        let germ = random::standard_normal(&mut random::stream(6, "slope", 0), surface.germ_len());
+        let spectrum = profile_spectrum(&surface.generate(&germ), Axis::X).unwrap();
+        let first = TAU / 16384.0;
+        // From the fifth octave on lines are eight bins apart, so that the window's lobes do not overlap.
+        let all: Vec<(f64, f64)> = spectrum.q_rad_per_m.iter().copied().zip(spectrum.psd_m3.iter().copied()).collect();
+        let octaves = slope(in_octaves(first, 5..12, &all, |q| q).into_iter());
+        let wanted = -(5.0 - 2.0 * dimension);
+        assert!((octaves - wanted).abs() < 0.01, "D {dimension}: slope {octaves}, wanted {wanted}");
+        // Between the lines there is nothing but leakage, which a fit to every frequency follows.
+        let (low, high) = (first * 2_f64.powi(5), first * 2_f64.powi(12));
+        let naive = slope(all.iter().copied().filter(|(q, _)| *q >= low && *q < high));
+        assert!((naive - wanted).abs() > 1.0, "D {dimension}: {naive} by every frequency, {wanted}");
+    }
+}
+
+#[test]
+fn the_spectra_of_a_surface_fall_with_its_dimension_along_profiles_and_radially() {
+    let n = 1024;
+    for dimension in [2.2, 2.5, 2.8] {
+        let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
+        let surface = WeierstrassMandelbrot::new(grid, dimension, THIRD, 4, 1.0, WeierstrassForm::Truncated).unwrap();
+        let germ = random::standard_normal(&mut random::stream(6, "slope", 1), surface.germ_len());
+        let map = surface.generate(&germ);
+        let first = TAU / n as f64;
+        // Profiles have dimension D − 1, hence −(5 − 2(D − 1)). The ridges of π/4 have lines at 1/√2 = 2^{−1/2}, on the
+        // edges of the octaves of the others; shifting the edges by 1/12 keeps clear of both.
+        let profile = profile_spectrum(&map, Axis::X).unwrap();
+        let all: Vec<(f64, f64)> = profile.q_rad_per_m.iter().copied().zip(profile.psd_m3.iter().copied()).collect();
+        let along = slope(in_octaves(first * 2_f64.powf(1.0 / 12.0), 4..8, &all, |q| q).into_iter());
+        // In the plane the density falls faster by one power.
+        let radial = radial_spectrum(&map).unwrap();
+        let width = radial.q_rad_per_m[1] - radial.q_rad_per_m[0];
+        let all: Vec<(f64, f64)> =
+            radial.q_rad_per_m.iter().zip(&radial.psd_m4).map(|(q, psd)| (*q, psd * TAU * q * width)).collect();
+        let around = slope(in_octaves(first, 4..8, &all, |q| PI * q * q).into_iter());
+        let wanted = -(5.0 - 2.0 * (dimension - 1.0));
+        assert!((along - wanted).abs() < 0.03, "D {dimension}: slope {along} of profiles, wanted {wanted}");
+        assert!(
+            (around - (wanted - 1.0)).abs() < 0.05,
+            "D {dimension}: slope {around} in the plane, wanted {}",
+            wanted - 1.0
+        );
+    }
+}
+
+#[test]
+fn a_map_is_the_sum_of_its_cosines() {
+    let grid = Grid::new(9, 7, 0.5, 0.8).unwrap();
+    for form in [WeierstrassForm::Truncated, WeierstrassForm::Convergent] {
+        let surface = WeierstrassMandelbrot::new(grid, 2.4, 1.6, 5, 0.2, form).unwrap();
+        let germ = random::standard_normal(&mut random::stream(7, "cosines", 0), surface.germ_len());
+        let phases: Vec<f64> = germ.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
+        let map = surface.generate(&germ);
+        for ((row, column), z) in map.heights_m().indexed_iter() {
+            let (x, y) = (0.5 * column as f64, 0.8 * row as f64);
+            let mut sum = 0.0;
+            let terms = surface.germ_len() / 5;
+            for k in 0..terms {
+                let q = TAU / 5.6 * 1.6_f64.powi(k as i32);
+                for m in 1..=5 {
+                    let angle = PI * m as f64 / 5.0;
+                    let phase = phases[5 * k + m - 1];
+                    let wave = (q * (x * angle.cos() + y * angle.sin()) + phase).cos();
+                    let amplitude = 0.2_f64.powf(0.4) * (1.6_f64.ln() / 5.0).sqrt() * q.powf(-0.6);
+                    sum += match form {
+                        WeierstrassForm::Truncated => amplitude * wave,
+                        WeierstrassForm::Convergent => amplitude * (phase.cos() - wave),
+                    };
+                }
+            }
+            assert!((z - sum).abs() < 1e-13);
+        }
+        if form == WeierstrassForm::Convergent {
+            assert!(map.heights_m()[[0, 0]].abs() < 1e-14, "zero at the origin");
+        }
+    }
+}
+
+#[test]
+fn a_corrugation_is_the_profile_of_equation_one() {
+    // With a width of 2π the wavenumbers are γ^0, γ^1, …
+    let grid = Grid::covering(64, 2, TAU, 1.0).unwrap();
+    let surface = WeierstrassMandelbrot::corrugation(grid, 1.3, 1.5, 0.7, WeierstrassForm::Convergent).unwrap();
+    let last = surface.germ_len() as i32 - 1;
+    let profile = WeierstrassProfile::new(1.3, 1.5, 0.7, 0, last, WeierstrassForm::Convergent).unwrap();
+    let phases: Vec<f64> = (0..=last).map(|k| 0.7 * f64::from(k)).collect();
+    let map = surface.map(&phases);
+    for column in [0, 5, 63] {
+        let wanted = profile.height_m(grid.dx_m() * column as f64, &phases);
+        assert!((map.heights_m()[[0, column]] - wanted).abs() < 1e-13);
+        assert!((map.heights_m()[[1, column]] - wanted).abs() < 1e-13);
+    }
+    assert!((surface.variance_m2() - profile.variance_m2()).abs() < 1e-12 * profile.variance_m2());
+}
+
+#[test]
+fn the_rms_height_can_be_set() {
+    let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
+    let surface = WeierstrassMandelbrot::new(grid, 2.3, 1.5, 10, 1e-12, WeierstrassForm::Truncated).unwrap();
+    let surface = surface.with_rms_height(1e-6).unwrap();
+    assert!((surface.variance_m2().sqrt() / 1e-6 - 1.0).abs() < 1e-12);
+    let powers: Vec<f64> = (0..400)
+        .map(|index| {
+            let germ = random::standard_normal(&mut random::stream(8, "rms", index), surface.germ_len());
+            surface.generate(&germ).present_m().map(|z| z * z).sum::<f64>() / grid.points() as f64
+        })
+        .collect();
+    let mean = powers.iter().sum::<f64>() / 400.0;
+    let error = powers.iter().map(|p| (p - mean).powi(2)).sum::<f64>().sqrt() / 400.0;
+    assert!((mean - 1e-12).abs() < 4.0 * error, "{mean:e} ± {error:e}");
+}
+
+#[test]
+fn parameters_outside_their_ranges_are_refused() {
+    let grid = Grid::new(8, 8, 1.0, 1.0).unwrap();
+    let form = WeierstrassForm::Truncated;
+    assert!(WeierstrassProfile::new(2.0, 1.5, 1.0, 0, 5, form).is_err());
+    assert!(WeierstrassProfile::new(1.5, 1.0, 1.0, 0, 5, form).is_err());
+    assert!(WeierstrassProfile::new(1.5, 1.5, 1.0, 5, 0, form).is_err());
+    assert!(WeierstrassMandelbrot::new(grid, 1.5, 1.5, 4, 1.0, form).is_err());
+    assert!(WeierstrassMandelbrot::new(grid, 2.5, 1.5, 0, 1.0, form).is_err());
+    assert!(WeierstrassMandelbrot::new(grid, 2.5, f64::NAN, 4, 1.0, form).is_err());
+}

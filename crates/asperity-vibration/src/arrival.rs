@@ -1,0 +1,270 @@
+//! The first arrival of a slip at v_rel = 0.
+//!
+//! Without forcing, A = W′ and B = base − κW obey A′ = pA + B, B′ = −κA with p = dW′/dW at fixed e. The angle of
+//! (A, B/√κ) turns by at most √κ + |p|/2 per unit of time, always clockwise through the zeros of A, and a maximum of W has
+//! B ≤ 0, W ≥ base/κ. So at W ≥ 0 a maximum is at least a quarter turn away from W = base/κ, and
+//!
+//! - a rising W does not arrive within a quarter turn, and if it begins at W ≤ base/κ, within half a turn;
+//! - a falling W that is negative at the end of a quarter turn at most has arrived exactly once;
+//! - a falling W that is positive and falls at the end of it has not arrived.
+//!
+//! Only a minimum inside such an interval is left to the bounds of [`polynomial::first_zero`].
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::polynomial;
+use super::series::{Loading, Series};
+use super::weakening::Weakening;
+
+/// Share of a turn that is used, for rounding.
+const MARGIN: f64 = 1.0 - 1e-9;
+/// Halley's correction, relative to the time in which W′ changes, whose cube is below rounding.
+const SMALL: f64 = 3e-6;
+
+/// What is known about arrivals in an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Arrivals {
+    None,
+    One,
+    Unknown,
+}
+
+/// What the turning of (A, B) tells about a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turning {
+    /// Largest time of a quarter turn at least; zero if nothing is known.
+    quarter: f64,
+    kappa: f64,
+    base: f64,
+}
+
+/// Where a step of slip ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reached {
+    pub(super) t: f64,
+    pub(super) arrived: bool,
+    /// W and e there, if they are known.
+    pub(super) state: Option<(f64, f64)>,
+}
+
+/// A state inside a step.
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    t: f64,
+    w: f64,
+    /// W′.
+    a: f64,
+    e: f64,
+}
+
+impl Passed {
+    /// Time at which W = 0 on a cubic t(W) through both states with their slopes.
+    fn inverse_cubic(&self, to: &Self) -> f64 {
+        let (height, span) = (to.w - self.w, to.t - self.t);
+        let share = -self.w / height;
+        // Deviations of the slopes from the chord's.
+        let (first, last) = (height / self.a - span, height / to.a - span);
+        let rest = 1.0 - share;
+        self.t + share * span + share * rest * (rest * first - share * last)
+    }
+}
+
+impl Turning {
+    #[inline]
+    pub(super) fn new(weakening: &Weakening, loading: &Loading) -> Self {
+        let Loading { kappa, base, swing, .. } = *loading;
+        let known = swing == 0.0 && base > 0.0;
+        let quarter = match weakening.steepest() {
+            Some(steepest) if known && kappa > 0.0 => MARGIN * FRAC_PI_2 / (kappa.sqrt() + 0.5 * steepest),
+            Some(_) if known => f64::INFINITY,
+            _ => 0.0,
+        };
+        Self { quarter, kappa, base }
+    }
+
+    /// Of a step whose polynomials are not the solution to rounding.
+    pub(super) const UNKNOWN: Self = Self { quarter: 0.0, kappa: 0.0, base: 0.0 };
+
+    /// Whether W has one extremum at most in a step of this length: two are half a turn apart.
+    #[inline]
+    pub(super) fn is_simple(&self, h: f64) -> bool {
+        h <= 2.0 * self.quarter
+    }
+
+    /// Time during which a slip at (W, W′) does not arrive for certain.
+    #[inline]
+    pub(super) fn safe(&self, w: f64, a: f64) -> f64 {
+        if a < 0.0 {
+            0.0
+        } else if self.kappa * w <= self.base {
+            // For κ ≤ 0 this is always so, and a rising W rises for ever.
+            2.0 * self.quarter
+        } else {
+            self.quarter
+        }
+    }
+
+    /// Arrivals in an interval of the length h, from the states (W, W′) at its ends.
+    #[inline]
+    fn arrivals(&self, h: f64, (w0, a0): (f64, f64), (w1, a1): (f64, f64)) -> Arrivals {
+        if h <= self.safe(w0, a0) {
+            Arrivals::None
+        } else if h > self.quarter || w0 <= 0.0 || a0 >= 0.0 {
+            Arrivals::Unknown
+        } else if w1 > 0.0 {
+            if a1 <= 0.0 { Arrivals::None } else { Arrivals::Unknown }
+        } else if self.kappa > 0.0 {
+            Arrivals::One
+        } else {
+            Arrivals::Unknown
+        }
+    }
+}
+
+impl Series {
+    /// Whether a slip that has the state (w, a) after h, not yet arrived or arrived, has certainly not arrived before.
+    #[inline]
+    pub(super) fn stays(&self, turning: &Turning, h: f64, w: f64, a: f64) -> bool {
+        let [w0, a0] = self.start();
+        turning.arrivals(h, (w0, a0), (w, a)) == Arrivals::None
+    }
+
+    /// Where a slip of the length h at most ends: at its first arrival, if it has one.
+    #[inline]
+    pub(super) fn first_arrival(&self, weakening: &Weakening, turning: &Turning, h: f64) -> Reached {
+        if turning.quarter == 0.0 {
+            return self.bounded(h);
+        }
+        let [w0, a0] = self.start();
+        let mut from = Passed { t: 0.0, w: w0, a: a0, e: self.e_at_start() };
+        loop {
+            let safe = from.t + turning.safe(from.w, from.a);
+            if safe >= h {
+                return Reached { t: h, arrived: false, state: None };
+            }
+            let t = h.min(safe.max(from.t + turning.quarter));
+            let (w, e) = self.state(t);
+            let to = Passed { t, w, a: weakening.acceleration(w, e), e };
+            match turning.arrivals(to.t - from.t, (from.w, from.a), (to.w, to.a)) {
+                Arrivals::None if to.t == h => return Reached { t: h, arrived: false, state: Some((w, e)) },
+                Arrivals::None => from = to,
+                Arrivals::One => return self.arrival_between(weakening, turning, from, to),
+                Arrivals::Unknown => return self.bounded(h),
+            }
+        }
+    }
+
+    /// The same by bounds of the coefficients.
+    fn bounded(&self, h: f64) -> Reached {
+        let found = self.first_zero(h);
+        Reached { t: found.unwrap_or(h), arrived: found.is_some(), state: None }
+    }
+
+    /// The first zero of W in (0, h] by bounds of its coefficients.
+    fn first_zero(&self, h: f64) -> Option<f64> {
+        self.first_crossing(0.0, 1.0, h)
+    }
+
+    /// First time in (0, h] at which ±(W − level), positive just after 0, is zero.
+    pub(super) fn first_crossing(&self, level: f64, sign: f64, h: f64) -> Option<f64> {
+        let mut c = [0.0; polynomial::CAPACITY];
+        for (c, w) in c.iter_mut().zip(self.w()) {
+            *c = sign * w;
+        }
+        c[0] -= sign * level;
+        // Right after a start at the level, as a detachment is, the difference is O(t) or O(t²); the factor is divided out,
+        // or its zero at t = 0 would be found.
+        let leading = c.iter().take(2).take_while(|c| **c == 0.0).count();
+        polynomial::first_zero(&c[leading..self.w().len()], h)
+    }
+
+    /// First time in (0, h] at which W leaves (from, to), and the end it reaches; not through `from` if that is zero.
+    pub(super) fn first_exit(&self, (from, to): (f64, f64), h: f64) -> Option<(f64, f64)> {
+        let up = if to.is_finite() { self.first_crossing(to, -1.0, h) } else { None };
+        let down = if from > 0.0 { self.first_crossing(from, 1.0, up.unwrap_or(h)) } else { None };
+        down.map(|t| (t, from)).or(up.map(|t| (t, to)))
+    }
+
+    /// The only arrival between two states, W falling from the first to the second.
+    ///
+    /// The inverse of W, as a cubic through both ends, is the first guess, and Halley's method goes on from there.
+    fn arrival_between(&self, weakening: &Weakening, turning: &Turning, from: Passed, to: Passed) -> Reached {
+        let (mut low, mut high) = (from.t, to.t);
+        let mut next = from.inverse_cubic(&to);
+        let mut last = to;
+        for _ in 0..100 {
+            let inside = next > low && next < high;
+            let t = if inside { next } else { 0.5 * (low + high) };
+            let (w, e) = self.state(t);
+            last = Passed { t, w, a: weakening.acceleration(w, e), e };
+            if w > 0.0 {
+                low = t
+            } else {
+                high = t
+            }
+            // W″ and e′, e″ at t.
+            let (e_rate, gain) = (turning.base - turning.kappa * w, weakening.slope(w));
+            let bend = gain * last.a + e_rate;
+            let step = -w / (last.a - 0.5 * bend * w / last.a);
+            if step.abs() * (bend.abs() + (1.0 + gain.abs()) * last.a.abs()) <= SMALL * last.a.abs() {
+                let e = e + step * (e_rate - 0.5 * step * turning.kappa * last.a);
+                return Reached { t: (t + step).clamp(low, high), arrived: true, state: Some((0.0, e)) };
+            }
+            if high - low <= f64::EPSILON * high {
+                break;
+            }
+            next = t + step;
+        }
+        Reached { t: high, arrived: true, state: Some((0.0, last.e)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Oscillator;
+
+    #[test]
+    fn the_turning_and_the_bounds_of_coefficients_find_the_same_arrivals() {
+        let rng = &mut asperity_base::random::stream(8, "test", 0);
+        let mut series = Series::new();
+        let (mut none, mut some, mut settled) = (0, 0, 0);
+        for i in 0..30_000 {
+            let g = asperity_base::random::standard_normal(rng, 8);
+            let (friction, decay, damping) = ((0.5 * g[0]).exp() * 0.2, 4.0 * g[1].exp(), 0.2 * g[2].exp());
+            let oscillator = Oscillator::stribeck(friction, decay, damping, 0.05 * g[3].exp()).unwrap();
+            let weakening = Weakening::new(&oscillator);
+            let (base, kappa) = (1.0 + 0.5 * g[4], 1.0 + 0.7 * g[5]);
+            let loading = Loading { base, kappa, swing: 0.0, frequency: 0.0, phase: 0.0 };
+            // Every third state is a detachment.
+            let (w, e) = if i % 3 == 0 { (0.0, 0.0) } else { (g[6].abs(), 2.0 * g[7]) };
+            series.expand(&weakening, &loading, w, e, f64::INFINITY);
+            let h = series.reach(f64::INFINITY);
+            let turning = Turning::new(&weakening, &loading);
+            let reached = series.first_arrival(&weakening, &turning, h);
+            if let Some((w, e)) = reached.state {
+                let (there, excess) = series.state(reached.t);
+                assert!((w - there).abs() < 1e-13 * (1.0 + e.abs()) && (e - excess).abs() < 1e-13 * (1.0 + e.abs()));
+            }
+            let (found, wanted) = (reached.arrived.then_some(reached.t), series.first_zero(h));
+            match (found, wanted) {
+                (Some(a), Some(b)) => {
+                    // A zero moves by (rounding of W)/W′.
+                    let (w, e) = series.state(b);
+                    let slope = weakening.acceleration(w, e).abs();
+                    assert!((a - b).abs() * slope < 1e-13 * (1.0 + e.abs()), "{a} and {b}, W′ = {slope:e}");
+                    some += 1;
+                }
+                (None, None) => none += 1,
+                _ => panic!("{found:?} instead of {wanted:?}: {oscillator:?} {loading:?} {w} {e}"),
+            }
+            if let Some(t) = wanted.or(Some(h)) {
+                let (end, e) = series.state(0.99 * t);
+                let stays = series.stays(&turning, 0.99 * t, end, weakening.acceleration(end, e));
+                assert!(!stays || series.first_zero(0.99 * t).is_none());
+                settled += u32::from(stays);
+            }
+        }
+        assert!(none > 5000 && some > 3000 && settled > 8000, "{none} {some} {settled}");
+    }
+}

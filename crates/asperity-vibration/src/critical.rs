@@ -1,0 +1,257 @@
+//! Where the stick-slip cycle ends and where steady sliding begins to be stable.
+
+use serde::{Deserialize, Serialize};
+
+use super::slip_orbit::first_minimum;
+use super::structure::grazing::grazing_damping;
+use super::structure::slip_cycle::fold_damping;
+use super::{Oscillator, VibrationError};
+
+/// Largest damping ratio that is searched.
+const MAX_DAMPING: f64 = 1e3;
+
+/// The two damping ratios that separate stick-slip from sliding.
+///
+/// For velocity weakening laws ζ_H < ζ_c: between them stick-slip and sliding are both stable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CriticalDamping {
+    /// ζ_c of the grazing–sliding fold: the slip orbit from a detachment touches the belt velocity. No stick-slip cycle
+    /// exists above it.
+    pub critical_damping_ratio: f64,
+    /// ζ_H of the Hopf bifurcation, 2ζ_H = −dμ/d|v| at the belt velocity. Steady sliding is stable above it; it is negative
+    /// where the law rises with the speed.
+    pub hopf_damping_ratio: f64,
+}
+
+/// ζ_c and ζ_H of an oscillator; its own damping ratio and forcing are left aside.
+///
+/// ζ_c is the zero, in ζ, of the least relative velocity on the slip orbit from a detachment, continued smoothly below
+/// zero, by Newton's method with the derivative of the orbit. First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
+pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, VibrationError> {
+    let weakening = oscillator.law().weakening(oscillator.belt_velocity());
+    let hopf_damping_ratio = 0.5 * weakening;
+    let jump = oscillator.static_friction() - oscillator.law().kinetic();
+    if oscillator.law().is_constant() && jump == 0.0 {
+        // The slip orbit of an undamped linear oscillator returns to its start: it grazes.
+        return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
+    }
+    let free = oscillator.with_forcing(None)?;
+    let guess = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
+    let critical_damping_ratio = match grazing_damping(&free, 0.0, guess, MAX_DAMPING)? {
+        Some(damping) => damping,
+        // A law that rises with the speed damps by itself; or weakening and jump are below rounding.
+        None if first_minimum(&free.with_damping(0.0)?, 0.0)?.is_none_or(|m| m.w >= 0.0) => hopf_damping_ratio.max(0.0),
+        None => return Err(VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" }),
+    };
+    Ok(CriticalDamping { critical_damping_ratio, hopf_damping_ratio })
+}
+
+/// Returns ζ_v, the largest damping ratio at which any vibration persists; the oscillator's own damping ratio and forcing are
+/// left aside.
+///
+/// The last vibration ends at the grazing point ζ_c, at the Hopf point ζ_H, or in a fold of slip cycles above both. For
+/// ζ_H < ζ < ζ_v steady sliding is stable, and vibration attracts: a machine that starts in stick vibrates, and one that
+/// slides steadily needs a kick ([`super::smallest_kick`]).
+pub fn limit_damping(oscillator: &Oscillator) -> Result<f64, VibrationError> {
+    let ends = critical_damping(oscillator)?;
+    let least = ends.critical_damping_ratio.max(ends.hopf_damping_ratio);
+    Ok(fold_damping(&oscillator.with_forcing(None)?, least)?.unwrap_or(least))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::root::zero_between;
+    use crate::{FrictionLaw, FrictionTable, MotionKind, Parameters, limit_cycle, smallest_kick};
+    use asperity_base::law::standard_normal_cdf;
+    use asperity_base::random;
+
+    /// ζ_c by bisection of the same least velocity, without its derivative.
+    fn bisected(oscillator: &Oscillator, above: f64) -> f64 {
+        let least = |damping| Ok(first_minimum(&oscillator.with_damping(damping)?, 0.0)?.map_or(1.0, |m| m.w));
+        let (at_zero, at_above) = (least(0.0).unwrap(), least(above).unwrap());
+        zero_between(least, (0.0, at_zero), (above, at_above), 1e-15).unwrap()
+    }
+
+    #[test]
+    fn the_paper_s_law_ends_at_the_published_damping() {
+        for (friction, velocity, wanted) in [
+            (0.1, 0.003, 0.204_830_150_584_523_17),
+            (0.1, 0.1, 0.111_508_270_209_214_07),
+            (0.2, 0.1, 0.222_953_501_902_507_68),
+            (0.3, 0.1, 0.334_272_847_322_423_26),
+        ] {
+            let found = critical_damping(&Oscillator::stribeck(friction, 4.2, 0.0, velocity).unwrap()).unwrap();
+            assert!((found.critical_damping_ratio - wanted).abs() < 1e-12, "{found:?} instead of {wanted}");
+            let hopf = 0.5 * 4.2 * friction / (1.0 + 4.2 * velocity).powi(2);
+            assert!((found.hopf_damping_ratio - hopf).abs() < 1e-15);
+            assert!(found.hopf_damping_ratio < found.critical_damping_ratio);
+            // First-order averaging, good to the order of the friction coefficient squared.
+            let speed: f64 = 4.2 * velocity;
+            let averaged = friction / (speed * velocity) * ((1.0 + speed) / (1.0 + 2.0 * speed).sqrt() - 1.0);
+            assert!((found.critical_damping_ratio / averaged - 1.0).abs() < friction * friction, "{averaged}");
+        }
+    }
+
+    #[test]
+    fn linear_weakening_ends_at_half_its_slope() {
+        for slope in [0.05, 0.3, 1.1] {
+            let law = FrictionLaw::Linear { kinetic: 0.4, slope };
+            let parameters =
+                Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
+            let found = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap();
+            assert!((found.critical_damping_ratio - 0.5 * slope).abs() < 1e-12, "{found:?}");
+            assert!((found.hopf_damping_ratio - 0.5 * slope).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_cycle_exists_exactly_below_the_critical_damping_of_any_oscillator() {
+        let rng = &mut random::stream(5, "test", 0);
+        for i in 0..300 {
+            let g = random::standard_normal(rng, 5);
+            let static_friction = 0.2 * g[0].exp();
+            let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
+            let decay = 3.0 * (1.5 * g[2]).exp();
+            let stribeck = FrictionLaw::Stribeck { kinetic, decay };
+            let (high_speed, stribeck_velocity) = (0.5 * kinetic, 0.5 / decay);
+            let points: Vec<_> =
+                (0..8).map(|i| 0.3 * f64::from(i) / decay).map(|v| [v, stribeck.coefficient(v)]).collect();
+            let law = match i % 3 {
+                0 => stribeck,
+                1 => FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity },
+                _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+            };
+            // A belt faster than the table moves under constant friction.
+            let belt_velocity = (0.05 * (1.5 * g[3]).exp()).min(if i % 3 == 2 { 1.0 / decay } else { f64::INFINITY });
+            let of = |damping_ratio| {
+                let law = law.clone();
+                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+                    .unwrap()
+            };
+            let critical = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
+            let slow = bisected(&of(0.0), 2.0 * critical);
+            // Orbits are of the order 1 however small ζ is, and their rounding moves it by 1e-15 at most.
+            let allowed = 1e-13 * critical.max(0.01);
+            assert!((critical - slow).abs() < allowed, "{critical:.17} instead of {slow:.17}: {:?}", of(0.0));
+            for (factor, exists) in [(0.3, true), (1.0 - 1e-7, true), (1.0 + 1e-7, false), (1.7, false)] {
+                let regime =
+                    limit_cycle(&of(factor * critical)).unwrap_or_else(|e| panic!("{e} {factor} {:?}", of(critical)));
+                let reaches_belt = matches!(regime.kind(), MotionKind::StickSlip | MotionKind::Overtaking);
+                assert_eq!(reaches_belt, exists, "{factor} of {critical}: {:?}", of(0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn without_weakening_any_damping_ends_the_cycle_but_a_jump_keeps_it() {
+        let of = |static_friction| {
+            let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+            let parameters =
+                Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
+            critical_damping(&Oscillator::new(parameters).unwrap()).unwrap().critical_damping_ratio
+        };
+        assert_eq!(of(0.3), 0.0);
+        let with_jump = of(0.4);
+        // The cycle exists just below and not above: an independent check by the event-driven motion.
+        for (factor, exists) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
+            let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+            let damping_ratio = with_jump * factor;
+            let parameters =
+                Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None };
+            let regime = limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap();
+            assert_eq!(regime.cycle().is_some(), exists);
+        }
+    }
+    /// .3 + .1e^{−(v/.08)²} as a table; the slopes of its cubics err by about 7e-6 of their size.
+    fn gaussian(belt_velocity: f64) -> Oscillator {
+        let coefficient = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
+        let points: Vec<_> = (0..=1200).map(|i| 2.5e-4 * f64::from(i)).map(|v| [v, coefficient(v)]).collect();
+        let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+        let parameters = Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity, forcing: None };
+        Oscillator::new(parameters).unwrap()
+    }
+
+    #[test]
+    fn slip_cycles_outlast_stick_slip_and_unstable_sliding() {
+        // ζ_H = .1V/.08²·e^{−(V/.08)²}. The folds: scipy 1.17, DOP853 at rtol 1e-12, largest damping over the amplitudes
+        // of closed orbits, by bounded minimisation to six digits of the amplitude.
+        for (velocity, fold) in [(0.056, None), (0.11, Some(0.275_461_271)), (0.12, Some(0.238_055_208))] {
+            let machine = gaussian(velocity);
+            let ends = critical_damping(&machine).unwrap();
+            let hopf = 0.1 * velocity / 0.0064 * (-(velocity / 0.08_f64).powi(2)).exp();
+            assert!((ends.hopf_damping_ratio / hopf - 1.0).abs() < 2e-5, "{ends:?} {hopf}");
+            // Published to three digits.
+            assert!(velocity > 0.06 || (ends.critical_damping_ratio - 0.418).abs() < 5e-4, "{ends:?}");
+            let limit = limit_damping(&machine).unwrap();
+            let wanted = fold.unwrap_or(hopf);
+            assert!((limit / wanted - 1.0).abs() < 2e-5, "{limit} instead of {wanted}");
+            let kind = |factor: f64| limit_cycle(&machine.with_damping(factor * limit).unwrap()).unwrap().kind();
+            assert_eq!([kind(0.999), kind(1.001)], [MotionKind::SlipCycle, MotionKind::None], "{velocity}");
+            assert_eq!(kind(0.99 * ends.critical_damping_ratio / limit), MotionKind::StickSlip);
+        }
+    }
+
+    #[test]
+    fn the_last_vibration_of_a_falling_law_grazes_the_belt() {
+        let laws = [
+            FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+            FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.04, stribeck_velocity: 0.1 },
+            FrictionLaw::Linear { kinetic: 0.1, slope: 0.2 },
+            FrictionLaw::Coulomb { kinetic: 0.09 },
+        ];
+        for law in laws {
+            let parameters =
+                Parameters { static_friction: 0.1, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
+            let machine = Oscillator::new(parameters).unwrap();
+            let wanted = critical_damping(&machine).unwrap().critical_damping_ratio;
+            assert_eq!(limit_damping(&machine).unwrap(), wanted);
+        }
+        // Jump .05 at V = .05, alone and over a weakening b = .1 that shifts it by b/2: closed forms.
+        for (law, wanted) in [
+            (FrictionLaw::Coulomb { kinetic: 0.25 }, 0.057_829_116_137_66),
+            (FrictionLaw::Linear { kinetic: 0.25, slope: 0.1 }, 0.107_829_116_137_66),
+        ] {
+            let parameters =
+                Parameters { static_friction: 0.3, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
+            let found = limit_damping(&Oscillator::new(parameters).unwrap()).unwrap();
+            assert!((found - wanted).abs() < 1e-12, "{found} instead of {wanted}");
+        }
+    }
+    #[test]
+    fn vibration_persists_exactly_below_the_limit_damping_of_any_oscillator() {
+        let rng = &mut random::stream(77, "test", 0);
+        let mut folds = 0;
+        for i in 0..60 {
+            let g = random::standard_normal(rng, 4);
+            let static_friction = 0.3 * g[0].exp();
+            let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
+            let reach = 0.1 * (1.5 * g[2]).exp();
+            let bell = |v: f64| kinetic * (0.3 + 0.7 * (-(v / reach).powi(2)).exp());
+            let points: Vec<_> = (0..40).map(|i| 0.1 * f64::from(i) * reach).map(|v| [v, bell(v)]).collect();
+            let law = match i % 3 {
+                0 => FrictionLaw::Stribeck { kinetic, decay: 1.0 / reach },
+                1 => FrictionLaw::Exponential { kinetic, high_speed: 0.3 * kinetic, stribeck_velocity: reach },
+                _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+            };
+            let belt_velocity = reach * (0.7 * g[3]).exp();
+            let of = |damping_ratio| {
+                let law = law.clone();
+                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+                    .unwrap()
+            };
+            let ends = critical_damping(&of(0.0)).unwrap();
+            let limit = limit_damping(&of(0.0)).unwrap();
+            folds += usize::from(limit > ends.critical_damping_ratio.max(ends.hopf_damping_ratio));
+            for (factor, exists) in [(0.5, true), (0.9, true), (0.9999, true), (1.0001, false), (1.5, false)] {
+                let machine = of(factor * limit);
+                let kind = limit_cycle(&machine).unwrap().kind();
+                assert_eq!(kind.is_vibration(), exists, "{factor} of {limit}, {ends:?}: {machine:?}");
+                // A kick is needed, and suffices, where sliding is stable beside vibration.
+                let bistable = exists && !machine.sliding_is_unstable();
+                assert_eq!(smallest_kick(&machine).unwrap().is_some(), bistable, "{factor} of {limit}: {machine:?}");
+            }
+        }
+        assert!(folds > 0, "no fold of slip cycles");
+    }
+}

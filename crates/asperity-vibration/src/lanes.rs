@@ -1,0 +1,593 @@
+//! Many trajectories in lockstep: sixteen lanes of one instruction stream.
+//!
+//! All lanes slip all the time: a stick without forcing, under friction that is frozen in it, lasts exactly −e and is left at
+//! once. A lane that has ended takes the next trajectory. Arithmetic is lane by lane, so a trajectory has the same bits in
+//! whatever company it travels. What lanes cannot judge, which is rare, is judged by the polynomials of one lane, and what
+//! they do not know at all (forcing, friction read in time, tabulated laws, slip cycles) by [`follow`].
+
+mod kernel;
+
+use std::ops::Range;
+
+use self::kernel::{Cuts, Expansion, LANES, Plants, States};
+use super::motion::MAX_IDLE_STEPS;
+use super::trajectory::{Observer, Slipped, follow, start_of};
+use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Slips, TrajectorySettings, VibrationError};
+use asperity_base::monitor::Silent;
+use asperity_base::wide::{Kernel, wide};
+use asperity_process::{Cell, Fluctuation};
+
+/// Coefficients and relative tolerance of a step between knots, which are close, and without knots.
+const NOISY: usize = 12;
+const NOISY_TOLERANCE: f64 = 1e-13;
+const STEADY: usize = 22;
+const STEADY_TOLERANCE: f64 = 1e-12;
+
+/// One trajectory to follow.
+pub(super) struct Task<F, W> {
+    oscillator: Oscillator,
+    fluctuation: F,
+    observer: W,
+    /// See [`follow`].
+    swing_level: f64,
+}
+
+impl<F, W> Task<F, W> {
+    /// A trajectory whose swings below the velocity of the belt are not observed.
+    pub(super) fn new(oscillator: Oscillator, fluctuation: F, observer: W) -> Self {
+        Self { oscillator, fluctuation, observer, swing_level: f64::INFINITY }
+    }
+
+    /// The same trajectory with observed swings; see [`follow`].
+    pub(super) fn with_swing_level(self, swing_level: f64) -> Self {
+        Self { swing_level, ..self }
+    }
+}
+
+/// What is left of a trajectory at its end.
+pub(super) struct Followed<W> {
+    pub(super) slips: Slips,
+    pub(super) observer: W,
+}
+
+/// Follows the trajectories `indices`, made by `make`, and hands over each as it ends, in any order.
+///
+/// `make` may be called twice for one trajectory and then has to give the same.
+pub(super) fn follow_many<F: Fluctuation, W: Observer>(
+    settings: &TrajectorySettings,
+    indices: Range<usize>,
+    make: impl Fn(usize) -> Result<Task<F, W>, VibrationError>,
+    mut done: impl FnMut(usize, Result<Followed<W>, VibrationError>),
+) {
+    let alone = |index: usize| {
+        let Task { oscillator, mut fluctuation, mut observer, swing_level } = make(index)?;
+        let slips = follow(&oscillator, &mut fluctuation, settings, swing_level, &Silent, &mut observer)?;
+        Ok(Followed { slips, observer })
+    };
+    let mut waiting = indices;
+    if settings.drive == Drive::Time
+        || settings.method != Method::Taylor
+        || !(settings.duration.is_finite() && settings.duration > 0.0)
+    {
+        waiting.for_each(|index| done(index, alone(index)));
+        return;
+    }
+    // Machines of one kind travel together: with knots or without, under an exponential law or another.
+    let mut companies: [Option<Box<dyn Company<F, W>>>; 4] = [const { None }; 4];
+    for index in &mut waiting {
+        match make(index).and_then(|task| Rider::mount(index, task, settings)) {
+            Ok(Some(rider)) => {
+                let (noisy, exponential) = (rider.cell.length.is_finite(), rider.is_exponential());
+                let kind = 2 * usize::from(exponential) + usize::from(noisy);
+                let company = companies[kind].get_or_insert_with(|| match (noisy, exponential) {
+                    (true, false) => Box::new(Lanes::<NOISY, false, F, W>::new(settings)),
+                    (false, false) => Box::new(Lanes::<STEADY, false, F, W>::new(settings)),
+                    (true, true) => Box::new(Lanes::<NOISY, true, F, W>::new(settings)),
+                    (false, true) => Box::new(Lanes::<STEADY, true, F, W>::new(settings)),
+                });
+                // Few wait at a time, so that memory stays small.
+                if company.join(rider) >= LANES {
+                    company.run(false, &mut |index, followed| done(index, followed.map_or_else(|| alone(index), Ok)));
+                }
+            }
+            Ok(None) => done(index, alone(index)),
+            Err(error) => done(index, Err(error)),
+        }
+    }
+    for company in companies.iter_mut().flatten() {
+        company.run(true, &mut |index, followed| done(index, followed.map_or_else(|| alone(index), Ok)));
+    }
+}
+
+/// Takes what a trajectory left at its end, and nothing of one that has to go alone.
+type Done<'a, W> = &'a mut dyn FnMut(usize, Option<Followed<W>>);
+
+/// Lanes of one kind.
+trait Company<F, W> {
+    /// Lets a trajectory wait for a lane; returns how many wait.
+    fn join(&mut self, rider: Rider<F, W>) -> usize;
+
+    /// Rides until nobody waits, or until all have ended.
+    fn run(&mut self, to_the_end: bool, done: Done<'_, W>);
+}
+
+impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Company<F, W>
+    for Lanes<N, EXPONENTIAL, F, W>
+{
+    fn join(&mut self, rider: Rider<F, W>) -> usize {
+        self.queue.push(rider);
+        self.queue.len()
+    }
+
+    fn run(&mut self, to_the_end: bool, done: Done<'_, W>) {
+        wide::<Ride, _>((self, to_the_end, done));
+    }
+}
+
+/// The trajectory of one lane, all but its state.
+struct Rider<F, W> {
+    index: usize,
+    fluctuation: F,
+    observer: W,
+    slips: Slips,
+    oscillator: Oscillator,
+    velocity: f64,
+    static_friction: f64,
+    /// 2ζV.
+    drag: f64,
+    /// Where this cell of the process begins, and the cell.
+    start: f64,
+    cell: Cell,
+    /// e at the start.
+    excess: f64,
+    /// Whether the mass moved backwards since its last slip was finished.
+    reached_backward: bool,
+    idle_steps: usize,
+}
+
+/// What becomes of a lane.
+enum Fate {
+    Rides,
+    Ended,
+    /// Lanes do not know how to go on; the trajectory is followed alone, from its beginning.
+    Leaves,
+}
+
+impl<F: Fluctuation, W: Observer> Rider<F, W> {
+    /// A mass at its start; none if lanes cannot follow it.
+    fn mount(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
+        let Task { oscillator, mut fluctuation, observer, swing_level } = task;
+        let known = matches!(
+            oscillator.law(),
+            FrictionLaw::Stribeck { .. }
+                | FrictionLaw::Coulomb { .. }
+                | FrictionLaw::Linear { .. }
+                | FrictionLaw::Exponential { .. }
+        );
+        if !known || oscillator.forcing().is_some() || swing_level.is_finite() {
+            return Ok(None);
+        }
+        let velocity = oscillator.belt_velocity();
+        let Some(cell) = fluctuation.next_cell() else { return Ok(None) };
+        let mut rider = Self {
+            index,
+            fluctuation,
+            observer,
+            slips: Slips::default(),
+            oscillator: oscillator.clone(),
+            velocity,
+            static_friction: oscillator.static_friction(),
+            drag: 2.0 * oscillator.damping_ratio() * velocity,
+            start: 0.0,
+            cell,
+            excess: 0.0,
+            reached_backward: false,
+            idle_steps: 0,
+        };
+        let start = start_of(&oscillator, settings)?;
+        rider.excess = ((start - rider.static_friction) + rider.drag - cell.left) / velocity;
+        // Whatever does not begin in stick begins alone.
+        let limit = rider.static_friction + cell.left;
+        let sticks = rider.excess <= 0.0 && -rider.excess - 2.0 * limit / velocity <= 0.0 && limit > 0.0;
+        Ok(sticks.then_some(rider))
+    }
+
+    /// Whether the law has an exponential, which one without a fall has not.
+    fn is_exponential(&self) -> bool {
+        matches!(self.oscillator.law(), FrictionLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
+    }
+
+    /// m at the scaled distance `passed` since the beginning of the cell.
+    fn fluctuation_at(&self, passed: f64) -> f64 {
+        if self.cell.length.is_finite() {
+            self.cell.left + self.cell.slope() * (passed * self.velocity)
+        } else {
+            self.cell.left
+        }
+    }
+
+    /// Passes an event on that may finish a slip.
+    fn finish(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64) {
+        let slipped = Slipped::new(kind, direction < 0.0, self.reached_backward);
+        if slipped != Slipped::Not {
+            self.reached_backward = false;
+        }
+        self.slips.add(slipped);
+        self.show(kind, tau, passed, e, direction, slipped);
+    }
+
+    fn show(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64, slipped: Slipped) {
+        let m = self.fluctuation_at(passed);
+        let displacement = (self.velocity * e + m + self.static_friction) * direction - self.drag;
+        let sliding_distance = self.start + passed * self.velocity;
+        self.observer.see(Event { kind, tau, displacement, sliding_distance }, slipped);
+    }
+}
+
+/// The lanes and who waits for one.
+struct Lanes<const N: usize, const EXPONENTIAL: bool, F, W> {
+    duration: f64,
+    plants: Plants,
+    states: States,
+    cuts: Cuts,
+    expansion: Box<Expansion<N, EXPONENTIAL>>,
+    riders: [Option<Rider<F, W>>; LANES],
+    queue: Vec<Rider<F, W>>,
+}
+
+impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes<N, EXPONENTIAL, F, W> {
+    fn new(settings: &TrajectorySettings) -> Self {
+        Self {
+            duration: settings.duration,
+            plants: Plants::NONE,
+            states: States::NONE,
+            cuts: Cuts::NONE,
+            expansion: Box::new(Expansion::NONE),
+            riders: [const { None }; LANES],
+            queue: Vec::with_capacity(LANES),
+        }
+    }
+
+    #[inline(always)]
+    fn ride(&mut self, to_the_end: bool, done: Done<'_, W>) {
+        loop {
+            for lane in 0..LANES {
+                while self.riders[lane].is_none() {
+                    let Some(rider) = self.queue.pop() else { break };
+                    let fate = self.seat(lane, rider);
+                    self.leave(lane, fate, done);
+                }
+            }
+            let nobody = self.riders.iter().all(Option::is_none);
+            if nobody || (!to_the_end && self.riders.iter().any(Option::is_none)) {
+                return;
+            }
+            loop {
+                let Self { plants, states, cuts, expansion, .. } = self;
+                if N == STEADY {
+                    expansion.step::<false>(plants, states, self.duration, STEADY_TOLERANCE, cuts);
+                } else {
+                    expansion.step::<true>(plants, states, self.duration, NOISY_TOLERANCE, cuts);
+                }
+                let mut left_one = false;
+                for lane in 0..LANES {
+                    let fate = self.attend(lane);
+                    if !matches!(fate, Fate::Rides) {
+                        self.leave(lane, fate, done);
+                        left_one = true;
+                    }
+                }
+                if left_one {
+                    break;
+                }
+            }
+        }
+    }
+
+    fn leave(&mut self, lane: usize, fate: Fate, done: Done<'_, W>) {
+        if matches!(fate, Fate::Rides) {
+            return;
+        }
+        if let Some(Rider { index, slips, observer, .. }) = self.riders[lane].take() {
+            let ended = matches!(fate, Fate::Ended);
+            done(index, ended.then_some(Followed { slips, observer }));
+        }
+        self.states.park(lane);
+    }
+
+    /// Puts a trajectory, which sticks, into a lane.
+    fn seat(&mut self, lane: usize, rider: Rider<F, W>) -> Fate {
+        self.plants.set(lane, &rider.oscillator);
+        let excess = rider.excess;
+        self.states.tau[lane] = 0.0;
+        self.states.enter(lane, &rider.cell, rider.velocity);
+        self.riders[lane] = Some(rider);
+        self.stick(lane, excess)
+    }
+
+    /// Stays on the belt until the force reaches its limit, e = 0, and leaves it.
+    fn stick(&mut self, lane: usize, excess: f64) -> Fate {
+        let states = &mut self.states;
+        let Some(rider) = &mut self.riders[lane] else { return Fate::Rides };
+        let release = states.tau[lane] - excess;
+        if release >= self.duration {
+            return Fate::Ended;
+        }
+        rider.idle_steps = if release > states.tau[lane] { 0 } else { rider.idle_steps + 1 };
+        (states.tau[lane], states.w[lane], states.e[lane]) = (release, 0.0, 0.0);
+        (states.direction[lane], states.fastest[lane]) = (1.0, 0.0);
+        rider.reached_backward = false;
+        rider.show(EventKind::Detach, release, states.passed[lane], 0.0, 1.0, Slipped::Not);
+        if rider.idle_steps > MAX_IDLE_STEPS { Fate::Leaves } else { Fate::Rides }
+    }
+
+    /// What a step means for a lane.
+    #[inline(always)]
+    fn attend(&mut self, lane: usize) -> Fate {
+        if self.cuts.plain[lane] > 0.5 {
+            self.cross(lane)
+        } else if self.cuts.quiet[lane] > 0.5 {
+            Fate::Rides
+        } else {
+            self.judge(lane)
+        }
+    }
+
+    /// Moves into the next cell of the friction process.
+    #[inline(always)]
+    fn cross(&mut self, lane: usize) -> Fate {
+        let states = &mut self.states;
+        let Some(rider) = &mut self.riders[lane] else { return Fate::Rides };
+        let Some(cell) = rider.fluctuation.next_cell() else { return Fate::Leaves };
+        let jump = cell.left - rider.cell.right;
+        // The displacement is continuous where m jumps; at rest there, the mass has to decide.
+        states.e[lane] -= jump / rider.velocity;
+        if jump != 0.0 && states.w[lane] == 0.0 {
+            return Fate::Leaves;
+        }
+        rider.start = rider.cell.end;
+        rider.cell = cell;
+        rider.idle_steps = 0;
+        states.enter(lane, &cell, rider.velocity);
+        Fate::Rides
+    }
+
+    /// Everything that is not a plain crossing.
+    #[inline(never)]
+    fn judge(&mut self, lane: usize) -> Fate {
+        if self.riders[lane].is_none() {
+            self.states.park(lane);
+            return Fate::Rides;
+        }
+        if self.cuts.weak[lane] > 0.5 {
+            return Fate::Leaves;
+        }
+        if self.cuts.unsure[lane] > 0.5 {
+            self.expansion.cut_again(lane, &mut self.states, self.duration, &mut self.cuts);
+        }
+        if self.cuts.turned[lane] > 0.5 {
+            let highest = self.expansion.highest(lane, self.cuts.h[lane]);
+            self.states.fastest[lane] = self.states.fastest[lane].max(highest);
+        }
+        if self.cuts.crossed[lane] > 0.5 {
+            let fate = self.cross(lane);
+            return if self.states.tau[lane] < self.duration { fate } else { Fate::Ended };
+        }
+        let arrived = self.cuts.arrived[lane] > 0.5;
+        let states = &mut self.states;
+        let Some(rider) = &mut self.riders[lane] else { return Fate::Rides };
+        rider.idle_steps = if self.cuts.h[lane] > 0.0 { 0 } else { rider.idle_steps + 1 };
+        if rider.idle_steps > MAX_IDLE_STEPS {
+            return Fate::Leaves;
+        }
+        if !arrived {
+            return if states.tau[lane] < self.duration { Fate::Rides } else { Fate::Ended };
+        }
+        // An arrival has W′ = e + jump ≤ 0; anything else is rounding at a grazing arrival.
+        let opposite = |e: f64, m: f64, rider: &Rider<F, W>| -e - 2.0 * (rider.static_friction + m) / rider.velocity;
+        let m = rider.fluctuation_at(states.passed[lane]);
+        let mut e = states.e[lane].min(-self.plants.jump[lane]);
+        let from = states.direction[lane];
+        if from < 0.0 {
+            e = opposite(e, m, rider);
+        }
+        let (tau, passed) = (states.tau[lane], states.passed[lane]);
+        if e > 0.0 || opposite(e, m, rider) > 0.0 {
+            let direction = if e > 0.0 { 1.0 } else { -1.0 };
+            if direction < 0.0 {
+                e = opposite(e, m, rider);
+            }
+            (states.direction[lane], states.e[lane]) = (direction, e);
+            rider.reached_backward |= from > 0.0 && states.fastest[lane] > 1.0;
+            states.fastest[lane] = 0.0;
+            rider.finish(EventKind::Reverse, tau, passed, e, direction);
+            return if tau < self.duration { Fate::Rides } else { Fate::Ended };
+        }
+        rider.reached_backward |= from > 0.0 && states.fastest[lane] > 1.0;
+        rider.finish(EventKind::Restick, tau, passed, e, 1.0);
+        self.stick(lane, e)
+    }
+}
+
+struct Ride;
+
+impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer>
+    Kernel<(&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, W>)> for Ride
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run((lanes, to_the_end, done): (&mut Lanes<N, EXPONENTIAL, F, W>, bool, Done<'_, W>)) {
+        lanes.ride(to_the_end, done);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Parameters, Trajectory};
+    use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
+
+    #[derive(Debug, Default, Clone, PartialEq)]
+    struct All(Vec<(Event, Slipped)>);
+
+    impl Observer for All {
+        fn see(&mut self, event: Event, slipped: Slipped) {
+            self.0.push((event, slipped));
+        }
+    }
+
+    fn process(std: f64) -> FrictionProcess {
+        FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
+    }
+
+    /// Events and counts, or what went wrong, in order.
+    fn followed(
+        oscillator: &Oscillator,
+        process: &FrictionProcess,
+        duration: f64,
+        indices: Range<usize>,
+    ) -> Vec<Result<(Slips, All), VibrationError>> {
+        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let mut found: Vec<Option<Result<(Slips, All), VibrationError>>> = indices.clone().map(|_| None).collect();
+        let first = indices.start;
+        follow_many(
+            &settings,
+            indices,
+            |index| {
+                let fluctuation = process.path(3, index as u64);
+                Ok(Task::new(oscillator.clone(), fluctuation, All::default()))
+            },
+            |index, ended: Result<Followed<All>, _>| {
+                let place = &mut found[index - first];
+                assert!(place.is_none(), "trajectory {index} ended twice");
+                *place = Some(ended.map(|followed| (followed.slips, followed.observer)));
+            },
+        );
+        found.into_iter().map(|ended| ended.expect("every trajectory ends")).collect()
+    }
+
+    fn exponential(kinetic: f64, high_speed: f64, stribeck_velocity: f64) -> FrictionLaw {
+        FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity }
+    }
+
+    fn machines() -> Vec<(Oscillator, f64)> {
+        let of = |static_friction, law, damping_ratio, belt_velocity, std| {
+            let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
+            (Oscillator::new(parameters).unwrap(), std)
+        };
+        vec![
+            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.001),
+            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.25, 0.003, 0.001),
+            of(0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.006),
+            of(0.3, FrictionLaw::Stribeck { kinetic: 0.25, decay: 3.0 }, 0.05, 0.05, 0.01),
+            of(0.3, FrictionLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.05, 0.05, 0.005),
+            of(0.4, FrictionLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
+            of(0.4, exponential(0.4, 0.3, 0.4), 0.05, 0.05, 0.005),
+            of(0.3, exponential(0.25, 0.1, 0.03), 0.05, 0.1, 0.005),
+            // The law falls within a small share of the belt's velocity, and hardly at all.
+            of(0.3, exponential(0.3, 0.2, 0.001), 0.05, 0.05, 0.004),
+            of(0.3, exponential(0.3, 0.2, 300.0), 0.01, 0.05, 0.004),
+            // Violent: the mass overtakes the belt.
+            of(0.17, FrictionLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
+        ]
+    }
+
+    #[test]
+    fn lanes_and_the_single_mass_meet_the_same_events() {
+        for (oscillator, std) in machines() {
+            let process = process(std);
+            let settings =
+                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+            for (index, ended) in followed(&oscillator, &process, 25.0, 0..40).into_iter().enumerate() {
+                let (slips, All(events)) = ended.unwrap();
+                let alone = Trajectory::simulate(&oscillator, process.path(3, index as u64), &settings).unwrap();
+                assert_eq!(slips, alone.slips);
+                assert_eq!(events.len(), alone.events.len());
+                for ((event, _), wanted) in events.iter().zip(&alone.events) {
+                    assert_eq!(event.kind, wanted.kind);
+                    let scale = oscillator.static_friction();
+                    let differences = [
+                        event.tau - wanted.tau,
+                        (event.displacement - wanted.displacement) / scale,
+                        (event.sliding_distance - wanted.sliding_distance) / scale,
+                    ];
+                    // Noise amplifies what rounding leaves, slip by slip.
+                    assert!(differences.iter().all(|d| d.abs() < 1e-9), "{oscillator:?}: {event:?} and {wanted:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_trajectory_has_the_same_bits_in_any_company() {
+        for (oscillator, std) in machines() {
+            let process = process(std);
+            let together = followed(&oscillator, &process, 60.0, 0..23);
+            for index in [0, 3, 11, 22] {
+                assert_eq!(followed(&oscillator, &process, 60.0, index..index + 1)[0], together[index]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_record_that_ends_and_friction_without_sign_end_as_they_do_alone() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let settings =
+            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {
+            let record = RecordedProcess::new(0.005, values).unwrap();
+            let alone = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap_err();
+            follow_many(
+                &settings,
+                0..3,
+                |_| Ok(Task::new(oscillator.clone(), record.path(), All::default())),
+                |_, ended| assert_eq!(ended.map(|followed| followed.observer).unwrap_err(), alone),
+            );
+        }
+    }
+
+    #[test]
+    fn without_noise_every_lane_is_the_cycle() {
+        let settings =
+            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let of = |index: usize| {
+            let damping_ratio = 0.1 + 0.005 * (index % 20) as f64;
+            let (static_friction, law, belt_velocity) = match index / 20 {
+                0 => (0.1, FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.003),
+                1 => (0.3, exponential(0.3, 0.1, 0.2), 0.02),
+                _ => (0.4, exponential(0.35, 0.2, 0.004), 0.08),
+            };
+            let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
+            Oscillator::new(parameters).unwrap()
+        };
+        follow_many(
+            &settings,
+            0..60,
+            |index| Ok(Task::new(of(index), Steady, All::default())),
+            |index, ended| {
+                let followed = ended.unwrap();
+                let cycle = *crate::limit_cycle(&of(index)).unwrap().cycle().unwrap();
+                let detached: Vec<f64> = followed
+                    .observer
+                    .0
+                    .iter()
+                    .filter(|(e, _)| e.kind == EventKind::Detach)
+                    .map(|(e, _)| e.tau)
+                    .collect();
+                assert!(detached.len() as f64 > 180.0 / cycle.period);
+                for pair in detached.windows(2) {
+                    let error = (pair[1] - pair[0] - cycle.period).abs();
+                    assert!(error < 1e-12 * cycle.period + 1e-13, "{error:e}");
+                }
+                for (event, _) in followed.observer.0.iter().filter(|(e, _)| e.kind == EventKind::Restick) {
+                    let wanted = cycle.reattachment_displacement.unwrap();
+                    let error = (event.displacement - wanted).abs() / of(index).static_friction();
+                    assert!(error < 1e-12, "{index}: {error:e}");
+                }
+                let alone = Trajectory::simulate(&of(index), Steady, &settings).unwrap();
+                assert_eq!(followed.slips, alone.slips);
+            },
+        );
+    }
+}

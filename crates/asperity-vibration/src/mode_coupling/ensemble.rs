@@ -1,0 +1,295 @@
+//! Many trajectories, and how surely they become a vibration.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::super::sample_law::RunningMoments;
+use super::super::{Count, Failure, VibrationError, positive};
+use super::motion::Cut;
+use super::trajectory::started;
+use super::{Contact, Model, State, TrajectorySettings};
+use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::stats::wilson_interval;
+use asperity_process::{Fluctuation, FrictionProcess, Steady, Watched};
+
+/// Trajectories computed before cancellation is looked for in order.
+const BLOCK: usize = 256;
+/// Last share of the time in which a vibration counts as sustained.
+const LAST_SHARE: f64 = 0.25;
+
+/// How an ensemble is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnsembleSettings {
+    /// Number of trajectories, at least 2.
+    pub trajectories: usize,
+    /// Time τ of each.
+    pub duration: f64,
+    /// Amplitude |x − x_s| that is a vibration, x_s of steady sliding without fluctuation.
+    pub threshold: f64,
+    /// Seed; trajectory i reads realisation i of the process.
+    pub seed: u64,
+    /// State at τ = 0; none: as [`TrajectorySettings::start`].
+    pub start: Option<State>,
+    /// Least share of valid trajectories.
+    pub least_valid_share: f64,
+}
+
+/// The law of many trajectories.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Ensemble {
+    /// Trajectories asked for.
+    pub trajectories: usize,
+    /// Share of the trajectories whose amplitude passes the threshold.
+    pub passed: f64,
+    /// 95 % interval of that share (Wilson).
+    pub passed_interval: [f64; 2],
+    /// Time of the first passage, over the trajectories that pass; none if fewer than two do.
+    pub passage_time: Option<Count>,
+    /// Share whose amplitude passes the threshold in the last quarter of the time: a sustained vibration.
+    pub sustained: f64,
+    /// 95 % interval of that share (Wilson).
+    pub sustained_interval: [f64; 2],
+    /// Largest amplitude in the last quarter.
+    pub amplitude: Count,
+    /// Share of the time in stick.
+    pub stick_share: Count,
+    /// Share of the time off the belt.
+    pub flight_share: Count,
+    /// The same without fluctuation.
+    pub deterministic: Outcome,
+    /// Trajectories without a valid end.
+    pub failures: Vec<Failure>,
+}
+
+/// What one trajectory leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// When the amplitude first passed the threshold.
+    pub passage: Option<f64>,
+    /// Largest amplitude in the last quarter of the time.
+    pub amplitude: f64,
+    /// Share of the time in stick.
+    pub stick_share: f64,
+    /// Share of the time off the belt.
+    pub flight_share: f64,
+}
+
+impl Ensemble {
+    /// Follows many trajectories in parallel. The amplitude is read where x turns. The result does not depend on the number
+    /// of threads.
+    ///
+    /// Fails if settings are out of range, if no steady sliding exists, if the motion without fluctuation is invalid, if too few
+    /// trajectories are valid, and when cancelled.
+    pub fn simulate(
+        model: &Model,
+        process: &FrictionProcess,
+        settings: &EnsembleSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, VibrationError> {
+        positive("threshold", settings.threshold)?;
+        let deterministic = follow(model, Steady, settings)?;
+        let run = |index| {
+            let mut path = Watched::new(process.path(settings.seed, index), monitor);
+            follow(model, &mut path, settings)
+        };
+        let Runs { values, failures } = run_all(settings.trajectories, settings.least_valid_share, monitor, run)?;
+        let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(of));
+        let share = |of: &dyn Fn(&Outcome) -> bool| {
+            let met = values.iter().filter(|outcome| of(outcome)).count();
+            let interval = wilson_interval(met, values.len());
+            (met as f64 / values.len() as f64, [interval.low, interval.high])
+        };
+        let (passed, passed_interval) = share(&|outcome| outcome.passage.is_some());
+        let (sustained, sustained_interval) = share(&|outcome| outcome.amplitude >= settings.threshold);
+        let passages: Vec<f64> = values.iter().filter_map(|outcome| outcome.passage).collect();
+        Ok(Self {
+            trajectories: settings.trajectories,
+            passed,
+            passed_interval,
+            passage_time: (passages.len() > 1).then(|| counted(passages.into_iter())),
+            sustained,
+            sustained_interval,
+            amplitude: count(|outcome| outcome.amplitude),
+            stick_share: count(|outcome| outcome.stick_share),
+            flight_share: count(|outcome| outcome.flight_share),
+            deterministic,
+            failures,
+        })
+    }
+}
+
+/// Follows one trajectory.
+fn follow(
+    model: &Model,
+    fluctuation: impl Fluctuation,
+    settings: &EnsembleSettings,
+) -> Result<Outcome, VibrationError> {
+    let EnsembleSettings { duration, threshold, start, .. } = *settings;
+    let reason = "friction draws the mass away";
+    let missing = VibrationError::NotFound { what: "state of steady sliding", reason };
+    let rest = model.steady(model.sliding_friction()).ok_or(missing)?.tangential;
+    let mut motion = started(model, fluctuation, &TrajectorySettings { duration, start })?;
+    let (mut stick, mut flight, mut amplitude, mut passage) = (0.0, 0.0, 0.0_f64, None);
+    while motion.now.tau < duration {
+        let cut = motion.step(duration)?;
+        let now = motion.now;
+        match motion.passed {
+            (Contact::Stick, since) => stick += now.tau - since,
+            (Contact::Flight, since) => flight += now.tau - since,
+            _ => {}
+        }
+        if !matches!(cut, Cut::Summit | Cut::Valley) {
+            continue;
+        }
+        let size = (now.x - rest).abs();
+        if size >= threshold && passage.is_none() {
+            passage = Some(now.tau);
+        }
+        if now.tau >= (1.0 - LAST_SHARE) * duration {
+            amplitude = amplitude.max(size);
+        }
+    }
+    Ok(Outcome { passage, amplitude, stick_share: stick / duration, flight_share: flight / duration })
+}
+
+/// Mean and spread.
+fn counted(values: impl Iterator<Item = f64>) -> Count {
+    let mut sums = RunningMoments::EMPTY;
+    values.for_each(|value| sums.add(value));
+    Count { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
+}
+
+/// Valid results in the order of their trajectories, and the others.
+pub(super) struct Runs<T> {
+    pub(super) values: Vec<T>,
+    pub(super) failures: Vec<Failure>,
+}
+
+/// Runs trajectories in parallel; at least the given share must be valid.
+pub(super) fn run_all<T: Send>(
+    total: usize,
+    least_valid_share: f64,
+    monitor: &dyn Monitor,
+    run: impl Fn(u64) -> Result<T, VibrationError> + Sync,
+) -> Result<Runs<T>, VibrationError> {
+    if total < 2 {
+        let value = total as f64;
+        return Err(VibrationError::Parameter { parameter: "trajectories", value, wanted: "at least 2" });
+    }
+    if !(0.0..=1.0).contains(&least_valid_share) {
+        let wanted = "in 0 … 1";
+        return Err(VibrationError::Parameter { parameter: "least_valid_share", value: least_valid_share, wanted });
+    }
+    let finished = AtomicUsize::new(0);
+    let mut runs = Runs { values: Vec::with_capacity(total), failures: Vec::new() };
+    for first in (0..total).step_by(BLOCK) {
+        let block: Vec<Result<T, VibrationError>> = (first..total.min(first + BLOCK))
+            .into_par_iter()
+            .map(|index| {
+                if monitor.cancelled() {
+                    return Err(Cancelled.into());
+                }
+                let value = run(index as u64);
+                monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
+                value
+            })
+            .collect();
+        for (trajectory, value) in (first..).zip(block) {
+            match value {
+                Ok(value) => runs.values.push(value),
+                // Whatever a path ended in then, it was not followed to its end.
+                Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
+                Err(error) => runs.failures.push(Failure { trajectory, reason: error.to_string() }),
+            }
+        }
+    }
+    let valid = runs.values.len();
+    if valid < 2 || (valid as f64) < least_valid_share * total as f64 {
+        let (wanted, first) = (least_valid_share, runs.failures.first().map(|f| f.reason.clone()).unwrap_or_default());
+        return Err(VibrationError::TooFewValid { valid, total, wanted, first });
+    }
+    Ok(runs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Damping, Parameters, limit_cycle};
+    use super::*;
+    use crate::FrictionLaw;
+    use asperity_base::monitor::Silent;
+    use asperity_process::ProcessModel;
+
+    fn model(friction: f64) -> Model {
+        let law = FrictionLaw::Coulomb { kinetic: friction };
+        let damping = Damping::Modal { ratios: [0.05; 2] };
+        Model::new(Parameters { law, static_friction: friction, damping, ..Parameters::default() }).unwrap()
+    }
+
+    fn process(std: f64) -> FrictionProcess {
+        FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), std, 0.5)).unwrap()
+    }
+
+    fn settings(trajectories: usize, threshold: f64) -> EnsembleSettings {
+        EnsembleSettings { trajectories, duration: 400.0, threshold, seed: 11, start: None, least_valid_share: 1.0 }
+    }
+
+    #[test]
+    fn without_fluctuation_an_ensemble_is_its_limit_cycle() {
+        let model = model(0.9);
+        let cycle = *limit_cycle(&model, None).unwrap().cycle().unwrap();
+        let settings = EnsembleSettings { start: Some(cycle.start), ..settings(4, 0.05) };
+        let found = Ensemble::simulate(&model, &process(1e-14), &settings, &Silent).unwrap();
+        let rest = model.steady(0.9).unwrap().tangential;
+        let amplitude = (cycle.tangential[1] - rest).max(rest - cycle.tangential[0]);
+        assert!((found.amplitude.mean - amplitude).abs() < 1e-10, "{} {amplitude}", found.amplitude.mean);
+        assert_eq!((found.passed, found.sustained), (1.0, 1.0));
+        assert!((found.passage_time.unwrap().mean - found.deterministic.passage.unwrap()).abs() < 1e-9);
+        // Over a time that is no whole number of periods.
+        let difference = found.flight_share.mean - cycle.flight_share;
+        assert!(difference.abs() < cycle.period / settings.duration, "{difference}");
+    }
+
+    #[test]
+    fn the_first_passage_follows_the_growth_rate() {
+        // From a to A in linear growth takes ln(A/a)/growth; both thresholds lie within it.
+        let model = model(0.85);
+        let growth = super::super::modes(&model, 0.85)[0].growth.max(super::super::modes(&model, 0.85)[1].growth);
+        let passage = |threshold: f64| {
+            Ensemble::simulate(&model, &process(1e-13), &settings(2, threshold), &Silent).unwrap().deterministic.passage
+        };
+        let (early, late) = (passage(0.02).unwrap(), passage(0.08).unwrap());
+        // A half period of resolution, because amplitudes are read where x turns.
+        assert!(((late - early) - 4.0_f64.ln() / growth).abs() < 2.5, "{early} {late}");
+    }
+
+    #[test]
+    fn threads_change_nothing_and_noise_shakes_a_stable_mass() {
+        let model = model(0.7);
+        let run = |threads: usize, std: f64| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| Ensemble::simulate(&model, &process(std), &settings(40, 0.05), &Silent).unwrap())
+        };
+        let one = run(1, 0.02);
+        assert_eq!(one, run(2, 0.02));
+        let (weak, strong) = (run(2, 0.002), run(2, 0.02));
+        assert!(weak.passed < strong.passed && weak.sustained == 0.0, "{weak:?} {strong:?}");
+        // Small motion is linear in the fluctuation.
+        let ratio = strong.amplitude.mean / weak.amplitude.mean;
+        assert!((ratio / 10.0 - 1.0).abs() < 0.15, "{ratio}");
+    }
+
+    #[test]
+    fn nonsense_and_rare_validity_are_errors() {
+        let (model, process) = (model(0.8), process(0.3));
+        assert!(matches!(
+            Ensemble::simulate(&model, &process, &settings(8, 0.1), &Silent),
+            Err(VibrationError::TooFewValid { .. })
+        ));
+        for settings in [settings(1, 0.1), settings(4, 0.0), EnsembleSettings { duration: -1.0, ..settings(4, 0.1) }] {
+            assert!(Ensemble::simulate(&model, &process, &settings, &Silent).is_err());
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! One trajectory: steps of the Taylor series cut at events.
+
+mod dense;
+mod slip;
+mod stick;
+
+use super::runge_kutta::Stepper;
+use super::series::Series;
+use super::sway::Sway;
+use super::weakening::Weakening;
+use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Phase, VibrationError};
+use asperity_process::{Cell, Fluctuation};
+
+/// Steps in a row that may leave the time where it is (an arrival and a release at one time are two).
+pub(super) const MAX_IDLE_STEPS: usize = 100;
+
+/// The state of the mass while it is followed.
+///
+/// [`Motion::step`] advances to the next cut: an event, a knot of the friction process, the reach of the series, or the
+/// asked time.
+#[derive(Debug)]
+pub(super) struct Motion<F> {
+    weakening: Weakening,
+    static_friction: f64,
+    damping: f64,
+    velocity: f64,
+    sway: Sway,
+    law: FrictionLaw,
+    drive: Drive,
+    fluctuation: F,
+    cell: Stretch,
+    /// Time at the end of the last step.
+    pub(super) tau: f64,
+    /// Sliding distance ∫|v_rel|dτ.
+    pub(super) sliding_distance: f64,
+    /// Friction fluctuation m.
+    m: f64,
+    w: f64,
+    e: f64,
+    phase: Phase,
+    /// Whether the mass has moved backwards, ẋ < 0, since its last slip was finished.
+    pub(super) reached_backward: bool,
+    series: Series,
+    /// None: Taylor series.
+    stepper: Option<Stepper>,
+    segment: Segment,
+    idle_steps: usize,
+}
+
+/// A state of slip or over-slip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SlipState {
+    pub(super) tau: f64,
+    pub(super) phase: Phase,
+    pub(super) w: f64,
+    pub(super) e: f64,
+}
+
+impl SlipState {
+    /// The state right after a detachment into slip.
+    pub(super) fn detached(tau: f64) -> Self {
+        Self { tau, phase: Phase::Slip, w: 0.0, e: 0.0 }
+    }
+
+    /// Whether two states are the same, at any times, within a tolerance relative to their size.
+    pub(super) fn repeats(&self, other: &Self, tolerance: f64) -> bool {
+        let change = (self.w - other.w).abs().max((self.e - other.e).abs());
+        self.phase == other.phase && change < tolerance * self.w.abs().max(self.e.abs()).max(1.0)
+    }
+}
+
+/// The last step, for dense output.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    tau: f64,
+    duration: f64,
+    phase: Phase,
+    m: f64,
+    slope: f64,
+    e: f64,
+}
+
+/// The present cell of the friction process, with its start and slope at hand.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    left: f64,
+    right: f64,
+    slope: f64,
+    start: f64,
+    end: f64,
+}
+
+impl Stretch {
+    fn new(cell: Cell, start: f64) -> Self {
+        Self { left: cell.left, right: cell.right, slope: cell.slope(), start, end: cell.end }
+    }
+
+    /// m at a coordinate inside.
+    #[inline]
+    fn at(&self, coordinate: f64) -> f64 {
+        // An endless cell is level.
+        if self.end.is_finite() { self.left + self.slope * (coordinate - self.start) } else { self.left }
+    }
+}
+
+impl<F: Fluctuation> Motion<F> {
+    /// A mass at X on the belt at τ = 0, with the velocity of the belt. It sticks if the force allows it and slips if not.
+    pub(super) fn new(
+        oscillator: &Oscillator,
+        fluctuation: F,
+        drive: Drive,
+        start: f64,
+    ) -> Result<Self, VibrationError> {
+        let velocity = oscillator.belt_velocity();
+        let mut motion = Self {
+            weakening: Weakening::new(oscillator),
+            static_friction: oscillator.static_friction(),
+            damping: oscillator.damping_ratio(),
+            velocity,
+            sway: Sway::new(oscillator),
+            law: oscillator.law().clone(),
+            drive,
+            fluctuation,
+            cell: Stretch { left: 0.0, right: 0.0, slope: 0.0, start: 0.0, end: 0.0 },
+            tau: 0.0,
+            sliding_distance: 0.0,
+            m: 0.0,
+            w: 0.0,
+            e: 0.0,
+            phase: Phase::Stick,
+            reached_backward: false,
+            series: Series::new(),
+            stepper: None,
+            segment: Segment { tau: 0.0, duration: 0.0, phase: Phase::Stick, m: 0.0, slope: 0.0, e: 0.0 },
+            idle_steps: 0,
+        };
+        motion.cell = Stretch::new(motion.draw()?, 0.0);
+        motion.m = motion.cell.left;
+        motion.e = ((start - motion.static_friction) + 2.0 * motion.damping * velocity - motion.m) / velocity
+            - motion.sway.force(0.0);
+        motion.phase = motion.phase_at_rest()?;
+        if motion.phase == Phase::OverSlip {
+            motion.e = motion.opposite_excess();
+        }
+        Ok(motion)
+    }
+
+    /// The same mass, integrated by another method.
+    pub(super) fn by(self, method: Method) -> Result<Self, VibrationError> {
+        Ok(Self { stepper: method.stepper()?, ..self })
+    }
+
+    /// A mass in a given state of slip.
+    pub(super) fn in_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
+        let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;
+        (motion.tau, motion.w, motion.e, motion.phase) = (state.tau, state.w, state.e, state.phase);
+        Ok(motion)
+    }
+
+    /// The state at the last cut, if the mass slips.
+    pub(super) fn slip_state(&self) -> Option<SlipState> {
+        let state = SlipState { tau: self.tau, phase: self.phase, w: self.w, e: self.e };
+        (self.phase != Phase::Stick).then_some(state)
+    }
+
+    fn draw(&mut self) -> Result<Cell, VibrationError> {
+        let exhausted = VibrationError::ProcessTooShort { tau: self.tau, coordinate: self.coordinate() };
+        self.fluctuation.next_cell().ok_or(exhausted)
+    }
+
+    /// Where the friction process is read: sliding distance or Vτ.
+    fn coordinate(&self) -> f64 {
+        match self.drive {
+            Drive::Distance => self.sliding_distance,
+            Drive::Time => self.velocity * self.tau,
+        }
+    }
+
+    /// Displacement X at the last cut.
+    pub(super) fn displacement(&self) -> f64 {
+        self.displacement_of(self.tau, self.phase, self.e, self.m)
+    }
+
+    fn displacement_of(&self, tau: f64, phase: Phase, e: f64, m: f64) -> f64 {
+        let force = (self.velocity * e + m + self.static_friction) * phase.direction();
+        force - 2.0 * self.damping * self.velocity + self.velocity * self.sway.force(tau)
+    }
+
+    /// Advances to the next cut, at most to `until`; says so if the cut is an event.
+    pub(super) fn step(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
+        let before = self.tau;
+        let event = match self.phase {
+            Phase::Stick => self.stick(until),
+            Phase::Slip | Phase::OverSlip => self.slip(until),
+        }?;
+        self.idle_steps = if self.tau > before { 0 } else { self.idle_steps + 1 };
+        if self.idle_steps > MAX_IDLE_STEPS {
+            return Err(VibrationError::Stalled { tau: self.tau });
+        }
+        Ok(event)
+    }
+
+    /// Whether the mass is faster than the belt.
+    pub(super) fn is_over_slipping(&self) -> bool {
+        self.phase == Phase::OverSlip
+    }
+
+    /// A detachment at τ = 0, if the force at the start exceeds the stick limit.
+    pub(super) fn first_event(&self) -> Option<Event> {
+        if self.phase == Phase::Stick { None } else { self.event(EventKind::Detach) }
+    }
+
+    fn event(&self, kind: EventKind) -> Option<Event> {
+        Some(Event { kind, tau: self.tau, displacement: self.displacement(), sliding_distance: self.sliding_distance })
+    }
+
+    /// Moves into the next cell of the friction process, from its end.
+    ///
+    /// Where m jumps the mass keeps its place and its velocity, so the excess e, of either direction, jumps by −Δm/V.
+    fn next_cell(&mut self) -> Result<(), VibrationError> {
+        let before = self.cell;
+        self.cell = Stretch::new(self.draw()?, before.end);
+        self.m = self.cell.left;
+        if self.m != before.right {
+            self.e -= (self.m - before.right) / self.velocity;
+        }
+        Ok(())
+    }
+
+    /// Excess over the stick limit of the other direction.
+    fn opposite_excess(&self) -> f64 {
+        -self.e - 2.0 * (self.static_friction + self.m) / self.velocity
+    }
+
+    /// What a mass at W = 0 does, given e of the forward direction.
+    fn phase_at_rest(&self) -> Result<Phase, VibrationError> {
+        let coefficient = self.static_friction + self.m;
+        if coefficient <= 0.0 {
+            let (tau, sliding_distance) = (self.tau, self.sliding_distance);
+            return Err(VibrationError::FrictionNotPositive {
+                coefficient,
+                fluctuation: self.m,
+                tau,
+                sliding_distance,
+            });
+        }
+        Ok(if self.e > 0.0 {
+            Phase::Slip
+        } else if self.opposite_excess() > 0.0 {
+            Phase::OverSlip
+        } else {
+            Phase::Stick
+        })
+    }
+}
+
+/// dm/dτ divided by V, for a process read in time; a process read in sliding distance changes through κ instead.
+fn drift_rate(drive: Drive, slope: f64) -> f64 {
+    match drive {
+        Drive::Distance => 0.0,
+        Drive::Time => slope,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+//! Random machines under random friction: no motion may be lost, stand still, or break the laws of mechanics.
+
+#[cfg(test)]
+mod draw;
+#[cfg(test)]
+mod reading;
+#[cfg(test)]
+mod watch;
+
+#[cfg(test)]
+mod tests {
+    use rayon::prelude::*;
+
+    use super::super::{
+        Count, Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters, Trajectory,
+        TrajectorySettings,
+    };
+    use super::draw::case;
+    use super::watch::{Seen, watch};
+    use asperity_base::monitor::Silent;
+    use asperity_process::Steady;
+
+    const SEED: u64 = 20_260_301;
+    /// Machines that are followed before their cycles are counted, and motions of each.
+    const BLOCK: u64 = 64;
+    const MOTIONS: u64 = 4;
+
+    /// What was seen of many motions.
+    #[derive(Debug, Default)]
+    struct Tally {
+        cycles: u64,
+        micro_slips: u64,
+        events: u64,
+        steps: u64,
+        knots: u64,
+        undecided: u64,
+        touches: u64,
+        lost: u64,
+        worst: [f64; 10],
+    }
+
+    impl Tally {
+        fn add(&mut self, seen: &Seen) {
+            self.cycles += seen.slips.cycles;
+            self.micro_slips += seen.slips.micro_slips;
+            self.events += seen.events.len() as u64;
+            self.steps += seen.steps;
+            self.knots += seen.knots;
+            self.undecided += seen.undecided;
+            self.touches += seen.touches;
+            self.lost += u64::from(seen.lost);
+            for (worst, seen) in self.worst.iter_mut().zip(seen.worst) {
+                *worst = worst.max(seen);
+            }
+        }
+    }
+
+    /// Follows the motions of machine `index`, and one of them by the front door.
+    fn motions(index: u64) -> Vec<Seen> {
+        let case = case(SEED, index);
+        let seen: Vec<Seen> = (0..MOTIONS).map(|motion| watch(&case, SEED, MOTIONS * index + motion)).collect();
+        let found = Trajectory::simulate(&case.oscillator, case.process.path(SEED, MOTIONS * index), &case.settings);
+        match found {
+            Ok(found) => {
+                assert_eq!(found.events, seen[0].events);
+                assert!(seen[0].undecided > 0 || found.slips == seen[0].slips, "{:?} {case:?}", found.slips);
+            }
+            Err(_) => assert!(seen[0].lost),
+        }
+        seen
+    }
+
+    #[test]
+    fn no_motion_of_random_machines_is_lost_or_breaks_a_law() {
+        let wanted = std::env::var("ASPERITY_CYCLES").map_or(3_000, |count| count.parse::<u64>().unwrap());
+        let begun = std::time::Instant::now();
+        let mut tally = Tally::default();
+        let mut machines = 0;
+        while tally.cycles < wanted {
+            let block: Vec<_> = (machines..machines + BLOCK).into_par_iter().map(motions).collect();
+            block.iter().flatten().for_each(|seen| tally.add(seen));
+            machines += BLOCK;
+        }
+        println!("{machines} machines, {MOTIONS} motions each: {tally:?} in {:.1?}", begun.elapsed());
+        // What rounding decides is rare.
+        assert!(10_000 * (tally.undecided + tally.touches) <= tally.events);
+        // Most of the motions have a friction that bears its fluctuation.
+        assert!(10 * tally.lost < machines * MOTIONS);
+    }
+
+    #[test]
+    fn a_slip_is_a_cycle_although_the_mass_turns_twice_in_a_step() {
+        // Under a fast force this mass moves backwards between a step's start and its end, slowing down at neither.
+        assert!(motions(37_455)[0].slips.cycles > 500);
+    }
+
+    /// Whether the energy of a slip is kept, so that it comes back just to the velocity of the belt and rounding decides whether
+    /// it sticks.
+    fn grazes(oscillator: &Oscillator) -> bool {
+        let law = oscillator.law();
+        let keeps = oscillator.damping_ratio() == 0.0 && law.is_constant();
+        keeps && law.kinetic() == oscillator.static_friction()
+    }
+
+    #[test]
+    fn lanes_count_what_the_single_mass_does_of_random_machines() {
+        let wanted = std::env::var("ASPERITY_CYCLES").map_or(120, |count| count.parse::<u64>().unwrap() / 100);
+        let compared: Vec<[u64; 3]> = (0..wanted)
+            .into_par_iter()
+            .map(|index| {
+                let case = case(SEED, index);
+                if grazes(&case.oscillator) {
+                    return [0; 3];
+                }
+                let oscillator = case.oscillator.with_forcing(None).unwrap();
+                let duration = case.settings.duration.min(60.0);
+                let settings = EnsembleSettings { least_valid_share: 0.0, ..EnsembleSettings::new(6, duration, SEED) };
+                let Ok(found) = Ensemble::simulate(&oscillator, &case.process, &settings, &Silent) else {
+                    return [0; 3];
+                };
+                let alone =
+                    TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Method::Taylor };
+                let mut sums = [0; 3];
+                for i in 0..6 {
+                    match Trajectory::simulate(&oscillator, case.process.path(SEED, i), &alone) {
+                        Ok(found) => {
+                            sums[0] += found.slips.cycles;
+                            sums[1] += found.slips.micro_slips;
+                        }
+                        Err(_) => sums[2] += 1,
+                    }
+                }
+                let failed = found.failures.len() as u64;
+                let total =
+                    |count: Count| if failed < 6 { (count.mean * (6 - failed) as f64).round() as u64 } else { 0 };
+                assert_eq!([total(found.cycles), total(found.micro_slips), failed], sums, "{index} {case:?}");
+                sums
+            })
+            .collect();
+        let cycles: u64 = compared.iter().map(|sums| sums[0]).sum();
+        assert!(cycles > 500);
+    }
+
+    #[test]
+    fn a_law_that_rises_at_the_last_moment_is_not_stepped_over() {
+        // Belts of many Stribeck velocities: all of the weakening lies in the last few hundredths of a slip.
+        for (belt_velocity, stribeck_velocity) in [(0.24, 0.012), (0.24, 0.003), (0.05, 0.002), (0.8, 0.005)] {
+            let law = FrictionLaw::Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity };
+            let parameters =
+                Parameters { static_friction: 0.8, law, damping_ratio: 0.01, belt_velocity, forcing: None };
+            let oscillator = Oscillator::new(parameters).unwrap();
+            let events = |method| {
+                let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method };
+                Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events
+            };
+            let (series, stages) = (events(Method::Taylor), events(Method::DormandPrince { tolerance: 1e-12 }));
+            assert!(
+                series.len() == stages.len() && series.len() > 5,
+                "{belt_velocity}: {} and {}",
+                series.len(),
+                stages.len()
+            );
+            for (a, b) in series.iter().zip(&stages) {
+                assert!(a.kind == b.kind && (a.tau - b.tau).abs() < 1e-8, "{stribeck_velocity}: {a:?} and {b:?}");
+            }
+        }
+    }
+}

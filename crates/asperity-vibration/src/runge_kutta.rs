@@ -1,0 +1,360 @@
+//! Runge–Kutta steps as polynomials.
+//!
+//! A step makes polynomials of W, e and S like the Taylor series does, so the same search for events works on them: Hermite's
+//! through values and derivatives at both ends. The derivatives are exact, from the Taylor recurrence at the two ends, and as
+//! many as keep the error of the polynomial below that of the step.
+
+use serde::{Deserialize, Serialize};
+
+use super::VibrationError;
+use super::polynomial::CAPACITY;
+use super::series::{Loading, Series, root};
+use super::tableau::{DORMAND_PRINCE, ErrorEstimate, FEHLBERG, Tableau};
+use super::weakening::Weakening;
+
+/// How the motion in slip is integrated. Events are found on the polynomials of the steps, to rounding, with all methods.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Method {
+    /// Taylor series of up to 24 terms, whose dropped ones are at most some 10⁻¹⁴ of the state: the fastest.
+    #[default]
+    Taylor,
+    /// Fehlberg's method of orders 4 and 5, as in the paper.
+    RungeKuttaFehlberg {
+        /// Error of one step in W = |v_rel|/V and e, relative to the larger of them or 1: 10⁻¹⁴ … 0.01.
+        tolerance: f64,
+    },
+    /// Dormand and Prince's method of order 8.
+    DormandPrince {
+        /// Error of one step, as above.
+        tolerance: f64,
+    },
+}
+
+/// Tries to find a step.
+const MAX_TRIES: usize = 200;
+const FIRST_STEP: f64 = 0.05;
+/// Bounds of the change of the step, and the share of the estimate that is used.
+const LEAST_CHANGE: f64 = 0.2;
+const MOST_CHANGE: f64 = 5.0;
+const SAFETY: f64 = 0.9;
+/// The continuation of a law below W = 0 that a stage may use, as [`Weakening::curvature_of`].
+const CONTINUATION: f64 = -0.5;
+
+impl Method {
+    /// Fails if a tolerance is out of range.
+    pub(super) fn stepper(self) -> Result<Option<Stepper>, VibrationError> {
+        let (tableau, tolerance) = match self {
+            Self::Taylor => return Ok(None),
+            Self::RungeKuttaFehlberg { tolerance } => (&FEHLBERG, tolerance),
+            Self::DormandPrince { tolerance } => (&DORMAND_PRINCE, tolerance),
+        };
+        if !(1e-14..=0.01).contains(&tolerance) {
+            let wanted = "between 1e-14 and 0.01";
+            return Err(VibrationError::Parameter { parameter: "tolerance", value: tolerance, wanted });
+        }
+        Ok(Some(Stepper { tableau, tolerance, step: FIRST_STEP }))
+    }
+}
+
+/// A Runge–Kutta method with its step size.
+#[derive(Debug, Clone)]
+pub(super) struct Stepper {
+    tableau: &'static Tableau,
+    tolerance: f64,
+    step: f64,
+}
+
+impl Stepper {
+    /// Puts a step from (w, e) of at most `wanted` into the series; its length, or none if no step is small enough.
+    pub(super) fn step(
+        &mut self,
+        series: &mut Series,
+        weakening: &Weakening,
+        loading: &Loading,
+        (w, e): (f64, f64),
+        wanted: f64,
+    ) -> Option<f64> {
+        for _ in 0..MAX_TRIES {
+            let h = self.step.min(wanted);
+            let Some((end, error)) = self.attempt(weakening, loading, [w, e, 0.0], h) else {
+                self.step = 0.5 * h;
+                continue;
+            };
+            let allowed = self.tolerance * w.abs().max(e.abs()).max(1.0);
+            let change = SAFETY * root(allowed / error.max(f64::MIN_POSITIVE), self.tableau.order);
+            let next = h * change.clamp(LEAST_CHANGE, MOST_CHANGE);
+            if error <= allowed {
+                // A step that was cut short says nothing against a longer one.
+                self.step = if h < self.step { next.max(self.step) } else { next };
+                series.interpolate(weakening, loading, (w, e), end, h, self.tableau.order / 2 + 1);
+                return Some(h);
+            }
+            self.step = next;
+        }
+        None
+    }
+
+    /// (W, e, S) after h and the estimated error of W and e; none if the law has no value on the way.
+    fn attempt(&self, weakening: &Weakening, loading: &Loading, start: [f64; 3], h: f64) -> Option<([f64; 3], f64)> {
+        let mut slopes = [[0.0; 3]; 12];
+        let sum = |weights: &[f64], slopes: &[[f64; 3]; 12]| -> [f64; 3] {
+            std::array::from_fn(|i| weights.iter().zip(slopes).map(|(weight, slope)| weight * slope[i]).sum())
+        };
+        for (stage, (weights, node)) in self.tableau.stages.iter().zip(self.tableau.nodes).enumerate() {
+            let moved = sum(weights, &slopes);
+            let [w, e, _] = std::array::from_fn(|i| start[i] + h * moved[i]);
+            if !(w.is_finite() && e.is_finite() && weakening.curvature_of(w) > CONTINUATION) {
+                return None;
+            }
+            slopes[stage] = [weakening.acceleration(w, e), loading.later(node * h).rate(w), w];
+        }
+        let moved = sum(self.tableau.weights, &slopes);
+        let end = std::array::from_fn(|i| start[i] + h * moved[i]);
+        let size = |weights: &[f64]| {
+            let [w, e, _] = sum(weights, &slopes);
+            h * w.abs().max(e.abs())
+        };
+        let error = match self.tableau.error {
+            ErrorEstimate::Difference(weights) => size(weights),
+            ErrorEstimate::Pair(five, three) => {
+                let (five, three) = (size(five), size(three));
+                let both = (five * five + 0.01 * three * three).sqrt();
+                if both > 0.0 { five * five / both } else { 0.0 }
+            }
+        };
+        (end.iter().all(|y| y.is_finite()) && weakening.curvature_of(end[0]) > CONTINUATION).then_some((end, error))
+    }
+}
+
+/// Coefficients of the polynomial of degree 2n − 1 in t with the n first Taylor coefficients `start` at 0 and `end` at h.
+///
+/// It is A(t) + tⁿB(t), where A is given by the start and B, about the end, is the quotient of what is missing there by tⁿ.
+pub(super) fn hermite(start: &[f64], end: &[f64], h: f64) -> [f64; CAPACITY] {
+    let n = start.len();
+    let mut c = [0.0; CAPACITY];
+    let mut power = 1.0;
+    // In units of h. The second half holds B.
+    for i in 0..n {
+        c[i] = start[i] * power;
+        c[n + i] = end[i] * power;
+        power *= h;
+    }
+    // A about the end, by Horner's scheme, is taken off.
+    let mut about = c;
+    shift(&mut about[..n], 1.0);
+    for i in 0..n {
+        c[n + i] -= about[i];
+    }
+    // n divisions by t = 1 + (t − 1).
+    for _ in 0..n {
+        for i in 1..n {
+            c[n + i] -= c[n + i - 1];
+        }
+    }
+    shift(&mut c[n..2 * n], -1.0);
+    let mut power = 1.0;
+    for c in &mut c[..2 * n] {
+        *c /= power;
+        power *= h;
+    }
+    c
+}
+
+/// The coefficients of p(a + t).
+fn shift(c: &mut [f64], a: f64) {
+    for i in 0..c.len() {
+        for k in (i..c.len() - 1).rev() {
+            c[k] += a * c[k + 1];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Drive, EventKind, Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, Trajectory, TrajectorySettings,
+    };
+    use asperity_process::{Fluctuation, FrictionProcess, ProcessModel, RecordedProcess, Steady};
+
+    const FEHLBERG_AT: fn(f64) -> Method = |tolerance| Method::RungeKuttaFehlberg { tolerance };
+    const DORMAND_PRINCE_AT: fn(f64) -> Method = |tolerance| Method::DormandPrince { tolerance };
+
+    #[test]
+    fn hermite_s_polynomial_of_a_polynomial_is_itself() {
+        let rng = &mut asperity_base::random::stream(2, "test", 0);
+        for n in 1..6 {
+            let c = asperity_base::random::standard_normal(rng, 2 * n);
+            let h = 0.37;
+            let mut at_end = c.to_vec();
+            shift(&mut at_end, h);
+            let found = hermite(&c[..n], &at_end[..n], h);
+            for (found, wanted) in found.iter().zip(c.iter().chain([&0.0; 8])) {
+                // The coefficient of h^9 is a sum of 9th differences.
+                assert!((found - wanted).abs() < 1e-13 * h.powi(-(2 * n as i32)), "{n}: {found} {wanted}");
+            }
+        }
+    }
+
+    /// A forced slip of the paper's law away from events.
+    fn slip() -> (Weakening, Loading) {
+        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
+        let loading = Loading { base: 1.0, kappa: 1.2, swing: 0.3, frequency: 0.8, phase: 0.4 };
+        (Weakening::new(&oscillator), loading)
+    }
+
+    /// The state after a time by Taylor series.
+    fn exact(time: f64) -> [f64; 3] {
+        let (weakening, loading) = slip();
+        let mut series = Series::new();
+        let (mut w, mut e, mut s) = (1.0, 0.5, 0.0);
+        for i in 0..200 {
+            let h = time / 200.0;
+            series.expand(&weakening, &loading.later(f64::from(i) * h), w, e, 1.0);
+            s += series.distance(h).0;
+            (w, e) = series.state(h);
+        }
+        [w, e, s]
+    }
+
+    #[test]
+    fn the_observed_orders_between_events_are_the_nominal_ones() {
+        let (weakening, loading) = slip();
+        let time = 2.0;
+        let wanted = exact(time);
+        for (tableau, steps) in [(&FEHLBERG, 40), (&DORMAND_PRINCE, 10)] {
+            let stepper = Stepper { tableau, tolerance: 1.0, step: 1.0 };
+            let error = |steps: u32| {
+                let h = time / f64::from(steps);
+                let mut state = [1.0, 0.5, 0.0];
+                for i in 0..steps {
+                    state = stepper.attempt(&weakening, &loading.later(f64::from(i) * h), state, h).unwrap().0;
+                }
+                (0..3).map(|i| (state[i] - wanted[i]).abs()).fold(0.0, f64::max)
+            };
+            let order = (error(steps) / error(2 * steps)).log2();
+            let nominal = tableau.order as f64;
+            assert!((order - nominal).abs() < 0.05 * nominal, "observed order {order:.3} of {nominal}");
+        }
+    }
+
+    #[test]
+    fn the_polynomials_of_a_step_are_as_good_as_its_end() {
+        let (weakening, loading) = slip();
+        for tableau in [&FEHLBERG, &DORMAND_PRINCE] {
+            let error = |h: f64| {
+                let mut stepper = Stepper { tableau, tolerance: 1.0, step: h };
+                let mut series = Series::new();
+                stepper.step(&mut series, &weakening, &loading, (1.0, 0.5), h).unwrap();
+                let within = (1..=8).map(|i| {
+                    let t = f64::from(i) / 8.0 * h;
+                    let ((w, e), s, [a, b, c]) = (series.state(t), series.distance(t).0, exact(t));
+                    (w - a).abs().max((e - b).abs()).max((s - c).abs())
+                });
+                within.fold(0.0, f64::max)
+            };
+            let order = (error(0.8) / error(0.4)).log2();
+            assert!(order > 0.93 * (tableau.order + 1) as f64, "local order {order:.3} of {}", tableau.order);
+        }
+    }
+
+    fn differences(parameters: Parameters, process: &impl Fn() -> Box<dyn Fluctuation>, method: Method) -> [f64; 4] {
+        let oscillator = Oscillator::new(parameters).unwrap();
+        let mut settings = TrajectorySettings { duration: 40.0, start: None, drive: Drive::Distance, method };
+        let mut worst = [0.0_f64; 4];
+        for drive in [Drive::Distance, Drive::Time] {
+            settings.drive = drive;
+            let events = |method| {
+                let settings = TrajectorySettings { method, ..settings };
+                Trajectory::simulate(&oscillator, &mut *process(), &settings).unwrap().events
+            };
+            let (found, wanted) = (events(method), events(Method::Taylor));
+            assert!(
+                wanted.len() > 6 && found.len() == wanted.len(),
+                "{method:?} {oscillator:?}: {} and {}",
+                found.len(),
+                wanted.len()
+            );
+            for (a, b) in found.iter().zip(&wanted) {
+                assert_eq!(a.kind, b.kind);
+                let changes = [a.tau - b.tau, a.displacement - b.displacement, a.sliding_distance - b.sliding_distance];
+                for (worst, change) in worst.iter_mut().zip(changes) {
+                    *worst = worst.max(change.abs());
+                }
+                worst[3] += f64::from(u8::from(a.kind == EventKind::Reverse));
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn all_methods_find_the_same_events() {
+        let base = Parameters {
+            static_friction: 0.1,
+            law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+            damping_ratio: 0.02,
+            belt_velocity: 0.05,
+            forcing: None,
+        };
+        let table = FrictionTable::new(&[[0.0, 0.1], [0.03, 0.08], [0.06, 0.075], [0.1, 0.08]]).unwrap();
+        let laws = [
+            base.law.clone(),
+            FrictionLaw::Coulomb { kinetic: 0.05 },
+            FrictionLaw::Linear { kinetic: 0.09, slope: 0.1 },
+            FrictionLaw::Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 },
+            FrictionLaw::Tabulated(table),
+        ];
+        let model =
+            ProcessModel { steps_per_length: 4, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.002, 0.05) };
+        let random = FrictionProcess::new(model).unwrap();
+        let mut path = random.path(11, 0);
+        let values: Vec<f64> = (0..4000).map(|_| path.next_knot()).collect();
+        let record: &'static RecordedProcess =
+            Box::leak(Box::new(RecordedProcess::new(random.step(), values).unwrap()));
+        let mut reversals = 0.0;
+        for (amplitude, frequency) in [(0.0, 1.0), (0.01, 0.9), (0.4, 0.6)] {
+            for law in &laws {
+                let forcing = Some(Forcing { amplitude, frequency });
+                let parameters = Parameters { law: law.clone(), forcing, ..base.clone() };
+                for noisy in [false, true] {
+                    let process =
+                        || -> Box<dyn Fluctuation> { if noisy { Box::new(record.path()) } else { Box::new(Steady) } };
+                    // Errors of steps add up, and a slip that hardly begins, or grazes, takes their square root.
+                    for (method, allowed) in [(DORMAND_PRINCE_AT(1e-13), 1e-8), (FEHLBERG_AT(1e-11), 1e-6)] {
+                        let [tau, x, s, turns] = differences(parameters.clone(), &process, method);
+                        assert!(
+                            tau.max(x).max(s) < allowed,
+                            "{method:?} {law:?} {amplitude} {noisy}: {tau:e} {x:e} {s:e}"
+                        );
+                        reversals += turns;
+                    }
+                }
+            }
+        }
+        assert!(reversals > 100.0, "{reversals} reversals");
+    }
+
+    #[test]
+    fn errors_follow_the_tolerance_and_nonsense_is_refused() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let period = |method| {
+            let settings = TrajectorySettings { duration: 66.0, start: None, drive: Drive::Distance, method };
+            let events = Trajectory::simulate(&oscillator, Steady, &settings)?.events;
+            let detached: Vec<f64> = events.iter().filter(|e| e.kind == EventKind::Detach).map(|e| e.tau).collect();
+            Ok::<f64, VibrationError>((detached[10] - detached[0]) / 10.0)
+        };
+        for make in [FEHLBERG_AT, DORMAND_PRINCE_AT] {
+            for tolerance in [1e-5, 1e-7, 1e-9, 1e-11] {
+                let error = (period(make(tolerance)).unwrap() / 6.372_163_483_739_709 - 1.0).abs();
+                assert!(error < 30.0 * tolerance, "{tolerance:e}: {error:e}");
+            }
+            for tolerance in [0.0, 1.0, f64::NAN] {
+                assert!(matches!(period(make(tolerance)), Err(VibrationError::Parameter { .. })));
+            }
+        }
+        let text = serde_json::to_string(&Method::DormandPrince { tolerance: 1e-9 }).unwrap();
+        assert_eq!(text, r#"{"dormand_prince":{"tolerance":1e-9}}"#);
+        assert_eq!(serde_json::from_str::<Method>(r#""taylor""#).unwrap(), Method::Taylor);
+    }
+}

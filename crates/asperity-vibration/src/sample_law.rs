@@ -1,0 +1,264 @@
+//! The law of what many trajectories leave, gathered in bounded memory.
+
+use std::collections::BinaryHeap;
+
+use serde::{Deserialize, Serialize};
+
+use asperity_base::law::goodness::normality;
+
+/// The law of a quantity met many times along many trajectories, such as the displacement at re-attachment.
+///
+/// Values of one trajectory are correlated when a slip is not much longer than the correlation length; `normality_p` takes
+/// them as independent, so it is a lower bound of the p-value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SampleLaw {
+    /// Number of values; the moments are of all of them.
+    pub count: u64,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Skewness.
+    pub skewness: f64,
+    /// Excess kurtosis.
+    pub excess_kurtosis: f64,
+    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none with fewer than 20 values.
+    pub normality_p: Option<f64>,
+    /// All values in order of trajectory and time if they are few enough, else a simple random sample of them, so ordered.
+    pub sample: Vec<f64>,
+}
+
+/// Count, mean and central sums of powers, updated value by value.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct RunningMoments {
+    count: u64,
+    mean: f64,
+    /// Σ(x − mean)², Σ(x − mean)³, Σ(x − mean)⁴.
+    central: [f64; 3],
+}
+
+impl RunningMoments {
+    pub(super) const EMPTY: Self = Self { count: 0, mean: 0.0, central: [0.0; 3] };
+
+    /// Adds one value.
+    ///
+    /// # References
+    /// Pébay, *Formulas for robust, one-pass parallel computation of covariances and arbitrary-order statistical moments*,
+    /// Sandia Report SAND2008-6212 (2008).
+    pub(super) fn add(&mut self, value: f64) {
+        let before = self.count as f64;
+        self.count += 1;
+        let n = self.count as f64;
+        let delta = value - self.mean;
+        let share = delta / n;
+        let second = delta * share * before;
+        let [m2, m3, m4] = self.central;
+        self.mean += share;
+        self.central = [
+            m2 + second,
+            m3 + second * share * (n - 2.0) - 3.0 * share * m2,
+            m4 + second * share * share * (n * n - 3.0 * n + 3.0) + 6.0 * share * share * m2 - 4.0 * share * m3,
+        ];
+    }
+
+    /// Adds all values of another sum, by the formulas for two sets there.
+    pub(super) fn merge(&mut self, other: &Self) {
+        if self.count == 0 || other.count == 0 {
+            *self = if self.count == 0 { *other } else { *self };
+            return;
+        }
+        let (a, b) = (self.count as f64, other.count as f64);
+        let n = a + b;
+        let delta = other.mean - self.mean;
+        let share = delta / n;
+        let [[a2, a3, a4], [b2, b3, b4]] = [self.central, other.central];
+        let product = delta * share * a * b;
+        self.central = [
+            a2 + b2 + product,
+            a3 + b3 + product * share * (a - b) + 3.0 * share * (a * b2 - b * a2),
+            a4 + b4
+                + product * share * share * (a * a - a * b + b * b)
+                + 6.0 * share * share * (a * a * b2 + b * b * a2)
+                + 4.0 * share * (a * b3 - b * a3),
+        ];
+        self.mean += share * b;
+        self.count += other.count;
+    }
+
+    pub(super) fn count(&self) -> u64 {
+        self.count
+    }
+
+    pub(super) fn mean(&self) -> f64 {
+        if self.count == 0 { f64::NAN } else { self.mean }
+    }
+
+    /// Standard deviation with divisor n − 1.
+    pub(super) fn std(&self) -> f64 {
+        if self.count < 2 { f64::NAN } else { (self.central[0] / (self.count as f64 - 1.0)).sqrt() }
+    }
+
+    fn skewness(&self) -> f64 {
+        (self.count as f64).sqrt() * self.central[1] / self.central[0].powf(1.5)
+    }
+
+    fn excess_kurtosis(&self) -> f64 {
+        self.count as f64 * self.central[2] / self.central[0].powi(2) - 3.0
+    }
+}
+
+/// Keeps a simple random sample of a stream of numbered values: those with the smallest hashes of their numbers.
+///
+/// The choice is a function of the numbers alone, so it depends neither on threads nor on the order of arrival.
+#[derive(Debug, Clone)]
+struct Reservoir {
+    capacity: usize,
+    /// The largest hash on top; the bits of the value follow.
+    kept: BinaryHeap<(u64, u64, u64)>,
+}
+
+impl Reservoir {
+    fn add(&mut self, number: u64, value: f64) {
+        self.take((mix(number), number, value.to_bits()));
+    }
+
+    fn take(&mut self, (hash, number, bits): (u64, u64, u64)) {
+        if self.kept.len() == self.capacity {
+            if self.kept.peek().is_none_or(|(largest, ..)| hash >= *largest) {
+                return;
+            }
+            self.kept.pop();
+        }
+        self.kept.push((hash, number, bits));
+    }
+
+    /// The kept values in the order of their numbers.
+    fn values(self) -> Vec<f64> {
+        let mut kept = self.kept.into_vec();
+        kept.sort_unstable_by_key(|&(_, number, _)| number);
+        kept.into_iter().map(|(_, _, bits)| f64::from_bits(bits)).collect()
+    }
+}
+
+/// The finaliser of SplitMix64, a bijection of 64-bit numbers.
+fn mix(number: u64) -> u64 {
+    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Gathers a [`SampleLaw`], from the values of one trajectory or from gatherings of many.
+#[derive(Debug, Clone)]
+pub(super) struct Gathering {
+    sums: RunningMoments,
+    reservoir: Reservoir,
+    /// Number of the first value, unlike that of any other trajectory.
+    first: u64,
+}
+
+impl Gathering {
+    pub(super) fn new(trajectory: u64, capacity: usize) -> Self {
+        let reservoir = Reservoir { capacity, kept: BinaryHeap::new() };
+        Self { sums: RunningMoments::EMPTY, reservoir, first: trajectory << 32 }
+    }
+
+    pub(super) fn add(&mut self, x: f64) {
+        self.reservoir.add(self.first + self.sums.count(), x);
+        self.sums.add(x);
+    }
+
+    pub(super) fn merge(&mut self, other: Self) {
+        self.sums.merge(&other.sums);
+        other.reservoir.kept.into_iter().for_each(|kept| self.reservoir.take(kept));
+    }
+
+    #[cfg(test)]
+    pub(super) fn values(self) -> Vec<f64> {
+        self.reservoir.values()
+    }
+
+    pub(super) fn finish(self) -> SampleLaw {
+        let sample = self.reservoir.values();
+        let sums = self.sums;
+        SampleLaw {
+            count: sums.count(),
+            mean: sums.mean(),
+            std: sums.std(),
+            skewness: sums.skewness(),
+            excess_kurtosis: sums.excess_kurtosis(),
+            normality_p: normality(&sample).ok().map(|test| test.p_value),
+            sample,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::random;
+    use asperity_base::stats::Moments;
+
+    #[test]
+    fn streamed_moments_are_those_of_the_sample() {
+        let values: Vec<f64> = random::standard_normal(&mut random::stream(1, "test", 0), 5000)
+            .iter()
+            .map(|xi| 1e3 + 1e-2 * (0.5 * xi).exp())
+            .collect();
+        let mut gathering = Gathering::new(0, 10_000);
+        values.iter().for_each(|x| gathering.add(*x));
+        let (found, wanted) = (gathering.finish(), Moments::of(&values));
+        assert_eq!(found.sample, values);
+        assert!((found.mean - wanted.mean).abs() < 1e-12 * wanted.mean);
+        // Deviations of 1e-2 about 1e3 keep eleven digits.
+        assert!((found.std / wanted.sample_std() - 1.0).abs() < 1e-9);
+        assert!((found.skewness / wanted.skewness - 1.0).abs() < 1e-8);
+        assert!((found.excess_kurtosis / wanted.excess_kurtosis - 1.0).abs() < 1e-8);
+        assert!(found.normality_p.unwrap() < 1e-10);
+    }
+
+    #[test]
+    fn gatherings_of_trajectories_are_that_of_all_values() {
+        let values: Vec<f64> = random::standard_normal(&mut random::stream(2, "test", 0), 6000)
+            .iter()
+            .map(|xi| 5.0 + (0.4 * xi).exp())
+            .collect();
+        let gathered = |capacity: usize, order: &[usize]| {
+            let parts = [0..0, 0..1, 1..700, 700..701, 701..6000];
+            let mut whole = Gathering::new(0, capacity);
+            for &i in order {
+                let mut part = Gathering::new(i as u64, capacity);
+                values[parts[i].clone()].iter().for_each(|x| part.add(*x));
+                whole.merge(part);
+            }
+            whole.finish()
+        };
+        let (all, wanted) = (gathered(10_000, &[0, 1, 2, 3, 4]), Moments::of(&values));
+        assert_eq!((all.count, &all.sample), (6000, &values));
+        for (found, wanted) in [
+            (all.mean, wanted.mean),
+            (all.std, wanted.sample_std()),
+            (all.skewness, wanted.skewness),
+            (all.excess_kurtosis, wanted.excess_kurtosis),
+        ] {
+            assert!((found / wanted - 1.0).abs() < 1e-11, "{found} and {wanted}");
+        }
+        // What is kept of many depends neither on the order nor on how much a part keeps beyond it.
+        let few = gathered(500, &[0, 1, 2, 3, 4]);
+        assert_eq!(few.sample.len(), 500);
+        assert_eq!(few.sample, gathered(500, &[4, 2, 0, 3, 1]).sample);
+        assert!(few.sample.iter().all(|x| values.contains(x)));
+    }
+
+    #[test]
+    fn a_full_reservoir_is_a_fair_sample_of_all() {
+        let mut gathering = Gathering::new(0, 2000);
+        (0..100_000).for_each(|i| gathering.add(f64::from(i)));
+        let found = gathering.finish();
+        assert_eq!((found.count, found.sample.len()), (100_000, 2000));
+        assert!(found.sample.is_sorted());
+        let mean = found.sample.iter().sum::<f64>() / 2000.0;
+        let standard_error = 1e5 / 12.0_f64.sqrt() / 2000.0_f64.sqrt();
+        assert!((mean - 5e4).abs() < 4.0 * standard_error, "mean {mean}");
+    }
+}

@@ -1,0 +1,384 @@
+//! The stability map: how surely vibration sustains itself, over two parameters of a machine.
+
+mod contour;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use self::contour::{boundary, contour};
+use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, limit_cycle, limit_damping};
+use asperity_base::monitor::{Cancelled, Monitor, Quiet};
+use asperity_process::FrictionProcess;
+
+/// Share of the trajectories after which a point where all of them agree is decided.
+const FIRST_SHARE: f64 = 0.25;
+/// Least number of trajectories that may decide a point.
+const FIRST_COUNT: usize = 64;
+/// Most halvings of a cell.
+const DEEPEST: u32 = 8;
+
+/// One axis of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapAxis {
+    /// Least value.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+    /// Cells of the first grid.
+    pub cells: usize,
+}
+
+impl MapAxis {
+    /// The axis again, or what it lacks.
+    ///
+    /// # Errors
+    /// It does not rise, an end is not finite, or it has not 1 to 1000 cells.
+    pub fn check(self) -> Result<Self, &'static str> {
+        if !(self.from.is_finite() && self.to.is_finite() && self.from < self.to) {
+            return Err("the last value of an axis must be above the first");
+        }
+        if self.cells == 0 || self.cells > 1000 {
+            return Err("an axis has 1 to 1000 cells");
+        }
+        Ok(self)
+    }
+
+    /// Value at the index i of n + 1 equal places.
+    fn at(&self, i: usize, n: usize) -> f64 {
+        if i == n { self.to } else { self.from + (self.to - self.from) * (i as f64 / n as f64) }
+    }
+}
+
+/// What a map is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapSettings {
+    /// First axis.
+    pub x: MapAxis,
+    /// Second axis.
+    pub y: MapAxis,
+    /// How often a cell is halved where a level passes through it, 0 … 8.
+    pub depth: u32,
+    /// The ensemble at every point; all points read the same realisations.
+    pub ensemble: EnsembleSettings,
+}
+
+/// A machine: an oscillator and its friction fluctuation, if any.
+pub type Machine = (Oscillator, Option<FrictionProcess>);
+
+/// One point of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MapPoint {
+    /// First parameter.
+    pub x: f64,
+    /// Second parameter.
+    pub y: f64,
+    /// Share of the trajectories that sustain vibration; see [`super::Passages::sustained`].
+    pub sustained: Share,
+    /// Trajectories it is a share of; 1 without fluctuation.
+    pub trajectories: usize,
+    /// Largest damping ratio at which the machine there vibrates without fluctuation, if there is one.
+    pub limit_damping_ratio: Option<f64>,
+    /// ζ of the machine there.
+    pub damping_ratio: f64,
+}
+
+/// A cell of the map, whose corners are points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MapCell {
+    /// Lower and upper end along x.
+    pub x: [f64; 2],
+    /// Lower and upper end along y.
+    pub y: [f64; 2],
+    /// Mean probability at the corners.
+    pub probability: f64,
+}
+
+/// How finely a map resolves the fall of the probability.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MapResolution {
+    /// Width of the smallest cells along x.
+    pub x: f64,
+    /// Width of the smallest cells along y.
+    pub y: f64,
+    /// Share of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %, so that the width of the transition
+    /// is less than a cell and not known.
+    pub unresolved_share: f64,
+}
+
+/// A level of the map.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MapContour {
+    /// Probability.
+    pub level: f64,
+    /// Lines (x, y).
+    pub lines: Vec<Vec<[f64; 2]>>,
+}
+
+/// The probability of sustained vibration over two parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StabilityMap {
+    /// All points, by y and then by x.
+    pub points: Vec<MapPoint>,
+    /// The cells that were not halved.
+    pub cells: Vec<MapCell>,
+    /// The levels 5, 50 and 95 %. Those of 5 and 95 % have no lines in the cells that do not resolve the transition.
+    pub contours: Vec<MapContour>,
+    /// Where vibration ends without fluctuation.
+    pub limit: Vec<Vec<[f64; 2]>>,
+    /// Widths of the smallest cells, and whether they resolve the transition.
+    pub resolution: MapResolution,
+}
+
+impl StabilityMap {
+    /// The levels of a map.
+    pub const LEVELS: [f64; 3] = [0.05, 0.5, 0.95];
+}
+
+/// A place on the finest grid.
+type Place = (usize, usize);
+
+/// A square of the quadtree: its lower corner and its side, on the finest grid.
+#[derive(Debug, Clone, Copy)]
+struct Square {
+    corner: Place,
+    side: usize,
+}
+
+impl Square {
+    fn corners(&self) -> [Place; 4] {
+        let (i, j) = self.corner;
+        let side = self.side;
+        [(i, j), (i + side, j), (i + side, j + side), (i, j + side)]
+    }
+
+    fn quarters(&self) -> [Self; 4] {
+        let (i, j) = self.corner;
+        let side = self.side / 2;
+        [(i, j), (i + side, j), (i, j + side), (i + side, j + side)].map(|corner| Self { corner, side })
+    }
+}
+
+/// Computes the map of the machines `machine(x, y)`.
+///
+/// A first grid is refined where a level of [`StabilityMap::LEVELS`], or the end of vibration without fluctuation, passes between
+/// the corners of a cell. A smallest cell through which both 5 and 95 % pass does not resolve the transition: it has only the
+/// contour of 50 %, and counts in [`MapResolution::unresolved_share`]. All points share their realisations of friction, so the map has less noise than its points. A point
+/// where the first quarter of the trajectories agree is not computed further.
+///
+/// Fails as [`Ensemble::simulate`] does at the first point that fails, if an axis is empty, and when cancelled.
+pub fn stability_map(
+    machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
+    settings: &MapSettings,
+    monitor: &dyn Monitor,
+) -> Result<StabilityMap, VibrationError> {
+    for (parameter, axis) in [("end of the x axis", settings.x), ("end of the y axis", settings.y)] {
+        axis.check().map_err(|wanted| VibrationError::Parameter { parameter, value: axis.to, wanted })?;
+    }
+    if settings.depth > DEEPEST {
+        let value = f64::from(settings.depth);
+        return Err(VibrationError::Parameter { parameter: "map depth", value, wanted: "at most 8" });
+    }
+    let finest = 1_usize << settings.depth;
+    let (nx, ny) = (settings.x.cells * finest, settings.y.cells * finest);
+    let mut squares: Vec<Square> = (0..settings.y.cells)
+        .flat_map(|j| (0..settings.x.cells).map(move |i| Square { corner: (i * finest, j * finest), side: finest }))
+        .collect();
+    let mut points: BTreeMap<Place, MapPoint> = BTreeMap::new();
+    let mut leaves: Vec<Square> = Vec::new();
+    while !squares.is_empty() {
+        let mut wanted: Vec<Place> = squares.iter().flat_map(Square::corners).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        wanted.retain(|place| !points.contains_key(place));
+        let finished = AtomicUsize::new(0);
+        let found: Vec<(Place, MapPoint)> = wanted
+            .par_iter()
+            .map(|&(i, j)| {
+                if monitor.cancelled() {
+                    return Err(Cancelled.into());
+                }
+                let point = point(machine, settings.x.at(i, nx), settings.y.at(j, ny), &settings.ensemble, monitor)?;
+                monitor.progress("points of the map", finished.fetch_add(1, Ordering::Relaxed) + 1, wanted.len());
+                Ok(((i, j), point))
+            })
+            .collect::<Result<_, VibrationError>>()?;
+        points.extend(found);
+        // A square is judged by all points on its sides, of which its neighbours may have made some since.
+        leaves.append(&mut squares);
+        let (halved, kept): (Vec<Square>, Vec<Square>) =
+            leaves.into_iter().partition(|square| square.side > 1 && is_crossed(square, &points));
+        leaves = kept;
+        squares = halved.iter().flat_map(Square::quarters).collect();
+    }
+    let place = |(i, j): Place| [settings.x.at(i, nx), settings.y.at(j, ny)];
+    let probability = |point: &MapPoint| point.sustained.value;
+    let [low, middle, high] = StabilityMap::LEVELS;
+    let holds = |square: &Square, [below, above]: [f64; 2]| {
+        let sides: Vec<f64> = boundary(square, &points).iter().map(|place| probability(&points[place])).collect();
+        sides.iter().any(|p| *p < below) && sides.iter().any(|p| *p >= above)
+    };
+    let resolved: Vec<Square> = leaves.iter().filter(|square| !holds(square, [low, high])).copied().collect();
+    let front = leaves.iter().filter(|square| holds(square, [middle, middle])).count();
+    let resolution = MapResolution {
+        x: (settings.x.to - settings.x.from) / nx as f64,
+        y: (settings.y.to - settings.y.from) / ny as f64,
+        unresolved_share: (leaves.len() - resolved.len()) as f64 / front.max(1) as f64,
+    };
+    let contours = StabilityMap::LEVELS.map(|level| {
+        let squares = if level == middle { &leaves } else { &resolved };
+        MapContour { level, lines: contour(squares, &points, &|p| Some(probability(p) - level), &place) }
+    });
+    let limit = contour(&leaves, &points, &|p| p.limit_damping_ratio.map(|c| c - p.damping_ratio), &place);
+    let cells = leaves
+        .iter()
+        .map(|square| {
+            let [low, _, high, _] = square.corners().map(place);
+            let probability = square.corners().iter().map(|c| points[c].sustained.value).sum::<f64>() / 4.0;
+            MapCell { x: [low[0], high[0]], y: [low[1], high[1]], probability }
+        })
+        .collect();
+    let mut points: Vec<(Place, MapPoint)> = points.into_iter().collect();
+    points.sort_by_key(|((i, j), _)| (*j, *i));
+    let points = points.into_iter().map(|(_, point)| point).collect();
+    Ok(StabilityMap { points, cells, contours: contours.into(), limit, resolution })
+}
+
+/// Whether a level or the deterministic limit passes between points on the sides.
+fn is_crossed(square: &Square, points: &BTreeMap<Place, MapPoint>) -> bool {
+    let sides: Vec<MapPoint> = boundary(square, points).iter().map(|place| points[place]).collect();
+    let between = |value: &dyn Fn(&MapPoint) -> f64, level: f64| {
+        sides.iter().any(|p| value(p) < level) && sides.iter().any(|p| value(p) >= level)
+    };
+    StabilityMap::LEVELS.iter().any(|level| between(&|p| p.sustained.value, *level))
+        || between(&|p| p.limit_damping_ratio.map_or(f64::NAN, |c| c - p.damping_ratio), 0.0)
+}
+
+fn point(
+    machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
+    x: f64,
+    y: f64,
+    settings: &EnsembleSettings,
+    monitor: &dyn Monitor,
+) -> Result<MapPoint, VibrationError> {
+    let (oscillator, process) = machine(x, y)?;
+    let limit_damping_ratio = limit_damping(&oscillator).ok().filter(|limit| *limit > 0.0);
+    let damping_ratio = oscillator.damping_ratio();
+    let at = |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
+    let Some(process) = process else {
+        let value = if limit_cycle(&oscillator)?.kind().is_vibration() { 1.0 } else { 0.0 };
+        return Ok(at(Share { value, interval: [value, value] }, 1));
+    };
+    let of = |trajectories| -> Result<Share, VibrationError> {
+        let settings = EnsembleSettings { trajectories, sample_capacity: 0, ..*settings };
+        Ok(Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?.passages.sustained)
+    };
+    let first = ((FIRST_SHARE * settings.trajectories as f64) as usize).max(FIRST_COUNT);
+    if first < settings.trajectories {
+        let sustained = of(first)?;
+        if sustained.value == 0.0 || sustained.value == 1.0 {
+            return Ok(at(sustained, first));
+        }
+    }
+    Ok(at(of(settings.trajectories)?, settings.trajectories))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::critical_damping;
+    use asperity_base::monitor::Silent;
+    use asperity_process::ProcessModel;
+
+    fn settings(depth: u32, trajectories: usize, duration: f64) -> MapSettings {
+        MapSettings {
+            x: MapAxis { from: 0.1, to: 0.3, cells: 4 },
+            y: MapAxis { from: 0.002, to: 0.2, cells: 3 },
+            depth,
+            ensemble: EnsembleSettings::new(trajectories, duration, 7),
+        }
+    }
+
+    #[test]
+    fn without_fluctuation_the_contour_is_the_end_of_the_cycle_and_the_transition_has_no_width() {
+        let machine = |x: f64, y: f64| Ok((Oscillator::stribeck(0.1, 4.2, x, y)?, None));
+        let map = stability_map(&machine, &settings(5, 0, 1.0), &Silent).unwrap();
+        let spacing = 0.2 / 4.0 / 32.0;
+        assert_eq!(map.limit.len(), 1);
+        for [damping, velocity] in &map.limit[0] {
+            let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
+            // Linear interpolation over a cell of ζ_c, whose second derivative in V is below 3·μ_st·a³/2 = 11 (Hopf's formula).
+            let cell: f64 = 0.198 / 3.0 / 32.0;
+            assert!(
+                (damping - wanted.critical_damping_ratio).abs() < 0.5 * 11.2 * cell.powi(2),
+                "{damping} at {velocity}"
+            );
+        }
+        // A jump has no width that a cell could resolve: 5 and 95 % are not drawn a cell apart.
+        assert_eq!(map.resolution.unresolved_share, 1.0);
+        assert!((map.resolution.x / spacing - 1.0).abs() < 1e-12, "{:?}", map.resolution);
+        for contour in &map.contours {
+            assert_eq!(contour.lines.len(), usize::from(contour.level == 0.5), "{}", contour.level);
+            let Some(line) = contour.lines.first() else { continue };
+            assert!((line[0][1] - 0.002).abs() < 1e-12 || (line[line.len() - 1][1] - 0.002).abs() < 1e-12);
+            for [damping, velocity] in line {
+                let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
+                // Within the cell that the front crosses, along ζ and along V (slope of ζ_c below 1.8).
+                let cell = spacing + 1.8 * 0.198 / 96.0;
+                assert!((damping - wanted.critical_damping_ratio).abs() < cell, "{damping} at {velocity}");
+            }
+        }
+        // The cells tile the map.
+        let area: f64 = map.cells.iter().map(|c| (c.x[1] - c.x[0]) * (c.y[1] - c.y[0])).sum();
+        assert!((area / (0.2 * 0.198) - 1.0).abs() < 1e-12);
+        let full = (4 * 32 + 1) * (3 * 32 + 1);
+        assert!(map.points.len() < full / 6, "{} of {full} points", map.points.len());
+    }
+
+    #[test]
+    fn noise_moves_the_contours_apart_and_the_point_is_the_ensemble() {
+        let machine = |x: f64, y: f64| {
+            let model = ProcessModel::new("beta:2.1,5".parse()?, 0.001, 0.01);
+            Ok((Oscillator::stribeck(0.1, 4.2, x, 0.003 + 0.001 * y)?, Some(FrictionProcess::new(model)?)))
+        };
+        let settings = MapSettings {
+            x: MapAxis { from: 0.12, to: 0.3, cells: 6 },
+            y: MapAxis { from: 0.0, to: 1.0, cells: 1 },
+            depth: 1,
+            ensemble: EnsembleSettings::new(100, 200.0, 7),
+        };
+        let map = stability_map(&machine, &settings, &Silent).unwrap();
+        let place = |level: f64| {
+            let contour = map.contours.iter().find(|c| c.level == level).unwrap();
+            let places: Vec<f64> = contour.lines.iter().flatten().map(|p| p[0]).collect();
+            places.iter().sum::<f64>() / places.len() as f64
+        };
+        assert!(place(0.95) < place(0.5) - 0.01 && place(0.5) < place(0.05) - 0.01, "{:?}", map.contours);
+        assert_eq!(map.resolution.unresolved_share, 0.0);
+        // Hardly any noise has a transition within a cell, and the map says so.
+        let quiet = |x: f64, y: f64| {
+            let model = ProcessModel::new("beta:2.1,5".parse()?, 1e-7, 0.01);
+            Ok((machine(x, y)?.0, Some(FrictionProcess::new(model)?)))
+        };
+        let sharp = stability_map(&quiet, &settings, &Silent).unwrap();
+        assert_eq!(sharp.resolution.unresolved_share, 1.0);
+        assert_eq!(sharp.contours.iter().map(|c| c.lines.len()).collect::<Vec<_>>(), [0, 1, 0]);
+        let at = map.points.iter().find(|p| p.trajectories == 100).unwrap();
+        let (oscillator, process) = machine(at.x, at.y).unwrap();
+        let alone = Ensemble::simulate(&oscillator, &process.unwrap(), &settings.ensemble, &Silent).unwrap();
+        assert_eq!(alone.passages.sustained, at.sustained);
+    }
+
+    #[test]
+    fn an_empty_axis_is_refused() {
+        let machine = |x: f64, y: f64| Ok((Oscillator::stribeck(0.1, 4.2, x, y)?, None));
+        let mut wrong = settings(0, 0, 1.0);
+        wrong.x.to = wrong.x.from;
+        assert!(stability_map(&machine, &wrong, &Silent).is_err());
+        assert!(stability_map(&machine, &MapSettings { depth: 9, ..settings(0, 0, 1.0) }, &Silent).is_err());
+    }
+}

@@ -1,0 +1,618 @@
+//! Which starts end in steady sliding, and which in vibration.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::super::cycle::cycle_at_belt;
+use super::super::motion::{Motion, SlipState};
+use super::super::portrait::{PhasePoint, sampled};
+use super::super::root::zero_between;
+use super::super::slip_orbit::first_minimum_from;
+use super::super::sway::Sway;
+use super::super::weakening::Weakening;
+use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
+use super::planar::Planar;
+use super::slip_cycle::{ReturnMap, return_map};
+use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_process::Steady;
+
+/// W and W′ closer than this to steady sliding end there, if it is stable.
+const SETTLED: f64 = 1e-9;
+/// Reversals after which a motion that never sticks counts as overtaking.
+const MAX_REVERSALS: usize = 2000;
+const MAX_STEPS: usize = 1_000_000;
+const UNDECIDED: VibrationError =
+    VibrationError::NotFound { what: "attractor of a start", reason: "undecided after a million steps" };
+/// Relative error of a kick.
+const KICK_TOLERANCE: f64 = 1e-12;
+/// How far, relatively, rounding may put a crossing of the section beyond that of the orbit from a detachment.
+const ROUNDING: f64 = 1e-9;
+
+/// A rectangle of starts (X, X′).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BasinBox {
+    /// Least and largest X.
+    pub displacement: [f64; 2],
+    /// Least and largest X′.
+    pub velocity: [f64; 2],
+    /// Cells along X and X′.
+    pub cells: [usize; 2],
+}
+
+impl BasinBox {
+    /// The centre (X, X′) of a cell.
+    pub fn centre(&self, column: usize, row: usize) -> [f64; 2] {
+        let at = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
+        [at(self.displacement, column, self.cells[0]), at(self.velocity, row, self.cells[1])]
+    }
+
+    fn validate(&self) -> Result<(), VibrationError> {
+        for (parameter, [low, high]) in
+            [("displacement of the box", self.displacement), ("velocity of the box", self.velocity)]
+        {
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                return Err(VibrationError::Parameter {
+                    parameter,
+                    value: high,
+                    wanted: "finite, and more than its least",
+                });
+            }
+        }
+        if let Some(&few) = self.cells.iter().find(|n| !(1..=100_000).contains(*n)) {
+            return Err(VibrationError::Parameter { parameter: "cells", value: few as f64, wanted: "1 to 100,000" });
+        }
+        Ok(())
+    }
+}
+
+/// Motions that the centres of the cells of a box of starts end in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Basin {
+    /// The box.
+    pub area: BasinBox,
+    /// Kinds of motion, row by row with rising X′, along rising X in a row.
+    pub attractors: Vec<MotionKind>,
+    /// Share of the cells that end in steady sliding.
+    pub sliding_share: f64,
+}
+
+/// A mass at (X, X′) at τ = 0.
+pub(super) fn started_at(
+    oscillator: &Oscillator,
+    displacement: f64,
+    velocity: f64,
+) -> Result<Motion<Steady>, VibrationError> {
+    let belt = oscillator.belt_velocity();
+    let w = 1.0 - velocity / belt;
+    if w == 0.0 {
+        return Motion::new(oscillator, Steady, Drive::Distance, displacement);
+    }
+    let phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
+    let external = belt * Sway::new(oscillator).force(0.0);
+    let force = phase.direction() * (displacement + 2.0 * oscillator.damping_ratio() * belt - external);
+    let e = (force - oscillator.static_friction()) / belt;
+    Motion::in_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
+}
+
+/// Next place of interest on an orbit.
+enum Arrival {
+    /// Steady sliding.
+    Rest,
+    /// Stick.
+    Stick,
+    /// Into over-slip or out of it.
+    Reversal,
+    /// The section W = 1, crossed upwards at this amplitude r.
+    Section(f64),
+}
+
+/// Finds the motion that starts end in: by the return map of slip as soon as an orbit crosses its section, else by following it.
+pub(super) struct Outcomes {
+    oscillator: Oscillator,
+    rest: f64,
+    map: Option<ReturnMap>,
+    /// Motion that a detachment leads to.
+    after_stick: MotionKind,
+    /// Least X′ of that motion; 0 of steady sliding.
+    slowest: f64,
+}
+
+impl Outcomes {
+    /// The forcing is left aside.
+    pub(super) fn new(oscillator: &Oscillator) -> Result<Self, VibrationError> {
+        let oscillator = oscillator.with_forcing(None)?;
+        let map = return_map(&oscillator)?;
+        let rest = Planar::new(&oscillator)?.rest;
+        let (after_stick, slowest) = match cycle_at_belt(&oscillator)? {
+            Some((cycle, _)) => (cycle.kind, cycle.velocity_min),
+            None => match map.as_ref().and_then(ReturnMap::outermost_attractor) {
+                Some((_, cycle)) => (MotionKind::SlipCycle, cycle.velocity_min),
+                None => (MotionKind::None, 0.0),
+            },
+        };
+        Ok(Self { oscillator, rest, map, after_stick, slowest })
+    }
+
+    /// The motion that a small disturbance of steady sliding leads to.
+    pub(super) fn near_rest(&self) -> MotionKind {
+        self.map.as_ref().map_or(MotionKind::None, |map| self.within(map, 0.0))
+    }
+
+    /// The motion that the start (X, X′) ends in.
+    pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
+        let mut motion = started_at(&self.oscillator, displacement, velocity)?;
+        let mut reversals = 0;
+        for _ in 0..MAX_STEPS {
+            match self.next_arrival(&mut motion)? {
+                Arrival::Rest => return Ok(self.near_rest()),
+                Arrival::Stick => return Ok(self.after_stick),
+                Arrival::Reversal => reversals += 1,
+                Arrival::Section(r) => {
+                    if let Some(map) = self.map.as_ref().filter(|map| r <= map.edge * (1.0 + ROUNDING)) {
+                        return Ok(self.within(map, r.min(map.edge)));
+                    }
+                }
+            }
+            if reversals > MAX_REVERSALS {
+                return Ok(MotionKind::Overtaking);
+            }
+        }
+        Err(UNDECIDED)
+    }
+
+    fn next_arrival(&self, motion: &mut Motion<Steady>) -> Result<Arrival, VibrationError> {
+        for _ in 0..MAX_STEPS {
+            // Looked at before a step: from rest itself a step has no end.
+            if motion.has_settled(SETTLED) {
+                return Ok(Arrival::Rest);
+            }
+            let Some(before) = motion.slip_state() else { return Ok(Arrival::Stick) };
+            match motion.step(f64::INFINITY)?.map(|e| e.kind) {
+                Some(EventKind::Restick) => return Ok(Arrival::Stick),
+                Some(EventKind::Reverse | EventKind::Detach) => return Ok(Arrival::Reversal),
+                None => {}
+            }
+            if before.phase == Phase::Slip
+                && before.w < 1.0
+                && let Some(r) = self.crossing(motion)
+            {
+                return Ok(Arrival::Section(r));
+            }
+        }
+        Err(UNDECIDED)
+    }
+
+    /// Where the last step of slip, which began below W = 1, crosses it.
+    fn crossing(&self, motion: &Motion<Steady>) -> Option<f64> {
+        let step = motion.slip_step()?;
+        if step.series.state(step.length).0 < 1.0 {
+            return None;
+        }
+        let mut below = step.series.w().to_vec();
+        below.iter_mut().for_each(|c| *c = -*c);
+        below[0] += 1.0;
+        let t = super::super::polynomial::first_zero(&below, step.length)?;
+        Some(step.series.state(t).1 - self.rest)
+    }
+
+    /// The motion that an orbit settles into which crosses the section at r.
+    fn within(&self, map: &ReturnMap, r: f64) -> MotionKind {
+        let inside = map.cycles.iter().take_while(|(radius, _)| *radius < r).count();
+        // An orbit on a stable cycle or next to one stays; growth leads outwards to the next, decay inwards.
+        if map.growth[inside] > 0.0 {
+            if inside < map.cycles.len() { MotionKind::SlipCycle } else { self.after_stick }
+        } else if inside > 0 {
+            MotionKind::SlipCycle
+        } else {
+            MotionKind::None
+        }
+    }
+}
+
+/// Returns the smallest kick, |ΔX′| of either sign, after which a machine that slides steadily vibrates for good; forcing is
+/// left aside.
+///
+/// None if steady sliding is unstable, so that no kick is needed, and none if every motion ends in steady sliding. The
+/// border of the basin is the innermost unstable slip cycle if it stays slower than the belt, else an orbit through stick;
+/// it is found to twelve digits on exact motions. Orbits in the phase plane do not cross, so all larger kicks
+/// of the same sign end in vibration too.
+pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
+    if oscillator.sliding_is_unstable() {
+        return Ok(None);
+    }
+    let belt = oscillator.belt_velocity();
+    let outcomes = Outcomes::new(oscillator)?;
+    if !outcomes.after_stick.is_vibration() || outcomes.near_rest().is_vibration() {
+        return Ok(None);
+    }
+    let rest = oscillator.law().coefficient(belt);
+    // Positive beyond the border of the basin.
+    let excess = |velocity: f64| -> Result<f64, VibrationError> {
+        let Some((border, _)) = outcomes.map.as_ref().and_then(|map| map.cycles.first()) else {
+            return Ok(if outcomes.of(rest, velocity)?.is_vibration() { 1.0 } else { -1.0 });
+        };
+        Ok(match outcomes.next_arrival(&mut started_at(&outcomes.oscillator, rest, velocity)?)? {
+            Arrival::Section(r) => r / border - 1.0,
+            Arrival::Rest => -1.0,
+            Arrival::Stick | Arrival::Reversal => 1.0,
+        })
+    };
+    let smooth = outcomes.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
+    let threshold = |sign: f64, mut high: f64| -> Result<f64, VibrationError> {
+        let (mut low, tolerance) = (0.0, KICK_TOLERANCE * high);
+        if smooth {
+            let at_high = excess(sign * high)?;
+            return zero_between(|velocity| excess(sign * velocity), (low, -1.0), (high, at_high), tolerance);
+        }
+        while high - low > tolerance {
+            let middle = 0.5 * (low + high);
+            if excess(sign * middle)? > 0.0 { high = middle } else { low = middle }
+        }
+        Ok(high)
+    };
+    // With the velocity of the belt the mass sticks, or is faster than on any orbit that does not reach the belt.
+    let with_belt = threshold(1.0, belt)?;
+    let against_belt = with_belt.min(-outcomes.slowest);
+    Ok(Some(if excess(-against_belt)? > 0.0 { threshold(-1.0, against_belt)? } else { with_belt }))
+}
+
+/// What the starts in a box of the phase plane end in. Forcing is left aside.
+///
+/// Each start is followed to stick or to the section X′ = 0, where the return map of slip decides; the answer is exact but
+/// for rounding at the separatrix. Rows are computed in parallel, with the same result on any number of threads.
+///
+/// Fails for an empty box, if friction does not stay positive, and when cancelled.
+pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) -> Result<Basin, VibrationError> {
+    area.validate()?;
+    let outcomes = Outcomes::new(oscillator)?;
+    let [columns, rows] = area.cells;
+    let finished = AtomicUsize::new(0);
+    let lines: Vec<Vec<MotionKind>> = (0..rows)
+        .into_par_iter()
+        .map(|row| {
+            if monitor.cancelled() {
+                return Err(Cancelled.into());
+            }
+            let start = |column| {
+                let [displacement, velocity] = area.centre(column, row);
+                outcomes.of(displacement, velocity)
+            };
+            let line = (0..columns).map(start).collect::<Result<Vec<_>, _>>();
+            monitor.progress("rows of the basin", finished.fetch_add(1, Ordering::Relaxed) + 1, rows);
+            line
+        })
+        .collect::<Result<_, VibrationError>>()?;
+    let attractors = lines.concat();
+    let sliding = attractors.iter().filter(|a| **a == MotionKind::None).count();
+    let sliding_share = sliding as f64 / attractors.len() as f64;
+    Ok(Basin { area: *area, attractors, sliding_share })
+}
+
+/// What a separatrix is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SeparatrixKind {
+    /// The outermost unstable cycle of slip, a closed orbit.
+    UnstableCycle,
+    /// The orbit of slip that only touches the belt velocity, closed by a piece of the line X′ = V on which the mass
+    /// sticks. It takes a jump of the friction force at detachment.
+    GrazingOrbit,
+}
+
+/// The border of the basin of steady sliding, or of what lives next to it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Separatrix {
+    /// What it is.
+    pub kind: SeparatrixKind,
+    /// The curve at equal times, its end included.
+    pub points: Vec<PhasePoint>,
+}
+
+impl Separatrix {
+    /// Area of the (X, X′) plane inside, by the trapezoidal rule on its points and the chord from end to start.
+    pub fn area(&self) -> f64 {
+        let ring = self.points.iter().zip(self.points.iter().cycle().skip(1));
+        let sum: f64 = ring.map(|(a, b)| a.displacement * b.velocity - b.displacement * a.velocity).sum();
+        0.5 * sum.abs()
+    }
+}
+
+/// The curve that separates the starts that end in vibration from those that do not, at `points` ≥ 2 equal times; none if all
+/// end alike. With two stable vibrations it separates the outer one from the inner one. Forcing is left aside.
+pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separatrix>, VibrationError> {
+    let free = oscillator.with_forcing(None)?;
+    let outcomes = Outcomes::new(&free)?;
+    let Some(map) = outcomes.map.as_ref().filter(|_| outcomes.after_stick.is_vibration()) else { return Ok(None) };
+    let drawn = |kind, state: SlipState, duration: f64| -> Result<Option<Separatrix>, VibrationError> {
+        let motion = Motion::in_slip(&free, Steady, state)?;
+        Ok(Some(Separatrix { kind, points: sampled(motion, 0.0, duration, points)? }))
+    };
+    let unstable = map.cycles.iter().zip(&map.growth[1..]).rev().find(|(_, growth)| **growth > 0.0);
+    if let Some(((r, cycle), _)) = unstable {
+        return drawn(SeparatrixKind::UnstableCycle, map.state(*r), cycle.period);
+    }
+    let grows = map.growth.last().is_some_and(|g| *g > 0.0);
+    let jump = Weakening::new(&free).jump;
+    if grows || jump == 0.0 {
+        return Ok(None);
+    }
+    // The orbit that rises from the belt at an excess between −jump and 0 and comes back to touch it.
+    let least = |e: f64| -> Result<f64, VibrationError> {
+        Ok(first_minimum_from(&free, 0.0, e, |_, _| {})?.map_or(1.0, |minimum| minimum.w))
+    };
+    let (near, far) = (least(-jump * (1.0 - 1e-9))?, least(0.0)?);
+    if near <= 0.0 || far >= 0.0 {
+        return Ok(None);
+    }
+    let e = zero_between(least, (0.0, far), (-jump * (1.0 - 1e-9), near), 0.0)?;
+    let Some(minimum) = first_minimum_from(&free, 0.0, e, |_, _| {})? else { return Ok(None) };
+    // The touch is tangential: rounding may make it an arrival a little before.
+    drawn(SeparatrixKind::GrazingOrbit, SlipState { tau: 0.0, phase: Phase::Slip, w: 0.0, e }, minimum.time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FrictionLaw, FrictionTable, Parameters, critical_damping, limit_cycle, limit_damping};
+    use asperity_base::monitor::Silent;
+    use asperity_base::random;
+
+    fn midway(friction: f64, velocity: f64, share: f64) -> Oscillator {
+        let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
+        let ends = critical_damping(&of(0.0)).unwrap();
+        of(ends.hopf_damping_ratio + share * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
+    }
+
+    fn coulomb(damping_ratio: f64) -> Oscillator {
+        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        Oscillator::new(Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None })
+            .unwrap()
+    }
+
+    const AREA: BasinBox = BasinBox { displacement: [-0.3, 0.8], velocity: [-0.3, 0.3], cells: [120, 90] };
+
+    /// Follows a start until it sticks or has settled, with no look at the return map.
+    fn followed(oscillator: &Oscillator, [x, velocity]: [f64; 2]) -> MotionKind {
+        let belt = oscillator.belt_velocity();
+        let (phase, sign) = if velocity < belt { (Phase::Slip, 1.0) } else { (Phase::OverSlip, -1.0) };
+        let force = sign * (x + 2.0 * oscillator.damping_ratio() * belt);
+        let e = (force - oscillator.static_friction()) / belt;
+        let state = SlipState { tau: 0.0, phase, w: (1.0 - velocity / belt).abs(), e };
+        let mut motion = Motion::in_slip(oscillator, Steady, state).unwrap();
+        loop {
+            if motion.step(f64::INFINITY).unwrap().is_some_and(|event| event.kind == EventKind::Restick) {
+                return MotionKind::StickSlip;
+            }
+            if motion.has_settled(1e-4) {
+                return MotionKind::None;
+            }
+        }
+    }
+
+    #[test]
+    fn the_map_decides_as_following_does() {
+        for (oscillator, tell) in [
+            (midway(0.3, 0.1, 0.5), "one unstable cycle"),
+            (midway(1.0, 0.2, 0.2), "near the Hopf point"),
+            (coulomb(0.05), "a grazing orbit"),
+        ] {
+            let outcomes = Outcomes::new(&oscillator).unwrap();
+            let scale = oscillator.static_friction();
+            let rng = &mut random::stream(8, "test", 0);
+            let mut counts = [0, 0];
+            for _ in 0..300 {
+                let g = random::standard_normal(rng, 2);
+                let start = [scale * (0.8 + 0.3 * g[0]), 1.3 * oscillator.belt_velocity() * g[1]];
+                let found = outcomes.of(start[0], start[1]).unwrap();
+                assert_eq!(found, followed(&oscillator, start), "{tell}: {start:?}");
+                counts[usize::from(found == MotionKind::None)] += 1;
+            }
+            assert!(counts[0] > 10 && counts[1] > 10, "{tell}: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_sliding_share_of_a_box_is_the_area_inside_the_separatrix() {
+        for (oscillator, kind) in [
+            (midway(0.3, 0.1, 0.5), SeparatrixKind::UnstableCycle),
+            (midway(0.3, 0.1, 0.9), SeparatrixKind::UnstableCycle),
+            (coulomb(0.05), SeparatrixKind::GrazingOrbit),
+        ] {
+            let found = basin(&oscillator, &AREA, &Silent).unwrap();
+            let curve = separatrix(&oscillator, 4001).unwrap().unwrap();
+            assert_eq!(curve.kind, kind);
+            let size = (AREA.displacement[1] - AREA.displacement[0]) * (AREA.velocity[1] - AREA.velocity[0]);
+            // Counting centres errs by much less than a cell for each cell on the curve, about 100 of them.
+            let cell = size / found.attractors.len() as f64;
+            assert!((found.sliding_share * size - curve.area()).abs() < 10.0 * cell, "{kind:?}: {}", curve.area());
+            assert!(curve.area() > 100.0 * cell);
+        }
+    }
+
+    #[test]
+    fn the_grazing_orbit_of_coulomb_friction_is_a_damped_oscillation() {
+        let (damping, velocity) = (0.05, 0.05);
+        let curve = separatrix(&coulomb(damping), 301).unwrap().unwrap();
+        let end = curve.points[300];
+        let frequency = f64::sqrt(1.0 - damping * damping);
+        for point in &curve.points {
+            // It ends at X′ = V, X″ = 0, where X − μ_k = −2ζV.
+            let t = point.tau - end.tau;
+            let (x0, v0) = (-2.0 * damping * velocity, velocity);
+            let (sin, cos) = (frequency * t).sin_cos();
+            let x = (-damping * t).exp() * (x0 * cos + (v0 + damping * x0) / frequency * sin);
+            assert!((point.displacement - 0.3 - x).abs() < 1e-12, "{point:?}");
+        }
+        assert!((curve.points[0].velocity - velocity).abs() < 1e-15);
+    }
+
+    #[test]
+    fn outside_the_two_critical_dampings_all_starts_end_alike() {
+        let ends = critical_damping(&midway(0.3, 0.1, 0.5)).unwrap();
+        for (damping, wanted) in [
+            (0.9 * ends.hopf_damping_ratio, MotionKind::StickSlip),
+            (1.01 * ends.critical_damping_ratio, MotionKind::None),
+            (3.0, MotionKind::None),
+        ] {
+            let oscillator = Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
+            let area = BasinBox { cells: [20, 20], ..AREA };
+            let found = basin(&oscillator, &area, &Silent).unwrap();
+            assert!(found.attractors.iter().all(|a| *a == wanted), "{damping}");
+            assert_eq!(separatrix(&oscillator, 100).unwrap(), None);
+        }
+    }
+
+    #[test]
+    fn the_smallest_kick_is_the_published_one() {
+        // SciPy, DOP853 with bisection.
+        for (damping, wanted) in [(0.111, 0.0966), (0.109, 0.0821)] {
+            let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
+            assert!((found - wanted).abs() < 2e-4, "{found} instead of {wanted}");
+        }
+        // A kick into a slip cycle, to relative 2e-5: .3 + .1e^{−(v/.08)²} at V = .11 and ζ = .27, with the belt.
+        let bell = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
+        let points: Vec<_> = (0..=400).map(|i| 1e-3 * f64::from(i)).map(|v| [v, bell(v)]).collect();
+        let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.27, belt_velocity: 0.11, forcing: None };
+        let found = smallest_kick(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
+        assert!((found / 0.040_666 - 1.0).abs() < 1e-4, "{found}");
+        // Below ζ_H = .104 none is needed, above ζ_c = .1115 none suffices.
+        for damping in [0.1041, 0.1116, 0.9] {
+            assert_eq!(smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
+        }
+    }
+
+    #[test]
+    fn the_kick_over_a_jump_of_friction_is_the_closed_form_of_a_damped_oscillation() {
+        let (damping, belt, kinetic) = (0.05_f64, 0.05_f64, 0.25);
+        let law = FrictionLaw::Coulomb { kinetic };
+        let parameters =
+            Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
+        let machine = Oscillator::new(parameters).unwrap();
+        let outcomes = Outcomes::new(&machine).unwrap();
+        // Against the belt: the orbit that grazes it at X − μ_k = −2ζV, X′ = V, half a turn back at X = μ_k.
+        let (x0, frequency) = (-2.0 * damping * belt, (1.0 - damping * damping).sqrt());
+        let rate = (belt + damping * x0) / frequency;
+        let t = ((-x0 / rate).atan() - std::f64::consts::PI) / frequency;
+        let (sin, cos) = (frequency * t).sin_cos();
+        let against =
+            (-damping * t).exp() * ((rate * frequency - damping * x0) * cos - (x0 * frequency + damping * rate) * sin);
+        assert!((against + 0.0583).abs() < 1e-4, "{against}");
+        for (factor, wanted) in [(1.0 - 1e-9, MotionKind::None), (1.0 + 1e-9, MotionKind::StickSlip)] {
+            assert_eq!(outcomes.of(kinetic, factor * against).unwrap(), wanted);
+        }
+        // With the belt: its own velocity, at which the mass sticks.
+        assert!((smallest_kick(&machine).unwrap().unwrap() / belt - 1.0).abs() < 1e-11);
+    }
+
+    /// Steps of a natural period of the independent integrator.
+    const STEPS: f64 = 800.0;
+
+    /// Whether a kick ends in vibration: Runge and Kutta's classical method with sign(V − X′) by branches. A period whose
+    /// largest velocity is half of that of the kick has decayed; stick, or 200 periods without decay, is vibration.
+    fn vibrates(machine: &Oscillator, kick: f64) -> bool {
+        let (belt, zeta) = (machine.belt_velocity(), machine.damping_ratio());
+        let rest = machine.law().coefficient(belt);
+        let (mut x, mut v, mut over) = (rest, kick, kick > belt);
+        let h = std::f64::consts::TAU / STEPS;
+        let (mut largest, mut sticks) = (0.0_f64, 0);
+        for i in 1..=(200.0 * STEPS) as usize {
+            let sign = if over { -1.0 } else { 1.0 };
+            let force = |x: f64, v: f64| sign * machine.law().coefficient((belt - v).abs()) - 2.0 * zeta * v - x;
+            let step = |h: f64| {
+                let (k1, l1) = (v, force(x, v));
+                let (k2, l2) = (v + 0.5 * h * l1, force(x + 0.5 * h * k1, v + 0.5 * h * l1));
+                let (k3, l3) = (v + 0.5 * h * l2, force(x + 0.5 * h * k2, v + 0.5 * h * l2));
+                let (k4, l4) = (v + h * l3, force(x + h * k3, v + h * l3));
+                (x + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4), v + h / 6.0 * (l1 + 2.0 * (l2 + l3) + l4))
+            };
+            let after = step(h);
+            if sign * (belt - after.1) < 0.0 {
+                let (mut low, mut high) = (0.0, h);
+                for _ in 0..40 {
+                    let middle = 0.5 * (low + high);
+                    if sign * (belt - step(middle).1) < 0.0 { high = middle } else { low = middle }
+                }
+                x = step(low).0;
+                let held = x + 2.0 * zeta * belt;
+                if held.abs() <= machine.static_friction() {
+                    sticks += 1;
+                    if sticks > 3 {
+                        return true;
+                    }
+                    x = machine.static_friction() - 2.0 * zeta * belt;
+                }
+                over = held < -machine.static_friction();
+                v = if over { belt * (1.0 + 1e-12) } else { belt * (1.0 - 1e-12) };
+                largest = belt;
+                continue;
+            }
+            (x, v) = after;
+            largest = largest.max(v.abs());
+            if i % STEPS as usize == 0 {
+                if largest < 0.5 * kick.abs().min(belt) {
+                    return false;
+                }
+                largest = 0.0;
+            }
+        }
+        true
+    }
+
+    #[test]
+    fn kicks_of_random_machines_part_vibration_from_decay_in_an_independent_integrator() {
+        let rng = &mut random::stream(17, "test", 0);
+        let (mut count, mut slow) = (0, 0);
+        for i in 0..40 {
+            let g = random::standard_normal(rng, 4);
+            let static_friction = 0.25 * (0.4 * g[0]).exp();
+            let kinetic =
+                if i % 2 == 0 { static_friction } else { static_friction * (1.0 - 0.1 * g[1].abs().min(3.0)) };
+            let belt_velocity = 0.2 * (0.5 * g[2]).exp();
+            let reach = 0.8 * belt_velocity * (0.3 * g[3]).exp();
+            let bell = |v: f64| 0.7 * kinetic + 0.3 * kinetic * (-(v / reach).powi(2)).exp();
+            let law = match i % 4 {
+                0 | 1 => FrictionLaw::Stribeck { kinetic, decay: 1.5 / reach },
+                2 => FrictionLaw::Exponential { kinetic, high_speed: 0.6 * kinetic, stribeck_velocity: reach },
+                _ => {
+                    let points: Vec<_> = (0..60).map(|i| 0.1 * reach * f64::from(i)).map(|v| [v, bell(v)]).collect();
+                    FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap())
+                }
+            };
+            let machine = |damping_ratio| {
+                let law = law.clone();
+                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
+                    .unwrap()
+            };
+            let hopf = 0.5 * law.weakening(belt_velocity);
+            let limit = limit_damping(&machine(0.0)).unwrap();
+            // Close to the Hopf point motions take hundreds of periods to decide.
+            if limit < hopf + 0.01 {
+                continue;
+            }
+            let machine = machine(hopf + 0.6 * (limit - hopf));
+            let kick = smallest_kick(&machine).unwrap().unwrap();
+            let either = |factor: f64| vibrates(&machine, factor * kick) || vibrates(&machine, -factor * kick);
+            assert!(!either(0.96) && either(1.04), "{kick} of {machine:?}");
+            count += 1;
+            slow += usize::from(limit_cycle(&machine).unwrap().kind() == MotionKind::SlipCycle);
+        }
+        assert!(count > 15 && slow > 0, "{count} machines, {slow} slip cycles");
+    }
+
+    #[test]
+    fn an_empty_box_is_refused() {
+        let oscillator = midway(0.3, 0.1, 0.5);
+        for area in [
+            BasinBox { displacement: [0.3, 0.3], ..AREA },
+            BasinBox { velocity: [0.0, f64::NAN], ..AREA },
+            BasinBox { cells: [0, 5], ..AREA },
+        ] {
+            assert!(matches!(basin(&oscillator, &area, &Silent), Err(VibrationError::Parameter { .. })));
+        }
+    }
+}

@@ -1,0 +1,557 @@
+//! What a parameter that rises, and then falls, leads the motion through.
+
+use std::cmp::Ordering;
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
+
+use super::super::cycle::{LimitCycle, Turn};
+use super::super::motion::Motion;
+use super::super::root::zero_between;
+use super::super::{
+    EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary,
+};
+use super::basin::{Outcomes, started_at};
+use super::parameter::Parameter;
+use super::slip_cycle::{SlipCycle, slip_cycles};
+use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_process::Steady;
+
+/// Difference of states, relative to the belt velocity and the stick limit, that counts as a repetition.
+const REPEATS: f64 = 1e-6;
+/// Most forcing periods in a period of a motion that counts as periodic.
+const MAX_MULTIPLICITY: usize = 32;
+/// Share of its distance from a repetition that a motion which approaches one has left at most after a record: next to a
+/// bifurcation motion creeps.
+const APPROACHES: f64 = 0.999;
+/// Most records of a motion that approaches a repetition.
+const MAX_BLOCKS: usize = 300;
+
+/// How a diagram is computed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BifurcationSettings {
+    /// Values of the parameter, rising.
+    pub values: Vec<f64>,
+    /// Forcing periods that are left out at each value, for the motion to settle.
+    pub transient: usize,
+    /// Forcing periods that are recorded after that, at least 2. Where the motion does not repeat itself in them but comes
+    /// closer to it, as many again follow, up to three hundred times.
+    pub recorded: usize,
+}
+
+impl BifurcationSettings {
+    /// `count` ≥ 2 equally spaced values, 400 forcing periods to settle and 100 to record.
+    pub fn new([low, high]: [f64; 2], count: usize) -> Self {
+        let last = count.max(2) - 1;
+        let values = (0..=last).map(|i| low + (high - low) * i as f64 / last as f64).collect();
+        Self { values, transient: 400, recorded: 100 }
+    }
+}
+
+/// What happens from one detachment to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Turnover {
+    /// Time T between the two.
+    pub duration: f64,
+    /// Displacement X_r at the last re-attachment between them.
+    pub reattachment_displacement: Option<f64>,
+    /// Least X′ between them.
+    pub velocity_min: f64,
+}
+
+/// The motion at one value of the parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BifurcationPoint {
+    /// Value of the parameter.
+    pub parameter: f64,
+    /// Kind of the motion; under forcing, a periodic response that stays slower than the belt counts as none.
+    pub attractor: MotionKind,
+    /// Forcing periods in a period of the motion; none if it does not repeat itself within 32 or half of those recorded.
+    /// Always 1 without forcing.
+    pub multiplicity: Option<usize>,
+    /// False if the motion was still coming closer to a repetition when it was given up, as next to a bifurcation: then it
+    /// is periodic, or hardly anything else, for all that it has no multiplicity.
+    pub settled: bool,
+    /// Least and largest X.
+    pub displacement: [f64; 2],
+    /// Least and largest X′.
+    pub velocity: [f64; 2],
+    /// One period of detachments, or all recorded ones of a motion that does not repeat itself. A cycle that passes the belt
+    /// velocity without stick has none under forcing.
+    pub turnovers: Vec<Turnover>,
+}
+
+/// What is marked on a diagram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MarkKind {
+    /// ζ = ζ_H: steady sliding loses its stability.
+    Hopf,
+    /// ζ = ζ_c: the stick-slip cycle ends.
+    Fold,
+    /// ζ of [`locked_boundary`]: the locked cycle ends.
+    LockedFold,
+}
+
+/// A value of the parameter at which the structure changes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mark {
+    /// What changes.
+    pub kind: MarkKind,
+    /// Value of the parameter.
+    pub parameter: f64,
+}
+
+/// Attractors over a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BifurcationDiagram {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// What a rising parameter leads through.
+    pub upward: Vec<BifurcationPoint>,
+    /// What a falling parameter leads through, also listed by rising parameter.
+    pub downward: Vec<BifurcationPoint>,
+    /// Changes of the structure between the first and the last value. Without forcing all Hopf points and folds that part
+    /// neighbouring values; with forcing the end of the locked cycle, over the damping ratio only.
+    pub marks: Vec<Mark>,
+}
+
+/// The attractors that a slowly rising and then slowly falling parameter leads through.
+///
+/// Each value starts where the one before ended, the first from rest on the belt; where the two directions differ, more than
+/// one attractor exists. Without forcing the attractor is exact: the start is put into its basin. With forcing the motion
+/// is followed until it repeats itself or no longer comes closer to that.
+///
+/// Fails for values that do not rise or are out of range, if friction does not stay positive, and when cancelled.
+pub fn bifurcation_diagram(
+    oscillator: &Oscillator,
+    parameter: Parameter,
+    settings: &BifurcationSettings,
+    monitor: &dyn Monitor,
+) -> Result<BifurcationDiagram, VibrationError> {
+    let values = &settings.values;
+    if values.len() < 2 {
+        let value = values.len() as f64;
+        return Err(VibrationError::Parameter { parameter: "number of values", value, wanted: "at least 2" });
+    }
+    if let Some(pair) = values.windows(2).find(|pair| pair[1].partial_cmp(&pair[0]) != Some(Ordering::Greater)) {
+        return Err(VibrationError::Parameter { parameter: "values of the diagram", value: pair[1], wanted: "rising" });
+    }
+    if settings.recorded < 2 {
+        let value = settings.recorded as f64;
+        return Err(VibrationError::Parameter { parameter: "recorded", value, wanted: "at least 2" });
+    }
+    let oscillators = values.iter().map(|value| parameter.set(oscillator, *value)).collect::<Result<Vec<_>, _>>()?;
+    let first = &oscillators[0];
+    let mut state = [first.default_start(), first.belt_velocity()];
+    let total = 2 * values.len();
+    let mut points = Vec::with_capacity(total);
+    for i in (0..values.len()).chain((0..values.len()).rev()) {
+        if monitor.cancelled() {
+            return Err(Cancelled.into());
+        }
+        let (point, end) = match oscillators[i].forcing() {
+            None => free_point(&oscillators[i], values[i], state)?,
+            Some(forcing) => forced_point(&oscillators[i], TAU / forcing.frequency, values[i], state, settings)?,
+        };
+        state = end;
+        points.push(point);
+        monitor.progress("values of the diagram", points.len(), total);
+    }
+    let mut downward = points.split_off(values.len());
+    downward.reverse();
+    let marks = marks(oscillator, parameter, values, &oscillators)?;
+    Ok(BifurcationDiagram { parameter, upward: points, downward, marks })
+}
+
+/// The attractor of a start and a state on it.
+fn free_point(
+    oscillator: &Oscillator,
+    value: f64,
+    [x, v]: [f64; 2],
+) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
+    let belt = oscillator.belt_velocity();
+    let attractor = Outcomes::new(oscillator)?.of(x, v)?;
+    let rest = oscillator.law().coefficient(belt);
+    let mut point = BifurcationPoint {
+        parameter: value,
+        attractor,
+        multiplicity: Some(1),
+        settled: true,
+        displacement: [rest; 2],
+        velocity: [0.0; 2],
+        turnovers: Vec::new(),
+    };
+    let regime = if attractor.is_vibration() { limit_cycle(oscillator)? } else { Regime::Sliding };
+    let reached = regime.cycle().copied().filter(|cycle| cycle.kind == attractor);
+    let cycle = match reached {
+        None if attractor == MotionKind::SlipCycle => {
+            slip_cycles(oscillator)?.into_iter().find(SlipCycle::is_stable).map(Into::into)
+        }
+        reached => reached,
+    };
+    let Some(LimitCycle { displacement_min, displacement_max, velocity_min, velocity_max, .. }) = cycle else {
+        // Undecided to rounding where a cycle ends: the motion is steady sliding.
+        point.attractor = MotionKind::None;
+        return Ok((point, [rest, 0.0]));
+    };
+    point.displacement = [displacement_min, displacement_max];
+    point.velocity = [velocity_min, velocity_max];
+    if attractor == MotionKind::SlipCycle {
+        return Ok((point, [displacement_max, 0.0]));
+    }
+    point.turnovers = cycle
+        .map(|cycle| Turnover {
+            duration: cycle.period,
+            reattachment_displacement: cycle.reattachment_displacement,
+            velocity_min,
+        })
+        .into_iter()
+        .collect();
+    let detachment = oscillator.static_friction() - 2.0 * oscillator.damping_ratio() * belt;
+    Ok((point, [detachment, belt]))
+}
+
+/// The motion after its transient, and its state at the end of a forcing period.
+fn forced_point(
+    oscillator: &Oscillator,
+    period: f64,
+    value: f64,
+    [x, v]: [f64; 2],
+    settings: &BifurcationSettings,
+) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
+    let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
+    let mut strokes = Strokes { motion: started_at(oscillator, x, v)?, period, turn: Turn::EMPTY, begun: None };
+    strokes.pass(settings.transient)?;
+    let mut record = strokes.record(settings.recorded)?;
+    let mut settled = false;
+    // What comes closer to a repetition is given time for it.
+    for _ in 1..MAX_BLOCKS {
+        if record.multiplicity(scale) == Some(1) {
+            settled = true;
+            break;
+        }
+        let next = strokes.record(settings.recorded)?;
+        settled = !next.approaches(&record, scale);
+        record = next;
+        if settled {
+            break;
+        }
+    }
+    let multiplicity = record.multiplicity(scale).filter(|_| settled);
+    let since = settings.recorded - multiplicity.unwrap_or(settings.recorded);
+    let span = |spans: &[[f64; 2]]| spans[since..].iter().fold(NOWHERE, |[a, b], [c, d]| [a.min(*c), b.max(*d)]);
+    let turnovers = record.turns.iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
+        duration: turn.duration,
+        reattachment_displacement: turn.reattachment,
+        velocity_min: turn.slowest,
+    });
+    let point = BifurcationPoint {
+        parameter: value,
+        attractor: match (record.sticks, record.touched) {
+            (true, _) => MotionKind::StickSlip,
+            (false, true) => MotionKind::Overtaking,
+            (false, false) => MotionKind::None,
+        },
+        multiplicity,
+        settled,
+        displacement: span(&record.displacements),
+        velocity: span(&record.velocities),
+        turnovers: turnovers.collect(),
+    };
+    Ok((point, record.states.last().copied().unwrap_or([x, v])))
+}
+
+/// A span without points.
+const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// A motion that is followed by forcing periods; its time counts from the last one.
+struct Strokes {
+    motion: Motion<Steady>,
+    period: f64,
+    /// What happened since the last recorded detachment, and when that was.
+    turn: Turn,
+    begun: Option<f64>,
+}
+
+/// What happened in some forcing periods.
+struct Record {
+    /// (X, X′) at the end of each.
+    states: Vec<[f64; 2]>,
+    /// Extremes in each.
+    displacements: Vec<[f64; 2]>,
+    velocities: Vec<[f64; 2]>,
+    /// Turns, with the forcing period in which they end.
+    turns: Vec<(usize, Turn)>,
+    /// Whether the mass reached the belt velocity.
+    touched: bool,
+    /// Whether it stuck.
+    sticks: bool,
+}
+
+impl Strokes {
+    /// Lets time pass.
+    fn pass(&mut self, strokes: usize) -> Result<(), VibrationError> {
+        for _ in 0..strokes {
+            while self.motion.tau < self.period {
+                self.motion.step(self.period)?;
+            }
+            self.motion.tau -= self.period;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, strokes: usize) -> Result<Record, VibrationError> {
+        let (mut states, mut displacements, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut turns, mut touched, mut sticks) = (Vec::new(), false, self.motion.slip_state().is_none());
+        for stroke in 0..strokes {
+            let (mut displacement, mut velocity) = (NOWHERE, NOWHERE);
+            while self.motion.tau < self.period {
+                let event = self.motion.step(self.period)?;
+                self.turn.include(&self.motion);
+                for (x, v) in self.motion.turning_times().into_iter().map(|tau| self.motion.sample(tau)) {
+                    displacement = [displacement[0].min(x), displacement[1].max(x)];
+                    velocity = [velocity[0].min(v), velocity[1].max(v)];
+                }
+                touched |= event.is_some();
+                match event.map(|e| e.kind) {
+                    Some(EventKind::Restick) => {
+                        self.turn.reattachment = Some(self.motion.displacement());
+                        sticks = true;
+                    }
+                    Some(EventKind::Detach) => {
+                        if let Some(begun) = self.begun {
+                            self.turn.duration = self.motion.tau - begun;
+                            turns.push((stroke, self.turn));
+                        }
+                        (self.turn, self.begun) = (Turn::EMPTY, Some(self.motion.tau));
+                    }
+                    Some(EventKind::Reverse) | None => {}
+                }
+            }
+            states.push(self.motion.sample(self.motion.tau).into());
+            displacements.push(displacement);
+            velocities.push(velocity);
+            self.motion.tau -= self.period;
+            self.begun = self.begun.map(|begun| begun - self.period);
+        }
+        Ok(Record { states, displacements, velocities, turns, touched, sticks })
+    }
+}
+
+impl Record {
+    /// How far the states of the later half are at most from those k forcing periods before, and from those as many times k
+    /// before as the record holds: a motion that creeps hardly moves in one period.
+    fn apart(&self, k: usize, scale: [f64; 2]) -> f64 {
+        let n = self.states.len();
+        let distance = |a: [f64; 2], b: [f64; 2]| (0..2).map(|i| (a[i] - b[i]).abs() / scale[i]).fold(0.0, f64::max);
+        let lags = [k, k * (n / 2 / k)];
+        let all = (n / 2..n).flat_map(|i| lags.map(|lag| distance(self.states[i], self.states[i - lag])));
+        all.fold(0.0, f64::max)
+    }
+
+    /// Numbers of forcing periods after which the motion may repeat itself.
+    fn periods(&self) -> RangeInclusive<usize> {
+        1..=MAX_MULTIPLICITY.min(self.states.len() / 2)
+    }
+
+    /// After how many forcing periods the states repeat.
+    fn multiplicity(&self, scale: [f64; 2]) -> Option<usize> {
+        self.periods().find(|k| self.apart(*k, scale) < REPEATS)
+    }
+
+    /// Whether the motion is closer to a repetition than it was in the record before; if it repeats itself, to one after
+    /// fewer forcing periods.
+    fn approaches(&self, before: &Self, scale: [f64; 2]) -> bool {
+        let closer = |after: f64, before: f64| after < APPROACHES * before;
+        if let Some(multiplicity) = self.multiplicity(scale) {
+            return (1..multiplicity).any(|k| closer(self.apart(k, scale), before.apart(k, scale)));
+        }
+        let closest = |record: &Self| record.periods().map(|k| record.apart(k, scale)).fold(f64::INFINITY, f64::min);
+        closer(closest(self), closest(before))
+    }
+}
+
+fn marks(
+    oscillator: &Oscillator,
+    parameter: Parameter,
+    values: &[f64],
+    oscillators: &[Oscillator],
+) -> Result<Vec<Mark>, VibrationError> {
+    let (low, high) = (values[0], values[values.len() - 1]);
+    if oscillator.forcing().is_some() {
+        if parameter != Parameter::DampingRatio {
+            return Ok(Vec::new());
+        }
+        // No locked cycle, no mark.
+        let boundary = locked_boundary(oscillator).ok().filter(|damping| (low..=high).contains(damping));
+        return Ok(boundary.map(|parameter| Mark { kind: MarkKind::LockedFold, parameter }).into_iter().collect());
+    }
+    let mut marks = Vec::new();
+    for kind in [MarkKind::Hopf, MarkKind::Fold] {
+        let above = |oscillator: &Oscillator| -> Result<f64, VibrationError> {
+            let ends = critical_damping(oscillator)?;
+            let end = if kind == MarkKind::Hopf { ends.hopf_damping_ratio } else { ends.critical_damping_ratio };
+            Ok(oscillator.damping_ratio() - end)
+        };
+        let heights = oscillators.iter().map(above).collect::<Result<Vec<_>, _>>()?;
+        for i in 1..values.len() {
+            let (a, b) = ((values[i - 1], heights[i - 1]), (values[i], heights[i]));
+            if a.1 * b.1 < 0.0 {
+                let (negative, positive) = if a.1 < 0.0 { (a, b) } else { (b, a) };
+                let height = |value: f64| above(&parameter.set(oscillator, value)?);
+                marks.push(Mark { kind, parameter: zero_between(height, negative, positive, 1e-15)? });
+            }
+        }
+    }
+    Ok(marks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Forcing, forced_cycles};
+    use asperity_base::monitor::Silent;
+
+    #[test]
+    fn stick_slip_lasts_to_the_fold_and_sliding_to_the_hopf_point() {
+        let oscillator = Oscillator::stribeck(0.3, 4.2, 0.0, 0.1).unwrap();
+        let ends = critical_damping(&oscillator).unwrap();
+        let (hopf, fold) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
+        let settings = BifurcationSettings::new([0.28, 0.36], 41);
+        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        for (points, limit) in [(&found.upward, fold), (&found.downward, hopf)] {
+            for point in points {
+                let wanted = if point.parameter < limit { MotionKind::StickSlip } else { MotionKind::None };
+                assert_eq!(point.attractor, wanted, "{point:?}, limit {limit}");
+                assert_eq!(point.turnovers.len(), usize::from(wanted == MotionKind::StickSlip));
+            }
+        }
+        assert_eq!(found.marks.iter().map(|m| m.kind).collect::<Vec<_>>(), [MarkKind::Hopf, MarkKind::Fold]);
+        assert!((found.marks[0].parameter - hopf).abs() < 1e-13 && (found.marks[1].parameter - fold).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_section_of_a_cycle_is_the_published_one_and_fast_belts_do_not_vibrate() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+        let settings =
+            BifurcationSettings { values: vec![0.003, 0.02, 0.05], ..BifurcationSettings::new([0.0, 1.0], 2) };
+        let found = bifurcation_diagram(&oscillator, Parameter::BeltVelocity, &settings, &Silent).unwrap();
+        for points in [&found.upward, &found.downward] {
+            let turnover = points[0].turnovers[0];
+            assert!((turnover.duration / 6.372_163_483_739_709 - 1.0).abs() < 1e-12);
+            assert!((turnover.reattachment_displacement.unwrap() / 0.096_795_689_222_287_6 - 1.0).abs() < 1e-12);
+            assert_eq!(points[2].attractor, MotionKind::None);
+            assert!((points[2].displacement[0] - 0.1 / 1.21).abs() < 1e-15);
+        }
+        // ζ_H(V) = ζ has the closed form V = (√(aμ/2ζ) − 1)/a.
+        let wanted = ((4.2_f64 * 0.1 / 0.34).sqrt() - 1.0) / 4.2;
+        assert!((found.marks[0].parameter - wanted).abs() < 1e-13, "{:?}", found.marks);
+    }
+
+    #[test]
+    fn a_mass_that_overtakes_its_belt_does_not_count_as_stick_slip() {
+        // Cycles without stick at ζ = .001 and .002, with stick at .004, by an independent integrator.
+        let belt = 31_416.0 / 10_000.0;
+        let oscillator = Oscillator::stribeck(0.432353, 4.2, 0.0, belt).unwrap();
+        let settings =
+            BifurcationSettings { values: vec![0.001, 0.002, 0.004], ..BifurcationSettings::new([0.0, 1.0], 2) };
+        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        for points in [&found.upward, &found.downward] {
+            let kinds: Vec<_> = points.iter().map(|point| point.attractor).collect();
+            assert_eq!(kinds, [MotionKind::Overtaking, MotionKind::Overtaking, MotionKind::StickSlip]);
+            assert!(points[0].velocity[1] > belt && points[0].turnovers[0].reattachment_displacement.is_none());
+        }
+        // From inside and outside of that cycle.
+        let outcomes = Outcomes::new(&oscillator.with_damping(0.001).unwrap()).unwrap();
+        for start in [[0.1, 0.0], [3.0, 0.0], [0.0, 3.2], [4.0, 1.0], [0.0, belt]] {
+            assert_eq!(outcomes.of(start[0], start[1]).unwrap(), MotionKind::Overtaking, "{start:?}");
+        }
+    }
+
+    #[test]
+    fn a_forced_oscillator_is_locked_up_to_its_boundary_and_irregular_motion_has_many_points() {
+        let free = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
+        let boundary = locked_boundary(&forced).unwrap();
+        let values = vec![0.2, 0.25, boundary - 1e-3, boundary + 1e-3, 0.3];
+        let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
+        let found = bifurcation_diagram(&forced, Parameter::DampingRatio, &settings, &Silent).unwrap();
+        assert_eq!(found.marks, [Mark { kind: MarkKind::LockedFold, parameter: boundary }]);
+        for point in &found.upward[..3] {
+            assert_eq!((point.attractor, point.multiplicity), (MotionKind::StickSlip, Some(1)), "{point:?}");
+            let oscillator = forced.with_damping(point.parameter).unwrap();
+            let cycles = forced_cycles(&oscillator, 1, &Silent).unwrap();
+            let stable = cycles.iter().find(|c| c.is_stable()).unwrap().cycle;
+            assert_eq!(point.turnovers.len(), 1);
+            let differences = [
+                point.turnovers[0].duration - stable.period,
+                point.turnovers[0].velocity_min - stable.velocity_min,
+                point.displacement[1] - stable.displacement_max,
+                point.velocity[1] - 0.1,
+            ];
+            assert!(differences.iter().all(|d| d.abs() < 1e-9), "{differences:?}");
+        }
+        assert_eq!(found.upward[4].attractor, MotionKind::None, "{:?}", found.upward[4]);
+        let beating = free.with_damping(0.1).unwrap().with_forcing(Some(Forcing { amplitude: 0.05, frequency: 0.7 }));
+        let settings = BifurcationSettings::new([0.1, 0.11], 2);
+        let found = bifurcation_diagram(&beating.unwrap(), Parameter::DampingRatio, &settings, &Silent).unwrap();
+        assert!(
+            found.upward[0].multiplicity.is_none() && found.upward[0].turnovers.len() > 80,
+            "{:?}",
+            found.upward[0]
+        );
+    }
+
+    #[test]
+    fn a_motion_that_settles_slowly_is_followed_until_it_has() {
+        // Slip under a force, without stick, forgets its start as e^{−ζτ}: to 1 % in 100 forcing periods.
+        let law = crate::FrictionLaw::Coulomb { kinetic: 0.2 };
+        let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
+        let (damping_ratio, belt_velocity) = (0.005, 0.5);
+        let parameters = crate::Parameters { static_friction: 0.2, law, damping_ratio, belt_velocity, forcing };
+        let oscillator = Oscillator::new(parameters).unwrap();
+        let short = BifurcationSettings { transient: 0, ..BifurcationSettings::new([0.005, 0.006], 2) };
+        let found = bifurcation_diagram(&oscillator, Parameter::DampingRatio, &short, &Silent).unwrap();
+        let point = &found.upward[0];
+        assert_eq!(
+            (point.attractor, point.multiplicity, point.settled),
+            (MotionKind::None, Some(1), true),
+            "{point:?}"
+        );
+        // The steady swing has the amplitude q/|1 − η² + 2iζη| about μ.
+        let amplitude = 0.01 / (1.0_f64 - 0.49).hypot(0.007);
+        let [low, high] = point.displacement;
+        assert!((high - 0.2 - amplitude).abs() < 1e-6 && (0.2 - low - amplitude).abs() < 1e-6, "{point:?} {amplitude}");
+    }
+
+    #[test]
+    fn next_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
+        // Multipliers of −.99924 and .99896 a period of the motion.
+        let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let forced = free.with_forcing(Some(Forcing { amplitude: 0.2, frequency: 1.0 })).unwrap();
+        for frequency in [2.125, 2.115] {
+            let machine = Parameter::ForcingFrequency.set(&forced, frequency).unwrap();
+            let stable: Vec<_> =
+                forced_cycles(&machine, 2, &Silent).unwrap().into_iter().filter(|cycle| cycle.is_stable()).collect();
+            let settings = BifurcationSettings::new([frequency, frequency + 1e-6], 2);
+            let found = bifurcation_diagram(&forced, Parameter::ForcingFrequency, &settings, &Silent).unwrap();
+            let point = &found.upward[0];
+            assert_eq!((stable.len(), point.settled), (1, true), "{point:?}");
+            assert_eq!(point.multiplicity, Some(stable[0].forcing_periods), "{point:?}");
+            let least = point.turnovers.iter().map(|turn| turn.velocity_min).fold(f64::INFINITY, f64::min);
+            assert!((least - stable[0].cycle.velocity_min).abs() < 1e-5, "{point:?} {:?}", stable[0]);
+        }
+    }
+
+    #[test]
+    fn values_that_do_not_rise_are_refused() {
+        let oscillator = Oscillator::stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
+        for values in [vec![], vec![0.1], vec![0.2, 0.1], vec![0.1, f64::NAN]] {
+            let settings = BifurcationSettings { values, ..BifurcationSettings::new([0.0, 1.0], 2) };
+            assert!(bifurcation_diagram(&oscillator, Parameter::DampingRatio, &settings, &Silent).is_err());
+        }
+    }
+}

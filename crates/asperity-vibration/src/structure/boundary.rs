@@ -1,0 +1,250 @@
+//! The end of the cycle as a curve over another parameter.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::{Oscillator, VibrationError, critical_damping};
+use super::parameter::Parameter;
+use asperity_base::monitor::{Cancelled, Monitor};
+
+/// Steps shorter than this share of the range end a curve.
+const LEAST_STEP: f64 = 1e-9;
+
+/// How a curve is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CurveSettings {
+    /// Least and largest value of the parameter.
+    pub range: [f64; 2],
+    /// Largest relative difference between ζ_c and its linear prediction from the two points before: how densely a bent
+    /// curve is sampled.
+    pub deviation: f64,
+    /// Longest step, as a share of the range.
+    pub longest_step: f64,
+    /// Most points of a branch.
+    pub most_points: usize,
+}
+
+impl CurveSettings {
+    /// A range, sampled to a deviation of 0.002 with steps up to a thirtieth of it.
+    pub fn new(range: [f64; 2]) -> Self {
+        Self { range, deviation: 2e-3, longest_step: 1.0 / 30.0, most_points: 10_000 }
+    }
+
+    pub(super) fn validate(&self) -> Result<(), VibrationError> {
+        let [low, high] = self.range;
+        if !(low.is_finite() && high.is_finite() && low < high) {
+            return Err(VibrationError::Parameter {
+                parameter: "range",
+                value: high,
+                wanted: "finite, and more than its least",
+            });
+        }
+        for (parameter, value) in [("deviation", self.deviation), ("longest_step", self.longest_step)] {
+            if !(value > 1e-6 && value <= 1.0) {
+                return Err(VibrationError::Parameter { parameter, value, wanted: "above 1e-6 and at most 1" });
+            }
+        }
+        Ok(())
+    }
+
+    /// The scale on which steps are equal: logarithmic if the range spans more than a factor of 4.
+    pub(super) fn scale(&self) -> Scale {
+        let [low, high] = self.range;
+        let logarithmic = low > 0.0 && high > 4.0 * low;
+        let of = |value: f64| if logarithmic { value.ln() } else { value };
+        Scale { logarithmic, low: of(low), width: of(high) - of(low), range: self.range }
+    }
+}
+
+/// The range of a parameter as 0 … 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scale {
+    logarithmic: bool,
+    low: f64,
+    width: f64,
+    range: [f64; 2],
+}
+
+impl Scale {
+    /// The value at a share of the range; its ends are exact.
+    pub(super) fn value(&self, share: f64) -> f64 {
+        if share == 0.0 || share == 1.0 {
+            return self.range[share as usize];
+        }
+        let value = self.low + share * self.width;
+        if self.logarithmic { value.exp() } else { value }
+    }
+
+    pub(super) fn share(&self, value: f64) -> f64 {
+        ((if self.logarithmic { value.ln() } else { value }) - self.low) / self.width
+    }
+}
+
+/// One point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BranchPoint {
+    /// Value of the parameter.
+    pub parameter: f64,
+    /// ζ_c, or under forcing the damping ratio at which the locked cycle grazes.
+    pub critical_damping_ratio: f64,
+    /// ζ_H.
+    pub hopf_damping_ratio: f64,
+    /// Phase ητ mod 2π of the detachment of the grazing orbit, under forcing.
+    pub detachment_phase: Option<f64>,
+}
+
+/// Why a branch ends.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BranchEnd {
+    /// It reaches the end of the range.
+    Range,
+    /// It turns back: no such orbit exists beyond this value of the parameter.
+    Turns,
+    /// It cannot be followed beyond its last point.
+    Lost {
+        /// Why.
+        reason: String,
+    },
+    /// The most points are reached.
+    Points,
+}
+
+/// The end of the cycle over a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Branch {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// Points by rising parameter.
+    pub points: Vec<BranchPoint>,
+    /// Why it ends before its first point.
+    pub start: BranchEnd,
+    /// Why it ends after its last point.
+    pub end: BranchEnd,
+}
+
+/// ζ_c and ζ_H over a parameter of the oscillator without forcing.
+///
+/// ζ_c is a function of the parameter, so the curve is followed from the least value up; each point is [`critical_damping`],
+/// with its accuracy, and the steps follow the bend of the curve.
+///
+/// Fails if there is no ζ_c at the least value, and when cancelled; if there is none farther on, the branch ends there and
+/// says why.
+pub fn critical_curve(
+    oscillator: &Oscillator,
+    parameter: Parameter,
+    settings: &CurveSettings,
+    monitor: &dyn Monitor,
+) -> Result<Branch, VibrationError> {
+    settings.validate()?;
+    let scale = settings.scale();
+    let free = oscillator.with_forcing(None)?;
+    let point = |share: f64| -> Result<BranchPoint, VibrationError> {
+        let value = scale.value(share);
+        let found = critical_damping(&parameter.set(&free, value)?)?;
+        Ok(BranchPoint {
+            parameter: value,
+            critical_damping_ratio: found.critical_damping_ratio,
+            hopf_damping_ratio: found.hopf_damping_ratio,
+            detachment_phase: None,
+        })
+    };
+    let mut shares = vec![0.0];
+    let mut points = vec![point(0.0)?];
+    let mut step = f64::min(0.01, settings.longest_step);
+    let mut end = BranchEnd::Points;
+    while points.len() < settings.most_points {
+        if monitor.cancelled() {
+            return Err(Cancelled.into());
+        }
+        let n = points.len();
+        let (last, at) = (points[n - 1].critical_damping_ratio, shares[n - 1]);
+        let share = f64::min(at + step, 1.0);
+        let next = match point(share) {
+            Ok(next) => next,
+            Err(error) if step < LEAST_STEP => {
+                end = BranchEnd::Lost { reason: error.to_string() };
+                break;
+            }
+            Err(_) => {
+                step *= 0.5;
+                continue;
+            }
+        };
+        let found = next.critical_damping_ratio;
+        let slope = if n > 1 { (last - points[n - 2].critical_damping_ratio) / (at - shares[n - 2]) } else { 0.0 };
+        let deviation = if n > 1 { (found - last - slope * (share - at)).abs() / found.max(last) } else { 0.0 };
+        if deviation > settings.deviation && step > LEAST_STEP {
+            step *= 0.5;
+            continue;
+        }
+        shares.push(share);
+        points.push(next);
+        monitor.progress("critical curve, parts per thousand", (1000.0 * share) as usize, 1000);
+        if share == 1.0 {
+            end = BranchEnd::Range;
+            break;
+        }
+        if deviation < 0.25 * settings.deviation {
+            step = f64::min(1.5 * step, settings.longest_step);
+        }
+    }
+    Ok(Branch { parameter, points, start: BranchEnd::Range, end })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FrictionLaw, Parameters};
+    use asperity_base::monitor::Silent;
+
+    #[test]
+    fn the_curve_over_the_belt_velocity_passes_through_the_published_points_near_the_averaged_one() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.0, 0.1).unwrap();
+        let curve =
+            critical_curve(&oscillator, Parameter::BeltVelocity, &CurveSettings::new([0.003, 0.1]), &Silent).unwrap();
+        let (first, last) = (curve.points[0], curve.points[curve.points.len() - 1]);
+        assert_eq!((curve.end, first.parameter, last.parameter), (BranchEnd::Range, 0.003, 0.1));
+        assert!((first.critical_damping_ratio - 0.204_830_150_584_523_17).abs() < 1e-12);
+        assert!((last.critical_damping_ratio - 0.111_508_270_209_214_07).abs() < 1e-12);
+        for point in &curve.points {
+            let speed = 4.2 * point.parameter;
+            let averaged = 0.1 / (speed * point.parameter) * ((1.0 + speed) / (1.0 + 2.0 * speed).sqrt() - 1.0);
+            // First order in the friction coefficient.
+            assert!((point.critical_damping_ratio / averaged - 1.0).abs() < 0.01, "{point:?}");
+            assert!((point.hopf_damping_ratio - 0.21 / (1.0 + speed).powi(2)).abs() < 1e-15);
+        }
+        // Sampled as densely as asked: chords over two steps leave the curve by less than the deviation.
+        for three in curve.points.windows(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| (three[i].parameter.ln(), three[i].critical_damping_ratio));
+            let chord = a.1 + (c.1 - a.1) * (b.0 - a.0) / (c.0 - a.0);
+            assert!((b.1 / chord - 1.0).abs() < 2e-3);
+        }
+    }
+
+    #[test]
+    fn the_linear_law_has_the_line_of_half_its_slope_and_nothing_over_what_it_has_not() {
+        let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.1 };
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
+        let oscillator = Oscillator::new(parameters).unwrap();
+        let settings = CurveSettings::new([0.0, 1.0]);
+        let curve = critical_curve(&oscillator, Parameter::Weakening, &settings, &Silent).unwrap();
+        for point in &curve.points {
+            assert!((point.critical_damping_ratio - 0.5 * point.parameter).abs() < 1e-12, "{point:?}");
+        }
+        let friction =
+            critical_curve(&oscillator, Parameter::StaticFriction, &CurveSettings::new([0.1, 1.0]), &Silent).unwrap();
+        assert!(friction.points.iter().all(|p| (p.critical_damping_ratio - 0.05).abs() < 1e-12));
+        assert!(critical_curve(&oscillator, Parameter::ForcingFrequency, &settings, &Silent).is_err());
+        // Friction coefficients beyond 1000 are out of range.
+        let beyond = CurveSettings::new([300.0, 3000.0]);
+        let lost = critical_curve(&oscillator, Parameter::StaticFriction, &beyond, &Silent).unwrap();
+        let last = lost.points[lost.points.len() - 1].parameter;
+        assert!(
+            matches!(lost.end, BranchEnd::Lost { .. }) && (last / 1000.0 - 1.0).abs() < 1e-8,
+            "{last} {:?}",
+            lost.end
+        );
+    }
+}

@@ -1,0 +1,73 @@
+//! The slip orbit that touches the belt velocity, with its derivatives.
+
+use super::super::root::newton_between;
+use super::super::slip_orbit::{Minimum, first_minimum_from};
+use super::super::sway::Sway;
+use super::super::{Oscillator, VibrationError};
+use super::tangent::Linear;
+
+/// Least W of the slip orbit from a detachment, with derivatives with respect to ζ and to the time of the detachment.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Graze {
+    pub(crate) minimum: Minimum,
+    /// ∂W_min/∂(ζ, τ).
+    pub(crate) w_by: [f64; 2],
+    /// ∂(time of the minimum)/∂(ζ, τ).
+    pub(crate) time_by: [f64; 2],
+}
+
+/// The first minimum of W after a detachment at the time τ, with derivatives; none if the orbit has none.
+///
+/// On an orbit that was stopped below zero the derivatives are those of its end at that time.
+pub(crate) fn graze(oscillator: &Oscillator, tau: f64) -> Result<Option<Graze>, VibrationError> {
+    let linear = Linear(oscillator);
+    let sway = Sway::new(oscillator);
+    let angular = sway.amplitude * sway.frequency * sway.frequency;
+    let mut tangents = [[0.0; 2]; 2];
+    let minimum = first_minimum_from(oscillator, tau, 0.0, |step, time| {
+        linear.carry(step, &mut tangents, |t, w| {
+            [[-2.0 * w, 0.0], [0.0, angular * (sway.frequency * (tau + time + t)).cos()]]
+        });
+    })?;
+    Ok(minimum.map(|minimum| {
+        // W′ = 0 there, so W″ = e′, and the time moves by −δ(W′)/W″.
+        let curvature = 1.0 - minimum.w + sway.rate(tau + minimum.time);
+        let gain = linear.gain(minimum.w);
+        let time = |[w, e]: [f64; 2], source: f64| -(e + gain * w + source) / curvature;
+        let time_by = [time(tangents[0], -2.0 * minimum.w), time(tangents[1], 0.0)];
+        Graze { minimum, w_by: [tangents[0][0], tangents[1][0]], time_by }
+    }))
+}
+
+/// Damping ratio at which the slip orbit of a detachment at the time τ touches the belt velocity.
+///
+/// `guess` > 0 is where the search begins and `most` where it ends. None if the orbit of the undamped oscillator does not
+/// reach the belt velocity, or all orbits up to `most` do.
+pub(crate) fn grazing_damping(
+    oscillator: &Oscillator,
+    tau: f64,
+    guess: f64,
+    most: f64,
+) -> Result<Option<f64>, VibrationError> {
+    // An orbit without a minimum stays away from the belt velocity.
+    let least = |damping: f64| -> Result<(f64, f64), VibrationError> {
+        Ok(graze(&oscillator.with_damping(damping)?, tau)?.map_or((1.0, 0.0), |g| (g.minimum.w, g.w_by[0])))
+    };
+    let (at_guess, slope) = least(guess)?;
+    if at_guess > 0.0 {
+        if least(0.0)?.0 >= 0.0 {
+            return Ok(None);
+        }
+        return newton_between(least, 0.0, guess, guess - at_guess / slope).map(Some);
+    }
+    let mut low = guess;
+    while low < most {
+        let high = f64::min(1.5 * low, most);
+        let (at_high, slope) = least(high)?;
+        if at_high > 0.0 {
+            return newton_between(least, low, high, high - at_high / slope).map(Some);
+        }
+        low = high;
+    }
+    Ok(None)
+}

@@ -1,0 +1,377 @@
+//! Ensembles over damping: how noise smears the end of vibration.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Count, Ensemble, EnsembleSettings, Oscillator, VibrationError, limit_cycle, limit_damping};
+use asperity_base::monitor::{Cancelled, Monitor, Quiet};
+use asperity_base::stats::NORMAL_95;
+use asperity_process::FrictionProcess;
+
+/// Width of the bracket of a crossing, relative to its damping ratio and absolute.
+const TOLERANCE: f64 = 5e-4;
+const LEAST_TOLERANCE: f64 = 1e-6;
+/// Difference of φ at the ends of a bracket, over the half-width of its interval, below which sampling errors hide the rest.
+const RESOLVED: f64 = 0.1;
+/// Damping ratio up to which crossings are searched, over the largest at which the oscillator without fluctuation vibrates.
+const REACH: f64 = 2.0;
+
+/// Ensembles at rising damping ratios under the same realisations of friction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DampingSweep {
+    /// Damping ratios, rising.
+    pub damping_ratios: Vec<f64>,
+    /// One ensemble for each.
+    pub ensembles: Vec<Ensemble>,
+}
+
+/// Damping ratio at which vibration falls through a level.
+///
+/// With φ(ζ) the mean over the realisations of friction of the fraction of the second half of the time spent in vibration
+/// ([`super::Passages::late_share`]), it is the largest ζ at which φ equals the level. Without fluctuation φ is 1 or 0, and all
+/// crossings are the largest damping ratio with vibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Crossing {
+    /// Level of φ.
+    pub share: f64,
+    /// Damping ratio; none if φ does not fall through the level in the range of the search.
+    pub damping_ratio: Option<f64>,
+    /// 95 % interval: the damping ratios at which the level lies within 1.96 standard errors of the mean over the trajectories. An end
+    /// that the search did not reach is the end of its range.
+    pub interval: Option<[f64; 2]>,
+    /// Why there is none.
+    pub reason: Option<String>,
+}
+
+impl Crossing {
+    fn none(share: f64, reason: String) -> Self {
+        Self { share, damping_ratio: None, interval: None, reason: Some(reason) }
+    }
+}
+
+impl DampingSweep {
+    /// Where vibration falls through each of the levels.
+    ///
+    /// Every crossing is bracketed by the damping ratios of the sweep, by 0, or by twice the damping ratio at which vibration ends
+    /// without fluctuation, and bisected with further ensembles of the same realisations: until the bracket is narrower than 0.05 % of
+    /// the damping ratio, or φ differs between its ends by less than a tenth of the half-width of its interval. The ends of the
+    /// interval are found in the same way.
+    ///
+    /// `oscillator`, `process` and `settings` are those of the sweep. Fails if settings are out of range, and when cancelled; a damping
+    /// ratio without valid ensemble, such as 0 where friction does not stay positive, is a reason for no crossing.
+    pub fn crossings(
+        &self,
+        oscillator: &Oscillator,
+        process: &FrictionProcess,
+        levels: &[f64],
+        settings: &EnsembleSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Crossing>, VibrationError> {
+        let settings = EnsembleSettings { sample_capacity: 0, ..*settings };
+        let share = |damping: f64| {
+            let ensemble = Ensemble::simulate(&oscillator.with_damping(damping)?, process, &settings, &Quiet(monitor))?;
+            Ok(ensemble.passages.late_share)
+        };
+        let points = self.damping_ratios.iter().zip(&self.ensembles);
+        let points =
+            points.map(|(&damping, ensemble)| Point { damping, share: ensemble.passages.late_share }).collect();
+        let last = self.damping_ratios.last().copied().unwrap_or(0.0);
+        Search { points, top: top(oscillator, last), share: &share }.crossings(levels)
+    }
+}
+
+/// End of the search for crossings, at least `least`.
+fn top(oscillator: &Oscillator, least: f64) -> f64 {
+    // Where the limit cannot be computed, the search ends with the sweep.
+    let limit = limit_damping(oscillator).unwrap_or(0.0);
+    least.max(REACH * limit)
+}
+
+/// Crossings of an oscillator without fluctuation, which are all the same: the largest damping ratio at which it vibrates.
+///
+/// Under forcing this damping ratio is bisected between 0 and the larger of `least` and twice the one without forcing.
+///
+/// # Errors
+/// As [`super::critical_damping`] and [`super::limit_cycle`]; cancelled.
+pub fn crossings_without_fluctuation(
+    oscillator: &Oscillator,
+    levels: &[f64],
+    least: f64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Crossing>, VibrationError> {
+    if oscillator.forcing().is_some() {
+        let share = |damping: f64| {
+            if monitor.cancelled() {
+                return Err(Cancelled.into());
+            }
+            let vibrates = limit_cycle(&oscillator.with_damping(damping)?)?.kind().is_vibration();
+            Ok(Count { mean: if vibrates { 1.0 } else { 0.0 }, std: 0.0, se: 0.0 })
+        };
+        return Search { points: Vec::new(), top: top(oscillator, least), share: &share }.crossings(levels);
+    }
+    let limit = match limit_damping(oscillator) {
+        Err(VibrationError::NotFound { .. }) => None,
+        found => Some(found?).filter(|limit| *limit > 0.0),
+    };
+    let crossing = |&share: &f64| match limit {
+        Some(limit) => Crossing { share, damping_ratio: Some(limit), interval: Some([limit, limit]), reason: None },
+        None => {
+            Crossing::none(share, "without fluctuation of friction there is no vibration at any damping ratio".into())
+        }
+    };
+    Ok(levels.iter().map(crossing).collect())
+}
+
+/// φ at a damping ratio.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    damping: f64,
+    share: Count,
+}
+
+/// Neighbouring points between which φ falls through a level for the last time.
+enum Fall {
+    Between(Point, Point),
+    /// φ is at least the level up to the end of the search.
+    Above,
+    /// φ is below the level from ζ = 0 on.
+    Below,
+}
+
+struct Search<'a> {
+    /// By rising damping ratio.
+    points: Vec<Point>,
+    top: f64,
+    share: &'a dyn Fn(f64) -> Result<Count, VibrationError>,
+}
+
+impl Search<'_> {
+    fn crossings(&mut self, levels: &[f64]) -> Result<Vec<Crossing>, VibrationError> {
+        levels
+            .iter()
+            .map(|&level| match self.crossing(level) {
+                Err(error @ (VibrationError::Cancelled(_) | VibrationError::Parameter { .. })) => Err(error),
+                Err(error) => Ok(Crossing::none(level, format!("the search ended: {error}"))),
+                found => found,
+            })
+            .collect()
+    }
+
+    fn crossing(&mut self, level: f64) -> Result<Crossing, VibrationError> {
+        let percent = 100.0 * level;
+        let (low, high) = match self.fall(level)? {
+            Fall::Between(low, high) => (low, high),
+            Fall::Above => {
+                let reason = format!(
+                    "vibration takes more than {percent} % of the time up to the damping ratio {}, where the search ends",
+                    self.top
+                );
+                return Ok(Crossing::none(level, reason));
+            }
+            Fall::Below => {
+                let reason = format!("vibration takes less than {percent} % of the time even without damping");
+                return Ok(Crossing::none(level, reason));
+            }
+        };
+        // Where all trajectories agree on both sides, φ jumps between them.
+        let jumps = low.share.se == 0.0 && high.share.se == 0.0;
+        let fraction = if jumps { 0.5 } else { (low.share.mean - level) / (low.share.mean - high.share.mean) };
+        let damping_ratio = low.damping + fraction * (high.damping - low.damping);
+        let half_width = NORMAL_95 * 0.5 * (low.share.se + high.share.se);
+        let first = match self.fall_within(level + half_width)? {
+            Fall::Between(low, _) => low.damping,
+            Fall::Above => self.top,
+            Fall::Below => 0.0,
+        };
+        let last = match self.fall_within(level - half_width)? {
+            Fall::Between(_, high) => high.damping,
+            Fall::Above => self.top,
+            Fall::Below => 0.0,
+        };
+        Ok(Crossing { share: level, damping_ratio: Some(damping_ratio), interval: Some([first, last]), reason: None })
+    }
+
+    /// The fall through a level that may lie beyond the range of φ.
+    fn fall_within(&mut self, level: f64) -> Result<Fall, VibrationError> {
+        if level > 1.0 {
+            Ok(Fall::Below)
+        } else if level <= 0.0 {
+            Ok(Fall::Above)
+        } else {
+            self.fall(level)
+        }
+    }
+
+    fn fall(&mut self, level: f64) -> Result<Fall, VibrationError> {
+        let last_above = |points: &[Point]| points.iter().rposition(|point| point.share.mean >= level);
+        if self.points.last().is_none_or(|point| point.share.mean >= level && point.damping < self.top) {
+            self.add(self.top)?;
+        }
+        if last_above(&self.points).is_none() && self.points.first().is_none_or(|point| point.damping > 0.0) {
+            self.add(0.0)?;
+        }
+        let Some(mut at) = last_above(&self.points) else { return Ok(Fall::Below) };
+        if at + 1 == self.points.len() {
+            return Ok(Fall::Above);
+        }
+        let mut halve = false;
+        loop {
+            let (low, high) = (self.points[at], self.points[at + 1]);
+            let (width, drop) = (high.damping - low.damping, low.share.mean - high.share.mean);
+            let resolved = RESOLVED * NORMAL_95 * low.share.se.max(high.share.se);
+            if width <= TOLERANCE * high.damping + LEAST_TOLERANCE || drop <= resolved {
+                return Ok(Fall::Between(low, high));
+            }
+            // Regula falsi in turn with bisection, off the ends.
+            let fraction = if halve { 0.5 } else { ((low.share.mean - level) / drop).clamp(0.1, 0.9) };
+            let added = self.add(low.damping + fraction * width)?;
+            at = if self.points[added].share.mean >= level { added } else { added - 1 };
+            halve = self.points[at + 1].damping - self.points[at].damping > 0.5 * width;
+        }
+    }
+
+    /// Evaluates φ and returns the index of its point.
+    fn add(&mut self, damping: f64) -> Result<usize, VibrationError> {
+        let share = (self.share)(damping)?;
+        let index = self.points.partition_point(|point| point.damping < damping);
+        self.points.insert(index, Point { damping, share });
+        Ok(index)
+    }
+}
+
+/// Ensembles of one oscillator at several damping ratios, which must rise.
+///
+/// Trajectory i reads the same realisation at every damping, so differences along the sweep have less noise than counts.
+/// Fails as [`Ensemble::simulate`] does.
+pub fn damping_sweep(
+    oscillator: &Oscillator,
+    damping_ratios: &[f64],
+    process: &FrictionProcess,
+    settings: &EnsembleSettings,
+    monitor: &dyn Monitor,
+) -> Result<DampingSweep, VibrationError> {
+    if let Some(pair) = damping_ratios.windows(2).find(|pair| pair[0] >= pair[1]) {
+        return Err(VibrationError::Parameter { parameter: "damping sweep", value: pair[1], wanted: "rising" });
+    }
+    let mut ensembles = Vec::with_capacity(damping_ratios.len());
+    for (done, &damping) in damping_ratios.iter().enumerate() {
+        monitor.progress("damping ratios", done, damping_ratios.len());
+        ensembles.push(Ensemble::simulate(&oscillator.with_damping(damping)?, process, settings, monitor)?);
+    }
+    monitor.progress("damping ratios", damping_ratios.len(), damping_ratios.len());
+    Ok(DampingSweep { damping_ratios: damping_ratios.to_vec(), ensembles })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Forcing, FrictionLaw, Parameters};
+    use asperity_base::law::standard_normal_quantile;
+    use asperity_base::monitor::Silent;
+    use asperity_base::random;
+    use asperity_process::ProcessModel;
+
+    const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
+
+    /// Mean and standard error over paths that vibrate below thresholds, which are normal about 0.2 with a deviation of 0.02, for all
+    /// of the time, and above them for none.
+    fn thresholds(count: usize, seed: u64) -> impl Fn(f64) -> Result<Count, VibrationError> {
+        let normal = random::standard_normal(&mut random::stream(seed, "thresholds", 0), count);
+        move |damping| {
+            let n = normal.len() as f64;
+            let mean = normal.iter().filter(|z| 0.2 + 0.02 * **z > damping).count() as f64 / n;
+            let std = (mean * (1.0 - mean) * n / (n - 1.0)).sqrt();
+            Ok(Count { mean, std, se: std / n.sqrt() })
+        }
+    }
+
+    #[test]
+    fn crossings_are_those_of_the_mean_to_the_stated_tolerance_whatever_the_sweep() {
+        // φ = 1/(1 + e^{(ζ − .2)/.004}), known without error.
+        let logistic =
+            |damping: f64| Ok(Count { mean: (1.0 + ((damping - 0.2) / 0.004).exp()).recip(), std: 0.0, se: 0.0 });
+        for known in [&[][..], &[0.1, 0.3], &[0.01, 0.02], &[0.3, 0.39], &[0.1, 0.15, 0.2, 0.25]] {
+            let points = known.iter().map(|&damping| Point { damping, share: logistic(damping).unwrap() }).collect();
+            let found = Search { points, top: 0.4, share: &logistic }.crossings(&LEVELS).unwrap();
+            for crossing in found {
+                let wanted = 0.2 + 0.004 * (1.0 / crossing.share - 1.0).ln();
+                let error = (crossing.damping_ratio.unwrap() - wanted).abs();
+                assert!(error < TOLERANCE * wanted, "{known:?}: {crossing:?} instead of {wanted}");
+                let [low, high] = crossing.interval.unwrap();
+                assert!(low <= wanted && wanted <= high && high - low <= 1.1 * TOLERANCE * wanted, "{crossing:?}");
+            }
+        }
+        let outside = Search { points: Vec::new(), top: 0.19, share: &logistic }.crossings(&LEVELS).unwrap();
+        assert!(outside[0].damping_ratio.is_some() && outside[1].reason.as_ref().unwrap().contains("0.19"));
+        let weak = |_: f64| Ok(Count { mean: 0.6, std: 0.0, se: 0.0 });
+        let found = Search { points: Vec::new(), top: 0.4, share: &weak }.crossings(&LEVELS).unwrap();
+        assert!(found[0].reason.as_ref().unwrap().contains("even without damping"));
+        assert!(found.iter().all(|crossing| crossing.damping_ratio.is_none() && crossing.interval.is_none()));
+    }
+
+    #[test]
+    fn intervals_of_crossings_cover_quantiles_of_normal_thresholds() {
+        let replicates = 1000;
+        for (paths, least) in [(400, 0.93), (100, 0.90)] {
+            let mut covered = [0; 3];
+            for replicate in 0..replicates {
+                let share = thresholds(paths, replicate);
+                let found = Search { points: Vec::new(), top: 0.4, share: &share }.crossings(&LEVELS).unwrap();
+                for (count, crossing) in covered.iter_mut().zip(found) {
+                    let wanted = 0.2 + 0.02 * standard_normal_quantile(1.0 - crossing.share);
+                    let [low, high] = crossing.interval.unwrap();
+                    *count += usize::from(low <= wanted && wanted <= high);
+                }
+            }
+            println!("{paths} paths: {covered:?} of {replicates}");
+            assert!(covered.iter().all(|count| *count as f64 >= least * replicates as f64), "{covered:?}");
+        }
+    }
+
+    #[test]
+    fn more_noise_smears_the_end_of_vibration_more() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let settings = EnsembleSettings::new(20, 200.0, 9);
+        let width = |std| {
+            let model = ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01);
+            let process = FrictionProcess::new(model).unwrap();
+            let sweep = damping_sweep(&oscillator, &[0.14, 0.22, 0.3], &process, &settings, &Silent).unwrap();
+            let found = sweep.crossings(&oscillator, &process, &LEVELS, &settings, &Silent).unwrap();
+            for crossing in &found {
+                let ([a, b], damping_ratio) = (crossing.interval.unwrap(), crossing.damping_ratio.unwrap());
+                assert!(a <= damping_ratio && damping_ratio <= b);
+            }
+            found[2].damping_ratio.unwrap() - found[0].damping_ratio.unwrap()
+        };
+        let (little, much) = (width(1e-6), width(1e-3));
+        assert!(little < 1e-3 && much > 0.03, "{little} and {much}");
+    }
+
+    #[test]
+    fn without_fluctuation_all_crossings_are_the_end_of_vibration() {
+        let crossings = |oscillator: &Oscillator| {
+            let found = crossings_without_fluctuation(oscillator, &LEVELS, 0.3, &Silent).unwrap();
+            assert!(found.windows(2).all(|pair| pair[0].damping_ratio == pair[1].damping_ratio));
+            found[1].clone()
+        };
+        let free = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let found = crossings(&free);
+        assert!((found.damping_ratio.unwrap() - 0.204_830_150_584_523_17).abs() < 1e-12);
+        // The boundary of the 1:1 locked orbit.
+        let forced = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
+        let forced = forced.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
+        let found = crossings(&forced);
+        assert!((found.damping_ratio.unwrap() - 0.270_299_774_5).abs() < 1.4e-4, "{found:?}");
+        let law = FrictionLaw::Coulomb { kinetic: 0.3 };
+        let quiet = Parameters { static_friction: 0.3, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None };
+        let found = crossings(&Oscillator::new(quiet).unwrap());
+        assert!(found.damping_ratio.is_none() && found.reason.unwrap().contains("no vibration"));
+    }
+
+    #[test]
+    fn a_sweep_that_does_not_rise_is_refused() {
+        let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
+        let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 1e-4, 0.01)).unwrap();
+        let settings = EnsembleSettings::new(2, 10.0, 9);
+        assert!(damping_sweep(&oscillator, &[0.2, 0.1], &process, &settings, &Silent).is_err());
+    }
+}

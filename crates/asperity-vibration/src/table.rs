@@ -1,0 +1,267 @@
+//! A friction law given by points.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{VibrationError, positive};
+
+/// A kinetic friction law through points (|v|, μ): monotone cubics between them, constant beyond the last.
+///
+/// The slopes at the points are weighted harmonic means of the neighbouring secants, and zero where these differ in sign,
+/// so the law rises and falls only where its points do. It is continuous; its slope is too, but at the last point, unless
+/// the last two coefficients are equal. As text it is a list of pairs, `points = [[0.0, 0.3], [0.1, 0.25]]`.
+///
+/// # References
+/// Fritsch & Carlson, *SIAM Journal on Numerical Analysis* **17** (1980) 238, <https://doi.org/10.1137/0717021>, with the slopes of
+/// Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300, <https://doi.org/10.1137/0905021>.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Points", into = "Points")]
+pub struct FrictionTable {
+    /// One for each point, the last without end.
+    pieces: Arc<[Piece]>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Points {
+    points: Vec<[f64; 2]>,
+}
+
+/// A cubic in the speed beyond `from`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    pub(super) from: f64,
+    pub(super) coefficients: [f64; 4],
+    /// Least coefficient at speeds up to `from`.
+    least: f64,
+}
+
+impl FrictionTable {
+    /// A law through two points at least, with speeds rising from 0 and positive coefficients.
+    pub fn new(points: &[[f64; 2]]) -> Result<Self, VibrationError> {
+        let count = points.len();
+        let first = points.first().map_or(f64::NAN, |point| point[0]);
+        let refused = |parameter, value, wanted| Err(VibrationError::Parameter { parameter, value, wanted });
+        if count < 2 {
+            return refused("number of points of the friction law", count as f64, "at least 2");
+        }
+        if first != 0.0 {
+            return refused("first speed of the friction law", first, "zero");
+        }
+        for point in points {
+            positive("coefficient of the friction law", point[1])?;
+        }
+        if let Some(pair) = points.windows(2).find(|pair| !(pair[1][0] > pair[0][0] && pair[1][0].is_finite())) {
+            return refused("speed of the friction law", pair[1][0], "finite and larger than the one before");
+        }
+        let slopes = slopes(points);
+        let mut least = f64::INFINITY;
+        let pieces = (0..count)
+            .map(|i| {
+                let [from, y] = points[i];
+                least = least.min(y);
+                let coefficients = if i + 1 < count {
+                    let (width, secant) = secant(points, i);
+                    let [a, b] = [slopes[i], slopes[i + 1]];
+                    [y, a, (3.0 * secant - 2.0 * a - b) / width, (a + b - 2.0 * secant) / (width * width)]
+                } else {
+                    [y, 0.0, 0.0, 0.0]
+                };
+                Piece { from, coefficients, least }
+            })
+            .collect();
+        Ok(Self { pieces })
+    }
+
+    /// The law μ(f|v|), f > 0: the same points at speeds over f.
+    pub(super) fn rescaled(&self, factor: f64) -> Self {
+        let pieces = self.pieces.iter().map(|piece| {
+            let [y, a, b, c] = piece.coefficients;
+            let coefficients = [y, a * factor, b * factor * factor, c * factor * factor * factor];
+            Piece { from: piece.from / factor, coefficients, least: piece.least }
+        });
+        Self { pieces: pieces.collect() }
+    }
+
+    /// The points (|v|, μ) it was made of.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.pieces.iter().map(|piece| [piece.from, piece.coefficients[0]])
+    }
+
+    pub(super) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    fn piece(&self, speed: f64) -> &Piece {
+        &self.pieces[self.pieces.partition_point(|piece| piece.from <= speed).saturating_sub(1)]
+    }
+
+    pub(super) fn coefficient(&self, speed: f64) -> f64 {
+        let piece = self.piece(speed);
+        let [a, b, c, d] = piece.coefficients;
+        let x = speed - piece.from;
+        a + x * (b + x * (c + x * d))
+    }
+
+    pub(super) fn weakening(&self, speed: f64) -> f64 {
+        let piece = self.piece(speed);
+        let [_, b, c, d] = piece.coefficients;
+        let x = speed - piece.from;
+        -(b + x * (2.0 * c + x * 3.0 * d))
+    }
+
+    /// Least coefficient at speeds up to this one: a piece is monotone.
+    pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
+        self.piece(speed).least.min(self.coefficient(speed))
+    }
+
+    pub(super) fn kinetic(&self) -> f64 {
+        self.pieces[0].coefficients[0]
+    }
+
+    /// Largest |dμ/d|v||: slopes of a monotone cubic are at most three times its secant.
+    pub(super) fn steepest(&self) -> f64 {
+        let points: Vec<_> = self.points().collect();
+        (0..points.len() - 1).map(|i| 3.0 * secant(&points, i).1.abs()).fold(0.0, f64::max)
+    }
+
+    pub(super) fn is_constant(&self) -> bool {
+        self.pieces.iter().all(|piece| piece.coefficients[0] == self.kinetic())
+    }
+}
+
+/// Width and slope of the interval after point i.
+fn secant(points: &[[f64; 2]], i: usize) -> (f64, f64) {
+    let width = points[i + 1][0] - points[i][0];
+    (width, (points[i + 1][1] - points[i][1]) / width)
+}
+
+/// Slopes at the points.
+fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
+    let last = points.len() - 1;
+    if last == 1 {
+        return vec![secant(points, 0).1; 2];
+    }
+    (0..=last)
+        .map(|i| {
+            if i == 0 {
+                return end_slope(secant(points, 0), secant(points, 1));
+            }
+            if i == last {
+                return end_slope(secant(points, last - 1), secant(points, last - 2));
+            }
+            let ((before, p), (after, q)) = (secant(points, i - 1), secant(points, i));
+            if p * q <= 0.0 {
+                return 0.0;
+            }
+            let (u, v) = (2.0 * after + before, after + 2.0 * before);
+            (u + v) / (u / p + v / q)
+        })
+        .collect()
+}
+
+/// Slope at an end: of the parabola through three points, as far as that keeps the cubic monotone.
+fn end_slope((width, secant): (f64, f64), (next_width, next): (f64, f64)) -> f64 {
+    let slope = ((2.0 * width + next_width) * secant - width * next) / (width + next_width);
+    if slope * secant <= 0.0 {
+        0.0
+    } else if secant * next <= 0.0 && slope.abs() > 3.0 * secant.abs() {
+        3.0 * secant
+    } else {
+        slope
+    }
+}
+
+impl TryFrom<Points> for FrictionTable {
+    type Error = VibrationError;
+
+    fn try_from(points: Points) -> Result<Self, VibrationError> {
+        Self::new(&points.points)
+    }
+}
+
+impl From<FrictionTable> for Points {
+    fn from(table: FrictionTable) -> Self {
+        Self { points: table.points().collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [[f64; 2]; 6] = [[0.0, 0.3], [0.05, 0.27], [0.2, 0.2], [0.3, 0.22], [0.5, 0.22], [0.9, 0.25]];
+
+    #[test]
+    fn the_cubics_are_those_of_an_independent_code() {
+        // scipy 1.17.1, scipy.interpolate.PchipInterpolator and its derivative.
+        let table = FrictionTable::new(&POINTS).unwrap();
+        for (speed, wanted) in [
+            (0.02, 0.287_453_617_021_276_6),
+            (0.1, 0.239_936_958_234_830_6),
+            (0.16, 0.208_084_475_965_327_03),
+            (0.25, 0.21),
+            (0.4, 0.22),
+            (0.6, 0.222_343_75),
+            (0.85, 0.243_925_781_25),
+        ] {
+            assert!((table.coefficient(speed) - wanted).abs() < 1e-15, "{speed}: {}", table.coefficient(speed));
+        }
+        for (speed, wanted) in [
+            (0.0, 0.633_333_333_333_333),
+            (0.05, 0.536_170_212_765_957),
+            (0.1, 0.622_222_222_222_222),
+            (0.25, -0.3),
+            (0.6, -0.045_312_5),
+            (0.9 - 1e-12, -0.125),
+        ] {
+            assert!((table.weakening(speed) - wanted).abs() < 1e-11, "{speed}: {}", table.weakening(speed));
+        }
+        assert_eq!((table.coefficient(0.9), table.coefficient(7.0), table.weakening(7.0)), (0.25, 0.25, 0.0));
+    }
+
+    #[test]
+    fn between_points_the_law_is_monotone_and_its_bounds_hold() {
+        let rng = &mut asperity_base::random::stream(3, "test", 0);
+        for _ in 0..50 {
+            let g = asperity_base::random::standard_normal(rng, 16);
+            let mut speed = 0.0;
+            let points: Vec<_> = (0..8)
+                .map(|i| {
+                    let from = speed;
+                    speed += g[2 * i].exp();
+                    [from, (2.0 * g[2 * i + 1]).exp()]
+                })
+                .collect();
+            let table = FrictionTable::new(&points).unwrap();
+            let mut least = f64::INFINITY;
+            for pair in points.windows(2) {
+                let rises = pair[1][1] - pair[0][1];
+                for k in 0..=100 {
+                    let speed = pair[0][0] + f64::from(k) / 100.0 * (pair[1][0] - pair[0][0]);
+                    let slope = -table.weakening(speed);
+                    assert!(k == 100 || slope * rises >= -1e-9 * rises.abs());
+                    assert!(slope.abs() <= table.steepest() * (1.0 + 1e-12));
+                    least = least.min(table.coefficient(speed));
+                    assert!((table.least_coefficient(speed) - least).abs() < 1e-12 * least);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_that_are_no_law_are_refused() {
+        for points in [
+            &[][..],
+            &[[0.0, 0.3]],
+            &[[0.1, 0.3], [0.2, 0.3]],
+            &[[0.0, 0.3], [0.0, 0.2]],
+            &[[0.0, 0.3], [f64::NAN, 0.2]],
+            &[[0.0, 0.3], [f64::INFINITY, 0.2]],
+            &[[0.0, 0.3], [1.0, 0.0]],
+        ] {
+            assert!(FrictionTable::new(points).is_err(), "{points:?}");
+        }
+    }
+}
