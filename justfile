@@ -20,7 +20,7 @@ fuzz COUNT="150000":
 
 # Follows random stick-slip machines for COUNT cycles and checks every step against the laws of motion: some twenty minutes.
 fuzz-vibration COUNT="1000000":
-    ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity --lib of_random_machines -- --nocapture
+    ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
 # Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references, and counts how often
 # intervals of pressure and friction hold: some forty minutes.
