@@ -39,6 +39,7 @@ fn the_folder_holds_twins_comparison_tables_figures_and_a_page() {
     let folder = folder();
     let at = folder.path();
     let json = twin(at, &format!("scan.x3p --count 4 --out twins --seed 7 --json {FAST}")).json(0);
+    assert!(json["format"] == "X3P" && json.get("channel").is_some(), "{json}");
     let out = at.join("twins");
     assert_eq!(
         written(&out),

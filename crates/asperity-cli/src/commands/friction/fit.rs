@@ -166,6 +166,13 @@ impl FitRecord {
         if let Some(out) = &self.out {
             check_target("--out", out, &[&self.record])?;
         }
+        if let (Some(out), Some(folder)) = (&self.out, &self.report)
+            && out.starts_with(folder)
+        {
+            return Err(Failure::usage(
+                "--out: the report folder holds files of the report alone; choose another place",
+            ));
+        }
         if let Some(folder) = &self.report {
             // Before anything is computed: may the folder be written? Nothing of this attempt stays.
             begin_folder("--report", folder, self.force, &[&self.record])?;
