@@ -358,10 +358,6 @@ fn a_form_larger_than_the_roughness_is_doubted_and_taken_out_on_request() {
         "{warning}"
     );
     assert!(warning.contains(&shown[..1]) && ended.stderr.contains(warning), "{warning}: {shown} nm");
-    // Converting keeps the form and says so.
-    let convert = "surface convert map.npy map.x3p --pixel-size 1um --json";
-    let converted = asperity_in(folder.path(), &convert.split_whitespace().collect::<Vec<_>>()).json(0);
-    assert_eq!(converted["warnings"][0], warning);
     // Levelled, the tilted map is pressed like the level one.
     let levelled = press(folder.path(), &format!("{line} --level plane")).json(0);
     assert_eq!(levelled["warnings"], Value::Array(vec![]));

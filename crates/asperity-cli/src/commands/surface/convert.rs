@@ -33,14 +33,10 @@ impl Convert {
         check_target("OUTPUT", &self.output, &[&self.input])?;
         let said = said_of_writing(&self.output);
         let mut scan = input::scan(&self.input, &self.options, monitor)?;
-        match input::height_map(scan.clone(), &self.input) {
-            Ok(map) => {
-                let levelled = self.level.remove_or_doubt(map, &self.input, monitor)?;
-                scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };
-            }
-            Err(failure) if self.level.removes() => return Err(failure),
-            // Heights without a pixel size are converted as they are.
-            Err(_) => {}
+        if self.level.removes() {
+            let map = input::height_map(scan.clone(), &self.input)?;
+            let levelled = self.level.remove_from(map, &self.input, monitor)?;
+            scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };
         }
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;
         let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();

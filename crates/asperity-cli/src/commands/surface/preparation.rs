@@ -28,6 +28,13 @@ impl LevelOption {
         self.level.is_some_and(|level| level != Level::None)
     }
 
+    /// The map without the form. `file` names it in errors.
+    pub(crate) fn remove_from(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
+        let Some(level) = self.level.filter(|_| self.removes()) else { return Ok(map) };
+        let levelled = monitor.at_once(|| remove_form(&map, level))?;
+        Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
+    }
+
     /// The map without the form; where none is stated, warns about one that exceeds the roughness.
     pub(crate) fn remove_or_doubt(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
         if self.level.is_none()
@@ -41,9 +48,7 @@ impl LevelOption {
                  --level {level} removes it, --level none keeps it"
             ));
         }
-        let Some(level) = self.level.filter(|_| self.removes()) else { return Ok(map) };
-        let levelled = monitor.at_once(|| remove_form(&map, level))?;
-        Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
+        self.remove_from(map, file, monitor)
     }
 }
 
