@@ -357,6 +357,8 @@ fn columns_of_a_surface_are_no_points() {
         map(&|n, column| (7.0 * random(n, 0.618_034 + 0.1 * column)).floor()),
         map(&|n, column| (20.0 * wave(n, 0.5 * column)).floor()),
         map(&|n, column| n % 20.0 + 0.1 * column),
+        // The third beyond an edge.
+        map(&|n, column| wave(n, 1.57 * column) * if column > 1.5 { 0.01 } else { 1.0 }),
     ] {
         let scan = read_bytes(text.as_bytes()).unwrap();
         assert_eq!((scan.format, scan.heights_m.dim()), (Some(Format::Text), (500, 3)));
