@@ -25,7 +25,6 @@ use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
-use crate::xyz::{are_coordinates, no_grid};
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
 use header::{DECIMAL_SIGN, ESRI, Header, Meaning};
 use rows::{Layout, Table};
@@ -318,9 +317,6 @@ fn shape(
         rows /= 2;
     }
     if columns == 3 && rows >= POINT_LIST_ROWS && !header.states_pixels() {
-        if are_coordinates(&table.values) {
-            return Err(no_grid());
-        }
         warnings
             .push(format!("a map of 3 columns and {rows} rows; a list of points x y z is not what this format holds"));
     }

@@ -14,7 +14,6 @@
 //! (Zygo, *MetroPro Reference Guide* OMP-0347, appendix B.)
 
 mod grid;
-mod scattered;
 
 use ndarray::Array2;
 
@@ -25,7 +24,6 @@ use crate::text::rows::{self, Layout};
 use crate::text::{COMMENT, Head, Separator, TEXT_PROBE, is_text, lines, utf8};
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
-pub(crate) use scattered::are_coordinates;
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
