@@ -34,7 +34,7 @@ pub enum MapError {
         dy_m: f64,
     },
     /// The file does not say how far apart its points are.
-    #[error("the file carries no pixel size; state one (--pixel-size on the command line)")]
+    #[error("the file carries no pixel size; state one (--pixel-size, in a study `pixel_size`)")]
     NoPitch,
     /// No height is present.
     #[error("all {points} heights are missing")]

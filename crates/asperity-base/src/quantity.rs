@@ -13,7 +13,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum QuantityError {
     /// The text does not start with a finite number.
-    #[error("`{text}` does not start with a number; a {wanted} looks like \"{example}\"")]
+    #[error("`{text}` does not start with a number; write for example \"{example}\"")]
     NotANumber {
         /// What was found.
         text: String,
@@ -31,7 +31,7 @@ pub enum QuantityError {
         wanted: &'static str,
     },
     /// The number stands alone.
-    #[error("`{text}` has no unit; a {wanted} looks like \"{example}\"")]
+    #[error("`{text}` has no unit; write for example \"{example}\"")]
     NoUnit {
         /// What was found.
         text: String,

@@ -23,7 +23,8 @@ pub(crate) struct ScanOptions {
     /// others.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     pixel_size: Option<OneOrTwo<Length>>,
-    /// Unit of the heights of a file that states none (NPY, most text, XYZ, TIFF): m, mm, um or nm; overrides that of others.
+    /// Unit of the heights of a file that states none (NPY, most text, XYZ, TIFF): m, mm, um or nm; overrides
+    /// that of others. It is the unit of the numbers in the file: it also replaces a conversion factor in the header of a text.
     #[arg(long, value_name = "U", value_parser = height_unit)]
     height_unit: Option<LengthUnit>,
 }
@@ -35,20 +36,14 @@ impl ScanOptions {
     }
 }
 
-/// Reads a scan, tells its warnings, and applies the pixel size.
+/// Reads a scan and reports its warnings.
 pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Result<Scan, Failure> {
-    let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone() };
-    let mut scan = asperity_formats::read_with(path, &choice).map_err(|e| unreadable(&e))?;
+    let pitch_m = options.pixel_size.map(OneOrTwo::both).map(|(dx, dy)| checked_pitch_m((dx.0, dy.0)));
+    let pitch_m = pitch_m.transpose().map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
+    let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone(), pitch_m };
+    let scan = asperity_formats::read_with(path, &choice).map_err(|e| unreadable(&e))?;
     for warning in &scan.warnings {
         monitor.warn(&format!("{}: {warning}", path.display()));
-    }
-    if let Some((dx, dy)) = options.pixel_size.map(OneOrTwo::both) {
-        let given_m = checked_pitch_m((dx.0, dy.0)).map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
-        if let Some((dx_m, dy_m)) = scan.pitch_m.filter(|pitch| *pitch != given_m) {
-            let stated = format!("{} × {}", Length(dx_m), Length(dy_m));
-            monitor.warn(&format!("{}: --pixel-size {dx} × {dy} replaces the file's {stated}", path.display()));
-        }
-        scan.pitch_m = Some(given_m);
     }
     Ok(scan)
 }

@@ -19,6 +19,7 @@ use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
+use crate::scan::FITTING_SHAPE;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -196,7 +197,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
         warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
     }
     let heights_m = Array2::from_shape_vec((ny, nx), depths)
-        .map_err(|error| input.wrong("Cols", columns_at, columns, &error.to_string()))?;
+        .map_err(|_| input.wrong("Cols", columns_at, columns, FITTING_SHAPE))?;
     Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
 }
 

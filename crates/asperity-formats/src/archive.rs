@@ -1,11 +1,12 @@
 //! Archives and compressed streams: which file is meant, and how much of it may be unpacked.
 
-use std::io::{Cursor, Read};
+use std::io::{self, Cursor, Read};
 
 use flate2::read::MultiGzDecoder;
 use md5::{Digest, Md5};
 use zip::ZipArchive;
 use zip::read::ZipFile;
+use zip::result::ZipError;
 
 use crate::error::shown;
 use crate::large;
@@ -27,6 +28,10 @@ pub(crate) const CHUNK_BYTES: usize = 1 << 16;
 pub(crate) const RESERVED_NUMBERS: usize = 1 << 20;
 /// Files that a desktop leaves in archives beside the real ones.
 const DESKTOP_FOLDER: &str = "__MACOSX/";
+
+/// The usual damage of an archive: its directory is at its end, which a broken download lacks.
+pub(crate) const NO_DIRECTORY: &str =
+    "the zip archive has no valid directory at its end; the file is cut off or damaged";
 
 /// The most bytes that `packed` bytes may unpack to.
 pub(crate) fn unpacked_limit(packed: u64) -> u64 {
@@ -93,7 +98,8 @@ impl<'a> Archive<'a> {
     /// # Errors
     /// [`FormatError::Archive`] for bytes that are none.
     pub(crate) fn open(format: Format, bytes: &'a [u8]) -> Result<Self, FormatError> {
-        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(format, "archive", error.to_string()))?;
+        let zip =
+            ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(format, "archive", damage_of_zip(&error)))?;
         // Some writers separate folders with backslashes; names that cannot be decoded match nothing.
         let names: Vec<String> =
             zip.file_names().map(|name| name.map(|name| name.replace('\\', "/")).unwrap_or_default()).collect();
@@ -135,7 +141,7 @@ impl<'a> Archive<'a> {
     fn stream(&mut self, link: &str) -> Result<ZipFile<'_, Cursor<&'a [u8]>>, FormatError> {
         let format = self.format;
         let index = self.index(link).ok_or_else(|| damaged(format, link, "no such file in the archive".to_owned()))?;
-        self.zip.by_index(index).map_err(|error| damaged(format, link, error.to_string()))
+        self.zip.by_index(index).map_err(|error| damaged(format, link, damage_of_zip(&error)))
     }
 
     /// Whether the archive holds a file.
@@ -163,7 +169,7 @@ impl<'a> Archive<'a> {
             return Err(too_large(entry.size()));
         }
         let mut bytes = Vec::new();
-        entry.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(format, link, error.to_string()))?;
+        entry.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(format, link, damage(&error)))?;
         if bytes.len() as u64 > limit {
             return Err(too_large(bytes.len() as u64));
         }
@@ -178,7 +184,7 @@ impl<'a> Archive<'a> {
         let format = self.format;
         let mut bytes = vec![0; length];
         let filled = fill(&mut self.stream(link)?, &mut bytes);
-        bytes.truncate(filled.map_err(|error| damaged(format, link, error.to_string()))?);
+        bytes.truncate(filled.map_err(|error| damaged(format, link, damage(&error)))?);
         Ok(bytes)
     }
 
@@ -218,8 +224,7 @@ impl<'a> Archive<'a> {
             // The bytes before the numbers come alone, so that no number is cut.
             let stop = if found < start as u64 { start as u64 } else { end };
             let room = chunk.len().min(usize::try_from(stop - found).unwrap_or(usize::MAX));
-            let filled =
-                fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
             if found >= start as u64 {
                 values.clear();
                 sample.decode(order, &chunk[..filled], &mut values);
@@ -332,8 +337,7 @@ impl<'a> Archive<'a> {
             // No chunk reaches over a border of the part.
             let border = [part.start, end, u64::MAX].into_iter().find(|&border| found < border).unwrap_or(found);
             let room = chunk.len().min(usize::try_from(border - found).unwrap_or(usize::MAX));
-            let filled =
-                fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, error.to_string()))?;
+            let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
             md5.update(&chunk[..filled]);
             if (part.start..end).contains(&found) {
                 take(&chunk[..filled]);
@@ -359,7 +363,7 @@ pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     MultiGzDecoder::new(bytes)
         .take(limit + 1)
         .read_to_end(&mut content)
-        .map_err(|error| damaged(Format::Gzip, "stream", error.to_string()))?;
+        .map_err(|error| damaged(Format::Gzip, "stream", damage(&error)))?;
     if content.len() as u64 > limit {
         return Err(FormatError::TooLarge {
             format: Format::Gzip,
@@ -380,6 +384,31 @@ pub(crate) fn hexadecimal(digest: &[u8]) -> String {
 /// The error for a damaged archive or stream.
 pub(crate) fn damaged(format: Format, entry: &str, reason: String) -> FormatError {
     FormatError::Archive { format, entry: shown(entry), reason }
+}
+
+/// Describes an error of a decompressor.
+pub(crate) fn damage(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => "the compressed stream ends early; the file is cut off".into(),
+        _ => "the compressed stream is damaged".into(),
+    }
+}
+
+/// Describes an error of the archive reader and writer.
+pub(crate) fn damage_of_zip(error: &ZipError) -> String {
+    match error {
+        ZipError::Io(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            "it ends early; the file is cut off or damaged".into()
+        }
+        ZipError::InvalidArchive(_) => NO_DIRECTORY.into(),
+        ZipError::CompressionMethodNotSupported(method) => {
+            format!("it is packed by method {method}; wanted stored or deflated files")
+        }
+        ZipError::UnsupportedArchive(_) | ZipError::InvalidPassword => {
+            "it is encrypted, split, or packed in a way that is not read".into()
+        }
+        _ => "it is damaged".into(),
+    }
 }
 
 /// Reads until the buffer is full or the source ends; the number of bytes read.

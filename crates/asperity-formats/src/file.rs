@@ -37,7 +37,12 @@ pub fn read(path: &Path) -> Result<Scan, FormatError> {
 /// # Errors
 /// As [`read`].
 pub fn read_with(path: &Path, options: &ReadOptions) -> Result<Scan, FormatError> {
-    read_bytes_with(&content(path)?, options).map_err(|error| error.in_file(path))
+    let content = content(path)?;
+    let scan = read_bytes_with(&content, options).and_then(|scan| match is_point_list(path, &scan, options) {
+        true => read_as(Some(Format::Xyz), &content, options),
+        false => Ok(scan),
+    });
+    scan.map_err(|error| error.in_file(path))
 }
 
 /// Reads a record along a path: a one-dimensional NPY array of numbers.
@@ -145,10 +150,23 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
 /// # Errors
 /// As [`read_bytes`].
 pub fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    read_as(None, bytes, options)
+}
+
+/// Whether the name of a file tells that a map of three columns is a list of points.
+fn is_point_list(path: &Path, scan: &Scan, options: &ReadOptions) -> bool {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let has_pitch = scan.pitch_m.is_some() && options.pitch_m.is_none();
+    let is_named_so = [".xyz", ".xyz.gz"].iter().any(|end| name.ends_with(end));
+    is_named_so && scan.format == Some(Format::Text) && scan.heights_m.ncols() == 3 && !has_pitch
+}
+
+/// Reads content as a format, or as that which is detected.
+fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     if !bytes.starts_with(&GZIP_MAGIC) {
-        return read_plain(bytes, options);
+        return read_plain(format, bytes, options);
     }
-    read_plain(&gunzip(bytes)?, options).map_err(|error| match error {
+    read_plain(format, &gunzip(bytes)?, options).map_err(|error| match error {
         FormatError::Unrecognised { length: 1.., start } => {
             FormatError::Unrecognised { length: bytes.len() as u64, start: format!("{start} once unpacked") }
         }
@@ -157,9 +175,10 @@ pub fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, Form
 }
 
 /// Reads content that is not compressed as a whole.
-fn read_plain(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let size = bytes.len() as u64;
-    let codec = Format::detect(bytes).and_then(Format::codec).ok_or_else(|| unrecognised(bytes, size))?;
+    let detected = format.or_else(|| Format::detect(bytes)).and_then(Format::codec);
+    let codec = detected.ok_or_else(|| unrecognised(bytes, size))?;
     let format = codec.description.format;
     if size > MAX_FILE_BYTES {
         return Err(too_large(format, size));
@@ -171,7 +190,7 @@ fn read_plain(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> 
     }
     scan.format = Some(format);
     scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
-    Ok(scan.in_stated_unit(options).checked(options))
+    Ok(scan.in_stated_unit(options).with_stated_pitch(options).checked(options))
 }
 
 /// Writes a scan in the format of the path's extension; [`descriptions`](crate::descriptions) says which are written.

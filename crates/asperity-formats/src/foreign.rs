@@ -34,7 +34,10 @@ pub(crate) const TO_GWY: &str = "Gwyddion can save it as GWY";
 pub(crate) const TO_MATRIX: &str = "save the matrix of heights as NPY or text";
 const TO_GRID: &str = "save the heights on a regular grid, as text or XYZ";
 const NO_HEIGHTS: &str = "a picture holds no heights; export the height map from the instrument's program";
+const CUT_OFF: &str = "the file is cut off or damaged; copy or download it again";
 const UNPACK: &str = "unpack it and give the file of heights";
+
+const FETCH: &str = "fetch the file of heights itself";
 
 use Signature::{At, Start, Test, Words};
 
@@ -69,6 +72,13 @@ const FOREIGN: &[Foreign] = &[
     Foreign { name: "an NT-MDT file (MDT)", signature: Start(&[b"\x01\xb0\x93\xff"]), way_out: TO_GWY },
     Foreign { name: "a WSxM file", signature: Start(&[b"WSxM file copyright"]), way_out: TO_GWY },
     Foreign { name: "a Nanonis SXM file", signature: Start(&[b":NANONIS_VERSION:"]), way_out: TO_GWY },
+    Foreign { name: "an RHK SM3 or SM4 file", signature: At(2, RHK_MAGIC), way_out: TO_GWY },
+    Foreign { name: "a Leica LIF file", signature: Test(is_leica), way_out: "export the height map as text" },
+    Foreign {
+        name: "a Nikon ND2 file",
+        signature: Start(&[b"\xda\xce\xbe\x0a"]),
+        way_out: "export the height map as text",
+    },
     Foreign { name: "an ISO 28600 file", signature: Start(&[b"ISO/TC 201 SPM data transfer format"]), way_out: TO_GWY },
     Foreign { name: "a Gwyddion simple field (GSF)", signature: Start(&[b"Gwyddion Simple Field"]), way_out: TO_GWY },
     Foreign { name: "a Gwyddion XYZ field", signature: Start(&[b"Gwyddion XYZ Field"]), way_out: TO_GWY },
@@ -107,6 +117,18 @@ const FOREIGN: &[Foreign] = &[
         signature: Start(&[b"%PDF-"]),
         way_out: "a document holds no heights; export the height map from the instrument's program",
     },
+    Foreign {
+        name: "a SQLite database",
+        signature: Start(&[b"SQLite format 3\0"]),
+        way_out: "export the height map from the instrument's program",
+    },
+    Foreign {
+        name: "a Git LFS pointer",
+        signature: Start(&[b"version https://git-lfs"]),
+        way_out: "fetch the file itself (`git lfs pull`)",
+    },
+    Foreign { name: "an HTML page", signature: Test(is_html), way_out: FETCH },
+    Foreign { name: "a JSON text", signature: Test(is_json), way_out: TO_MATRIX },
     Foreign { name: "a 7z archive", signature: Start(&[b"7z\xbc\xaf\x27\x1c"]), way_out: UNPACK },
     Foreign { name: "a RAR archive", signature: Start(&[b"Rar!\x1a\x07"]), way_out: UNPACK },
     Foreign { name: "an xz archive", signature: Start(&[b"\xfd7zXZ\x00"]), way_out: UNPACK },
@@ -140,6 +162,9 @@ const ZIPPED: &[Zipped] = &[
     Zipped { name: "a zip archive", marks: |_| true, way_out: UNPACK },
 ];
 
+/// `STiMage 00` in UTF-16, behind the size of the header.
+const RHK_MAGIC: &[u8] = b"S\0T\0i\0M\0a\0g\0e\0 \0\x30\0\x30\0";
+
 /// First bytes of an OLE compound file.
 pub(crate) const OLE_MAGIC: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
 
@@ -162,7 +187,12 @@ pub(crate) fn in_archive(bytes: &[u8]) -> Option<FormatError> {
     if !bytes.starts_with(ZIP_MAGIC) {
         return None;
     }
-    let archive = Archive::open(crate::Format::X3p, bytes).ok()?;
+    let Ok(archive) = Archive::open(crate::Format::X3p, bytes) else {
+        return Some(FormatError::NotRead {
+            name: "a zip archive without a valid directory at its end",
+            way_out: CUT_OFF,
+        });
+    };
     let is_known = |zipped: &&Zipped| archive.names().iter().any(|name| (zipped.marks)(name));
     ZIPPED.iter().find(is_known).map(|&Zipped { name, way_out, .. }| FormatError::NotRead { name, way_out })
 }
@@ -226,4 +256,33 @@ fn is_bitmap(bytes: &[u8], _: u64) -> bool {
 /// Whether bytes start as bzip2: the three letters, a digit, and the digits of π before the first block.
 fn is_bzip2(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"BZh") && bytes.get(4..10) == Some(b"\x31\x41\x59\x26\x53\x59".as_slice())
+}
+
+/// Whether bytes start as a Leica image file: a block of XML, whose size follows, and its text in UTF-16.
+fn is_leica(bytes: &[u8], _: u64) -> bool {
+    bytes.starts_with(b"\x70\0\0\0") && bytes.get(8) == Some(&0x2a) && bytes.get(13..15) == Some(b"<\0".as_slice())
+}
+
+fn is_html(bytes: &[u8], _: u64) -> bool {
+    let start = first_word(bytes);
+    [b"<!doctype html".as_slice(), b"<html"]
+        .iter()
+        .any(|tag| start.get(..tag.len()).is_some_and(|start| start.eq_ignore_ascii_case(tag)))
+}
+
+/// Whether text starts as an object of JSON, or as an array of arrays, objects or strings.
+fn is_json(bytes: &[u8], _: u64) -> bool {
+    let start = first_word(bytes);
+    let next =
+        |wanted: &[u8]| start.get(1..).is_some_and(|rest| first_word(rest).iter().take(1).any(|c| wanted.contains(c)));
+    match start.first() {
+        Some(b'{') => next(b"\"}"),
+        Some(b'[') => next(b"[{\""),
+        _ => false,
+    }
+}
+
+/// The bytes behind blanks and the mark that some programs put before UTF-8.
+fn first_word(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }

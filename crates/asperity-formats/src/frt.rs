@@ -34,6 +34,7 @@ use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
+use crate::scan::FITTING_SHAPE;
 use crate::selection::unique;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -100,7 +101,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
     let pitch_m = pitch(&blocks, image.shape, &mut warnings)?;
     doubt(&blocks, &mut warnings);
     let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|error| input.wrong("points along x", image.numbers.start, nx, &error.to_string()))?;
+        .map_err(|_| input.wrong("points along x", image.numbers.start, nx, FITTING_SHAPE))?;
     let scan = Scan { metadata: metadata::metadata(&blocks), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, channel))
 }

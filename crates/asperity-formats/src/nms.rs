@@ -15,6 +15,7 @@ use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
+use crate::scan::FITTING_SHAPE;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -99,7 +100,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
     // Steps between points: the field of view of 160 µm of a 100× objective is 512 of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
     let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|error| input.wrong(COLUMNS.0, COLUMNS.1, columns, &error.to_string()))?;
+        .map_err(|_| input.wrong(COLUMNS.0, COLUMNS.1, columns, FITTING_SHAPE))?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) })
 }
 

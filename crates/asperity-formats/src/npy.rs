@@ -10,6 +10,7 @@ use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
+use crate::scan::FITTING_SHAPE;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -69,7 +70,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan, FormatError> {
         false => header.sample.decode_all(header.order, bytes),
     };
     let heights_m = Array2::from_shape_vec((rows, columns), values)
-        .map_err(|error| wrong(&input, "shape", &format!("({rows}, {columns})"), &error.to_string()))?;
+        .map_err(|_| wrong(&input, "shape", &format!("({rows}, {columns})"), FITTING_SHAPE))?;
     let mut scan = Scan::new(heights_m, None);
     if left_over > 0 {
         scan.warnings.push(format!("{left_over} bytes after the array were left out"));

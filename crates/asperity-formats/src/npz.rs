@@ -231,5 +231,6 @@ fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>, FormatError>
     if map.per_metre != 1.0 {
         heights.iter_mut().for_each(|z| *z /= map.per_metre);
     }
-    Array2::from_shape_vec((ny, nx), heights).map_err(|error| damaged(Format::Npz, &map.link, error.to_string()))
+    Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|_| damaged(Format::Npz, &map.link, "its heights do not fill their shape".into()))
 }

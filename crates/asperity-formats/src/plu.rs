@@ -16,6 +16,7 @@ use ndarray::Array2;
 use crate::format::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::Sample;
+use crate::scan::FITTING_SHAPE;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -157,8 +158,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         f64::from(input.f32(PITCH_X.0, PITCH_X.1)?) / PER_METRE,
         f64::from(input.f32(PITCH_Y.0, PITCH_Y.1)?) / PER_METRE,
     ));
-    let heights_m = Array2::from_shape_vec((ny, nx), heights)
-        .map_err(|error| input.wrong(COLUMNS.0, start, nx, &error.to_string()))?;
+    let heights_m =
+        Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong(COLUMNS.0, start, nx, FITTING_SHAPE))?;
     Ok(Scan { metadata: metadata(&input)?, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
 

@@ -107,8 +107,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
         *z = if *z == LOST { f64::NAN } else { *z / PER_METRE };
     }
     let pitch_m = pitch(&document, (ny, nx), &mut warnings)?;
-    let heights_m =
-        Array2::from_shape_vec((ny, nx), heights).map_err(|error| damaged(Format::Plux, link, error.to_string()))?;
+    let heights_m = Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|_| damaged(Format::Plux, link, "its heights do not fill their shape".into()))?;
     let scan = Scan { metadata: metadata(&document), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(channels, channel))
 }

@@ -7,7 +7,7 @@ use ndarray::Array2;
 use crate::error::{cut, shown};
 use crate::large;
 use crate::selection::some_of;
-use crate::unit::per_metre;
+use crate::unit::{in_words, per_metre};
 use crate::{Format, FormatError, Location, ReadOptions};
 
 /// The most heights that one map may have: 16384 × 16384, which are 2 GiB as `f64`.
@@ -19,6 +19,9 @@ const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
 const WARNING_CHARS: usize = 1000;
 /// Ratio of the two pitches above which the map is doubted.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
+
+/// Shape that an error wants where rows times columns is not the number of heights.
+pub(crate) const FITTING_SHAPE: &str = "a shape that the heights fill";
 
 /// One measured height map as a file states it.
 #[derive(Debug, Clone)]
@@ -97,6 +100,16 @@ impl Scan {
         self
     }
 
+    /// The scan with the pixel size that `options` state, if they do.
+    pub(crate) fn with_stated_pitch(mut self, options: &ReadOptions) -> Self {
+        let Some((dx_m, dy_m)) = options.pitch_m else { return self };
+        if let Some((x_m, y_m)) = self.pitch_m.replace((dx_m, dy_m)).filter(|&pitch_m| pitch_m != (dx_m, dy_m)) {
+            let [dx, dy, x, y] = [dx_m, dy_m, x_m, y_m].map(in_words);
+            self.warnings.push(format!("the stated pixel size, {dx} × {dy}, replaces the file's, {x} × {y}"));
+        }
+        self
+    }
+
     /// The scan as it leaves a reader: every height that is not finite is NaN, a pitch that is none is left out, and
     /// implausible sizes are named in the warnings.
     pub(crate) fn checked(mut self, options: &ReadOptions) -> Self {
@@ -130,10 +143,9 @@ impl Scan {
         if let Some((low, high)) = range_m
             && high - low > field_m
         {
-            self.warnings.push(format!(
-                "the heights span {:e} m, more than the field of view, {field_m:e} m; check the units",
-                high - low
-            ));
+            let (span, field) = (in_words(high - low), in_words(field_m));
+            self.warnings
+                .push(format!("the heights span {span}, more than the field of view, {field}; check the units"));
         }
         self
     }

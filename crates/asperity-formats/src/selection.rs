@@ -27,7 +27,12 @@ pub struct ReadOptions {
     /// The height map to read; the first, or the one that the format marks as its main one, unless told.
     pub channel: Option<Channel>,
     /// Unit of the heights of a file that states none. It replaces the unit of other files, with a warning.
+    ///
+    /// The unit is that of the numbers in the file. A text is not multiplied by the conversion factor of its header then.
     pub height_unit: Option<LengthUnit>,
+    /// Distance between points along (x, y) in metre, for a file that states none. It replaces that of other files, with a
+    /// warning. The span of the heights is compared with the field of view that it makes.
+    pub pitch_m: Option<(f64, f64)>,
 }
 
 impl ReadOptions {

@@ -21,11 +21,12 @@ use std::borrow::Cow;
 
 use ndarray::Array2;
 
+use crate::error::shown;
 use crate::format::{Codec, Description, Tested};
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
-use header::{ESRI, Header, Meaning};
+use header::{DECIMAL_SIGN, ESRI, Header, Meaning};
 use rows::{Layout, Table};
 pub use write::write_text;
 
@@ -260,11 +261,13 @@ fn read_block(
         shape = (shape.0 - 1, shape.1 - 1);
         warnings.push("the first row and the first column step evenly: they were taken for labels and left out".into());
     }
-    let meaning = header.meaning(shape, options.height_unit.is_some());
-    meaning.apply(&mut table.values);
     if table.decimal_comma {
-        header.insert("decimal sign", "comma");
+        header.insert(DECIMAL_SIGN, "comma");
     }
+    let meaning = header
+        .meaning(shape, options.height_unit.is_some())
+        .map_err(|(key, value)| wrong_factor(bytes, line_end, lines, key, value))?;
+    meaning.apply(&mut table.values);
     if let Some(unit) = &meaning.converted {
         header.insert("converted", &format!("heights from {unit} to m"));
     }
@@ -339,6 +342,22 @@ fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
 /// The values without the first row and the first column.
 fn unlabelled(values: &[f64], (_, columns): (usize, usize)) -> Vec<f64> {
     values.chunks_exact(columns).skip(1).flat_map(|row| &row[1..]).copied().collect()
+}
+
+/// The error for a conversion factor that gives no heights, in a text that starts behind so many lines.
+fn wrong_factor(bytes: &[u8], line_end: u8, lines: usize, key: &str, value: &str) -> FormatError {
+    let states = |line: &[u8]| {
+        let line = utf8_or_latin1(line);
+        line.split_once(key).is_some_and(|(_, rest)| rest.contains(value))
+    };
+    let line = bytes.split(|&byte| byte == line_end).position(states).unwrap_or_default();
+    FormatError::Field {
+        format: Format::Text,
+        field: shown(key),
+        at: Location::Line(lines + line + 1),
+        found: shown(value),
+        wanted: "a number other than 0 (a stated height unit replaces the factor)".into(),
+    }
 }
 
 fn nothing() -> FormatError {

@@ -32,6 +32,14 @@ pub(crate) fn name(unit_per_metre: f64) -> Option<&'static str> {
     names.into_iter().find(|name| per_metre(name) == Some(unit_per_metre))
 }
 
+/// A length for a message: four digits, in a unit that makes it 1 or more.
+pub(crate) fn in_words(length_m: f64) -> String {
+    let units = [("m", 1.0), ("mm", 1e3), ("µm", 1e6), ("nm", 1e9), ("pm", 1e12)];
+    let rounded = |per_metre: f64| format!("{:.3e}", length_m * per_metre).parse::<f64>().unwrap_or(f64::NAN);
+    let found = units.into_iter().find(|(_, per_metre)| (1.0..1e4).contains(&rounded(*per_metre).abs()));
+    found.map_or_else(|| format!("{length_m:e} m"), |(name, per_metre)| format!("{} {name}", rounded(per_metre)))
+}
+
 /// A unit of length, as a user states it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LengthUnit {
@@ -64,6 +72,14 @@ impl FromStr for LengthUnit {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lengths_are_shown_in_a_fitting_unit() {
+        let lengths = [(2e-6, "2 µm"), (1.0, "1 m"), (0.999_96e-3, "1 mm"), (-1.23456e-8, "-12.35 nm"), (1e5, "1e5 m")];
+        for (length_m, text) in lengths {
+            assert_eq!(in_words(length_m), text);
+        }
+    }
 
     #[test]
     fn a_unit_of_length_is_read_and_anything_else_refused() {

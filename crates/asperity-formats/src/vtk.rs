@@ -98,7 +98,7 @@ fn array<const N: usize>(
     let written = encoder
         .write_all(&((count * N) as u64).to_le_bytes())
         .and_then(|()| numbers.into_iter().try_for_each(|number| encoder.write_all(&number)));
-    written.map_err(|error| not_storable(error.to_string(), "numbers as base64"))?;
+    written.map_err(|_| not_storable("an array".into(), "numbers as base64"))?;
     Ok(format!(
         "        <DataArray type=\"{kind}\" Name=\"{name}\" format=\"binary\">{}</DataArray>\n",
         encoder.into_inner()

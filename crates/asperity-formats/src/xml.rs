@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use quick_xml::Reader;
+use quick_xml::errors::{Error, IllFormedError};
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
@@ -40,6 +41,19 @@ pub(crate) struct Document {
     pub(crate) wrong_datum: Option<Value>,
 }
 
+/// Describes an error of the XML reader.
+fn fault(error: &Error) -> String {
+    match error {
+        Error::Syntax(_) => "the document ends inside of a tag or a comment".into(),
+        Error::IllFormed(IllFormedError::MismatchedEndTag { expected, found }) => {
+            format!("`</{}>` closes `<{}>`", shown(found), shown(expected))
+        }
+        Error::IllFormed(IllFormedError::UnmatchedEndTag(found)) => format!("`</{}>` closes nothing", shown(found)),
+        Error::IllFormed(IllFormedError::UnclosedReference) => "`&` starts an entity that does not end with `;`".into(),
+        _ => "the XML is not well-formed".into(),
+    }
+}
+
 impl Document {
     /// Takes the elements out of the bytes of a file in an archive.
     ///
@@ -66,7 +80,7 @@ impl Document {
                 FormatError::Xml { format, at, reason }
             };
             match reader.read_event() {
-                Err(error) => return Err(damaged(error.to_string(), reader.error_position())),
+                Err(error) => return Err(damaged(fault(&error), reader.error_position())),
                 Ok(Event::Start(start)) => {
                     if lengths.len() == MAX_DEPTH {
                         let reason = format!("more than {MAX_DEPTH} elements inside each other");

@@ -31,7 +31,7 @@ pub(crate) const CODEC: Codec = Codec {
         name: "XYZ",
         extensions: &["xyz"],
         vendor: "any; Zygo",
-        known_by: "three columns of which the first two step like a grid; `Zygo XYZ Data File`",
+        known_by: "three columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",
         reads: "points on a grid in any order of lines; spaces, tabs, commas or semicolons; units from the header",
         writes: "",
         stores_pitch: true,
@@ -44,6 +44,8 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
+/// Names of the columns.
+const XYZ: [&str; 3] = ["x", "y", "z"];
 /// First bytes of a Zygo file.
 const ZYGO: &[u8] = b"Zygo XYZ Data File";
 /// Steps between lines are longer than so many usual steps across a line, which are jitter or none.
@@ -55,7 +57,8 @@ const MIN_STEPS: usize = 8;
 /// Spacing beyond which coordinates are not likely to be metre.
 const MAX_PLAUSIBLE_M: f64 = 1e-3;
 
-/// Whether the first lines are points of a grid: along the lines one of the first two values steps and the other stays.
+/// Whether the header names three columns x, y and z, or the first lines are points of a grid: along the lines one of the
+/// first two values steps and the other stays.
 ///
 /// A map with three columns of heights does not do that.
 fn detect(bytes: &[u8]) -> bool {
@@ -72,8 +75,24 @@ fn detect(bytes: &[u8]) -> bool {
     let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
     let head = Head::read(&probe[..end], line_end, true);
     let layout = layout(&head.first_row, line_end);
-    let Ok(table) = rows::read(&probe[head.start.min(end)..end], &layout, 0) else { return false };
-    !head.header.states_pixels() && layout.count(&head.first_row) == Some(3) && steps_like_a_grid(&table.values, whole)
+    if head.header.states_pixels() || layout.count(&head.first_row) != Some(3) {
+        return false;
+    }
+    let (before, points) = probe[..end].split_at(head.start.min(end));
+    names_points(before) || rows::read(points, &layout, 0).is_ok_and(|table| steps_like_a_grid(&table.values, whole))
+}
+
+/// Whether a line of a header names the columns x, y and z, with or without units: `x [um] y [um] z [um]` or `X;Y;Z`.
+fn names_points(head: &[u8]) -> bool {
+    utf8_or_latin1(head).lines().any(|line| {
+        let words = line.split([' ', '\t', ',', ';', ':', '#', '%', '"']).filter(|word| unit(word).is_none());
+        let names = words.map(|word| word.split(['[', '(', '/', '_']).next().unwrap_or(word));
+        names
+            .filter(|name| !name.is_empty())
+            .map(str::to_lowercase)
+            .collect::<Vec<_>>()
+            .ends_with(&XYZ.map(str::to_owned))
+    })
 }
 
 fn layout(first_row: &[u8], line_end: u8) -> Layout {
@@ -128,7 +147,10 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
         header.add(&comment);
     }
     let units = units(&header, &bytes[..start]);
-    let grid = Points(&table.values).grid().map_err(|reason| list.error(&reason))?;
+    let grid = Points(&table.values).grid().map_err(|reason| {
+        let names_point = repeats_a_point(&reason, &table.values) || steps_like_a_grid(&table.values, true);
+        if names_point { list.error(&reason) } else { no_grid() }
+    })?;
     drop(table);
     let [per_metre_x, per_metre_y, per_metre_z] = units.map(|unit| unit.unwrap_or(1.0));
     let [dx_m, dy_m] = [grid.axes[0].step / per_metre_x, grid.axes[1].step / per_metre_y];
@@ -142,6 +164,14 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     let heights_m = map(grid)?.mapv_into(|z| z / per_metre_z);
     let height_unit = units[2].and_then(crate::unit::name).map(str::to_owned);
     Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
+}
+
+/// Whether a point has the coordinates of one before it.
+fn repeats_a_point(reason: &NoGrid, values: &[f64]) -> bool {
+    let NoGrid::Twice { point } = *reason else { return false };
+    let place = |point: &[f64]| (point[0], point[1]);
+    let (before, rest) = values.split_at(3 * point);
+    before.chunks_exact(3).any(|other| place(other) == place(rest))
 }
 
 fn map(grid: Grid) -> Result<Array2<f64>, FormatError> {
@@ -224,7 +254,7 @@ impl List<'_> {
                 name(axis),
                 point,
                 format!("{steps:.2} steps off the grid"),
-                &format!("at most {TOLERANCE}; the points must lie on a grid"),
+                &format!("at most {TOLERANCE}; interpolate the heights onto a regular grid"),
             ),
             NoGrid::Twice { point } => {
                 field("the point", point, "in the place of another".into(), "one point for each place of the grid")
@@ -238,7 +268,13 @@ impl List<'_> {
 }
 
 fn unsupported(found: String) -> FormatError {
-    FormatError::Unsupported { format: Format::Xyz, found, wanted: "points on a regular grid" }
+    let wanted = "points on a regular grid; interpolate the heights onto one and save them again";
+    FormatError::Unsupported { format: Format::Xyz, found, wanted }
+}
+
+/// The error for points that lie anywhere.
+pub(crate) fn no_grid() -> FormatError {
+    unsupported("the three columns are points x, y, z that lie on no regular grid".into())
 }
 
 fn nothing(line: usize) -> FormatError {

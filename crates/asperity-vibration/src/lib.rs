@@ -57,7 +57,7 @@ mod weakening;
 use thiserror::Error;
 
 pub use batch::deterministic_slips;
-pub use clipping::{LARGEST_CLIPPED_FRACTION, kept_positive, least_fluctuation};
+pub use clipping::{LARGEST_CLIPPED_FRACTION, kept_positive};
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};

@@ -255,3 +255,19 @@ fn keys_that_do_not_fit_each_other_point_at_their_line() {
         assert!(error.message.contains(wanted) && error.line > 6, "{error}");
     }
 }
+
+#[test]
+fn a_method_that_is_far_off_its_interval_is_warned_about() {
+    let study = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n\
+                 correlation_length = \"20 um\"\ngenerator = \"spectral\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
+                 poisson_ratio = 0.3\nhardness = \"2 GPa\"\n[pressure]\nsize = [\"100 um\", \"100 um\"]\npoints = [24, 24]\n\
+                 boundary = \"free\"\npercentile = 50.0\nfine_solves = 200\nreference_samples = 1000\n";
+    let outcome = run(study);
+    let local = method(&outcome, "polynomial_chaos_local");
+    let [low, _] = local.mean_interval.unwrap();
+    // The expansion of a pressure whose hidden part leaves the sampled range lies far below all other methods.
+    assert!(local.mean_pa.unwrap() < 0.6 * low, "{local:?}");
+    let is_biased = |warning: &&String| warning.contains("is biased");
+    let warned: Vec<&String> = outcome.results.warnings.iter().filter(is_biased).collect();
+    assert!(warned.len() == 1 && warned[0].contains("polynomial_chaos_local"), "{warned:?}");
+}

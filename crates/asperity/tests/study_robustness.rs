@@ -398,9 +398,13 @@ fn the_unit_of_the_heights_of_a_scan_without_one_is_the_study_s() {
         let folder = folder_with(rough(64, 64, 16e-6) * factor);
         let text = changed(&measured(), &[("scan.npy\"", &format!("scan.npy\"\n{unit}"))]);
         let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
-        outcome.results.surface.unwrap().statistics.unwrap().Sq_m
+        (outcome.results.surface.unwrap().statistics.unwrap().Sq_m, outcome.results.warnings.join("\n"))
     };
-    let (metre, micrometre) = (of(1.0, ""), of(1e6, "height_unit = \"um\""));
+    // Without the unit the heights span metres on a field of 128 µm.
+    let ((metre, _), (_, doubt)) = (of(1.0, ""), of(1e6, ""));
+    assert!(doubt.contains("more than the field of view, 128 µm; check the units"), "{doubt}");
+    let (micrometre, none) = of(1e6, "height_unit = \"um\"");
+    assert!(!none.contains("field of view"), "{none}");
     assert!((micrometre / metre - 1.0).abs() < 1e-12, "{micrometre:e}, not {metre:e}");
 }
 

@@ -279,6 +279,27 @@ fn a_physical_stribeck_coefficient_is_one_law_under_every_load_mass_and_frequenc
 }
 
 #[test]
+fn neither_the_sweep_nor_the_number_of_paths_changes_what_is_clipped_or_where_a_crossing_is() {
+    let run = |sweep: &str, trajectories: usize| {
+        let text = MACHINE
+            .replace("friction_std = 0.001", "friction_std = 0.015")
+            .replace("\"beta:2.1,5\"", "\"normal\"")
+            .replace("[0.16, 0.18, 2]", sweep)
+            .replace("trajectories = 20\nduration = 60.0", &format!("trajectories = {trajectories}\nduration = 60.0"));
+        let text = format!("{text}damping_ratio = 0.111\ndimensionless_belt_velocity = 0.1\nupscaling = \"paper\"\n");
+        Study::parse(&text, "clipped.toml").unwrap().run(Path::new(""), None, &Silent).unwrap().results
+    };
+    for results in [run("[0.05, 0.15, 2]", 8), run("[0.1, 0.15, 2]", 16)] {
+        let paper = results.vibration.unwrap().paper;
+        // Slips reach V + μ_st + 3.719 σ, where 0.9 of the coefficient 0.1/(1 + 4.2 · 0.256) may be lost: Φ(−0.0434/0.015).
+        assert!((paper.clipped_fraction - 0.00191).abs() < 2e-5, "{}", paper.clipped_fraction);
+        // Ensembles of 1,500 paths cross 50 % between 0.10 and 0.11; so few paths scatter about that.
+        let crossing = paper.crossings[1].damping_ratio.unwrap();
+        assert!(paper.crossings[0].damping_ratio.is_some() && (0.085..0.125).contains(&crossing), "{crossing}");
+    }
+}
+
+#[test]
 fn a_dimensionless_law_warns_in_a_study_that_varies_the_load() {
     let map = "[vibration.map]\nover = \"velocity_load\"\nx = [0.003, 0.004, 1]\ny = [1.0, 2.0, 1]\ndepth = 0\ntrajectories = 4";
     let warnings = |law: &str| {

@@ -96,9 +96,6 @@ impl Check {
         let several = scans.len() > 1;
         for (file, mut scan) in section.files().iter().zip(scans) {
             let mut own = std::mem::take(&mut scan.warnings);
-            if let Some([x, y]) = section.pixel_size {
-                scan.pitch_m = Some((x.0, y.0));
-            }
             let map = HeightMap::try_from(scan).map_err(|e| Failure::data(file.display(), &e))?;
             let (missing, points) = (map.missing_points(), map.grid().points());
             if missing > 0 {

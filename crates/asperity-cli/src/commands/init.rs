@@ -52,6 +52,9 @@ impl Init {
             let path = self.dir.join(name);
             return Err(Failure::usage(format!("{} exists and is left alone; choose another folder", path.display())));
         }
+        if self.dir.is_file() {
+            return Err(Failure::usage(format!("{} is a file; choose a folder", self.dir.display())));
+        }
         fs::create_dir_all(&self.dir)
             .map_err(|e| Failure::io(Kind::Runtime, format_args!("cannot make {}", self.dir.display()), &e))?;
         for (name, bytes) in &pieces {

@@ -14,7 +14,7 @@ pub(super) fn read<T>(path: &Path, parse: impl FnOnce(&str, &str) -> Result<T, S
         _ => Failure::io(Kind::Data, path.display(), &e),
     })?;
     let text = String::from_utf8(bytes)
-        .map_err(|e| Failure::usage(format_args!("{}: not a text file: {}", path.display(), e.utf8_error())))?;
+        .map_err(|_| Failure::usage(format_args!("{}: not a text file; a study is a TOML file", path.display())))?;
     parse(&text, &path.display().to_string()).map_err(Failure::usage)
 }
 

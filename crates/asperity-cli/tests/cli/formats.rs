@@ -237,6 +237,27 @@ fn the_unit_of_heights_is_stated_and_a_contradiction_told() {
 }
 
 #[test]
+fn heights_beyond_the_field_of_a_stated_pixel_size_are_warned_about() {
+    let folder = TempDir::new().unwrap();
+    // Micrometre that no unit names: 2 m on a field of 16 µm.
+    let heights = Array2::from_shape_fn((16, 16), |(row, column)| ((row * 5 + column * 3) as f64).sin());
+    npy(folder.path(), "a.npy", heights);
+    for line in [
+        "surface stats a.npy",
+        "surface convert a.npy a.x3p",
+        "contact a.npy --youngs-modulus 1GPa --boundary periodic --percentile 50",
+    ] {
+        let warnings = |more: &str| {
+            let line = format!("{line} --pixel-size 1um {more} --json");
+            asperity_in(folder.path(), &words(&line)).json(0)["warnings"].to_string()
+        };
+        let wanted = "more than the field of view, 16 µm; check the units";
+        assert!(warnings("").contains(wanted), "{line}: {}", warnings(""));
+        assert!(!warnings("--height-unit nm").contains("field of view"), "{line}");
+    }
+}
+
+#[test]
 fn a_map_is_levelled_on_its_way_to_another_format() {
     let folder = TempDir::new().unwrap();
     let run = |line: &str| asperity_in(folder.path(), &words(line));

@@ -75,6 +75,8 @@ fn a_record_of_distance_and_one_of_time_give_the_same_process() {
 #[test]
 fn a_report_holds_process_tables_and_figures() {
     let folder = bench();
+    let nested = "friction fit m.csv --column mu --distance-column position --report out --out out/process.json";
+    run(folder.path(), nested).refuses(2, &["--out", "report folder"]);
     let line = "friction fit m.csv --column mu --distance-column position --detrend high_pass:10mm --report out --json";
     let json = run(folder.path(), line).json(0);
     assert!(number(&json, "trend_variance_share") > 0.0);

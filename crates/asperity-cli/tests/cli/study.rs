@@ -99,6 +99,9 @@ fn an_example_is_written_whole_checks_clean_and_is_never_overwritten() {
     fs::remove_file(folder.path().join("quickstart/brake_disc.x3p")).unwrap();
     run_in(folder.path(), "init quickstart").refuses(2, &["quickstart/quickstart.toml", "exists"]);
     assert_eq!(listing(&folder.path().join("quickstart")), ["quickstart.toml", "resolved.toml"]);
+    run_in(folder.path(), "init quickstart/quickstart.toml").refuses(2, &["is a file", "folder"]);
+    fs::write(folder.path().join("scan.bin"), [0xff, 0xfe]).unwrap();
+    run_in(folder.path(), "run scan.bin").refuses(2, &["scan.bin", "TOML"]);
     run_in(folder.path(), "init --example papr").refuses(2, &["papr", "paper"]);
 }
 

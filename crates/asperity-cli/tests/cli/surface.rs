@@ -40,7 +40,10 @@ fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
     fs::write(folder.path().join("map.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
     let ended = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um");
     assert_eq!(ended.code, 0);
-    assert!(ended.stderr.contains("warning: map.x3p: --pixel-size"), "{ended:?}");
+    assert!(
+        ended.stderr.contains("warning: map.x3p: the stated pixel size, 5 µm × 5 µm, replaces the file's"),
+        "{ended:?}"
+    );
     assert_eq!(read(&folder.path().join("out.x3p")).unwrap().pitch_m, Some((5e-6, 5e-6)));
     let same = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 1um");
     assert!(same.code == 0 && !same.stderr.contains("warning"), "{same:?}");

@@ -9,7 +9,7 @@ use super::File;
 use super::piece::Piece;
 use super::tree::Keys;
 use crate::FormatError;
-use crate::archive::damaged;
+use crate::archive::{damage, damaged};
 
 /// Bytes that chunks may unpack to in any file: a map of 2048 × 1024 as `f64`.
 const FREE_BYTES: usize = 1 << 24;
@@ -235,7 +235,7 @@ impl<'a> File<'a> {
                     ZlibDecoder::new(bytes.as_ref())
                         .take(limit)
                         .read_to_end(&mut unpacked)
-                        .map_err(|error| broken(error.to_string()))?;
+                        .map_err(|error| broken(damage(&error)))?;
                     Cow::Owned(unpacked)
                 }
                 Filter::Shuffle => Cow::Owned(unshuffled(&bytes, element_bytes)),

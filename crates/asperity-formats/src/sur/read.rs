@@ -10,6 +10,7 @@ use super::header::{NAME_BYTES, SPECIAL_POINTS, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
 use crate::input::Input;
 use crate::large;
+use crate::scan::FITTING_SHAPE;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -50,7 +51,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         }
     }
     let heights_m = Array2::from_shape_vec((object.ny, object.nx), heights)
-        .map_err(|error| object.header.wrong(LINES, object.ny, &error.to_string()))?;
+        .map_err(|_| object.header.wrong(LINES, object.ny, FITTING_SHAPE))?;
     let height_unit = Some(object.header.unit(Z.step_unit)?);
     Ok(Scan { metadata, warnings, height_unit, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }

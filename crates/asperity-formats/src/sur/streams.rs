@@ -2,7 +2,7 @@
 
 use flate2::read::ZlibDecoder;
 
-use crate::archive::{CHUNK_BYTES, RESERVED_NUMBERS, fill};
+use crate::archive::{CHUNK_BYTES, RESERVED_NUMBERS, damage, fill};
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
 
@@ -33,7 +33,7 @@ impl Unpacked {
         while left > 0 {
             let room = (self.chunk.len() - self.kept).min(usize::try_from(left).unwrap_or(usize::MAX));
             let place = &mut self.chunk[self.kept..self.kept + room];
-            let filled = fill(&mut source, place).map_err(|error| error.to_string())?;
+            let filled = fill(&mut source, place).map_err(|error| damage(&error))?;
             left -= filled as u64;
             if filled < room {
                 return Err(format!("it unpacks to {} bytes, not to the stated {size}", size - left));
@@ -48,7 +48,7 @@ impl Unpacked {
         match fill(&mut source, &mut [0]) {
             Ok(0) => Ok(()),
             Ok(_) => Err(format!("it unpacks to more than the stated {size} bytes")),
-            Err(error) => Err(error.to_string()),
+            Err(error) => Err(damage(&error)),
         }
     }
 }

@@ -5,7 +5,8 @@
 //! `pixel size`, `dx` and `size`. A length without a unit is in metre where no key names the unit.
 //!
 //! A conversion factor of heights comes before their unit: Koala (Lyncée Tec) states `data unit=rad` and `height conversion
-//! factor (-> m)=2.1e-07`. It leaves numbers alone that are in the target unit of the factor already (`data unit=m`).
+//! factor (-> m)=2.1e-07`. It leaves numbers alone that are in the target unit of the factor already (`data unit=m`). The units
+//! may also stand as `(V -> nm)`, as `[nm/V]`, or behind the number (`25 nm/V`). A factor that is not applied is a warning.
 
 use std::collections::BTreeMap;
 
@@ -113,6 +114,15 @@ const CHANNEL: &[&str] = &["channel", "kanal", "canal", "canale", "kanál"];
 /// Bytes of the longest of them.
 const MAX_CHANNEL_KEY: usize = 8;
 const BIT_TO_NM: &str = "bit2nm";
+const FACTOR: &str = "conversion factor";
+/// Words that may stand beside it where it converts heights.
+const OF_HEIGHTS: &[&str] = &["height", "heights", "z", "data", "value", "values"];
+/// Factors that warnings quote.
+const QUOTED_FACTORS: usize = 8;
+/// Key of a note that all decimal signs are commas.
+pub(super) const DECIMAL_SIGN: &str = "decimal sign";
+/// Key of a comment without a sign between key and value.
+const COMMENT: &str = "comment";
 const NO_DATA: &[&str] = &["nodata value", "no data value", "nodata", "no data", "missing value", "fill value"];
 /// The keys of an ESRI grid, which stand before their values without a sign between.
 pub(super) const ESRI: &[&str] =
@@ -120,11 +130,99 @@ pub(super) const ESRI: &[&str] =
 /// What marks missing points in an ESRI grid that does not say.
 const ESRI_NO_DATA: f64 = -9999.0;
 
+/// What turns numbers into heights.
+#[derive(Clone, Copy)]
+struct Factor<'a> {
+    pair: &'a Pair,
+    value: f64,
+    /// The unit that it leads from, where the header names it.
+    source: Option<&'a str>,
+    /// The unit that it leads to and how often that goes into a metre, where the header names it.
+    target: Option<(&'a str, Option<f64>)>,
+}
+
+/// The conversion factors of a header.
+struct Factors<'a> {
+    /// The factor to apply.
+    used: Option<Factor<'a>>,
+    /// Statements about factors that are not applied.
+    unused: Vec<&'a Pair>,
+}
+
 impl Pair {
-    /// The unit in brackets behind the key.
-    fn bracket(&self) -> String {
-        self.key.split_once(['(', '[']).map_or_else(String::new, |(_, bracket)| bare(target(bracket)).into())
+    /// The key and the value, for a message.
+    fn quoted(&self) -> String {
+        match self.name.as_str() {
+            COMMENT => format!("`{}`", shown(&self.value)),
+            _ => format!("`{}: {}`", shown(&self.key), shown(&self.value)),
+        }
     }
+
+    /// Whether this is a statement about a conversion factor.
+    fn is_factor(&self) -> bool {
+        self.name == BIT_TO_NM
+            || self.name.contains(FACTOR)
+            || self.name == COMMENT && self.value.to_lowercase().contains(FACTOR)
+    }
+
+    /// The factor for heights; `None` for another factor. The value is NaN where it is no number.
+    fn factor(&self, has_decimal_commas: bool) -> Option<Factor<'_>> {
+        let (value, behind) = factor_value(&self.value, has_decimal_commas).unwrap_or((f64::NAN, ""));
+        if self.name == BIT_TO_NM {
+            return Some(Factor { pair: self, value, source: None, target: Some(("nm", Some(1e9))) });
+        }
+        let (before, after) = self.name.split_once(FACTOR)?;
+        if !before.split_whitespace().chain(after.split_whitespace()).all(|word| OF_HEIGHTS.contains(&word)) {
+            return None;
+        }
+        let bracket = self.key.split_once(['(', '[']).map_or("", |(_, bracket)| bracket);
+        let (stated, other) = (units_of_factor(bracket), units_of_factor(behind));
+        let target = match [stated.1, other.1].map(|name| name.map(|name| (name, unit(name)))) {
+            // Two units that contradict each other are none.
+            [Some((name, per_metre)), Some((_, other))] => Some((name, per_metre.filter(|_| per_metre == other))),
+            [target, other] => target.or(other),
+        };
+        Some(Factor { pair: self, value, source: stated.0.or(other.0), target })
+    }
+}
+
+/// The number at the start of a text and the text behind it. A comma between digits is the decimal sign, unless it may as
+/// well separate thousands.
+fn factor_value(text: &str, has_decimal_commas: bool) -> Option<(f64, &str)> {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let sign = usize::from(text.starts_with(['+', '-']));
+    let comma = sign + digits(&text[sign..]);
+    let (value, length) = match text[comma..].strip_prefix(',') {
+        Some(rest) => {
+            let decimals = digits(rest);
+            let ends = !rest[decimals..].starts_with(['e', 'E', ',', '.']);
+            let may_be_thousands =
+                ends && decimals == 3 && (1..=3).contains(&(comma - sign)) && !text[sign..].starts_with('0');
+            if decimals == 0 || comma == sign || may_be_thousands && !has_decimal_commas {
+                return None;
+            }
+            fast_float2::parse_partial(text.replacen(',', ".", 1)).ok()?
+        }
+        None => fast_float2::parse_partial(text).ok()?,
+    };
+    let behind = &text[length..];
+    (!behind.starts_with([',', '.'])).then(|| (value, behind.trim()))
+}
+
+/// The units that a factor leads from and to: `V -> nm`, `-> nm`, `nm/V` or `nm`.
+fn units_of_factor(text: &str) -> (Option<&str>, Option<&str>) {
+    let arrow = ["->", "→"].into_iter().find_map(|arrow| text.split_once(arrow));
+    let (source, target) = match (arrow, text.split_once('/')) {
+        (Some((source, target)), _) | (None, Some((target, source))) => (source, target),
+        (None, None) => ("", text),
+    };
+    let named = |unit| Some(bare(unit)).filter(|unit| !unit.is_empty());
+    (named(source), named(target))
+}
+
+/// Whether two units are the same.
+fn is_same_unit(one: &str, other: &str) -> bool {
+    bare(one).eq_ignore_ascii_case(bare(other)) || unit(one).is_some_and(|one| unit(other) == Some(one))
 }
 
 /// The unit in a bracket, `m)` or `-> m)`.
@@ -137,7 +235,7 @@ impl Header {
     pub(crate) fn add(&mut self, line: &str) {
         let pair = line.split_once([':', '=']).map(|(key, value)| (key.trim(), value.trim()));
         let (key, value) =
-            pair.filter(|(key, value)| !key.is_empty() && !value.is_empty()).unwrap_or(("comment", line.trim()));
+            pair.filter(|(key, value)| !key.is_empty() && !value.is_empty()).unwrap_or((COMMENT, line.trim()));
         self.insert(key, value);
     }
 
@@ -208,7 +306,8 @@ impl Header {
 
     /// Whether the numbers can be heights: they have a conversion factor, a unit of length or no unit.
     pub(crate) fn may_be_heights(&self) -> bool {
-        self.factor().is_some() || self.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some())
+        self.factors().is_ok_and(|factors| factors.used.is_some())
+            || self.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some())
     }
 
     /// How often the units of x, y and z that the header names go into a metre.
@@ -219,9 +318,12 @@ impl Header {
         [x, named(Y_UNIT).or(x), named(HEIGHT_UNIT).or(any)]
     }
 
-    /// Interprets the header of a matrix of `columns` × `rows` numbers. Unknown units are doubted unless the unit
-    /// `is_stated` by the user.
-    pub(crate) fn meaning(&self, (rows, columns): (usize, usize), is_stated: bool) -> Meaning {
+    /// Interprets the header of a matrix of `columns` × `rows` numbers. Where the unit `is_stated` by the user, unknown units
+    /// are not doubted, and no factor is applied.
+    ///
+    /// # Errors
+    /// The key and the value of a conversion factor that is no number or 0, where no unit of length is stated.
+    pub(crate) fn meaning(&self, (rows, columns): (usize, usize), is_stated: bool) -> Result<Meaning, (&str, &str)> {
         let mut warnings = Vec::new();
         let pitch_m = self.pitch((rows, columns), &mut warnings);
         if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
@@ -243,18 +345,47 @@ impl Header {
                 name.contains("unit") && !X_UNIT.contains(&name) && !Y_UNIT.contains(&name) && pair.value != "m"
             })
         };
-        match (self.factor(), self.height_unit()) {
-            (Some((pair, factor, per_metre)), stated) => {
-                meaning.factor = factor;
+        let replaced = |pair: &Pair| format!("the stated height unit replaces the header's {}", pair.quoted());
+        let Factors { used, unused } = match self.factors() {
+            Ok(Factors { used: Some(factor), unused }) if is_stated => {
+                meaning.warnings.push(replaced(factor.pair));
+                Factors { used: None, unused }
+            }
+            Err(pair) if is_stated => {
+                meaning.warnings.push(replaced(pair));
+                Factors { used: None, unused: Vec::new() }
+            }
+            Err(pair) => return Err((&pair.key, &pair.value)),
+            Ok(factors) => factors,
+        };
+        let not_used = |pair: &&Pair| format!("the header states {}, which was not used", pair.quoted());
+        meaning.warnings.extend(unused.iter().take(QUOTED_FACTORS).map(not_used));
+        match (used, self.height_unit()) {
+            (Some(Factor { pair, value, source, target }), stated) => {
+                let (name, per_metre) = target.map_or(("m", 1.0), |(name, per_metre)| (name, per_metre.unwrap_or(1.0)));
+                meaning.factor = value;
                 meaning.convert(&pair.key, per_metre);
-                meaning.unit = Some(if pair.name == BIT_TO_NM { "nm".into() } else { pair.bracket() });
+                meaning.unit = Some(name.into());
                 if let Some((key, unit, Some(other))) = stated
                     && other != per_metre
+                    && source.is_none()
                 {
                     let (key, unit, factor) = (shown(key), shown(unit), shown(&pair.key));
                     meaning
                         .warnings
                         .push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
+                }
+                if target.is_none() {
+                    let quoted = pair.quoted();
+                    meaning
+                        .warnings
+                        .push(format!("the header states {quoted} without a unit; it was taken to give metre"));
+                }
+                if value < 0.0 {
+                    let quoted = pair.quoted();
+                    meaning.warnings.push(format!(
+                        "the header states {quoted}; this negative factor turns the surface upside down"
+                    ));
                 }
             }
             (None, Some((_, unit, Some(per_metre)))) => {
@@ -273,23 +404,52 @@ impl Header {
                 }
             }
         }
-        meaning
+        Ok(meaning)
     }
 
-    /// The factor that turns numbers into heights, and how often its unit goes into a metre.
+    /// The factor that turns numbers into heights, and the statements about factors that do not.
     ///
     /// `Bit2nm` of SPIP leads to nanometre, `height conversion factor (-> m)` to any unit, unless the numbers are in it already.
-    fn factor(&self) -> Option<(&Pair, f64, f64)> {
-        let number = |pair: &Pair| pair.value.parse().ok().filter(|factor: &f64| factor.is_finite() && *factor != 0.0);
-        let found = |name: &str, unit: fn(&Pair) -> Option<f64>| {
-            let pair = self.find(&[name])?;
-            Some((pair, number(pair)?, unit(pair)?))
-        };
-        let is_done =
-            |per_metre: f64| self.height_unit().is_some_and(|(_, _, of_numbers)| of_numbers == Some(per_metre));
-        found(BIT_TO_NM, |_| Some(1e9)).or_else(|| {
-            found("height conversion factor", |pair| pair.unit).filter(|&(_, _, per_metre)| !is_done(per_metre))
-        })
+    /// A factor without a unit leads to metre where it is the only one and no unit of length is stated.
+    ///
+    /// # Errors
+    /// A factor that is no number or 0, where no unit of length is stated.
+    fn factors(&self) -> Result<Factors<'_>, &Pair> {
+        let stated = self.height_unit();
+        let length = stated.and_then(|(_, _, per_metre)| per_metre);
+        let has_decimal_commas = self.find(&[DECIMAL_SIGN]).is_some();
+        let (mut known, mut unused) = (Vec::new(), Vec::new());
+        for pair in self.pairs.iter().filter(|pair| pair.is_factor()) {
+            let Some(factor) = pair.factor(has_decimal_commas) else {
+                unused.push(pair);
+                continue;
+            };
+            let is_bit = pair.name == BIT_TO_NM;
+            let leads_nowhere = matches!(factor.target, Some((_, None)));
+            // Koala states the factor of phases also above heights.
+            let is_done =
+                length.is_some() && !is_bit && factor.target.map_or(Some(1.0), |(_, target)| target) == length;
+            let is_of_other_unit =
+                stated.zip(factor.source).is_some_and(|((_, unit, _), source)| !is_same_unit(unit, source));
+            if is_done && !factor.source.is_some_and(|source| unit(source) == length) {
+                continue;
+            }
+            if leads_nowhere || is_of_other_unit || factor.target.is_none() && length.is_some() {
+                unused.push(pair);
+            } else if factor.value.is_finite() && factor.value != 0.0 {
+                known.push(factor);
+            } else if length.is_some() && !is_bit {
+                unused.push(pair);
+            } else {
+                return Err(pair);
+            }
+        }
+        let named = known.iter().position(|factor| factor.pair.name == BIT_TO_NM);
+        let named = named.or_else(|| known.iter().position(|factor| factor.target.is_some()));
+        let place = named.or_else(|| Some(0).filter(|_| known.len() == 1));
+        let used = place.map(|place| known.remove(place));
+        unused.extend(known.iter().map(|factor| factor.pair));
+        Ok(Factors { used, unused })
     }
 
     fn no_data(&self) -> Option<f64> {
@@ -313,24 +473,33 @@ impl Header {
         if let Some(cell) = self.find(&["cellsize"]).and_then(|pair| steps(pair, x_unit)) {
             return Some((cell.metre[0], cell.metre[0]));
         }
+        // Numbers that equal those of the points count them, unless a unit of their own or a lateral one makes them lengths.
+        let has_lateral = self.find(X_UNIT).is_some_and(|pair| unit(&pair.value).is_some());
+        let is_length = |pair: &Pair| has_lateral || steps(pair, None).is_some_and(|lengths| lengths.has_unit);
         // Sizes are those of all points: columns · dx, as Gwyddion and SPIP count them.
         let pitch = |(width_m, height_m): (f64, f64)| (width_m / columns as f64, height_m / rows as f64);
-        if let Some(size) = self.find(SIZE).and_then(|pair| steps(pair, x_unit))
+        if let Some((pair, size)) = self.find(SIZE).and_then(|pair| Some((pair, steps(pair, x_unit)?)))
             && size.has_unit
-            && size.numbers() != [columns as f64, rows as f64]
+            && (is_length(pair) || size.numbers() != [columns as f64, rows as f64])
         {
             return Some(pitch(size.pair(warnings)));
         }
         let nanometre = is_spip().then_some(1e9);
-        let width = self.find(WIDTH).and_then(|pair| steps(pair, x_unit.or(nanometre)))?;
-        let Some(height) = self.find(HEIGHT).and_then(|pair| steps(pair, y_unit.or(nanometre))) else {
+        let named = |names, unit: Option<f64>| {
+            let pair = self.find(names)?;
+            Some((pair, steps(pair, unit.or(nanometre))?))
+        };
+        let (x, width) = named(WIDTH, x_unit)?;
+        let Some((y, height)) = named(HEIGHT, y_unit) else {
             if width.has_unit {
                 warnings.push("the header states a width but no height; no pixel size was read".into());
             }
             return None;
         };
         let counts = [width.numbers(), height.numbers()].concat();
-        let are_lengths = width.has_unit && height.has_unit && counts != [columns as f64, rows as f64];
+        let are_counts =
+            counts == [columns as f64, rows as f64] && nanometre.is_none() && !(is_length(x) && is_length(y));
+        let are_lengths = width.has_unit && height.has_unit && !are_counts;
         are_lengths.then(|| pitch((width.metre[0], height.metre[0])))
     }
 

@@ -10,7 +10,7 @@ use weezl::{BitOrder, LzwStatus};
 
 use super::directory::{Directory, Tag};
 use super::tag;
-use crate::archive::{beyond_reason, damaged, may_unpack};
+use crate::archive::{beyond_reason, damage, damaged, may_unpack};
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError};
 
@@ -81,7 +81,7 @@ pub(super) fn decode(
         let bytes = input.take(&name, usize::try_from(offset).unwrap_or(usize::MAX), size)?;
         let mut source = unpacked(bytes, packing);
         for y in top..top + rows {
-            source.read_exact(&mut row).map_err(|error| damaged(Format::Tiff, &name, error.to_string()))?;
+            source.read_exact(&mut row).map_err(|error| damaged(Format::Tiff, &name, damage(&error)))?;
             numbers.clear();
             match predictor {
                 Predictor::None => sample.decode(order, &row, &mut numbers),

@@ -13,6 +13,7 @@ use super::metadata::metadata;
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
+use crate::scan::FITTING_SHAPE;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 /// First bytes of the two versions.
@@ -141,5 +142,5 @@ fn heights(
     if zeros > 0 {
         warnings.push(format!("{zeros} heights are 0, which may stand for missing points; they were kept"));
     }
-    Array2::from_shape_vec((ny, nx), heights).map_err(|error| input.wrong(width.0, width.1, nx, &error.to_string()))
+    Array2::from_shape_vec((ny, nx), heights).map_err(|_| input.wrong(width.0, width.1, nx, FITTING_SHAPE))
 }

@@ -86,8 +86,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatEr
         warnings
             .push(format!("the file states the origin `{origin}`; its first line was taken for the top all the same"));
     }
-    let heights_m =
-        Array2::from_shape_vec((ny, nx), heights).map_err(|error| damaged(Format::X3p, MAIN, error.to_string()))?;
+    let heights_m = Array2::from_shape_vec((ny, nx), heights)
+        .map_err(|_| damaged(Format::X3p, MAIN, "its heights do not fill their shape".into()))?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }

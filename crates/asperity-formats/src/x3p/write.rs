@@ -11,7 +11,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
-use crate::archive::{damaged, hexadecimal, may_hold, unpacked_limit};
+use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit};
 use crate::{Format, FormatError, Scan};
 
 /// The schema of ISO 5436-2, which ISO 25178-72 took over and readers look for.
@@ -94,7 +94,7 @@ fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>, FormatErro
 }
 
 fn unwritten(error: ZipError) -> FormatError {
-    damaged(Format::X3p, "archive", error.to_string())
+    damaged(Format::X3p, "archive", damage_of_zip(&error))
 }
 
 fn zip<'a>(files: &[(&'a str, &[u8])], method: impl Fn(&'a str) -> CompressionMethod) -> Result<Vec<u8>, ZipError> {

@@ -34,6 +34,19 @@ fn ole(stream: &str) -> Vec<u8> {
     bytes
 }
 
+/// An RHK file: the size of its header and its version in UTF-16.
+fn rhk(version: &str) -> Vec<u8> {
+    let version: Vec<u8> = version.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    [[0xaa, 0].as_slice(), &version, &[0; 64]].concat()
+}
+
+/// A Leica file: a block of XML in UTF-16 behind its size and the number of its letters.
+fn leica() -> Vec<u8> {
+    let xml: Vec<u8> = "<LMSDataContainerHeader/>".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let letters = (xml.len() as u32 / 2).to_le_bytes();
+    [[0x70, 0, 0, 0, 0x37, 0, 0, 0, 0x2a].as_slice(), &letters, &xml].concat()
+}
+
 #[test]
 fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
     let stl = [[b' '; 80].as_slice(), &2_u32.to_le_bytes(), &[1; 100]].concat();
@@ -73,6 +86,20 @@ fn files_of_known_formats_are_refused_by_name_with_a_way_out() {
         (zip(&[("readme.txt", b"hello")]), "a zip archive", "unpack"),
         (tar, "a tar archive", "unpack"),
         (b"BZh91AY&SY\x00".to_vec(), "a bzip2 archive", "unpack"),
+        (rhk("STiMage 005.006 1"), "an RHK SM3 or SM4 file", "GWY"),
+        (rhk("STiMage 004.002 1"), "an RHK SM3 or SM4 file", "GWY"),
+        (leica(), "a Leica LIF file", "as text"),
+        (b"\xda\xce\xbe\x0a\x20\0\0\0\x40\0\0\0\0\0\0\0ND2 FILE".to_vec(), "a Nikon ND2 file", "as text"),
+        (b"SQLite format 3\0\x10\0".to_vec(), "a SQLite database", "instrument's program"),
+        (
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n".to_vec(),
+            "a Git LFS pointer",
+            "fetch the file itself",
+        ),
+        (b"\n<!DOCTYPE html>\n<html><body>404</body></html>".to_vec(), "an HTML page", "fetch the file"),
+        (b"\xef\xbb\xbf<HTML><HEAD>".to_vec(), "an HTML page", "fetch the file"),
+        (b"{\n  \"heights\": [1, 2]\n}".to_vec(), "a JSON text", "NPY or text"),
+        (b"[[1, 2], [3, 4]]".to_vec(), "a JSON text", "NPY or text"),
     ];
     for (bytes, name, way_out) in cases {
         assert_eq!(Format::detect(&bytes), None, "{name}");
@@ -145,4 +172,24 @@ fn a_file_beyond_the_limit_is_refused_with_its_own_size() {
     fs::File::options().write(true).open(&path).unwrap().set_len(5_000_000_000).unwrap();
     let message = read(&path).unwrap_err().to_string();
     assert!(message.contains("the file's size in bytes (byte 0) is 5000000000; the limit is"), "{message}");
+}
+
+#[test]
+fn archives_that_are_cut_off_are_told_in_words() {
+    // The name of the main file stands in the first half of the one, and only in the directory of the other.
+    let noise: Vec<u8> = (0..4000_u32).map(|n| (n.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    for (files, message) in [
+        (
+            [("main.xml", b"<a/>".as_slice()), ("bindata/data.bin", &noise)],
+            "X3P: archive: the zip archive has no valid directory at its end; the file is cut off or damaged",
+        ),
+        (
+            [("bindata/data.bin", &noise), ("main.xml", b"<a/>")],
+            "this is a zip archive without a valid directory at its end, which is not read; the file is cut off or damaged; \
+             copy or download it again",
+        ),
+    ] {
+        let bytes = zip(&files);
+        assert_eq!(read_bytes(&bytes[..bytes.len() / 2]).unwrap_err().to_string(), message);
+    }
 }

@@ -32,3 +32,10 @@ fn a_damaged_gzip_stream_is_told() {
     bytes[end - 8] ^= 1;
     assert!(read_bytes(&bytes).unwrap_err().to_string().starts_with("gzip: stream: "));
 }
+
+#[test]
+fn a_gzip_stream_that_is_cut_off_is_told_in_words() {
+    let bytes = gzip(TEXT);
+    let message = read_bytes(&bytes[..bytes.len() / 2]).unwrap_err().to_string();
+    assert_eq!(message, "gzip: stream: the compressed stream ends early; the file is cut off");
+}

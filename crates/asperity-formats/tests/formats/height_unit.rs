@@ -67,3 +67,54 @@ fn a_word_that_is_no_unit_of_length_is_refused() {
     let error = "V".parse::<asperity_formats::LengthUnit>().unwrap_err();
     assert!(matches!(error, FormatError::UnknownUnit { .. }), "{error}");
 }
+
+#[test]
+fn a_stated_unit_replaces_the_conversion_factor_of_the_file() {
+    let koala = b"data unit=rad\nheight conversion factor (-> m)=6.3e-8\n1 2\n3 4\n";
+    let scan = read(koala, "nm");
+    assert_heights(&scan, &[1e-9, 2e-9, 3e-9, 4e-9]);
+    assert_eq!(
+        scan.warnings,
+        [
+            "the stated height unit replaces the header's `height conversion factor (-> m): 6.3e-8`",
+            "the stated height unit, nm, replaces the file's rad"
+        ]
+    );
+    // A factor beside the unit that is stated, and one that is none.
+    let scan = read(b"# height unit: nm\n# height conversion factor (-> m) = 2e-9\n1 2\n3 4\n", "nm");
+    assert_heights(&scan, &[1e-9, 2e-9, 3e-9, 4e-9]);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("2e-9")), "{:?}", scan.warnings);
+    assert_heights(&read(b"# conversion factor = none\n1 2\n3 4\n", "um"), &[1e-6, 2e-6, 3e-6, 4e-6]);
+}
+
+#[test]
+fn heights_are_compared_with_the_field_of_a_stated_pixel_size() {
+    let npy = write_npy(&Scan::new(array![[0.0, 1.5], [0.5, 2.0]], None));
+    let warnings = |unit: Option<&str>, pitch_m: f64| {
+        let height_unit = unit.map(|unit| unit.parse().unwrap());
+        let options = ReadOptions { height_unit, pitch_m: Some((pitch_m, pitch_m)), ..ReadOptions::default() };
+        let scan = read_bytes_with(&npy, &options).unwrap();
+        assert_eq!(scan.pitch_m, Some((pitch_m, pitch_m)));
+        scan.warnings
+    };
+    // In metre the heights span 2 m, in micrometre 2 µm; the field is two pixels wide.
+    assert_eq!(warnings(None, 1e-5), ["the heights span 2 m, more than the field of view, 20 µm; check the units"]);
+    assert_eq!(warnings(Some("um"), 1e-5), [] as [String; 0]);
+    assert_eq!(
+        warnings(Some("um"), 0.5e-6),
+        ["the heights span 2 µm, more than the field of view, 1 µm; check the units"]
+    );
+}
+
+#[test]
+fn a_stated_pixel_size_replaces_that_of_the_file_with_a_warning() {
+    let read = |text: &[u8], pitch_m| {
+        let options = ReadOptions { pitch_m: Some(pitch_m), ..ReadOptions::default() };
+        let scan = read_bytes_with(text, &options).unwrap();
+        assert_eq!(scan.pitch_m, Some(pitch_m));
+        scan.warnings
+    };
+    let text = b"# unit: nm\n# pixel size: 2 um\n1 2\n3 4\n";
+    assert_eq!(read(text, (2e-6, 2e-6)), [] as [String; 0]);
+    assert_eq!(read(text, (4e-6, 2e-6)), ["the stated pixel size, 4 µm × 2 µm, replaces the file's, 2 µm × 2 µm"]);
+}

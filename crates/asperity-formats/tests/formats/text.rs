@@ -151,8 +151,8 @@ fn what_is_no_number_names_its_line_and_column() {
     // In one column a comma could be a separator.
     let error = read_bytes(b"1\n2,5\n").unwrap_err();
     assert!(error.to_string().ends_with("is `2,5`; wanted a number with a decimal point"), "{error}");
-    let error = read_bytes(b"x,y,z\n1,2,3\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 1 (line 1) is `x`"), "{error}");
+    let error = read_bytes(b"a,b,c\n1,2,3\n").unwrap_err();
+    assert!(error.to_string().starts_with("text: value 1 (line 1) is `a`"), "{error}");
     // Beyond f64 is not the same as infinite.
     assert!(read_bytes(b"1 1e999\n").unwrap_err().to_string().contains("`1e999`"));
 }
@@ -358,6 +358,97 @@ fn a_conversion_factor_comes_before_the_unit() {
     let heights = KOALA.replace("data unit=rad", "data unit=m");
     let scan = read_bytes(format!("{heights}{MATRIX}").as_bytes()).unwrap();
     assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+}
+
+#[test]
+fn a_conversion_factor_is_written_in_many_ways() {
+    for (header, factor) in [
+        ("data unit=rad\nheight conversion factor (-> m)=6,3e-8", 6.3e-8),
+        ("data unit=rad\nheight conversion factor (-> m): 6.3E-8 m/rad", 6.3e-8),
+        ("# data unit: rad\n# height conversion factor: 63 nm/rad", 63e-9),
+        ("# z-unit = V\n# conversion factor (V -> nm) = 25", 25e-9),
+        ("# z-unit = V\n# z conversion factor [nm/V] = 25", 25e-9),
+        ("# conversion factor (V → nm) = +25", 25e-9),
+        ("# unit: nm\n# conversion factor (nm -> m) = 1e-9", 1e-9),
+        ("# height conversion factor (-> um) = 1,234e-1", 0.1234e-6),
+        ("# height conversion factor (-> um) = 0,125", 0.125e-6),
+    ] {
+        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
+        for (z, number) in scan.heights_m.iter().zip(1..) {
+            assert!((z / (f64::from(number) * factor) - 1.0).abs() < 1e-14, "{header}: {z:e}");
+        }
+        assert_eq!(scan.warnings, [] as [String; 0], "{header}");
+    }
+    // In a file of decimal commas a comma separates no thousands.
+    let scan = read_bytes(b"# height conversion factor (-> um) = 1,250\n0,5 2\n").unwrap();
+    assert_heights(&scan, &[0.625e-6, 2.5e-6]);
+}
+
+#[test]
+fn a_conversion_factor_without_a_unit_leads_to_metre_with_a_warning() {
+    let scan = read_bytes(format!("# unit: rad\n# conversion factor = 6.3e-8\n{MATRIX}").as_bytes()).unwrap();
+    assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
+    let told = "the header states `conversion factor: 6.3e-8` without a unit; it was taken to give metre";
+    assert_eq!(scan.warnings, [told]);
+}
+
+#[test]
+fn a_negative_conversion_factor_is_applied_with_a_warning() {
+    let text = format!("data unit=rad\nheight conversion factor (-> m)=-1e-8\n{MATRIX}");
+    let scan = read_bytes(text.as_bytes()).unwrap();
+    assert_heights(&scan, &[-1e-8, -2e-8, -3e-8, -4e-8, -5e-8, -6e-8]);
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("upside down")), "{:?}", scan.warnings);
+}
+
+#[test]
+fn a_conversion_factor_that_is_not_applied_is_quoted() {
+    for (header, quoted, z) in [
+        ("# unit: nm\n# conversion factor (V -> um) = 25", "`conversion factor (V -> um): 25`", 1e-9),
+        ("# unit: nm\n# conversion factor = 2", "`conversion factor: 2`", 1e-9),
+        ("# unit: nm\n# height conversion factor (-> m) = abc", "`height conversion factor (-> m): abc`", 1e-9),
+        ("# height conversion factor (-> V) = 63", "`height conversion factor (-> V): 63`", 1.0),
+        ("# height conversion factor (-> m) = 2 nm/rad", "`height conversion factor (-> m): 2 nm/rad`", 1.0),
+        ("# lateral conversion factor = 2", "`lateral conversion factor: 2`", 1.0),
+        ("# the conversion factor is 6.3e-8 m", "`the conversion factor is 6.3e-8 m`", 1.0),
+        ("# height conversion factor = 2\n# z conversion factor = 3", "`z conversion factor: 3`", 1.0),
+    ] {
+        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
+        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
+        let told = format!("the header states {quoted}, which was not used");
+        assert!(scan.warnings.contains(&told), "{header}: {:?}", scan.warnings);
+    }
+    // Koala states the factor of phases also above heights.
+    let scan = read_bytes(format!("data unit=m\nheight conversion factor (-> m)=0\n{MATRIX}").as_bytes()).unwrap();
+    assert_eq!(scan.warnings, [] as [String; 0]);
+}
+
+#[test]
+fn a_conversion_factor_that_is_no_number_or_zero_is_refused_with_its_line() {
+    for value in ["abc", "0", "nan", "inf", "-0.0", "1,250", "1,2,3"] {
+        let text = format!("# data unit: rad\n\n# height conversion factor (-> m) = {value}\n{MATRIX}");
+        let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
+        let wanted =
+            format!("text: height conversion factor (-> m) (line 3) is `{value}`; wanted a number other than 0");
+        assert!(error.starts_with(&wanted), "{error}");
+    }
+}
+
+#[test]
+fn a_size_with_a_unit_of_its_own_is_a_length_whatever_its_number() {
+    for header in [
+        "# Width: 3.0 µm\n# Height: 2.0 µm",
+        "# Width [um]: 3\n# Height [um]: 2",
+        "# Width: 3\n# Height: 2\n# xy unit: um",
+        "# size: 3 um x 2 um",
+        "# size: 3 x 2 um",
+    ] {
+        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
+        let (dx_m, dy_m) = scan.pitch_m.unwrap_or_else(|| panic!("{header}"));
+        assert!((dx_m / 1e-6 - 1.0).abs() < 1e-14 && (dy_m / 1e-6 - 1.0).abs() < 1e-14, "{header}: {dx_m} {dy_m}");
+    }
+    // The unit of the heights makes no lengths of the numbers of points.
+    let scan = read_bytes(format!("# Width: 3\n# Height: 2\n# unit: um\n{MATRIX}").as_bytes()).unwrap();
+    assert_eq!(scan.pitch_m, None);
 }
 
 #[test]

@@ -305,3 +305,61 @@ fn a_map_as_xyz_lies_like_the_same_map_as_sur_and_as_a_matrix() {
     assert_eq!(xyz.heights_m.dim(), (5, 7));
     assert!(matrix.heights_m.iter().zip(&xyz.heights_m).all(|(a, b)| (a - b).abs() < 1e-12));
 }
+
+/// 20 × 20 points of a square grid of step 1, each moved.
+fn moved(moved: impl Fn(f64, f64) -> (f64, f64)) -> String {
+    let point = |place: u32| {
+        let (x, y) = moved(f64::from(place % 20), f64::from(place / 20));
+        format!("{x:.4} {y:.4} {:.4}\n", 1.0 + f64::from(place).sin())
+    };
+    (0..400).map(point).collect()
+}
+
+#[test]
+fn points_on_no_grid_are_refused() {
+    let turned = moved(|x, y| (0.866 * x - 0.5 * y, 0.5 * x + 0.866 * y));
+    // Moved by up to 0.3 steps, by the fractions of multiples of irrational numbers.
+    let jitter = |x: f64, y: f64, factor: f64| 0.6 * ((x + 20.0 * y) * factor).fract() - 0.3;
+    let jittered = moved(|x, y| (x + jitter(x, y, 0.618_034), y + jitter(x, y, 0.754_878)));
+    // Anywhere, in any order, with heights of a hundredth of the range.
+    let anywhere: String = (0..400)
+        .map(f64::from)
+        .map(|n| format!("{} {} {}\n", (n * 0.754_878).fract(), (n * 0.569_84).fract(), 0.01 * (n * 0.3).sin()))
+        .collect();
+    for points in [&turned, &jittered, &anywhere] {
+        for header in ["# x [um] y [um] z [um]\n", "x;y;z\n", "X (mm), Y (mm), Z (um)\n"] {
+            let error = read_bytes(format!("{header}{points}").as_bytes()).unwrap_err().to_string();
+            let is_told = |words| error.starts_with(&format!("XYZ: the {words}"));
+            assert!(
+                is_told("three columns are points x, y, z that lie on no regular grid")
+                    || is_told("points have no grid")
+            );
+            assert!(error.contains("interpolate the heights onto one"), "{error}");
+        }
+        // A pixel size tells a map.
+        let text = format!("# pixel size: 1 um\n{points}");
+        assert_eq!(read_bytes(text.as_bytes()).unwrap().heights_m.dim(), (400, 3));
+    }
+}
+
+#[test]
+fn three_columns_in_a_file_named_xyz_are_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        asperity_formats::read(&path)
+    };
+    let map = "1 2 3\n4 5 6\n7 9 9\n";
+    let error = write("map.xyz", map).unwrap_err().to_string();
+    assert!(
+        error.contains("map.xyz: XYZ: the three columns are points x, y, z that lie on no regular grid"),
+        "{error}"
+    );
+    let sized = "# pixel size: 1 um\n1 2 3\n4 5 6\n";
+    for (name, text) in [("map.txt", map), ("map.xyz", "1 2\n3 4\n"), ("map.xyz", sized)] {
+        assert_eq!(write(name, text).unwrap().format, Some(Format::Text), "{name}: {text}");
+    }
+    // Too few points for the steps to tell.
+    assert_eq!(write("grid.xyz", "0 0 1\n1 0 2\n0 1 3\n1 1 4\n").unwrap().heights_m.dim(), (2, 2));
+}

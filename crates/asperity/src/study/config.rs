@@ -141,7 +141,8 @@ pub struct SurfaceSection {
     /// Pixel size (x, y) of a scan that states none, or one for both; overrides the file's.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     pub pixel_size: Option<[Length; 2]>,
-    /// Unit of the heights of a scan that states none, such as `um`; overrides the file's.
+    /// Unit of the heights of a scan that states none, such as `um`; overrides the file's, and a conversion factor in the header
+    /// of a text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_unit: Option<String>,
     /// Form removed from the scan.
@@ -280,7 +281,8 @@ impl SurfaceSection {
     pub fn read_scans(&self, folder: &Path) -> Result<Vec<Scan>, FormatError> {
         let channel = self.channel.as_deref().map(Channel::from);
         let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
-        let options = ReadOptions { channel, height_unit };
+        let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
+        let options = ReadOptions { channel, height_unit, pitch_m };
         self.files().iter().map(|file| asperity_formats::read_with(&folder.join(file), &options)).collect()
     }
 

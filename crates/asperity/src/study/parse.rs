@@ -85,7 +85,7 @@ fn explain(message: &str) -> String {
     } else if message.starts_with("unknown variant") {
         "value"
     } else {
-        return message.into();
+        return wrong_type(message).unwrap_or_else(|| message.into());
     };
     let [found, known @ ..] = names.as_slice() else {
         return message.into();
@@ -97,6 +97,34 @@ fn explain(message: &str) -> String {
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let hint = nearest.map_or_else(String::new, |(_, name)| format!("; did you mean `{name}`?"));
     format!("unknown {kind} `{found}`{hint} (known: {})", known.join(", "))
+}
+
+/// Turns serde's "invalid type: floating point `2.5`, expected usize" into "`2.5` is not a whole number".
+fn wrong_type(message: &str) -> Option<String> {
+    let (found, wanted) = message
+        .strip_prefix("invalid type: ")
+        .or(message.strip_prefix("invalid value: "))?
+        .rsplit_once(", expected ")?;
+    let wanted = match wanted {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0 on",
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
+        "f32" | "f64" => "a number",
+        "a boolean" => "true or false",
+        "a sequence" => "a list",
+        "a map" => "a table",
+        wanted => wanted,
+    };
+    // "integer `7`", "string \"640 s\"", "integer `99999999999999999999` as i128".
+    let found = found
+        .split_once('`')
+        .and_then(|(_, rest)| Some(format!("`{}`", rest.rsplit_once('`')?.0)))
+        .unwrap_or_else(|| match found {
+            "sequence" => "a list".into(),
+            "map" => "a table".into(),
+            found => found.strip_prefix("string ").unwrap_or(found).into(),
+        });
+    let is_too_large = message.contains("` as i128");
+    Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {wanted}") })
 }
 
 #[cfg(test)]
@@ -185,6 +213,10 @@ percentile = 50.0
             ("seed = 2016", "seed = ", 2, ""),
             ("[pressure]", "[presure]", 10, "did you mean `pressure`?"),
             ("marginal = \"normal\"", "marginal = \"norml\"", 5, "norml"),
+            ("seed = 2016", "seed = 2.5", 2, "`2.5` is not a whole number from 0 on"),
+            ("seed = 2016", "seed = 99999999999999999999", 2, "99999999999999999999"),
+            ("percentile = 50.0", "percentile = \"50 %\"", 13, "\"50 %\" is not a number"),
+            ("[64, 64]", "[64, [2]]", 12, "a list is not a whole number"),
         ] {
             let error = error(from, to);
             assert_eq!(error.line, line, "{from} → {to}: {error}");

@@ -19,6 +19,9 @@ use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
 use entries::Posed;
 
+/// Bias over the mean pressure of a method from which it is warned.
+const LARGE_BIAS: f64 = 0.25;
+
 /// The half-space of a section, and its mean compliance where it is periodic.
 pub(super) fn half_space(
     section: &'static str,
@@ -99,6 +102,17 @@ pub(super) fn run(
         let pooled = |reason: &&MethodError| matches!(reason, MethodError::CellsDiffer { .. });
         if let Some(reason) = method.outcome.as_ref().err().filter(|reason| !pooled(reason)) {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
+        }
+        let estimate = method.outcome.as_ref().ok().map(|(estimate, _)| estimate);
+        let bias = estimate.and_then(|found| found.mean_bias_pa.map(|bias_pa| (found.mean_pa, bias_pa)));
+        if let Some((mean_pa, bias_pa)) = bias.filter(|(mean_pa, bias_pa)| bias_pa.abs() > LARGE_BIAS * mean_pa) {
+            warnings.push(format!(
+                "pressure method {} is biased: samples that it was not fitted to move its mean from {} to {}; its intervals are corrected, \
+                 its other numbers are not",
+                method.method.name(),
+                sentence::si(mean_pa, "Pa"),
+                sentence::si(mean_pa - bias_pa, "Pa"),
+            ));
         }
     }
     let posed = Posed { cell: (row, column), mean_compliance_m_per_pa, separation_m };

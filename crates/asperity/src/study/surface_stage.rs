@@ -130,16 +130,6 @@ pub(super) fn measure(
     output: &mut StageOutput,
 ) -> Result<Measured, StudyError> {
     output.warnings.append(&mut scan.warnings);
-    if let Some([x, y]) = section.pixel_size {
-        if let Some(pitch) = scan.pitch_m.filter(|pitch| *pitch != (x.0, y.0)) {
-            output.warnings.push(format!(
-                "the pixel size of {file}, {}, is overridden by the study's, {}",
-                sentence::size(pitch.0, pitch.1),
-                sentence::size(x.0, y.0)
-            ));
-        }
-        scan.pitch_m = Some((x.0, y.0));
-    }
     let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
     let preparation = section.preparation();
     let prepared = preparation.apply(&raw)?;

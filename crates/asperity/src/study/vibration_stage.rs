@@ -23,7 +23,7 @@ use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     DampingSweep, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError, critical_damping,
-    crossings_without_fluctuation, cycle_portrait, deterministic_slips, least_fluctuation, limit_cycle, limit_damping,
+    crossings_without_fluctuation, cycle_portrait, deterministic_slips, kept_positive, limit_cycle, limit_damping,
     smallest_kick, trajectory_portrait,
 };
 
@@ -35,8 +35,8 @@ const TRAJECTORY_SPAN: f64 = 120.0;
 const CLOUD_TRAJECTORIES: usize = 60;
 /// Levels of the mean time in vibration whose damping ratios are results.
 const SHARES: [f64; 3] = [0.95, 0.5, 0.05];
-/// Slip speeds to be prepared for, over the expected ones.
-const SPEEDS: [f64; 3] = [1.0, 5.0, 25.0];
+/// Multiples of the fastest expected slip for which friction is kept positive, tried in turn while slips turn out to be faster.
+const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Scatter of μ below which friction counts as constant.
 const NO_SCATTER: f64 = 1e-12;
 
@@ -172,24 +172,24 @@ impl Ensembles<'_> {
     ///
     /// # Errors
     /// More of its values are clipped than the study allows.
-    fn process(&self, scatter: &Scatter, speeds: f64) -> Result<Option<FrictionProcess>, StudyError> {
+    fn process(&self, scatter: &Scatter, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
         if scatter.std < NO_SCATTER {
             return Ok(None);
         }
-        let model = self.model(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, speeds);
+        let model = self.model(&self.oscillator, scatter.marginal.clone(), scatter.std, 1.0, margin);
         self.clipped(&model, scatter.name)?;
         Ok(Some(FrictionProcess::new(model)?))
     }
 
     /// The process of a machine under a multiple of the load.
-    fn model(&self, oscillator: &Oscillator, marginal: Marginal, std: f64, load: f64, speeds: f64) -> ProcessModel {
-        ProcessModel {
+    fn model(&self, oscillator: &Oscillator, marginal: Marginal, std: f64, load: f64, margin: f64) -> ProcessModel {
+        let model = ProcessModel {
             shape: self.shape.in_unit(load),
             generator: self.generator(&marginal),
             correlation: self.window.correlation,
-            least: Some(least_fluctuation(oscillator, speeds)),
             ..ProcessModel::new(marginal, std, self.correlation_length / load)
-        }
+        };
+        kept_positive(oscillator, model, margin)
     }
 
     /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
@@ -227,10 +227,10 @@ impl Ensembles<'_> {
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let mut ended = self.run_clamped(scatter, SPEEDS[0], monitor, warnings);
-        for speeds in &SPEEDS[1..] {
+        let mut ended = self.run_clamped(scatter, MARGINS[0], monitor, warnings);
+        for margin in &MARGINS[1..] {
             if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = ended {
-                ended = self.run_clamped(scatter, *speeds, monitor, warnings);
+                ended = self.run_clamped(scatter, *margin, monitor, warnings);
             }
         }
         ended
@@ -239,14 +239,14 @@ impl Ensembles<'_> {
     fn run_clamped(
         &self,
         scatter: &Scatter,
-        speeds: f64,
+        margin: f64,
         monitor: &dyn Monitor,
         warnings: &mut Vec<String>,
     ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
         let (from, to, count) = self.section.damping_sweep;
         let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
         let name = scatter.name;
-        let Some(process) = self.process(scatter, speeds)? else {
+        let Some(process) = self.process(scatter, margin)? else {
             return Ok((self.without_scatter(scatter.std, ratios, monitor)?, None));
         };
         let clipped_fraction = process.model().clipped_fraction();
@@ -334,8 +334,8 @@ impl Ensembles<'_> {
         }
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
-        for speeds in SPEEDS {
-            let process = match self.process(scatter, speeds) {
+        for margin in MARGINS {
+            let process = match self.process(scatter, margin) {
                 Ok(Some(process)) => process,
                 // The ensembles needed no such speed.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,

@@ -163,6 +163,13 @@ impl FitRecord {
             low_pass_m: self.preparation.low_pass.map(|cutoff| cutoff.0),
             decimation: self.preparation.decimate,
         };
+        if let (Some(out), Some(folder)) = (&self.out, &self.report)
+            && out.starts_with(folder)
+        {
+            return Err(Failure::usage(
+                "--out: the report folder holds files of the report alone; choose another place",
+            ));
+        }
         if let Some(out) = &self.out {
             check_target("--out", out, &[&self.record])?;
         }

@@ -259,8 +259,8 @@ impl Twin {
             "making and comparing twins",
         )?;
         let points = options.points.map_or(scan.heights_m.len(), |[nx, ny]| nx.saturating_mul(ny));
-        require_disk(8.0 * points as f64 * self.count as f64, &self.out, "the twins")?;
-        let told = scan.warnings.len();
+        require_disk(8.0 * points as f64 * self.count as f64, &self.out, "the folder of twins")?;
+        let (told, source) = (scan.warnings.len(), input::source(&scan));
         let file = self.file.display().to_string();
         let twins = monitor.at_once(|| Twins::like(scan, &file, &options))?.map_err(|e| self.ended(&e))?;
         // Those of the file were told when it was read.
@@ -281,7 +281,7 @@ impl Twin {
         let written = staging.commit().map_err(|e| store_failure(&e))?;
         self.note_lost_pitch(&twins, monitor);
         monitor.note(&format!("wrote {}", written.join("twins.html").display()));
-        if self.json { Answer::of(&comparison)?.print(true) } else { output::print(&table(&comparison)) }
+        if self.json { source.and(Answer::of(&comparison)?).print(true) } else { output::print(&table(&comparison)) }
     }
 
     /// Writes one twin; they are numbered from 1.

@@ -136,7 +136,7 @@ impl Map {
             };
             let at = Parameters { damping_ratio: damping, belt_velocity: velocity, ..stated.parameters().clone() };
             let oscillator = Oscillator::new(at)?.under_load(load)?;
-            let model = (std > 0.0).then(|| kept_positive(&oscillator, self.fluctuation.model(std, load)));
+            let model = (std > 0.0).then(|| kept_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
             Ok((oscillator, model))
         };
         let clipped = clipped(&model, [x, y]).map_err(|e| refused(&e))?;

@@ -98,11 +98,12 @@ impl Source {
         let process = match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
             (Some(file), Some(unit), ..) => {
                 let model = read_process(file)?.model(unit.0);
-                let made = model.and_then(|model| FrictionProcess::new(kept_positive(oscillator, model)));
+                let made = model.and_then(|model| FrictionProcess::new(kept_positive(oscillator, model, 1.0)));
                 made.map_err(|e| Failure::data(file.display(), &e))?
             }
             (_, _, Some(std), Some(fluctuation)) => {
-                FrictionProcess::new(kept_positive(oscillator, fluctuation.model(std, 1.0))).map_err(Failure::usage)?
+                FrictionProcess::new(kept_positive(oscillator, fluctuation.model(std, 1.0), 1.0))
+                    .map_err(Failure::usage)?
             }
             _ => {
                 let wanted = "state --friction-std, --correlation-length and --marginal, or --friction-process";

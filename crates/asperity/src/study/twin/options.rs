@@ -8,7 +8,8 @@ use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Su
 /// How twins are made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinOptions {
-    /// Preparation of the scan and model of the twins, as in a study; its `file` and `channel` are not read.
+    /// Preparation of the scan and model of the twins, as in a study; its `file`, `channel`, `height_unit` and `pixel_size`
+    /// are not read.
     pub surface: SurfaceSection,
     /// Models among which a measured covariance is chosen.
     pub families: Vec<CorrelationFamily>,

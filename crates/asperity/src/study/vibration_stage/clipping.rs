@@ -1,6 +1,6 @@
 //! How much of the friction is clipped to stay positive, and when that is too much.
 
-use super::{Ensembles, SPEEDS, Scatter, ensembles, scatters};
+use super::{Ensembles, MARGINS, Scatter, ensembles, scatters};
 use crate::friction::process::ProcessModel;
 use crate::study::config::{MapSection, VibrationSection};
 use crate::study::window_friction::WindowFriction;
@@ -23,7 +23,7 @@ pub fn clipping_warning(fraction: f64) -> Option<String> {
 /// Fails where friction that is known before the run is clipped more than the study allows.
 pub(in crate::study) fn refuse_clipping(section: &VibrationSection, window: &WindowFriction) -> Result<(), StudyError> {
     let ensembles = ensembles(section, window, 0)?;
-    scatters(window).iter().try_for_each(|scatter| ensembles.process(scatter, SPEEDS[0]).map(|_| ()))
+    scatters(window).iter().try_for_each(|scatter| ensembles.process(scatter, MARGINS[0]).map(|_| ()))
 }
 
 impl Ensembles<'_> {
