@@ -18,6 +18,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
+
 mod basis;
 pub mod distance;
 mod expansion;

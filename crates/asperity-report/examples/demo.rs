@@ -1,5 +1,7 @@
 //! Renders a run made of analytic functions: `cargo run -p asperity-report --example demo -- FOLDER`.
 
+#![expect(clippy::disallowed_methods, reason = "writes the rendered page")]
+
 #[path = "../tests/synthetic/mod.rs"]
 mod synthetic;
 

@@ -1,5 +1,7 @@
 //! What a rough surface is, and how to draw maps like it (paper §2).
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
+
 pub mod areal;
 mod conditional;
 mod filling;

@@ -1,7 +1,5 @@
 //! Spectra over blocks of wavevectors, compared with those of maps.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
-
 use asperity_base::correlation::{Block, BlockSpectrum, CorrelationModel, Covariance};
 use asperity_base::map::Grid;
 use asperity_base::random;

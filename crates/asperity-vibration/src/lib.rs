@@ -17,6 +17,8 @@
 //! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
 //! arrival, because the sliding distance of the slip branch runs backwards after it.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
+
 mod arrival;
 mod batch;
 mod clipping;
