@@ -15,3 +15,7 @@ pub mod random;
 pub mod stats;
 #[doc(hidden)]
 pub mod wide;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -149,3 +149,7 @@ pub enum ContactError {
         hardness_pa: f64,
     },
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -60,3 +60,7 @@ pub enum FrictionError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -134,3 +134,7 @@ pub enum PressureError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -154,3 +154,7 @@ fn positive(parameter: &'static str, value: f64) -> Result<(), ProcessError> {
         Err(ProcessError::Parameter { parameter, value, wanted: "positive and finite" })
     }
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

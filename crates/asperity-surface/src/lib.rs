@@ -70,3 +70,7 @@ pub trait RandomSurface: Sync {
         false
     }
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -188,3 +188,7 @@ fn non_negative(parameter: &'static str, value: f64) -> Result<(), VibrationErro
         Err(VibrationError::Parameter { parameter, value, wanted: "finite and not negative" })
     }
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
