@@ -1,9 +1,9 @@
 """Times asperity's readers against NumPy, SurfaceTopography and surfalize on one map in several formats.
 
-    pip install -r benchmarks/formats/requirements.txt
-    python benchmarks/formats/run.py [--points 2048] [--asperity PROGRAM] [--keep FOLDER]
+    python3 benchmarks/formats/run.py [--points 2048] [--asperity PROGRAM] [--keep FOLDER]
 
-Every time is the best of up to five, of a file that is in the page cache. Writes RESULTS.md beside this file.
+Every time is the best of up to five, of a file that is in the page cache. Writes RESULTS.md beside this file. The peers are
+installed into a virtual environment under the build folder, which is kept.
 """
 
 import argparse
@@ -12,6 +12,7 @@ import os
 import platform
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 import warnings
@@ -21,12 +22,17 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Callable
 
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path.insert(0, str(HERE.parent))
+from environment import enter
+
+enter(HERE / "requirements.txt")
+
 import numpy as np
 
 warnings.filterwarnings("ignore")
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 REPEATS = 5
 # A reader is not repeated beyond this.
 BUDGET_S = 60.0

@@ -1,10 +1,9 @@
 """Times what asperity reads off a map, and its Karhunen–Loève modes, against surfalize, SurfaceTopography and OpenTURNS.
 
-    pip install -r benchmarks/surfaces/requirements.txt
-    python benchmarks/surfaces/run.py [--points 2048]
+    python3 benchmarks/surfaces/run.py [--points 2048]
 
-Every comparison runs both programs in turn on the same map and first compares what they find. Writes RESULTS.md beside
-this file.
+Every comparison runs both programs in turn on the same map and first compares what they find. Writes RESULTS.md beside this
+file. The peers are installed into a virtual environment under the build folder, which is kept.
 """
 
 import argparse
@@ -13,18 +12,24 @@ import json
 import os
 import platform
 import subprocess
+import sys
 import tempfile
 import time
 import warnings
 from importlib.metadata import version
 from pathlib import Path
 
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path.insert(0, str(HERE.parent))
+from environment import enter
+
+enter(HERE / "requirements.txt")
+
 import numpy as np
 
 warnings.filterwarnings("ignore")
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 PITCH_M = 1e-6
 REPEATS = 3
 # Bars: asperity is so many times as fast.
