@@ -192,7 +192,10 @@ mod tests {
 
     #[test]
     fn a_frozen_realisation_gives_its_reference_events() {
-        let Ok(folder) = std::env::var("ASPERITY_REFERENCE") else { return };
+        let Ok(folder) = std::env::var("ASPERITY_REFERENCE") else {
+            println!("skipped: ASPERITY_REFERENCE names no folder");
+            return;
+        };
         let folder = std::path::Path::new(&folder).join("vibration");
         let reference: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(folder.join("frozen.json")).unwrap()).unwrap();

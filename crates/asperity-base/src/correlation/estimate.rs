@@ -571,7 +571,10 @@ mod tests {
 
     #[test]
     fn correlation_lengths_of_measured_maps_agree_with_independent_ones_when_the_reference_folder_is_named() {
-        let Ok(folder) = std::env::var("ASPERITY_REFERENCE") else { return };
+        let Ok(folder) = std::env::var("ASPERITY_REFERENCE") else {
+            println!("skipped: ASPERITY_REFERENCE names no folder");
+            return;
+        };
         let folder = std::path::Path::new(&folder).join("surfaces");
         let text = std::fs::read_to_string(folder.join("reference.json")).unwrap();
         let reference: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -178,7 +178,10 @@ fn results_do_not_depend_on_the_number_of_threads() {
 /// Plain NumPy on instrument files, where the folder named by ASPERITY_REFERENCE holds them.
 #[test]
 fn instrument_files_have_the_parameters_of_an_independent_program() {
-    let Some(folder) = std::env::var_os("ASPERITY_REFERENCE") else { return };
+    let Some(folder) = std::env::var_os("ASPERITY_REFERENCE") else {
+        println!("skipped: ASPERITY_REFERENCE names no folder");
+        return;
+    };
     let folder = std::path::Path::new(&folder).join("surfaces");
     let text = std::fs::read_to_string(folder.join("reference.json")).unwrap();
     let reference: serde_json::Value = serde_json::from_str(&text).unwrap();
