@@ -673,7 +673,8 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
     let largest = 0.15 * (beta.quantile(0.9999) - 0.295_775) / 0.160_359;
     let kinetic = 0.2 / (1.0 + 4.2 * (0.003 + 0.2 + largest));
     let fraction = beta.cdf(0.295_775 - 0.9 * kinetic / 0.15 * 0.160_359);
-    assert!(fraction > 0.05 && refused(&text).contains(&format!("{:.2} %", 100.0 * fraction)), "{fraction}");
+    let message = refused(&text);
+    assert!(fraction > 0.05 && message.contains(&format!("{:.1}", 100.0 * fraction)), "{fraction}: {message}");
     let wild = run(&format!("{text}allow_clipping = true\n"), None).results;
     let warnings = wild.warnings.join("\n");
     for name in ["paper", "area"] {
