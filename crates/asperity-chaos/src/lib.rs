@@ -4,19 +4,6 @@
 //! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
 //! [`Expansion`], and [`StepLaw`] compares the laws that come out. [`Resamples`] says how well indices, distances and laws
 //! are known; [`propagation`] takes uncertain parameters through a response with noise. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
-//!
-//! ```
-//! use asperity_chaos::{Basis, Design, Expansion, SamplingMethod};
-//!
-//! let design = Design::new(SamplingMethod::LatinHypercube, 1, "example", 100, 2)?;
-//! let germs: Vec<Vec<f64>> = (0..design.samples()).map(|i| design.germ(i)).collect();
-//! let values: Vec<f64> = germs.iter().map(|xi| 2.0 + xi[0] + 3.0 * xi[0] * xi[1]).collect();
-//! let (expansion, _) = Expansion::fit(Basis::hermite(2, 2)?, &germs, &values)?;
-//! assert!((expansion.mean() - 2.0).abs() < 1e-12);
-//! assert!((expansion.variance() - 10.0).abs() < 1e-11);
-//! assert!((expansion.total_indices()[1] - 0.9).abs() < 1e-12);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 

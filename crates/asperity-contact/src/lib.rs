@@ -9,29 +9,6 @@
 //! - p = H and g ≤ 0 (plastic contact; −g is the plastic displacement).
 //!
 //! S is positive definite, so the solution is unique.
-//!
-//! ```
-//! use asperity_contact::{Boundary, Control, HalfSpace, Neighbours, Problem, Solver, StiffnessSolver, exact};
-//! use asperity_base::map::{Grid, HeightMap};
-//!
-//! let (radius_m, modulus_pa, load_n) = (10e-3, 230e9, 10.0);
-//! let grid = Grid::covering(64, 64, 200e-6, 200e-6)?;
-//! let sphere = HeightMap::from_function(grid, |x, y| {
-//!     -((x - 100e-6).powi(2) + (y - 100e-6).powi(2)) / (2.0 * radius_m)
-//! })?;
-//! let half_space = HalfSpace::new(grid, modulus_pa, Boundary::Free)?;
-//! let problem = Problem::new(&half_space, sphere.complete_heights_m()?, Control::Load { newton: load_n }, None)?;
-//! let solution = Solver::default().solve(&problem)?;
-//! let hertz = exact::Hertz::new(modulus_pa, radius_m, load_n);
-//! assert!((solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.02);
-//!
-//! // One spot of contact, the energy ⅖ F δ and the stiffness 2 E* a.
-//! assert_eq!(solution.clusters(Neighbours::Edges).count(), 1);
-//! assert!((solution.elastic_energy_j() / (0.4 * load_n * hertz.approach_m) - 1.0).abs() < 0.02);
-//! let stiffness = StiffnessSolver::default().solve(&half_space, &solution)?;
-//! assert!((stiffness.newton_per_m / (2.0 * modulus_pa * hertz.contact_radius_m) - 1.0).abs() < 0.02);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 use thiserror::Error;
 

@@ -4,28 +4,6 @@
 //! variable with an atom at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] says which pressure,
 //! [`solve`] evaluates it on a design of germs, and [`Study`] estimates its law by several [`Method`]s from the same
 //! number of contact solutions and compares each with its own Monte Carlo reference.
-//!
-//! ```
-//! use asperity_contact::{Boundary, Control, HalfSpace};
-//! use asperity_base::correlation::{CorrelationModel, Covariance};
-//! use asperity_base::map::Grid;
-//! use asperity_base::monitor::Silent;
-//! use asperity_pressure::{Method, Problem, Study};
-//! use asperity_surface::{KarhunenLoeve, ModesRoute};
-//!
-//! let grid = Grid::covering(16, 16, 200e-6, 200e-6)?;
-//! let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1e-6, 20e-6, 20e-6)?;
-//! let surface = KarhunenLoeve::new(&covariance, grid, 40, ModesRoute::Separable)?;
-//! let half_space = HalfSpace::new(grid, 230e9, Boundary::Free)?;
-//! let median_plane = Control::Plane { height_m: 0.0 };
-//! let problem = Problem::new(&surface, &half_space, median_plane, Some(2e9))?;
-//! let sizes = Study { fine_solves: 100, reference_samples: 300, surrogate_samples: 1000, ..Study::new(2016) };
-//! let results = sizes.run(&problem, &Silent)?;
-//! if let Some((estimate, distances)) = results.estimate(Method::Default) {
-//!     assert!(estimate.contact_probability < 0.5 && distances.ks_distance < 0.2);
-//! }
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod adapted;
 mod band;

@@ -289,14 +289,16 @@ fn neither_the_sweep_nor_the_number_of_paths_changes_what_is_clipped_or_where_a_
         let text = format!("{text}damping_ratio = 0.111\ndimensionless_belt_velocity = 0.1\nupscaling = \"paper\"\n");
         Study::parse(&text, "clipped.toml").unwrap().run(Path::new(""), None, &Silent).unwrap().results
     };
-    for results in [run("[0.05, 0.15, 2]", 8), run("[0.1, 0.15, 2]", 16)] {
+    let crossings = [run("[0.05, 0.15, 2]", 8), run("[0.1, 0.15, 2]", 16)].map(|results| {
         let paper = results.vibration.unwrap().paper;
         // Slips reach V + μ_st + 3.719 σ, where 0.9 of the coefficient 0.1/(1 + 4.2 · 0.256) may be lost: Φ(−0.0434/0.015).
         assert!((paper.clipped_fraction - 0.00191).abs() < 2e-5, "{}", paper.clipped_fraction);
-        // Ensembles of 1,500 paths cross 50 % between 0.10 and 0.11; so few paths scatter about that.
-        let crossing = paper.crossings[1].damping_ratio.unwrap();
-        assert!(paper.crossings[0].damping_ratio.is_some() && (0.085..0.125).contains(&crossing), "{crossing}");
-    }
+        assert!(paper.crossings[0].damping_ratio.is_some());
+        paper.crossings[1].damping_ratio_interval.unwrap()
+    });
+    // Both intervals are about the same crossing of 50 %.
+    let [a, b] = crossings;
+    assert!(a[0].max(b[0]) <= a[1].min(b[1]), "{crossings:?}");
 }
 
 #[test]

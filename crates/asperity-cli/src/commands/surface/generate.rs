@@ -20,7 +20,7 @@ use crate::resources::require_memory;
 /// length for self_affine. With covariance = "measured" (the default) a scan's model is fitted by likelihood; the scan's own
 /// covariance is taken where no model has its slopes. A few maps are drawn and compared with the scan: a warning states slopes
 /// that differ by more than 15 %, another one areas of elastic contact that differ by more than a fifth. Spectrum and heights
-/// alone do not determine the contact: their maps may need 0.7 to 1.3 times the scan's mean pressure for 5 % contact.
+/// alone do not determine the contact: their maps may need 0.4 to 1.3 times the scan's mean pressure for 5 % contact.
 #[derive(Debug, Args)]
 pub(crate) struct Generate {
     /// Specification file.
