@@ -60,8 +60,8 @@ pub(super) fn contact_warning(scan: &HeightMap, maps: &[HeightMap]) -> Option<St
     (!is_near).then(|| {
         format!(
             "pressed elastically as hard as {of_part}the scan, which touches on {} % of its area, random maps touch on {} times that \
-             area: summits of the scan have other slopes and shapes than those of a Gaussian field with its spectrum and heights, and \
-             mean contact pressures are off by about that factor",
+             area, and mean contact pressures are off by about that factor: random maps have the scan's spectrum and heights, but not \
+             the shape of its summits",
             sentence::digits(100.0 * of_scan),
             sentence::digits(ratio),
         )
