@@ -55,10 +55,15 @@ pub(crate) fn map(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Res
 
 /// The height map of a scan that was read from `path`.
 pub(crate) fn height_map(scan: Scan, path: &Path) -> Result<HeightMap, Failure> {
-    HeightMap::try_from(scan).map_err(|e| match e {
-        MapError::NoPitch => Failure::usage(format_args!("{}: {e}", path.display())),
-        e => Failure::data(path.display(), &e),
-    })
+    HeightMap::try_from(scan).map_err(|e| no_map(&e, path))
+}
+
+/// The reason why the scan of a file is no map.
+pub(crate) fn no_map(error: &MapError, path: &Path) -> Failure {
+    match error {
+        MapError::NoPitch => Failure::usage(format_args!("{}: {error}", path.display())),
+        error => Failure::data(path.display(), error),
+    }
 }
 
 /// The format that was read, and the channel of files that hold several.

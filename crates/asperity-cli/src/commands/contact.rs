@@ -145,7 +145,7 @@ impl Contact {
         if let Some(out) = &self.out {
             require_disk(FIELD_BYTES * map.grid().points() as f64, out, "writing the fields")?;
         }
-        let map = self.level.remove_or_doubt(map, &self.file, monitor)?;
+        let map = self.level.remove(map, &self.file, monitor)?;
         let map = self.counterface.laid_on(map, &self.options, self.level, monitor)?;
         let substrate = self.substrate()?;
         let boundary = self.boundary(map.grid(), &substrate, control)?;

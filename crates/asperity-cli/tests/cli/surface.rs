@@ -24,7 +24,7 @@ fn converting_keeps_heights_pitch_and_missing_points() {
     assert!(first.stderr.contains("3 × 2 points, 1 missing"), "{first:?}");
     let scan = read(&folder.path().join("map.x3p")).unwrap();
     assert_eq!(scan.pitch_m, Some((2e-6, 3e-6)));
-    let back = surface(folder.path(), "convert map.x3p back.npy");
+    let back = surface(folder.path(), "convert map.x3p back.npy --level none");
     assert_eq!(back.code, 0);
     assert!(back.stderr.starts_with("warning: back.npy") && back.stderr.contains("2e-6 × 3e-6 m"), "{back:?}");
     let read_back = read(&folder.path().join("back.npy")).unwrap().heights_m;
@@ -36,7 +36,7 @@ fn converting_keeps_heights_pitch_and_missing_points() {
 #[test]
 fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
     let folder = TempDir::new().unwrap();
-    let scan = Scan::new(array![[1e-8, 2e-8], [3e-8, 4e-8]], Some((1e-6, 1e-6)));
+    let scan = Scan::new(array![[1e-8, -2e-8], [-1e-8, 2e-8]], Some((1e-6, 1e-6)));
     fs::write(folder.path().join("map.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
     let ended = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um");
     assert_eq!(ended.code, 0);
@@ -49,6 +49,22 @@ fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
     assert!(same.code == 0 && !same.stderr.contains("warning"), "{same:?}");
     let quiet = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um --quiet");
     assert_eq!((quiet.code, quiet.stderr.as_str()), (0, ""));
+}
+
+#[test]
+fn a_tilt_left_in_a_converted_map_is_told() {
+    let folder = TempDir::new().unwrap();
+    let tilted = sine() + Array2::from_shape_fn(sine().dim(), |(_, column)| 1e-6 * column as f64);
+    npy(folder.path(), "map.npy", tilted.clone());
+    let warned = surface(folder.path(), "convert map.npy out.x3p --pixel-size 1um --json").json(0);
+    let told = warned["warnings"].to_string();
+    assert!(told.contains("the form (plane)") && told.contains("--level plane removes it"), "{told}");
+    assert_eq!(read(&folder.path().join("out.x3p")).unwrap().heights_m, tilted);
+    for level in ["plane", "none"] {
+        let line = format!("convert map.npy {level}.x3p --pixel-size 1um --level {level}");
+        let ended = surface(folder.path(), &line);
+        assert!(ended.code == 0 && !ended.stderr.contains("form"), "{ended:?}");
+    }
 }
 
 #[test]

@@ -60,7 +60,7 @@ impl Counterface {
         let Some(file) = &self.counterface else { return Ok(map) };
         let unusable = |e: ContactError| Failure::data(file.display(), &e);
         let upper = input::map(file, &options.of_another_file(), monitor)?;
-        let upper = level.remove_or_doubt(upper, file, monitor)?;
+        let upper = level.remove(upper, file, monitor)?;
         match upper.missing_points() {
             0 => {}
             missing => return Err(unusable(ContactError::Missing { missing, points: upper.grid().points() })),

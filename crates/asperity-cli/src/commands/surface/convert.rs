@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use asperity::map::HeightMap;
 use asperity_formats::{Format, FormatError, Scan};
 use clap::Args;
 
@@ -33,9 +34,12 @@ impl Convert {
         check_target("OUTPUT", &self.output, &[&self.input])?;
         let said = said_of_writing(&self.output);
         let mut scan = input::scan(&self.input, &self.options, monitor)?;
-        if self.level.removes() {
-            let map = input::height_map(scan.clone(), &self.input)?;
-            let levelled = self.level.remove_from(map, &self.input, monitor)?;
+        let map = match HeightMap::try_from(scan.clone()) {
+            Err(_) if !self.level.removes() => None,
+            map => Some(map.map_err(|e| input::no_map(&e, &self.input))?),
+        };
+        if let Some(map) = map {
+            let levelled = self.level.remove(map, &self.input, monitor)?;
             scan = Scan { heights_m: levelled.heights_m().clone(), ..scan };
         }
         asperity_formats::write(&scan, &self.output).map_err(|e| refused(&e))?;

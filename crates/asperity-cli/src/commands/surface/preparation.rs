@@ -28,15 +28,8 @@ impl LevelOption {
         self.level.is_some_and(|level| level != Level::None)
     }
 
-    /// The map without the form. `file` names it in errors.
-    pub(crate) fn remove_from(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
-        let Some(level) = self.level.filter(|_| self.removes()) else { return Ok(map) };
-        let levelled = monitor.at_once(|| remove_form(&map, level))?;
-        Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
-    }
-
-    /// The map without the form; where none is stated, warns about one that exceeds the roughness.
-    pub(crate) fn remove_or_doubt(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
+    /// The map without the form; where none is stated, warns about one that exceeds the roughness. `file` names the map.
+    pub(crate) fn remove(self, map: HeightMap, file: &Path, monitor: &Terminal) -> Result<HeightMap, Failure> {
         if self.level.is_none()
             && let Some(form) = monitor.at_once(|| dominant_form(&map))?
         {
@@ -48,7 +41,9 @@ impl LevelOption {
                  --level {level} removes it, --level none keeps it"
             ));
         }
-        self.remove_from(map, file, monitor)
+        let Some(level) = self.level.filter(|_| self.removes()) else { return Ok(map) };
+        let levelled = monitor.at_once(|| remove_form(&map, level))?;
+        Ok(levelled.map_err(|e| Failure::data(file.display(), &e))?.map)
     }
 }
 
