@@ -5,6 +5,7 @@ use asperity::contact::Solver;
 #[path = "../examples/validate_contact/check.rs"]
 #[allow(dead_code, reason = "the example's tables need more")]
 mod check;
+#[path = "../../asperity-contact/tests/contact/contact_check.rs"]
 mod contact_check;
 #[path = "../examples/validate_contact/problems.rs"]
 #[allow(dead_code, reason = "the example's tables need more")]

@@ -18,7 +18,7 @@ use asperity::contact::{Boundary, Control, Solver};
 use rayon::prelude::*;
 
 mod check;
-#[path = "../../tests/contact_check/mod.rs"]
+#[path = "../../../asperity-contact/tests/contact/contact_check.rs"]
 mod contact_check;
 mod figure;
 mod problems;

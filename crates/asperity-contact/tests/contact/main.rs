@@ -1,0 +1,10 @@
+//! Contact against closed forms, identities and independent solvers.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+mod analysis;
+mod contact_check;
+mod half_space;
+mod random;
+mod reference;
+mod substrate;

@@ -1,0 +1,7 @@
+//! Windows, strips and statistics of friction.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+mod lanes;
+mod strips;
+mod windows;

@@ -1,0 +1,482 @@
+//! Friction of solved strips against closed forms and naive counts.
+
+use std::f64::consts::PI;
+
+use asperity_base::correlation::{CorrelationModel, Covariance, LagNormalisation, RecordCorrelation};
+use asperity_base::law::Marginal;
+use asperity_base::law::fit::Family;
+use asperity_base::map::{Grid, HeightMap};
+use asperity_base::monitor::Silent;
+use asperity_base::random;
+use asperity_base::stats::Moments;
+use asperity_contact::area::PERIMETER_WEIGHT;
+use asperity_contact::{Boundary, Control, HalfSpace, Problem, Solution, Solver};
+use asperity_friction::law::{BowdenTabor, FrictionLaw};
+use asperity_friction::statistics::FrictionStatistics;
+use asperity_friction::strip::{Record, Strips};
+use asperity_friction::window::{Window, WindowContact, WindowError};
+use asperity_friction::window_study::WindowStudy;
+use asperity_friction::{FrictionError, StripSums};
+use asperity_surface::{RandomSurface, SpectralField};
+use ndarray::Array2;
+
+const MODULUS_PA: f64 = 230e9;
+
+fn grid(nx: usize, ny: usize) -> Grid {
+    Grid::new(nx, ny, 2e-6, 2e-6).unwrap()
+}
+
+fn half_space(grid: Grid, periodic: bool) -> HalfSpace {
+    let mean_compliance_m_per_pa = HalfSpace::default_mean_compliance_m_per_pa(grid, MODULUS_PA);
+    let boundary = if periodic { Boundary::Periodic { mean_compliance_m_per_pa } } else { Boundary::Free };
+    HalfSpace::new(grid, MODULUS_PA, boundary).unwrap()
+}
+
+fn solve(map: &HeightMap, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
+    let problem = Problem::new(half_space, map.complete_heights_m().unwrap(), control, hardness_pa).unwrap();
+    let solver = Solver { tolerance: 1e-7, ..Solver::default() };
+    let solution = solver.solve(&problem).unwrap();
+    assert!(solution.converged(), "{:?}", solution.residual());
+    solution
+}
+
+fn field(grid: Grid, length_m: f64) -> SpectralField {
+    let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, 0.5e-6, length_m).unwrap();
+    SpectralField::periodic(&covariance, grid)
+}
+
+fn rough(grid: Grid, sample: u64) -> HeightMap {
+    let field = field(grid, 12e-6);
+    field.generate(&random::standard_normal(&mut random::stream(4, "friction test", sample), field.germ_len()))
+}
+
+/// What a window as wide as the strip sees.
+fn slide(window: &Window, solution: &Solution) -> Vec<WindowContact> {
+    let mut lanes = window.slide(&StripSums::of(solution, None, &[window]));
+    assert_eq!(lanes.len(), 1);
+    lanes.remove(0)
+}
+
+/// Contact cells, area and load of the columns `start..start + cells`, cell by cell, edge by edge.
+fn counted(solution: &Solution, start: usize, cells: usize, periodic: bool) -> (f64, f64, f64) {
+    let p = solution.pressure_pa();
+    let (ny, nx) = p.dim();
+    let at = |row: isize, column: isize| -> Option<f64> {
+        let inside = (0..ny as isize).contains(&row) && (0..nx as isize).contains(&column);
+        let wrapped = [row.rem_euclid(ny as isize) as usize, column.rem_euclid(nx as isize) as usize];
+        (periodic || inside).then(|| p[wrapped])
+    };
+    let (mut contact, mut edges, mut load_pa) = (0.0, 0.0, 0.0);
+    for column in start as isize..(start + cells) as isize {
+        for row in 0..ny as isize {
+            let here = at(row, column).unwrap();
+            contact += f64::from(here > 0.0);
+            load_pa += here;
+            // Every edge belongs half to the cell on either side of it.
+            for neighbour in [at(row - 1, column), at(row + 1, column), at(row, column - 1), at(row, column + 1)] {
+                let Some(there) = neighbour else { continue };
+                let open = (here > 0.0) != (there > 0.0);
+                let capped = solution.hardness_pa().is_some_and(|h| here.max(there) >= h);
+                edges += 0.5 * f64::from(open && !capped);
+            }
+        }
+    }
+    let cell_m2 = solution.grid().cell_area_m2();
+    (contact, (contact - PERIMETER_WEIGHT * edges) * cell_m2, load_pa * cell_m2)
+}
+
+#[test]
+fn sliding_sums_are_naive_counts_of_every_window() {
+    for (periodic, hardness_pa) in [(true, None), (true, Some(3e9)), (false, Some(3e9))] {
+        // Neither even nor a power of two.
+        let grid = grid(331, 15);
+        let solution =
+            solve(&rough(grid, 0), &half_space(grid, periodic), Control::Percentile { percent: 20.0 }, hardness_pa);
+        let plastic = solution.plastic_fraction();
+        assert!(hardness_pa.is_none() || plastic > 0.0 && plastic < solution.contact_fraction());
+        let window = Window::new(33.0 * grid.dx_m(), grid).unwrap();
+        let step = (window.step_m() / grid.dx_m()).round() as usize;
+        assert_eq!((window.cells(), step), (33, 2));
+        let seen = slide(&window, &solution);
+        let first = if periodic { 0 } else { 15 };
+        for (index, found) in seen.iter().enumerate() {
+            let start = first + index * step;
+            let (contact, area_m2, load_n) = counted(&solution, start, 33, periodic);
+            assert_eq!(found.contact_cells, contact);
+            // The naive count halves the edges within a column at the periodic top and bottom of the window too: equal.
+            assert!((found.area_m2 - area_m2).abs() < 1e-12 * grid.area_m2(), "window {index}");
+            assert!((found.load_n - load_n).abs() <= 1e-13 * solution.load_n(), "window {index}");
+            assert!((found.position_m - (start as f64 + 16.5) * grid.dx_m()).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn adjoining_windows_add_up_to_the_strip() {
+    let grid = grid(320, 16);
+    let solution = solve(&rough(grid, 1), &half_space(grid, true), Control::Percentile { percent: 10.0 }, Some(3e9));
+    let window = Window::new(32.0 * grid.dx_m(), grid).unwrap();
+    let seen = slide(&window, &solution);
+    let steps = (window.length_m() / window.step_m()).round() as usize;
+    let adjoining = || seen.iter().step_by(steps);
+    assert_eq!(adjoining().count(), 10);
+    let area_m2: f64 = adjoining().map(|w| w.area_m2).sum();
+    let load_n: f64 = adjoining().map(|w| w.load_n).sum();
+    assert!((area_m2 / (solution.corrected_contact_fraction() * grid.area_m2()) - 1.0).abs() < 1e-12);
+    assert!((load_n / solution.load_n() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_free_strip_shows_no_window_nearer_to_an_end_than_it_is_wide() {
+    for width in [16, 25] {
+        let grid = grid(400, width);
+        let solution = solve(&rough(grid, 2), &half_space(grid, false), Control::Percentile { percent: 30.0 }, None);
+        let window = Window::new(40.0 * grid.dx_m(), grid).unwrap();
+        let seen = slide(&window, &solution);
+        let half_m = 0.5 * window.length_m();
+        let (first, last) = (seen[0].position_m - half_m, seen[seen.len() - 1].position_m + half_m);
+        assert!((first - grid.height_m()).abs() < 1e-12, "the first allowed window begins at {first:e}");
+        let rest_m = grid.width_m() - grid.height_m() - last;
+        assert!(rest_m > -1e-12 && rest_m < window.step_m(), "the last window ends {rest_m:e} m before the limit");
+    }
+}
+
+#[test]
+fn a_window_fits_its_strip_or_is_refused() {
+    let grid = grid(200, 10);
+    assert!(matches!(Window::new(3e-6 * 0.9, grid), Err(WindowError::TooShort { .. })));
+    assert!(matches!(Window::new(f64::NAN, grid), Err(WindowError::TooShort { .. })));
+    assert!(matches!(Window::new(41e-6, grid), Err(WindowError::TooLong { .. })));
+    let window = Window::new(40e-6, grid).unwrap();
+    assert!(window.step_m() <= window.length_m() / 8.0);
+    let narrower: Vec<usize> = window.narrower().iter().map(Window::cells).collect();
+    assert_eq!(narrower, [10, 5], "an eighth of 20 cells is too few");
+}
+
+fn strips<'a>(
+    surface: &'a dyn RandomSurface,
+    half_space: &'a HalfSpace,
+    law: &'a BowdenTabor,
+    hardness_pa: Option<f64>,
+    window: &'a Window,
+) -> Strips<'a> {
+    Strips {
+        surface,
+        half_space,
+        window,
+        law,
+        hardness_pa,
+        solver: Solver { tolerance: 1e-6, ..Solver::default() },
+        realisations: 3,
+        seed: 9,
+    }
+}
+
+#[test]
+fn friction_is_never_below_shear_strength_over_hardness() {
+    let grid = grid(512, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let (law, window) = (BowdenTabor { shear_strength_pa: 385e6 }, Window::new(60e-6, grid).unwrap());
+    let levels = [0.5, 5.0, 50.0].map(|percent| Control::Percentile { percent });
+    let solved = strips(&surface, &half_space, &law, Some(2e9), &window).solve(&levels, &Silent).unwrap();
+    let mut empty = 0;
+    for level in solved {
+        let level = level.unwrap();
+        assert!(level.plastic_share > 0.0 && level.plastic_share < 1.0);
+        for record in level.records.iter().chain(level.narrower.iter().flat_map(|(_, records)| records)) {
+            for (mu, load_n) in record.friction.iter().zip(&record.load_n) {
+                assert_eq!(mu.is_nan(), *load_n == 0.0, "μ is undefined exactly where no load is carried");
+                assert!(mu.is_nan() || *mu >= 385.0 / 2000.0 * (1.0 - 1e-12), "{mu}");
+            }
+        }
+        let statistics = FrictionStatistics::of(&level.records, 6e-6, true, 1).unwrap();
+        let nan = level.records.iter().flat_map(|record| &record.friction).filter(|mu| mu.is_nan()).count();
+        assert_eq!(statistics.empty_windows, nan);
+        empty += nan;
+    }
+    assert!(empty > 0, "half a percent of the heights leaves windows empty");
+}
+
+#[test]
+fn fully_plastic_friction_is_shear_strength_over_hardness_without_scatter() {
+    let grid = grid(512, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let (law, window) = (BowdenTabor { shear_strength_pa: 0.2 }, Window::new(60e-6, grid).unwrap());
+    let strips = strips(&surface, &half_space, &law, Some(1.0), &window);
+    let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
+    assert_eq!(level.plastic_share, 1.0);
+    let statistics = FrictionStatistics::of(&level.records, strips.window.step_m(), true, 1).unwrap();
+    assert!((statistics.moments.mean - 0.2).abs() < 1e-15 && statistics.moments.std == 0.0);
+    assert!(statistics.correlation.is_err(), "what does not vary has no correlation");
+    let (mean, records) = Record::at_mean_load(&level.records);
+    assert!((mean - 0.2).abs() < 1e-13);
+    // Sums over hundreds of windows round, and rounding is no process.
+    let process = FrictionStatistics::of(&records, strips.window.step_m(), true, 1).unwrap();
+    assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
+    assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
+}
+
+#[test]
+fn in_full_elastic_contact_friction_is_shear_strength_over_mean_pressure() {
+    let grid = grid(320, 16);
+    let (amplitude_m, wavelength_m) = (10e-9, 32.0 * grid.dx_m());
+    let wave = HeightMap::from_function(grid, |x, _| amplitude_m * (2.0 * PI * x / wavelength_m).cos()).unwrap();
+    // Westergaard: full contact from p* = πE*h/λ on.
+    let pressure_pa = 1.5 * PI * MODULUS_PA * amplitude_m / wavelength_m;
+    let solution = solve(&wave, &half_space(grid, true), Control::MeanPressure { pascal: pressure_pa }, None);
+    assert_eq!(solution.contact_fraction(), 1.0);
+    let window = Window::new(wavelength_m, grid).unwrap();
+    let friction = BowdenTabor { shear_strength_pa: 1e8 };
+    for seen in slide(&window, &solution) {
+        let mu = friction.coefficient(&seen).unwrap();
+        assert!((mu / (1e8 / pressure_pa) - 1.0).abs() < 1e-6, "a window of one wave has {mu}");
+    }
+}
+
+fn record(friction_force_n: Vec<f64>, load_n: Vec<f64>) -> Record {
+    let quotient = |(force_n, load_n): (&f64, &f64)| if *load_n > 0.0 { force_n / load_n } else { f64::NAN };
+    Record {
+        position_m: (0..load_n.len()).map(|index| index as f64).collect(),
+        friction: friction_force_n.iter().zip(&load_n).map(quotient).collect(),
+        contact_cells: vec![1.0; load_n.len()],
+        area_m2: friction_force_n.clone(),
+        friction_force_n,
+        load_n,
+    }
+}
+
+#[test]
+fn at_the_mean_load_windows_count_by_their_load() {
+    // Equal loads: nothing changes.
+    let even = record(vec![0.2, 0.3, 0.1], vec![2.0; 3]);
+    let (mean, same) = Record::at_mean_load(std::slice::from_ref(&even));
+    assert!((mean - 0.1).abs() < 1e-15);
+    assert!(same[0].friction.iter().zip(&even.friction).all(|(a, b)| (a - b).abs() < 1e-15));
+    // Uneven loads over two strips: ΣF/ΣN, whose average is the mean of the records; an empty window has the mean.
+    let uneven = [record(vec![1.0, 0.0], vec![4.0, 0.0]), record(vec![0.5, 0.03, 2.0], vec![1.0, 0.01, 8.0])];
+    let (mean, linear) = Record::at_mean_load(&uneven);
+    assert!((mean - 3.53 / 13.01).abs() < 1e-15);
+    assert!((linear[0].friction[1] - mean).abs() < 1e-15);
+    let all: Vec<f64> = linear.iter().flat_map(|record| record.friction.clone()).collect();
+    assert!((all.iter().sum::<f64>() / 5.0 - mean).abs() < 1e-15);
+    // A hardly loaded window has a quotient of 3 and hardly counts.
+    assert!((uneven[1].friction[1] - 3.0).abs() < 1e-12 && (linear[1].friction[1] - mean).abs() < 0.02);
+}
+
+/// Windows on a periodic record of one value per cell.
+fn averaged(process: &[f64], window: &Window, grid: Grid) -> Record {
+    let step = (window.step_m() / grid.dx_m()).round() as usize;
+    let cells = window.cells();
+    let mean = |start: usize| (start..start + cells).map(|i| process[i % process.len()]).sum::<f64>() / cells as f64;
+    let friction: Vec<f64> = (0..process.len()).step_by(step).map(mean).collect();
+    let ones = vec![1.0; friction.len()];
+    Record {
+        position_m: (0..friction.len()).map(|index| index as f64 * window.step_m()).collect(),
+        contact_cells: ones.clone(),
+        area_m2: friction.clone(),
+        friction_force_n: friction.clone(),
+        load_n: ones,
+        friction,
+    }
+}
+
+/// Strips of a process with the correlation φ^lag from cell to cell, under a window of 64 cells and its parts.
+fn study_of(phi: f64, seed: u64) -> (WindowStudy, Grid) {
+    let grid = Grid::new(4096, 4, 1e-6, 1e-6).unwrap();
+    let process = |strip: u64| -> Vec<f64> {
+        let noise = random::standard_normal(&mut random::stream(seed, "process", strip), 4096);
+        let mut last = noise[0];
+        let next = |e: &f64| {
+            last = phi * last + (1.0 - phi * phi).sqrt() * e;
+            0.2 + 0.01 * last
+        };
+        noise.iter().map(next).collect()
+    };
+    let strips: Vec<Vec<f64>> = (0..12).map(process).collect();
+    let window = Window::new(64e-6, grid).unwrap();
+    let windows = std::iter::once(window.clone()).chain(window.narrower());
+    let seen = |window: &Window| strips.iter().map(|strip| averaged(strip, window, grid)).collect();
+    let records: Vec<(Window, Vec<Record>)> = windows.map(|window| (window.clone(), seen(&window))).collect();
+    assert_eq!(records.len(), 4);
+    (WindowStudy::of(&records).unwrap(), grid)
+}
+
+#[test]
+fn white_friction_under_windows_is_the_window_only() {
+    let (study, grid) = study_of(0.0, 1);
+    assert!(study.window_only(), "{study:?}");
+    // What is left is below the shortest window's cells.
+    assert!(study.length_m < 2.0 * grid.dx_m(), "{:e}", study.length_m);
+    for seen in &study.windows {
+        // An exponential fitted to the triangle of W alone returns 322–368 µm at 600 µm; 5 % for the sample.
+        let ratio = seen.length_m / seen.window_m;
+        assert!(ratio > 0.95 * 322.0 / 600.0 && ratio < 1.05 * 368.0 / 600.0, "{ratio}");
+    }
+    // Independent cells: the variance falls with the window.
+    let stds: Vec<f64> = study.windows.iter().map(|seen| seen.std * seen.window_m.sqrt()).collect();
+    assert!(stds.iter().all(|std| (std / stds[3] - 1.0).abs() < 0.1), "{stds:?}");
+}
+
+#[test]
+fn white_friction_under_a_window_has_the_triangular_correlation() {
+    let grid = Grid::new(4096, 4, 1e-6, 1e-6).unwrap();
+    let window = Window::new(64e-6, grid).unwrap();
+    let noise = |strip| random::standard_normal(&mut random::stream(3, "white", strip), 4096);
+    let records: Vec<Record> = (0..60).map(|strip| averaged(&noise(strip), &window, grid)).collect();
+    let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+    let normalisation = LagNormalisation::PairNormalised;
+    let found = RecordCorrelation::estimate(&series, window.step_m(), 32, normalisation).unwrap();
+    // 1 − s/W, whose estimate from 60 · 64 windows errs by √(2/3 · 1/3840) ≈ .013; 1/e at (1 − 1/e) W = .632 W.
+    for (lag, rho) in found.correlation.iter().enumerate() {
+        let triangle = (1.0 - lag as f64 / 16.0).max(0.0);
+        assert!((rho - triangle).abs() < 4.0 * 0.013, "{rho} for {triangle} at {lag} steps");
+    }
+    let length = found.correlation_length_m().unwrap() / window.length_m();
+    assert!((length - 0.632).abs() < 4.0 * 0.013, "{length}");
+}
+
+#[test]
+fn a_planted_length_is_found_under_the_windows() {
+    // φ = e^{−Δ/ℓ} with ℓ = 25 cells.
+    let truth_m = 25e-6;
+    let found: Vec<WindowStudy> = (2..10).map(|seed| study_of((-1.0_f64 / 25.0).exp(), seed).0).collect();
+    assert!(found.iter().all(|study| !study.window_only()));
+    let mean = found.iter().map(|study| study.length_m).sum::<f64>() / 8.0;
+    let se = (found.iter().map(|study| (study.length_m - mean).powi(2)).sum::<f64>() / (7.0 * 8.0)).sqrt();
+    println!("{mean:e} ± {se:e}");
+    // The fit of a finite record is biased by about one part in the number of lengths, 12·4096/25.
+    assert!((mean - truth_m).abs() < 4.0 * se + 0.01 * truth_m, "{mean:e} ± {se:e}");
+    // 95 % intervals: of eight, all miss with a probability of 4·10⁻¹¹, three or more with 6·10⁻³.
+    let covering = found.iter().filter(|study| study.interval.contains(truth_m)).count();
+    assert!(covering >= 6, "{covering} of 8 intervals hold the truth");
+}
+
+/// Strips of a Beta(2.1, 5) process on [.1, .4] whose normal variables have the correlation e^{−s/ℓ}, ℓ ten steps.
+fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
+    let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
+    let phi = (-0.1_f64).exp();
+    let strip = |strip: usize| {
+        let mut g = random::standard_normal(&mut random::stream(seed, "beta strips", strip as u64), steps);
+        for t in 1..steps {
+            g[t] = phi * g[t - 1] + (1.0 - phi * phi).sqrt() * g[t];
+        }
+        let friction: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
+        record(friction, vec![1.0; steps])
+    };
+    (0..strips).map(strip).collect()
+}
+
+#[test]
+fn statistics_of_a_planted_process_are_its_own() {
+    let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
+    let mut records = beta_strips(20, 500, 3);
+    // Windows without load leave gaps.
+    for window in 40..45 {
+        records[7].friction[window] = f64::NAN;
+    }
+    let found = FrictionStatistics::of(&records, 1e-5, false, 1).unwrap();
+    assert_eq!((found.empty_windows, found.moments.n), (5, 9995));
+    // 1,000 ℓ: a mean is worth 500 values, less what translation takes off the correlation.
+    assert!(found.effective_windows > 350.0 && found.effective_windows < 800.0, "{}", found.effective_windows);
+    let estimates = found.estimates;
+    for (estimate, truth) in [
+        (estimates.mean, law.mean()),
+        (estimates.std, law.std()),
+        (estimates.coefficient_of_variation, law.std() / law.mean()),
+        (estimates.skewness, law.skewness()),
+        (estimates.excess_kurtosis, law.excess_kurtosis()),
+    ] {
+        let estimate = estimate.unwrap();
+        assert!((estimate.value - truth).abs() < 4.0 * estimate.standard_error, "{estimate:?} for {truth}");
+        assert!(estimate.interval.contains(estimate.value));
+    }
+    let (place, beta) = (found.marginals.place().unwrap(), found.beta.as_ref().unwrap());
+    println!("{} {:?}", found.marginal().unwrap().law, found.marginals.goodness[place]);
+    assert!((beta.law.mean() / law.mean() - 1.0).abs() < 0.01 && (beta.law.std() / law.std() - 1.0).abs() < 0.05);
+    assert_eq!(found.parameters.len(), found.marginals.fits.len());
+    let normal = found.marginals.fits.iter().position(|fit| fit.family == Family::Normal).unwrap();
+    let p = |place: usize| found.marginals.goodness[place].anderson_darling.unwrap().p_value;
+    assert!(p(place) > 0.01 && p(normal) < 0.05, "{} {}", p(place), p(normal));
+    // The upper tail of a Beta law of shape b ends with ξ = −1/b.
+    let tail = found.tail.as_ref().unwrap();
+    assert!(tail.shape_interval.contains(-0.2) && tail.largest < 0.4, "{tail:?}");
+    assert_eq!(tail.laws.len(), found.marginals.fits.len());
+    for mu in [0.2, 0.25, 0.3] {
+        let (share, estimate) = found.share_above(mu);
+        let estimate = estimate.unwrap();
+        assert!((share - law.survival(mu)).abs() < 4.0 * estimate.standard_error, "{mu}: {estimate:?}");
+    }
+    let length_m = found.correlation.unwrap().exponential.length_m;
+    assert!((length_m / 1e-4 - 1.0).abs() < 0.2, "{length_m:e}");
+}
+
+#[test]
+fn the_mean_at_the_mean_load_is_known_as_well_as_a_jackknife_over_strips_knows_it() {
+    // Loads of Beta(2.1, 5), and forces that follow them half, in strips of 20 ℓ.
+    let (loads, own) = (beta_strips(40, 200, 11), beta_strips(40, 200, 12));
+    let strip = |(load, own): (&Record, &Record)| {
+        let force = load.friction.iter().zip(&own.friction).map(|(n, f)| 0.1 * n + 0.1 * f).collect();
+        record(force, load.friction.clone())
+    };
+    let records: Vec<Record> = loads.iter().zip(&own).map(strip).collect();
+    let (mean, linear) = Record::at_mean_load(&records);
+    let found = FrictionStatistics::of(&linear, 1e-5, false, 1).unwrap().estimates.mean.unwrap();
+    assert!((found.value - mean).abs() < 1e-14);
+    let without = |left_out: usize| {
+        let kept: Vec<Record> =
+            records.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, r)| r.clone()).collect();
+        Record::at_mean_load(&kept).0
+    };
+    let left: Vec<f64> = (0..40).map(without).collect();
+    let jackknife = Moments::of(&left).std * 39.0_f64.sqrt();
+    // Each knows the error to 1/√(2·40); the quotient to √2 as much.
+    assert!((found.standard_error / jackknife).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{found:?} {jackknife}");
+    // ΣF/ΣN of loads that make the force half: the quotients themselves scatter far more.
+    assert!(found.interval.contains(0.2), "{found:?}");
+}
+
+#[test]
+fn few_strips_are_as_good_as_many_of_the_same_length() {
+    let width = |records: &[Record]| {
+        let interval = FrictionStatistics::of(records, 1e-5, false, 1).unwrap().estimates.mean.unwrap().interval;
+        interval.high - interval.low
+    };
+    let (one, many) = (width(&beta_strips(1, 4000, 5)), width(&beta_strips(20, 200, 6)));
+    // Each knows its width to about √(2/40)/2 on forty blocks.
+    assert!((one / many).ln().abs() < 4.0 * 0.11 * 2.0_f64.sqrt(), "{one} {many}");
+    // Strips of a correlation length or so say nothing of their own correlation: their scatter does.
+    let short = FrictionStatistics::of(&beta_strips(40, 12, 7), 1e-5, false, 1).unwrap();
+    assert!(short.estimates.mean.unwrap().degrees_of_freedom < 40.0);
+}
+
+#[test]
+fn too_few_loaded_windows_have_no_statistics() {
+    let nothing = record(vec![0.0; 30], vec![0.0; 30]);
+    let error = FrictionStatistics::of(&[nothing], 1e-6, false, 1).unwrap_err();
+    assert_eq!(error, FrictionError::NoContact { windows: 30, with_contact: 0 });
+    let friction = BowdenTabor { shear_strength_pa: 1.0 };
+    let empty = WindowContact {
+        position_m: 0.0,
+        contact_cells: 0.0,
+        area_m2: 0.0,
+        least_area_m2: 0.0,
+        load_n: 0.0,
+        ploughing_n: 0.0,
+    };
+    assert_eq!(friction.coefficient(&empty), None);
+}
+
+#[test]
+fn a_level_that_cannot_be_solved_is_an_error_of_its_own() {
+    let grid = grid(256, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let (law, window) = (BowdenTabor { shear_strength_pa: 1e8 }, Window::new(40e-6, grid).unwrap());
+    let levels = [Control::MeanPressure { pascal: 2e9 }, Control::Percentile { percent: 20.0 }];
+    let solved = strips(&surface, &half_space, &law, Some(1e9), &window).solve(&levels, &Silent).unwrap();
+    assert!(
+        matches!(&solved[0], Err(FrictionError::TooFewValid { valid: 0, total: 3, first, .. }) if first.contains("hardness"))
+    );
+    let level = solved[1].as_ref().unwrap();
+    let shown: &Array2<f64> = level.sample_pressure_pa.as_ref().unwrap();
+    assert_eq!(shown.dim(), grid.shape());
+}

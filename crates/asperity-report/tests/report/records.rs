@@ -1,0 +1,87 @@
+//! The figures of a measured friction record, complete, partial and hostile.
+
+use std::collections::BTreeMap;
+
+use crate::documents::{elements, resources, text};
+use asperity_report::{ReportError, Table, record_figures};
+
+fn table(columns: &[(&str, &dyn Fn(f64) -> f64)]) -> Table {
+    let values = |f: &dyn Fn(f64) -> f64| (0..200).map(|i| f(f64::from(i) / 200.0)).collect::<Vec<f64>>();
+    Table { columns: columns.iter().map(|(name, f)| ((*name).to_owned(), values(f))).collect() }
+}
+
+fn tables() -> BTreeMap<String, Table> {
+    let wave = |x: f64| 0.2 + 0.01 * (60.0 * x).sin();
+    [
+        (
+            "friction_record",
+            table(&[
+                ("position_m", &|x| 0.2 * x),
+                ("measured", &|x| if (0.3..0.4).contains(&x) { f64::NAN } else { wave(x) + 0.02 * x }),
+                ("trend", &|x| 0.2 + 0.02 * x),
+                ("mu", &wave),
+            ]),
+        ),
+        (
+            "friction_histogram",
+            table(&[
+                ("mu", &|x| 0.19 + 0.02 * x),
+                ("density", &|x| 100.0 * x * (1.0 - x)),
+                ("fitted_density", &|x| if x == 0.0 { f64::INFINITY } else { 101.0 * x * (1.0 - x) }),
+                ("normal_density", &|x| 90.0 * x * (1.0 - x)),
+            ]),
+        ),
+        (
+            "friction_pit",
+            table(&[("probability", &|x| x), ("density", &|_| 1.0), ("low", &|_| 0.8), ("high", &|_| 1.2)]),
+        ),
+        ("friction_qq", table(&[("fitted", &wave), ("measured", &wave), ("probability", &|x| x)])),
+        (
+            "friction_acf",
+            table(&[("lag_m", &|x| 1e-3 * x), ("acf", &|x| (-4.0 * x).exp()), ("exponential", &|x| (-4.1 * x).exp())]),
+        ),
+    ]
+    .map(|(name, table)| (name.to_owned(), table))
+    .into()
+}
+
+#[test]
+fn every_table_becomes_a_figure_that_says_what_it_shows() {
+    let figures = record_figures(&tables()).unwrap();
+    let wanted: [(&str, &[&str]); 5] = [
+        ("friction_record", &["as measured", "trend", "Sliding distance (mm)"]),
+        ("friction_histogram", &["law of the process", "normal", "Friction coefficient"]),
+        ("friction_pit", &["F(μ) of the fitted law", "95 % of the bins"]),
+        ("friction_qq", &["Quantile of the fitted law", "Quantile of the record"]),
+        ("friction_acf", &["Lag (", "exponential", "Autocorrelation"]),
+    ];
+    assert_eq!(figures.len(), wanted.len());
+    for (figure, (name, words)) in figures.iter().zip(wanted) {
+        assert_eq!(figure.name, name);
+        assert!(elements(&figure.svg) > 10);
+        assert!(resources(&figure.svg).iter().all(|resource| resource.starts_with('#')), "{name} loads nothing");
+        let drawn = text(&figure.svg);
+        assert!(words.iter().all(|word| drawn.contains(word)), "{name}: {words:?}");
+        assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{name}");
+    }
+    assert_eq!(figures, record_figures(&tables()).unwrap(), "equal tables give equal bytes");
+}
+
+#[test]
+fn what_is_absent_or_undefined_is_left_out_and_ragged_tables_are_refused() {
+    assert!(record_figures(&BTreeMap::new()).unwrap().is_empty());
+    for (name, table) in tables() {
+        for hidden in 0..table.columns.len() {
+            let mut table = table.clone();
+            table.columns[hidden].1.fill(f64::NAN);
+            for figure in record_figures(&[(name.clone(), table)].into()).unwrap() {
+                elements(&figure.svg);
+                assert!(!figure.svg.contains("NaN"), "{name}, column {hidden}");
+            }
+        }
+        let mut ragged = table.clone();
+        ragged.columns[0].1.pop();
+        let refused = record_figures(&[(name, ragged)].into());
+        assert!(matches!(refused, Err(ReportError::RaggedTable { .. })));
+    }
+}

@@ -1,0 +1,195 @@
+//! The page of a scan and its twins, complete, partial and hostile.
+
+use crate::documents::{elements, resources, text};
+use asperity_report::{Field, ReportError, Table, TwinRun, render_twins};
+use serde_json::{Value, json};
+
+fn field(nx: usize, ny: usize, phase: f64) -> Field {
+    let height = |i: usize| 1e-6 * (0.3 * (i % nx) as f64 + phase).sin() * (0.2 * (i / nx) as f64).cos();
+    Field { nx, ny, dx_m: 1e-6, dy_m: 1e-6, values: (0..nx * ny).map(height).collect() }
+}
+
+fn table(abscissa: &str, unit: &str, x: Vec<f64>, scan: impl Fn(f64) -> f64) -> Table {
+    let values = |factor: f64| x.iter().map(|x| factor * scan(*x)).collect::<Vec<f64>>();
+    let columns = [("scan", 1.0), ("twins_mean", 0.95), ("twins_low", 0.7), ("twins_high", 1.2)];
+    let named = columns.map(|(name, factor)| (format!("{name}{unit}"), values(factor)));
+    Table { columns: std::iter::once((abscissa.to_owned(), x.clone())).chain(named).collect() }
+}
+
+fn statistic(target: f64, mean: f64, std: f64) -> Value {
+    let (low, high) = (mean - 2.0 * std, mean + 2.0 * std);
+    json!({"target": target, "mean": mean, "std": std, "band": [low, high], "inside": target > low && target < high,
+        "defined": 10})
+}
+
+fn run(nx: usize, ny: usize) -> TwinRun {
+    let lags: Vec<f64> = (0..20).map(|i| f64::from(i) * 1e-6).collect();
+    let wavenumbers: Vec<f64> = (1..40).map(|i| f64::from(i) * 1e5).collect();
+    let heights: Vec<f64> = (-20..=20).map(|i| f64::from(i) * 1e-7).collect();
+    let spectrum = |q: f64| 1e-18 / (1.0 + (q * 3e-6).powi(2));
+    let mut scan = field(nx, ny, 0.0);
+    scan.values[5] = f64::NAN;
+    TwinRun {
+        name: "bench.x3p".into(),
+        comparison: json!({
+            "file": "bench.x3p", "count": 10, "seed": 4, "points": [nx, ny], "pitch_m": [1e-6, 1e-6],
+            "band_method": "student_t", "band_level": 0.95, "inside": 3, "compared": 4,
+            "model": {"generator": "spectral", "boundary": "free", "translation": "corrected", "rms_height_m": 5.1e-7,
+                "form_share": 0.03, "covariance": {"model": "matern", "length_x_m": 3e-6, "length_y_m": 4e-6,
+                    "decay_length_x_m": 3.7e-6, "decay_length_y_m": 4.9e-6},
+                "marginal": {"name": "empirical", "parameters": {}}},
+            "target": {},
+            "twins": {"Sdq": statistic(0.3, 0.2, 0.02), "Sq_m": statistic(5e-7, 5.1e-7, 2e-8),
+                "Ssk": statistic(-0.4, -0.3, 0.1), "correlation_length_x_m": statistic(3.1e-6, 3e-6, 2e-7),
+                "Str": {"target": null, "mean": 0.4, "std": 0.1, "band": [0.2, 0.6], "inside": null, "defined": 9}},
+            "curves_inside": 54, "curves_compared": 60,
+            "curves": {"height_pdf": {"inside_share": 0.97, "points": 41}, "acf_x": {"inside_share": 0.74, "points": 19}},
+            "limits": ["Twins are stationary."], "assumptions": ["The plane was removed."],
+            "warnings": ["1 of 4 statistics lies outside."],
+        }),
+        tables: [
+            ("height_pdf", table("height_m", "_per_m", heights, |z| 8e5 * (-0.5 * (z / 5e-7).powi(2)).exp())),
+            ("acf_x", table("lag_m", "", lags.clone(), |lag| (-lag / 3e-6).exp())),
+            ("acf_y", table("lag_m", "", lags, |lag| (-lag / 4e-6).exp())),
+            ("psd_x", table("wavenumber_rad_per_m", "_m3", wavenumbers.clone(), spectrum)),
+            ("psd_y", table("wavenumber_rad_per_m", "_m3", wavenumbers, spectrum)),
+        ]
+        .map(|(name, table)| (name.to_owned(), table))
+        .into(),
+        scan: Some(scan),
+        twins: vec![field(nx, ny, 1.0), field(nx, ny, 2.0)],
+        provenance: json!({"asperity": "0.1.0", "seed": 4}),
+    }
+}
+
+#[test]
+fn the_page_shows_maps_functions_parameters_and_what_twins_cannot_be() {
+    let report = render_twins(&run(40, 30)).unwrap();
+    let names: Vec<&str> = report.figures.iter().map(|figure| figure.name.as_str()).collect();
+    assert_eq!(names, ["maps", "parameters", "height_pdf", "acf", "psd"]);
+    let html = text(&report.html);
+    for wanted in [
+        "Twins of bench.x3p",
+        "3 of 4 statistics and 90 % of the points of the curves lie within",
+        "height density 97 %, autocorrelation along x 74 %. Chance alone would leave 95 % there",
+        "Outside: Sdq. Chance alone would put about 0.2 there.",
+        "Matérn covariance",
+        "Lengths (scale of the model) 3 µm along x and 4 µm along y; correlation lengths (to 1/e) 3.7 µm and 4.9 µm.",
+        "10 maps of 40 × 30 points",
+        "500 nm",
+        "510 nm [470, 550]",
+        "class=\"outside\">outside",
+        "at 97 %",
+        "Twins are stationary.",
+        "The plane was removed.",
+        "1 of 4 statistics lies outside.",
+        "Grigoriu",
+        "tables/acf_x.csv",
+        "comparison.json",
+    ] {
+        assert!(html.contains(wanted), "the page says {wanted:?}");
+    }
+    let maps = text(&report.figures[0].svg);
+    assert!(["Scan", "Twin 1", "Twin 2", "x (µm)", "y (µm)", "missing (1 points)"].iter().all(|t| maps.contains(t)));
+    // One colour scale: one bar.
+    assert_eq!(maps.matches("Height (").count(), 1);
+    assert_eq!(report, render_twins(&run(40, 30)).unwrap(), "equal runs give equal bytes");
+}
+
+#[test]
+fn parameters_stand_in_the_order_of_the_tables() {
+    let html = text(&render_twins(&run(40, 30)).unwrap().html);
+    let place = |meaning: &str| html.find(meaning).unwrap_or_else(|| panic!("{meaning}"));
+    let places =
+        ["root mean square height", "skewness of heights", "texture aspect ratio", "correlation length along x"]
+            .map(place);
+    assert!(places.is_sorted(), "{places:?}");
+    // An undefined value is a dash and no verdict.
+    assert!(html.contains("<td class=\"number\">–</td>"));
+}
+
+#[test]
+fn wide_maps_stand_one_below_the_other() {
+    let height = |nx, ny| -> f64 {
+        let svg = render_twins(&run(nx, ny)).unwrap().figures[0].svg.clone();
+        svg.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    assert!(height(40, 40) < 400.0);
+    // 790 px wide and a quarter as high, three times.
+    assert!(height(80, 20) > 590.0);
+    for (nx, ny) in [(2, 400), (400, 2), (2, 2), (30, 60)] {
+        let report = render_twins(&run(nx.max(6), ny)).unwrap();
+        elements(&report.figures[0].svg);
+        assert!(height(nx.max(6), ny) < 1600.0);
+    }
+}
+
+#[test]
+fn every_figure_is_well_formed_and_readable_and_the_page_loads_nothing() {
+    let report = render_twins(&run(40, 30)).unwrap();
+    for figure in &report.figures {
+        assert!(elements(&figure.svg) > 20, "{} is drawn", figure.name);
+        for size in figure.svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            assert!(size.parse::<f64>().unwrap() >= 119.9, "{}: font size {size}", figure.name);
+        }
+        let drawn = text(&figure.svg);
+        assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{}", figure.name);
+    }
+    for resource in resources(&report.html) {
+        assert!(resource.starts_with('#') || resource.starts_with("data:image/png;base64,"), "{resource:.60}");
+    }
+    for forbidden in ["<script", "<link", "@import", "url("] {
+        assert!(!report.html.contains(forbidden), "{forbidden}");
+    }
+}
+
+#[test]
+fn whatever_is_absent_or_undefined_is_left_out() {
+    let empty = render_twins(&TwinRun::default()).unwrap();
+    assert!(empty.figures.is_empty() && empty.html.contains("</html>"));
+    let full = run(12, 12);
+    for name in full.tables.keys() {
+        let mut one = TwinRun { tables: [(name.clone(), full.tables[name].clone())].into(), ..TwinRun::default() };
+        assert_eq!(render_twins(&one).unwrap().figures.len(), 1, "{name}");
+        for hidden in 0..5 {
+            let mut table = full.tables[name].clone();
+            table.columns[hidden].1.fill(f64::NAN);
+            one.tables.insert(name.clone(), table);
+            for figure in render_twins(&one).unwrap().figures {
+                elements(&figure.svg);
+                assert!(!figure.svg.contains("NaN"), "{name}, column {hidden}");
+            }
+        }
+    }
+    // One twin has no band.
+    let mut single = full.clone();
+    single.twins.truncate(1);
+    for statistic in single.comparison["twins"].as_object_mut().unwrap().values_mut() {
+        *statistic = json!({"target": 1.0, "mean": 1.0, "std": null, "band": null, "inside": null, "defined": 1});
+    }
+    let names: Vec<String> = render_twins(&single).unwrap().figures.into_iter().map(|figure| figure.name).collect();
+    assert_eq!(names, ["maps", "height_pdf", "acf", "psd"]);
+    for odd in [json!([]), json!("text"), json!({"twins": 3, "model": [], "points": {}, "warnings": "no"})] {
+        render_twins(&TwinRun { comparison: odd, ..TwinRun::default() }).unwrap();
+    }
+}
+
+#[test]
+fn hostile_strings_are_escaped_and_bad_fields_refused() {
+    const EVIL: &str = "\"><script>alert(1)</script><img src=x onerror=alert(1)> & '";
+    let mut run = run(12, 12);
+    run.name = EVIL.into();
+    run.comparison["warnings"] = json!([EVIL]);
+    run.comparison["model"]["covariance"]["model"] = json!(EVIL);
+    run.comparison["model"]["marginal"]["name"] = json!(EVIL);
+    run.comparison["twins"][EVIL] = statistic(1.0, 5.0, 0.1);
+    run.provenance[EVIL] = json!(EVIL);
+    let report = render_twins(&run).unwrap();
+    assert!(!report.html.contains("<script") && !report.html.contains("<img"));
+    for figure in &report.figures {
+        elements(&figure.svg);
+        assert!(!figure.svg.contains("<script") && !figure.svg.contains("<img"));
+    }
+    run.twins[0].values.pop();
+    assert!(matches!(render_twins(&run), Err(ReportError::FieldShape { .. })));
+}

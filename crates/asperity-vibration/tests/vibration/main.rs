@@ -1,0 +1,7 @@
+//! Ensembles, crossings and kinds of motion.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot pose its problem has failed")]
+
+mod crossings;
+mod ensembles;
+mod kinds;

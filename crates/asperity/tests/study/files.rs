@@ -1,0 +1,86 @@
+//! The study files that come with the code, and the synthetic scan that they use.
+
+#[path = "../../examples/brake_disc/scan.rs"]
+mod scan;
+
+use std::fs;
+use std::path::PathBuf;
+
+use asperity::study::Study;
+use asperity::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, Stribeck, Upscaling};
+
+fn studies() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies")
+}
+
+fn study(name: &str) -> Study {
+    Study::parse(&fs::read_to_string(studies().join(name)).unwrap(), name).unwrap()
+}
+
+/// Binomial coefficient.
+fn choose(n: usize, k: usize) -> usize {
+    (1..=k).fold(1, |product, i| product * (n - k + i) / i)
+}
+
+#[test]
+fn the_stored_scan_is_what_the_example_makes() {
+    let stored = asperity_formats::read(&studies().join("brake_disc.x3p")).unwrap();
+    let made = scan::brake_disc().unwrap();
+    assert_eq!(stored.pitch_m, made.pitch_m);
+    assert_eq!(stored.heights_m.dim(), made.heights_m.dim());
+    assert!(stored.metadata.values().any(|text| text.contains("SYNTHETIC, not measured")), "{:?}", stored.metadata);
+    let present = || made.heights_m.iter().filter(|z| z.is_finite());
+    let (low, high) = present().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));
+    // Heights are stored in 16 bits, of which one or two values may stand for missing points.
+    let step_m = (high - low) / 65_530.0;
+    for ((row, column), wanted) in made.heights_m.indexed_iter() {
+        let found = stored.heights_m[[row, column]];
+        assert_eq!(found.is_finite(), wanted.is_finite(), "point [{row}, {column}]");
+        assert!(!wanted.is_finite() || (found - wanted).abs() <= step_m, "[{row}, {column}]: {found:e} for {wanted:e}");
+    }
+}
+
+#[test]
+fn the_paper_s_study_holds_the_paper_s_numbers() {
+    let study = study("paper.toml");
+    let surface = study.surface.unwrap();
+    assert_eq!((surface.file, surface.generator, surface.modes), (None, GeneratorChoice::KarhunenLoeve, Some(101)));
+    assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceChoice::SquaredExponential, "normal"));
+    let pressure = study.pressure.unwrap();
+    assert_eq!(choose(pressure.variables + pressure.degree, pressure.degree), 165);
+    assert_eq!((pressure.percentile, pressure.boundary), (Some(50.0), BoundaryChoice::Free));
+    // ℓ = L/10.
+    let [x, y] = surface.correlation_length.unwrap();
+    assert!((pressure.size[0].0 / x.0 - 10.0).abs() < 1e-12 && (pressure.size[1].0 / y.0 - 10.0).abs() < 1e-12);
+    let friction = study.friction.unwrap();
+    assert_eq!((friction.window.0, friction.strip[1].0), (600e-6, 75e-6));
+    let material = study.material.unwrap();
+    let shear = material.hardness.unwrap().0 / (3.0 * 3_f64.sqrt());
+    assert!((material.shear_strength.unwrap().0 / shear - 1.0).abs() < 1e-3);
+    let vibration = study.vibration.unwrap();
+    assert_eq!(
+        (vibration.damping_ratio, vibration.stribeck, vibration.normal_force.0),
+        (0.17, Some(Stribeck::Dimensionless(4.2)), 2500.0)
+    );
+    assert_eq!((vibration.natural_frequency.0, vibration.dimensionless_belt_velocity), (316.0, Some(0.003)));
+    assert_eq!((vibration.upscaling, vibration.level), (Upscaling::Paper, Some(50.0)));
+}
+
+#[test]
+fn the_quickstart_takes_everything_from_its_scan_and_leads_with_the_area() {
+    let study = study("quickstart.toml");
+    assert!(study.idle_keys().is_empty(), "{:?}", study.idle_keys());
+    let surface = study.surface.as_ref().unwrap();
+    assert!(study.scan_paths(&studies())[0].is_file());
+    assert_eq!((surface.covariance, surface.marginal.as_str()), (CovarianceChoice::Measured, "measured"));
+    assert_eq!((surface.rms_height, surface.correlation_length), (None, None));
+    let vibration = study.vibration.unwrap();
+    assert_eq!((vibration.upscaling, vibration.level), (Upscaling::Area, None));
+    // A pad under 2 MPa: more than a hundredth of it and less than a tenth is in contact.
+    assert!((vibration.normal_force.0 / vibration.nominal_area.0 / 2e6 - 1.0).abs() < 1e-12);
+    let material = study.material.unwrap();
+    assert!(material.shear_strength.unwrap().0 < material.hardness.unwrap().0);
+    assert!(material.youngs_modulus.0 > 10.0 * material.hardness.unwrap().0);
+    // The law of friction is that of the machine: it does not change with the load.
+    assert!(matches!(vibration.stribeck, Some(Stribeck::Physical(_))), "{:?}", vibration.stribeck);
+}

@@ -1,0 +1,68 @@
+//! Figure 3 of the paper: moments of friction against penetration.
+
+use std::fs;
+use std::path::PathBuf;
+
+use asperity::monitor::Silent;
+use asperity::study::Study;
+
+/// A moment with its standard error, from half the width of its 95 % interval.
+type Known = (f64, f64);
+
+fn known(value: f64, interval: Option<[f64; 2]>) -> Known {
+    let [low, high] = interval.unwrap();
+    (value, (high - low) / (2.0 * 1.96))
+}
+
+/// Falls from level to level as far as two standard errors tell, and by more than they from the second to the last: some windows
+/// of the first carry next to nothing, so that a few strips do not tell its scatter.
+fn falls(name: &str, levels: &[Known]) {
+    for pair in levels.windows(2) {
+        let ((before, before_se), (after, after_se)) = (pair[0], pair[1]);
+        assert!(after - before < 2.0 * before_se.hypot(after_se), "{name} rises from {before} to {after}");
+    }
+    let ((first, first_se), (last, last_se)) = (levels[1], levels[levels.len() - 1]);
+    assert!(
+        first - last > 2.0 * first_se.hypot(last_se),
+        "{name} does not fall: {first} ± {first_se}, {last} ± {last_se}"
+    );
+}
+
+#[test]
+fn mean_scatter_and_variation_of_friction_fall_with_penetration_and_the_law_leans_right() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig3.toml");
+    let mut study = Study::parse(&fs::read_to_string(&path).unwrap(), "paper_fig3.toml").unwrap();
+    // Fewer strips, the same physics.
+    study.friction.as_mut().unwrap().realisations = 16;
+    let outcome = study.run(path.parent().unwrap(), None, &Silent).unwrap();
+    let friction = outcome.results.friction.unwrap();
+    let percentiles: Vec<f64> = friction.levels.iter().map(|level| level.percentile.unwrap()).collect();
+    assert_eq!(percentiles, [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 75.0]);
+    let all =
+        |of: fn(&asperity::study::result::LevelResult) -> Known| friction.levels.iter().map(of).collect::<Vec<_>>();
+    falls("mean", &all(|level| known(level.mean.unwrap(), level.mean_interval)));
+    falls("std", &all(|level| known(level.std.unwrap(), level.std_interval)));
+    let variation = |level: &asperity::study::result::LevelResult| level.coefficient_of_variation.unwrap();
+    falls(
+        "CoV",
+        &friction.levels.iter().map(|l| known(variation(l), l.coefficient_of_variation_interval)).collect::<Vec<_>>(),
+    );
+    for level in &friction.levels {
+        // Skewness > −2 standard errors: the law leans to the right, or does not lean.
+        let reach = level.skewness_interval.map_or(0.0, |[low, high]| (high - low) / 1.96);
+        assert!(level.skewness.unwrap() > -reach, "{:?}", level.skewness);
+        // τ_max/H.
+        assert!(level.mean.unwrap() > 0.19245);
+        // Surface lengths of 20 µm under windows of 75 to 600 µm: what correlation there is, is the windows'.
+        assert_eq!(level.window_only, Some(true), "at {:?}", level.percentile);
+        // ℓ of an exponential fitted to the triangle of 600 µm: 322–368 µm; 3 standard errors of 16 strips.
+        let length_m = level.at_mean_load.correlation_length_m.unwrap();
+        let [low, high] = level.at_mean_load.correlation_length_m_interval.unwrap();
+        let reach_m = 1.5 * (high - low) / 1.96;
+        assert!(length_m > 322e-6 - reach_m && length_m < 368e-6 + reach_m, "{length_m:e} ± {reach_m:e}");
+    }
+    // The report states boundary, mean compliance and window.
+    let said = outcome.results.assumptions.join(" ");
+    assert!(said.contains("periodic, of mean compliance 8.276 nm/MPa") && said.contains("600.6 µm"), "{said}");
+    assert_eq!(friction.mean_compliance_m_per_pa.map(|c| (c * 1e18).round()), Some(8276.0));
+}

@@ -1,0 +1,388 @@
+//! The whole chain on small studies.
+
+use std::fs;
+use std::path::Path;
+
+use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::map::Grid;
+use asperity::monitor::{Monitor, Silent};
+use asperity::random;
+use asperity::study::{FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes};
+use asperity::surface::{RandomSurface, SpectralField};
+use asperity_formats::Scan;
+
+const STUDY: &str = r#"
+seed = 7
+[surface]
+file = "scan.x3p"
+outliers = 6.0
+modes = 40
+[material]
+youngs_modulus = "210 GPa"
+hardness = "2 GPa"
+shear_strength = "385 MPa"
+[pressure]
+size = ["100 um", "100 um"]
+points = [24, 24]
+percentile = 50.0
+fine_solves = 60
+reference_samples = 80
+variables = 2
+degree = 1
+[friction]
+strip = ["2 mm", "50 um"]
+points = [512, 16]
+window = "200 um"
+percentiles = [20.0, 60.0]
+realisations = 4
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.17
+normal_force = "30 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+damping_sweep = [0.1, 0.5, 3]
+trajectories = 6
+duration = 100.0
+"#;
+
+/// A tilted random scan in `folder`, rough on the scale of `length_m`.
+fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
+    let grid = Grid::new(128, 128, 2e-6, 2e-6).unwrap();
+    let covariance = Covariance::isotropic(CorrelationModel::SquaredExponential, rms_m, length_m).unwrap();
+    let field = SpectralField::periodic(&covariance, grid);
+    let germ = random::standard_normal(&mut random::stream(3, "scan", 0), field.germ_len());
+    let mut heights = field.generate(&germ).heights_m().clone();
+    heights.indexed_iter_mut().for_each(|((row, column), z)| *z += 1e-9 * column as f64 - 2e-9 * row as f64);
+    heights[[5, 7]] = f64::NAN;
+    asperity_formats::write(&Scan::new(heights, Some((2e-6, 2e-6))), &folder.join("scan.x3p")).unwrap();
+}
+
+fn run(text: &str, folder: &Path, threads: usize) -> Outcome {
+    let study = Study::parse(text, "study.toml").unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| study.run(folder, None, &Silent)).unwrap()
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let one = run(STUDY, folder.path(), 1);
+    let two = run(STUDY, folder.path(), 2);
+    assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&two.results).unwrap());
+    for (name, table) in &one.tables {
+        assert_eq!(table.to_csv().unwrap(), two.tables[name].to_csv().unwrap(), "{name}");
+    }
+    // Tables and figures name every stage.
+    for name in ["height_fits", "height_psd_radial", "height_psd_x", "height_psd_y"] {
+        assert!(one.tables.contains_key(name), "{name}");
+    }
+    for name in ["height_acf", "pressure_cdf", "friction_levels", "friction_acf", "cycles_over_damping"] {
+        assert!(one.tables.contains_key(name), "{name}");
+    }
+}
+
+#[test]
+fn another_scan_changes_friction_and_cycles() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let first = run(STUDY, folder.path(), 2).results;
+    write_scan(folder.path(), 0.25e-6, 40e-6);
+    let second = run(STUDY, folder.path(), 2).results;
+    let (first_surface, second_surface) = (first.surface.unwrap(), second.surface.unwrap());
+    // The surfaces are isotropic: both lengths of a fit estimate the same one.
+    let length_m = |surface: asperity::study::result::SurfaceResult| {
+        let covariance = surface.covariance.unwrap();
+        (covariance.decay_length_x_m * covariance.decay_length_y_m).sqrt()
+    };
+    let ratio = length_m(second_surface) / length_m(first_surface);
+    assert!((1.5..2.7).contains(&ratio), "fitted lengths have the ratio {ratio}");
+    let (first_levels, second_levels) = (first.friction.unwrap().levels, second.friction.unwrap().levels);
+    for (a, b) in first_levels.iter().zip(&second_levels) {
+        // A smoother, flatter surface yields less: more area for its load.
+        let (before, after) = (a.at_mean_load.mean, b.at_mean_load.mean);
+        assert!(after > before + 0.001, "{:?}: {after} after {before}", a.percentile);
+        assert_ne!(a.at_mean_load.std, b.at_mean_load.std);
+    }
+    let (first, second) = (first.vibration.unwrap(), second.vibration.unwrap());
+    assert_ne!(first.static_friction, second.static_friction);
+    let counts =
+        |v: &asperity::study::result::VibrationResult| v.paper.damping.iter().map(|d| d.cycles_mean).sum::<f64>();
+    assert_ne!(counts(&first), counts(&second));
+}
+
+#[test]
+fn both_upscalings_are_computed_and_the_area_scatters_less() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let results = run(STUDY, folder.path(), 2).results;
+    let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
+    let wanted = vibration.variance_reduction.sqrt();
+    assert!((vibration.area.friction_std / vibration.paper.friction_std / wanted - 1.0).abs() < 1e-12);
+    // Windows of about 200 µm × 50 µm on 833 mm² average at most as independent ones.
+    let independent = (friction.window_m * friction.strip_width_m / 833e-6).sqrt();
+    assert!(wanted < 0.02 && wanted >= independent * (1.0 - 1e-9), "{wanted} and {independent}");
+    assert!((vibration.level_mean_pressure_pa.unwrap() / (30e3 / 833e-6) - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let soft = STUDY.replace("\"2 GPa\"", "\"20 Pa\"").replace("\"385 MPa\"", "\"4 Pa\"").replace("30 kN", "0.001 N");
+    let results = Study::parse(&soft, "study.toml").unwrap().run(folder.path(), Some(Stage::Friction), &Silent);
+    for level in results.unwrap().results.friction.unwrap().levels.iter().filter(|level| level.percentile.is_some()) {
+        assert!(level.plastic_share > 0.999, "{}", level.plastic_share);
+        let (mean, std) = (level.at_mean_load.mean, level.at_mean_load.std);
+        assert!((mean - 0.2).abs() < 1e-4 && std < 1e-4, "{mean} ± {std}");
+    }
+}
+
+#[test]
+fn one_stage_runs_with_what_it_needs_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let surface = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap().results;
+    assert!(surface.surface.is_some() && surface.pressure.is_none() && surface.friction.is_none());
+    let vibration = study.run(folder.path(), Some(Stage::Vibration), &Silent).unwrap().results;
+    assert!(vibration.pressure.is_none() && vibration.friction.is_some() && vibration.vibration.is_some());
+}
+
+/// The first stage alone, of the scans that are named.
+fn surface_of(folder: &Path, file: &str) -> Result<Outcome, StudyError> {
+    let study = Study::parse(&STUDY.replace("\"scan.x3p\"", file), "study.toml").unwrap();
+    study.run(folder, Some(Stage::Surface), &Silent)
+}
+
+/// Two scans, `a.x3p` and the rougher and longer-waved `b.x3p`.
+fn two_scans() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, rms_m, length_m) in [("a.x3p", 0.5e-6, 10e-6), ("b.x3p", 1e-6, 14e-6)] {
+        write_scan(folder.path(), rms_m, length_m);
+        fs::rename(folder.path().join("scan.x3p"), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_list_of_one_scan_is_that_scan_to_the_byte() {
+    let folder = two_scans();
+    let one = run(&STUDY.replace("scan.x3p", "a.x3p"), folder.path(), 2);
+    let list = run(&STUDY.replace("\"scan.x3p\"", "[\"a.x3p\"]"), folder.path(), 2);
+    assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&list.results).unwrap());
+    for (name, table) in &one.tables {
+        assert_eq!(table.to_csv().unwrap(), list.tables[name].to_csv().unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn two_scans_are_pooled_into_one_surface() {
+    let folder = two_scans();
+    let [a, b, both] =
+        ["\"a.x3p\"", "\"b.x3p\"", "[\"a.x3p\", \"b.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
+    let surface = |outcome: &Outcome| serde_json::to_value(outcome.results.surface.as_ref().unwrap()).unwrap();
+    let ([of_a, of_b, of_both], [a, b, both]) = ([&a, &b, &both].map(surface), [a, b, both]);
+    for key in ["Sq_m", "Sa_m", "correlation_length_x_m", "correlation_length_y_m", "Sk_m"] {
+        let [low, value, high] = [&of_a, &of_both, &of_b].map(|s| s[key].as_f64().unwrap());
+        assert!(low < value && value < high, "{key}: {low} {value} {high}");
+        let interval = &of_both[format!("{key}_interval")];
+        assert!(interval[0].as_f64().unwrap() <= value && value <= interval[1].as_f64().unwrap(), "{key}: {interval}");
+        assert!(of_both[format!("{key}_between_std")].as_f64().unwrap() > 0.0, "{key}");
+    }
+    // Every key of one scan is there, and the scans themselves are.
+    for key in of_a.as_object().unwrap().keys().filter(|key| *key != "Std_rad") {
+        assert!(of_both.get(key).is_some(), "{key}");
+    }
+    assert_eq!((of_both["scan_count"].as_u64(), of_both["missing_points"].as_u64()), (Some(2), Some(2)));
+    assert_eq!((of_both["scans"][1]["file"].as_str(), &of_both["scans"][1]["Sq_m"]), (Some("b.x3p"), &of_b["Sq_m"]));
+    // Random surfaces follow: variance between those of the scans, as the covariance's length.
+    let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
+    assert!(length(&of_a) < length(&of_both) && length(&of_both) < length(&of_b));
+    assert_eq!(of_both["covariance"]["std_m"], of_both["Sq_m"]);
+    // Maps and series show the first scan.
+    let bits = |o: &Outcome| o.fields["height_levelled"].values.iter().map(|z| z.to_bits()).collect::<Vec<u64>>();
+    assert!(bits(&both) == bits(&a) && bits(&both) != bits(&b));
+    assert_eq!(both.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
+    assert_ne!(b.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
+}
+
+#[test]
+fn the_same_scan_twice_has_the_same_point_statistics() {
+    let folder = two_scans();
+    let [once, twice] = ["\"a.x3p\"", "[\"a.x3p\", \"a.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
+    assert!(twice.results.warnings.iter().any(|warning| warning.contains("a.x3p is listed twice")));
+    let [once, twice] = [once, twice].map(|o| serde_json::to_value(o.results.surface.unwrap()).unwrap());
+    let [once_map, twice_map] = [&once, &twice].map(|s| s.as_object().unwrap());
+    for (key, value) in once_map.iter().filter(|(key, _)| !key.ends_with("_se") && !key.contains("_points")) {
+        if let (Some(value), Some(other)) = (value.as_f64(), twice_map.get(key).and_then(serde_json::Value::as_f64)) {
+            assert!((other - value).abs() <= 1e-12 * value.abs(), "{key}: {value} {other}");
+        }
+    }
+    let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
+    assert!((length(&twice) / length(&once) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_wrong_scan_of_several_is_named() {
+    let folder = two_scans();
+    let write = |name: &str, side: usize, pitch_m: f64| {
+        let heights = ndarray::Array2::from_shape_fn((side, side), |(row, column)| {
+            1e-6 * ((row * row + 3 * column) as f64).sin() * if name == "flat.x3p" { 0.0 } else { 1.0 }
+        });
+        asperity_formats::write(&Scan::new(heights, Some((pitch_m, pitch_m))), &folder.path().join(name)).unwrap();
+    };
+    write("flat.x3p", 64, 2e-6);
+    write("point.x3p", 1, 2e-6);
+    write("fine.x3p", 64, 1e-6);
+    fs::write(folder.path().join("torn.x3p"), b"PK\x03\x04 truncated").unwrap();
+    for wrong in ["flat.x3p", "point.x3p", "fine.x3p", "torn.x3p", "gone.x3p"] {
+        let error = surface_of(folder.path(), &format!("[\"a.x3p\", \"{wrong}\"]")).unwrap_err();
+        assert!(error.to_string().contains(wrong), "{wrong}: {error}");
+        assert_eq!(error.kind(), FailureKind::Input, "{wrong}: {error}");
+    }
+    let empty = Study::parse(&STUDY.replace("\"scan.x3p\"", "[]"), "study.toml").unwrap_err();
+    assert!(empty.line == 4 && empty.message.contains("empty"), "{empty}");
+    let number = Study::parse(&STUDY.replace("\"scan.x3p\"", "3"), "study.toml").unwrap_err();
+    assert!(number.line == 4 && number.message.contains("list of names"), "{number}");
+}
+
+#[test]
+fn limits_of_the_correlation_are_drawn_around_it() {
+    let folder = two_scans();
+    let outcome = surface_of(folder.path(), "\"a.x3p\"").unwrap();
+    let column = |name: &str| outcome.tables["height_acf"].column(name).unwrap().to_vec();
+    for axis in ["x", "y"] {
+        let [acf, low, high] = ["", "_low", "_high"].map(|end| column(&format!("acf_{axis}{end}")));
+        assert_eq!((low[0], high[0]), (1.0, 1.0));
+        for lag in 1..acf.len() {
+            // What the removed plane took is put back, so that the limits lie a little higher.
+            assert!(low[lag] < acf[lag] + 0.02 && acf[lag] < high[lag] && high[lag] - low[lag] < 0.6, "{axis} {lag}");
+        }
+    }
+}
+
+#[test]
+fn friction_may_be_stated() {
+    let text = r#"
+seed = 1
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.17
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+damping_sweep = [0.1, 0.3, 2]
+trajectories = 4
+duration = 60.0
+static_friction = 0.1
+friction_std = 0.001
+friction_correlation_length = "250 um"
+friction_marginal = "beta:2.1,5"
+"#;
+    let outcome = Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap();
+    let vibration = outcome.results.vibration.unwrap();
+    // λ = ℓ c/N with c = m ω₀².
+    assert!((vibration.correlation_length - 250e-6 * 316.0 * 316.0 / 2500.0).abs() < 1e-12);
+    assert!((vibration.critical_damping_ratio.unwrap() - 0.2048301505845).abs() < 1e-8);
+    assert!((vibration.cycle.period.unwrap() - 6.372163483739709).abs() < 1e-8);
+}
+
+#[test]
+fn violent_friction_is_cut_off_and_says_so() {
+    // Fluctuations as large as the mean would change the sign of friction in fast slips.
+    let text = r#"
+seed = 1
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.05
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+damping_sweep = [0.02, 0.3, 2]
+trajectories = 20
+duration = 200.0
+static_friction = 0.2
+friction_std = 0.15
+friction_correlation_length = "250 um"
+friction_marginal = "normal"
+"#;
+    let results = Study::parse(text, "study.toml").unwrap().run(Path::new("."), None, &Silent).unwrap().results;
+    assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
+    assert!(results.warnings.iter().any(|warning| warning.contains("clipped to stay positive")));
+}
+
+#[test]
+fn a_missing_or_flat_or_tiny_scan_is_unusable_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let kind = || study.run(folder.path(), None, &Silent).unwrap_err().kind();
+    assert_eq!(kind(), FailureKind::Input);
+    let scan = |rows, columns| Scan::new(ndarray::Array2::from_elem((rows, columns), 1e-6), Some((1e-6, 1e-6)));
+    for (rows, columns) in [(1, 1), (64, 64)] {
+        asperity_formats::write(&scan(rows, columns), &folder.path().join("scan.x3p")).unwrap();
+        assert_eq!(kind(), FailureKind::Input, "{rows} × {columns}");
+    }
+    fs::write(folder.path().join("scan.x3p"), b"PK\x03\x04 truncated").unwrap();
+    assert_eq!(kind(), FailureKind::Input);
+}
+
+#[test]
+fn a_cancelled_run_says_so() {
+    struct Impatient;
+    impl Monitor for Impatient {
+        fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let error = Study::parse(STUDY, "study.toml").unwrap().run(folder.path(), None, &Impatient).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::Cancelled, "{error}");
+}
+
+#[test]
+fn a_run_folder_appears_whole_and_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let outcome = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap();
+    let out = folder.path().join("runs").join("small");
+    {
+        let abandoned = Staging::open(&out, false, &[]).unwrap();
+        abandoned.write_outcome(&outcome).unwrap();
+    }
+    assert!(!folder.path().join("runs").exists(), "an abandoned run leaves something behind");
+    let staging = Staging::open(&out, false, &[]).unwrap();
+    staging.write_outcome(&outcome).unwrap();
+    staging.write("study.toml", STUDY.as_bytes()).unwrap();
+    staging.write("provenance.json", b"{}").unwrap();
+    staging.commit().unwrap();
+    let stored = StoredRun::load(&out).unwrap();
+    assert_eq!(stored.tables["height_acf"].column("lag_m"), outcome.tables["height_acf"].column("lag_m"));
+    let (back, field) = (&stored.fields["height_levelled"], &outcome.fields["height_levelled"]);
+    assert_eq!((back.dx_m, back.unit.as_str()), (2e-6, "m"));
+    assert!(back.values.iter().zip(&field.values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
+    assert!(Staging::open(&out, false, &[]).is_err(), "a finished run is not overwritten unasked");
+    // What is read is not deleted.
+    let scan = out.join("results.json");
+    assert!(matches!(Staging::open(&out, true, &[&scan]), Err(StoreError::HoldsInput { .. })));
+    let replaced = Staging::open(&out, true, &[]).unwrap();
+    replaced.write("study.toml", b"").unwrap();
+    replaced.commit().unwrap();
+    assert!(StoredRun::load(&out).is_err(), "the new content has no results");
+    assert_eq!(fs::read_dir(folder.path().join("runs")).unwrap().count(), 1);
+}
+
+#[test]
+fn a_stage_without_its_section_is_refused() {
+    let study = Study::parse("seed = 1\n[surface]\nmarginal = \"normal\"\ncovariance = \"exponential\"\nrms_height = \"1 um\"\ncorrelation_length = [\"1 um\", \"1 um\"]\n", "s").unwrap();
+    let error = study.run(Path::new("."), Some(Stage::Pressure), &Silent).unwrap_err();
+    assert!(matches!(error, StudyError::NoStage("pressure")));
+    assert_eq!(error.kind(), FailureKind::Configuration);
+}
