@@ -15,10 +15,9 @@ mod products;
 use std::fmt;
 use std::sync::Arc;
 
+pub use asperity_fft::Complex64;
+use asperity_fft::{ComplexToReal, Fft, RealToComplex, complex_f64, real_forward, real_inverse};
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-pub use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 
 #[doc(hidden)]
 pub use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
@@ -66,16 +65,8 @@ struct Lane {
 impl RealFft2 {
     /// Plans transforms of maps with `nx` columns and `ny` rows.
     pub fn new(nx: usize, ny: usize) -> Self {
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
-        Self {
-            nx,
-            ny,
-            row_forward: real.plan_fft_forward(nx),
-            row_inverse: real.plan_fft_inverse(nx),
-            column_forward: complex.plan_fft_forward(ny),
-            column_inverse: complex.plan_fft_inverse(ny),
-        }
+        let [column_forward, column_inverse] = complex_f64(ny);
+        Self { nx, ny, row_forward: real_forward(nx), row_inverse: real_inverse(nx), column_forward, column_inverse }
     }
 
     /// Columns of the map.

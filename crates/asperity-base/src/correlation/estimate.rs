@@ -549,22 +549,20 @@ mod tests {
     fn levelled(map: &HeightMap) -> HeightMap {
         let (ny, nx) = map.grid().shape();
         let basis = |row: usize, column: usize| [1.0, column as f64 / nx as f64 - 0.5, row as f64 / ny as f64 - 0.5];
-        let mut normal = faer::Mat::<f64>::zeros(3, 3);
-        let mut right = faer::Mat::<f64>::zeros(3, 1);
+        let (mut normal, mut right) = (vec![vec![0.0; 3]; 3], vec![0.0; 3]);
         for ((row, column), z) in map.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan()) {
             let b = basis(row, column);
             for i in 0..3 {
-                right[(i, 0)] += b[i] * z;
+                right[i] += b[i] * z;
                 for j in 0..3 {
-                    normal[(i, j)] += b[i] * b[j];
+                    normal[i][j] += b[i] * b[j];
                 }
             }
         }
-        use faer::linalg::solvers::Solve;
-        let plane = normal.partial_piv_lu().solve(&right);
+        let plane = crate::correlation::least_squares::solve(normal, right);
         let mut heights = map.heights_m().clone();
         for ((row, column), z) in heights.indexed_iter_mut() {
-            *z -= basis(row, column).iter().enumerate().map(|(i, b)| b * plane[(i, 0)]).sum::<f64>();
+            *z -= basis(row, column).iter().enumerate().map(|(i, b)| b * plane[i]).sum::<f64>();
         }
         HeightMap::new(map.grid(), heights).unwrap()
     }

@@ -7,9 +7,8 @@
 use std::fmt;
 use std::sync::Arc;
 
+use asperity_fft::{Complex, Fft, FftNum, complex_f32, complex_f64};
 use rayon::prelude::*;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftNum, FftPlanner};
 
 use super::SHARED_FROM;
 use crate::wide::{Kernel, wide};
@@ -32,6 +31,8 @@ pub trait Real: FftNum + Default {
     fn of(value: f64) -> Self;
     /// In double precision.
     fn double(self) -> f64;
+    /// The forward and the inverse transform of a length.
+    fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
 impl Real for f32 {
@@ -42,6 +43,10 @@ impl Real for f32 {
     fn double(self) -> f64 {
         f64::from(self)
     }
+
+    fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
+        complex_f32(length)
+    }
 }
 
 impl Real for f64 {
@@ -51,6 +56,10 @@ impl Real for f64 {
 
     fn double(self) -> f64 {
         self
+    }
+
+    fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
+        complex_f64(length)
     }
 }
 
@@ -101,9 +110,8 @@ impl<T: Real> Convolution<T> {
     pub fn new(shape: (usize, usize), torus: (usize, usize)) -> Self {
         let ((rows, columns), (ny, nx)) = (shape, torus);
         assert!(rows <= ny && columns <= nx, "a map of {columns} × {rows} points does not fit {nx} × {ny}");
-        let mut planner = FftPlanner::new();
-        let mut both = |n: usize| [planner.plan_fft_forward(n), planner.plan_fft_inverse(n)];
-        Self { rows, columns, nx, ny, along_rows: both(nx), along_columns: both(ny) }
+        let (along_rows, along_columns) = (T::transforms(nx), T::transforms(ny));
+        Self { rows, columns, nx, ny, along_rows, along_columns }
     }
 
     /// Stored wavenumbers along x: nx/2 + 1.

@@ -3,9 +3,8 @@
 //! Columns are transformed in blocks that fit the second cache and reduced at once, so that a whole complex spectrum never
 //! goes to memory.
 
+use asperity_fft::{complex_f64, real_forward, real_inverse};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use rustfft::FftPlanner;
 
 use super::lanes::{BLOCK, TILE, gather, make_real};
 use super::{Complex64, good_length};
@@ -23,7 +22,7 @@ fn transformed_rows(
     nx: usize,
     fill: &(impl Fn(usize, &mut [f64]) + Sync),
 ) -> Vec<Vec<Complex64>> {
-    let plan = RealFftPlanner::new().plan_fft_forward(nx);
+    let plan = real_forward(nx);
     let stored = nx / 2 + 1;
     (0..rows.div_ceil(TILE))
         .into_par_iter()
@@ -48,7 +47,7 @@ fn transformed_rows(
 #[doc(hidden)]
 pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let transformed = transformed_rows(ny, nx, nx, &fill);
-    let plan = FftPlanner::new().plan_fft_forward(ny);
+    let [plan, _] = complex_f64(ny);
     let stored = nx / 2 + 1;
     let mut power = vec![0.0; stored * ny];
     power.par_chunks_mut(BLOCK * ny).enumerate().for_each_init(
@@ -84,8 +83,8 @@ pub fn autocorrelation_sums(
 
     // Σ_ky |X|² e^{2πi ky k/ny} for k = 0 … reach_y: the conjugate of the transform of a real sequence.
     let mut half = vec![Complex64::default(); stored * lags_y];
-    let forward = FftPlanner::new().plan_fft_forward(ny);
-    let back = RealFftPlanner::new().plan_fft_forward(ny);
+    let [forward, _] = complex_f64(ny);
+    let back = real_forward(ny);
     half.par_chunks_mut(BLOCK * lags_y).enumerate().for_each_init(
         || {
             let scratch = forward.get_inplace_scratch_len().max(back.get_scratch_len());
@@ -108,7 +107,7 @@ pub fn autocorrelation_sums(
 
     let width = 2 * reach_x + 1;
     let mut sums = vec![0.0; lags_y * width];
-    let plan = RealFftPlanner::new().plan_fft_inverse(nx);
+    let plan = real_inverse(nx);
     let scale = 1.0 / (nx * ny) as f64;
     sums.par_chunks_mut(BLOCK * width).enumerate().for_each_init(
         || (vec![Complex64::default(); BLOCK * stored], plan.make_output_vec(), plan.make_scratch_vec()),
@@ -137,7 +136,7 @@ pub fn summed_power(
     padded: usize,
     fill: impl Fn(std::ops::Range<usize>, &mut [f64]) + Sync,
 ) -> Vec<f64> {
-    let plan = RealFftPlanner::new().plan_fft_forward(padded);
+    let plan = real_forward(padded);
     let blocks: Vec<Vec<f64>> = (0..lanes.div_ceil(LANES))
         .into_par_iter()
         .map_init(
@@ -169,7 +168,7 @@ pub fn summed_power(
 /// products at the lags 0 … length/2 of lanes whose [`summed_power`] it is.
 #[doc(hidden)]
 pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
-    let plan = RealFftPlanner::new().plan_fft_inverse(length);
+    let plan = real_inverse(length);
     let mut input: Vec<Complex64> = power.iter().map(|value| Complex64::from(*value)).collect();
     let mut output = plan.make_output_vec();
     let done = plan.process(&mut input, &mut output);
@@ -180,7 +179,7 @@ pub fn lag_sums_of_power(power: &[f64], length: usize) -> Vec<f64> {
 /// Real parts of the transform of a real sequence, for the wavenumbers 0 … length/2.
 #[doc(hidden)]
 pub fn real_transform(values: &[f64]) -> Vec<f64> {
-    let plan = RealFftPlanner::new().plan_fft_forward(values.len());
+    let plan = real_forward(values.len());
     let (mut input, mut output) = (values.to_vec(), plan.make_output_vec());
     let done = plan.process(&mut input, &mut output);
     debug_assert!(done.is_ok());
