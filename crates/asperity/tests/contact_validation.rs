@@ -2,12 +2,12 @@
 
 use asperity::contact::Solver;
 
-#[path = "../examples/validate_contact/check.rs"]
-#[allow(dead_code, reason = "the example's tables need more")]
+#[path = "../../../validation/src/bin/validate_contact/check.rs"]
+#[allow(dead_code, reason = "the program's tables need more")]
 mod check;
 mod contact_check;
-#[path = "../examples/validate_contact/problems.rs"]
-#[allow(dead_code, reason = "the example's tables need more")]
+#[path = "../../../validation/src/bin/validate_contact/problems.rs"]
+#[allow(dead_code, reason = "the program's tables need more")]
 mod problems;
 
 #[test]

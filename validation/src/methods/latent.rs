@@ -11,9 +11,10 @@ use ndarray::Array1;
 
 use super::censored::{self, Censored};
 use super::functions::Functions;
-use super::{Atoms, Fitted, LEAST_IN_CONTACT, Rotated, SAMPLES_PER_TERM, Surrogate, golden};
-use crate::MethodError;
-use asperity_base::law::standard_normal_quantile;
+use super::{LEAST_IN_CONTACT, SAMPLES_PER_TERM, golden, rows_but, rows_of};
+use asperity::law::standard_normal_quantile;
+use asperity::pressure::MethodError;
+use asperity::pressure::surrogate::{Atoms, Fitted, Rotated, Surrogate};
 
 /// Errors drawn for each fresh germ, and for each sample that is held out.
 const DRAWS: usize = 5;
@@ -35,11 +36,11 @@ impl<'a> LatentOverlap<'a> {
 
 impl Surrogate for LatentOverlap<'_> {
     fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError> {
-        let rows = self.samples.rows_of(samples);
+        let rows = rows_of(self.samples, samples);
         let pressures_pa: Vec<f64> = samples.iter().map(|i| self.samples.pressures_pa[*i]).collect();
         let in_contact = pressures_pa.iter().filter(|p| **p > 0.0).count();
         if in_contact < LEAST_IN_CONTACT {
-            return Err(MethodError::TooFewInContact { in_contact, samples: rows.len(), wanted: LEAST_IN_CONTACT });
+            return Err(MethodError::TooFewSamples { samples: in_contact, wanted: LEAST_IN_CONTACT });
         }
         let largest = self.samples.largest_pa;
         let mut best: Option<(f64, Functions, Censored)> = None;
@@ -62,7 +63,7 @@ impl Surrogate for LatentOverlap<'_> {
         };
         let fresh = &self.samples.fresh;
         let probability = 1.0 / fresh.len() as f64;
-        let held = means(&self.samples.rows_but(samples));
+        let held = means(&rows_but(self.samples, samples));
         Ok(Fitted {
             law: means(fresh).iter().enumerate().flat_map(|mean| law(mean, DRAWS, probability)).collect(),
             given: held.iter().enumerate().map(|mean| law(mean, DRAWS_HELD, 1.0)).collect(),

@@ -1,6 +1,6 @@
 //! Time and memory of a hundred and one Karhunen–Loève modes of covariances that are no products.
 //!
-//! `cargo run --release -p asperity --example time_modes -- 256 [exponential|matern|oblique|measured]`
+//! `cargo run --release -p asperity-benchmarks --bin time_modes -- 256 [exponential|matern|oblique|measured]`
 //!
 //! A square of `points` × `points` with correlation length a fifth of the side. On Linux the processor time of all threads
 //! and the largest resident memory are told as well, which matter on a shared machine.

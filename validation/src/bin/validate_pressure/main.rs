@@ -1,7 +1,7 @@
 //! The law of the random pressure by the default method and by Monte Carlo, against references, and how often intervals of all
 //! methods hold the truth, as Markdown.
 //!
-//! `cargo run --release -p asperity --example validate_pressure -- [REPLICATES [STUDIES]]` prints what
+//! `cargo run --release -p asperity-validation --bin validate_pressure -- [REPLICATES [STUDIES]]` prints what
 //! `docs/validation/pressure.md` holds, two replicates at a time on a thread each; `just validate` writes it.
 #![expect(
     clippy::print_stdout,
@@ -176,7 +176,7 @@ fn main() -> Result<()> {
     println!(
         "# The law of the random pressure\n\nThe pressure at the centre cell of a Gaussian surface of {POINTS}² points on 1 m with unit variance, on a half-space of \
          E\\* = 1 Pa, under a plane at the mean height; in cases A and C periodic, without the constant mode, with the mean compliance 1/π m/Pa. \
-         Written by `cargo run --release -p asperity --example validate_pressure` (`just validate`). Means over {replicates} replicates; root mean square \
+         Written by `cargo run --release -p asperity-validation --bin validate_pressure` (`just validate`). Means over {replicates} replicates; root mean square \
          errors of P(contact) and of the mean with the root mean square of the standard errors that were told, and the share of 95 % intervals \
          that hold the reference, whose own error is added; median seconds on one thread, two at work. References: {POOLED} solutions with \
          256 cells each, of the free patches {SINGLE} solutions at the cell; KS below their own error, about .9/√{SINGLE} = {:.4}, says nothing.",

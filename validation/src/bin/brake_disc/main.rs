@@ -1,7 +1,7 @@
 //! Makes the synthetic scan of `studies/quickstart.toml`: the friction track of a brake disc, with the faults of a measurement.
 //!
 //! ```text
-//! cargo run --release --example brake_disc -p asperity -- studies/brake_disc.x3p
+//! cargo run --release -p asperity-validation --bin brake_disc -- studies/brake_disc.x3p
 //! ```
 //!
 //! Nothing here was measured. The surface is a random field of 512 × 512 points at 2 µm. Sliding follows x; the correlation

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView1};
 
-use asperity_chaos::{Basis, BasisError, number_of_terms};
+use asperity::chaos::{Basis, BasisError, number_of_terms};
 
 /// Hermite polynomials of variables kept within the range of the samples; the constant alone of degree 0 or no variables.
 #[derive(Debug, Clone)]

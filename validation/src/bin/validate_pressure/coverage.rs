@@ -4,8 +4,9 @@ use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
-use asperity::pressure::{Estimate, Method, Problem, Study};
+use asperity::pressure::{Estimate, Problem, Study};
 use asperity::surface::KarhunenLoeve;
+use asperity_validation::methods::{estimates, names};
 
 use crate::Result;
 use crate::parallel::each;
@@ -126,10 +127,10 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
         let found = each(replicates, world.name, |seed| {
             let sizes = Study { fine_solves: world.fine_solves, reference_samples: 2, ..Study::new(seed) };
             let study = Study { variables: 3, degree: 2, surrogate_samples: 2000, ..sizes };
-            let results = study.run(&problem, &Silent)?;
-            let mut counts = vec![Count::default(); Method::ALL.len()];
-            for (count, method) in counts.iter_mut().zip(Method::ALL) {
-                if let Some((estimate, _)) = results.estimate(method) {
+            let outcomes = estimates(&study, &problem, &Silent)?;
+            let mut counts = vec![Count::default(); outcomes.len()];
+            for (count, outcome) in counts.iter_mut().zip(&outcomes) {
+                if let Ok(estimate) = outcome {
                     count.add(estimate, &truth);
                 }
             }
@@ -139,10 +140,10 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
             "| method | P(contact) | mean | 10 % | 50 % | 90 % | band | P: bias | error | half width | mean: bias | error | half width \
              |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
         );
-        for (k, method) in Method::ALL.into_iter().enumerate() {
+        for (k, name) in names().into_iter().enumerate() {
             let mut all = Count::default();
             found.iter().for_each(|counts| all.merge(&counts[k]));
-            all.row(method.name());
+            all.row(name);
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Seconds of polynomial-chaos regressions, as JSON, with their results beside them for a check from outside.
 //!
-//! `cargo run --release -p asperity --example time_regression -- CASE key=value …`; all files hold little-endian doubles, row by
+//! `cargo run --release -p asperity-benchmarks --bin time_regression -- CASE key=value …`; all files hold little-endian doubles, row by
 //! row. A basis has total degree `degree` in `variables` variables, the first `hermite` of them (default all) standard normal
 //! and the others uniform on [−1, 1].
 //!

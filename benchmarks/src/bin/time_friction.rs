@@ -1,6 +1,6 @@
 //! Where the time of the friction stage goes, as JSON: strips of a rough steel surface at eight percentiles.
 //!
-//! `cargo run --release -p asperity --example time_friction -- key=value …` with
+//! `cargo run --release -p asperity-benchmarks --bin time_friction -- key=value …` with
 //!
 //! | key | default | meaning |
 //! |---|---|---|

@@ -1,6 +1,6 @@
 //! Seconds of contact solves, as JSON, with the pressure beside it for a check from outside.
 //!
-//! `cargo run --release -p asperity --example time_contact -- HEIGHTS key=value …` with
+//! `cargo run --release -p asperity-benchmarks --bin time_contact -- HEIGHTS key=value …` with
 //!
 //! | key | default | meaning |
 //! |---|---|---|

@@ -8,9 +8,10 @@ use ndarray::{Array1, ArrayView2};
 
 use super::functions::Functions;
 use super::newton::{Local, maximise};
-use super::{Atoms, Fitted, LEAST_IN_CONTACT, Rotated, SAMPLES_PER_TERM, Surrogate, golden};
-use crate::MethodError;
-use asperity_chaos::{LeastSquares, RegressionError};
+use super::{LEAST_IN_CONTACT, SAMPLES_PER_TERM, golden, rows_but, rows_of};
+use asperity::chaos::{LeastSquares, RegressionError};
+use asperity::pressure::MethodError;
+use asperity::pressure::surrogate::{Atoms, Fitted, Rotated, Surrogate};
 
 /// Penalty ½ λ c² of all coefficients of the log odds but the constant: it keeps them finite where the samples of either
 /// kind are separate.
@@ -44,8 +45,7 @@ impl Surrogate for TwoPart<'_> {
         };
         let contact = of(&|p| p > 0.0);
         if contact.len() < LEAST_IN_CONTACT {
-            let (in_contact, samples) = (contact.len(), samples.len());
-            return Err(MethodError::TooFewInContact { in_contact, samples, wanted: LEAST_IN_CONTACT });
+            return Err(MethodError::TooFewSamples { samples: contact.len(), wanted: LEAST_IN_CONTACT });
         }
         let elastic = of(&|p| p > 0.0 && p < largest);
         let touches = Chance::fit(self.samples, samples, self.degree, |p| p > 0.0)?;
@@ -74,7 +74,7 @@ impl Surrogate for TwoPart<'_> {
         let share = 1.0 / fresh.len() as f64;
         Ok(Fitted {
             law: laws(fresh, DRAWS).into_iter().flatten().map(|(p, probability)| (p, share * probability)).collect(),
-            given: laws(&self.samples.rows_but(samples), DRAWS_HELD),
+            given: laws(&rows_but(self.samples, samples), DRAWS_HELD),
             coefficients: touches.coefficients.len()
                 + if yields.varies() { yields.coefficients.len() } else { 0 }
                 + pressed.as_ref().map_or(0, |pressed| pressed.coefficients.len()),
@@ -111,7 +111,7 @@ impl Chance {
         degree: usize,
         happens: impl Fn(f64) -> bool,
     ) -> Result<Self, MethodError> {
-        let rows = samples.rows_of(chosen);
+        let rows = rows_of(samples, chosen);
         let seen: Vec<bool> = chosen.iter().map(|i| happens(samples.pressures_pa[*i])).collect();
         let often = seen.iter().filter(|seen| **seen).count();
         if often == 0 || often == seen.len() {
@@ -184,7 +184,7 @@ struct Elastic {
 impl Elastic {
     /// None without such samples.
     fn fit(samples: &Rotated, chosen: &[usize], degree: usize) -> Result<Option<Self>, MethodError> {
-        let rows = samples.rows_of(chosen);
+        let rows = rows_of(samples, chosen);
         let values: Vec<f64> = chosen.iter().map(|i| logarithm(samples.pressures_pa[*i], samples.largest_pa)).collect();
         let mut best: Option<(f64, Self)> = None;
         if chosen.is_empty() {
@@ -251,7 +251,7 @@ mod tests {
     use ndarray::Array2;
 
     use super::*;
-    use asperity_base::random::{standard_normal, stream};
+    use asperity::random::{standard_normal, stream};
 
     #[test]
     fn log_odds_solve_the_score_equations() {

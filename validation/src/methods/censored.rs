@@ -10,7 +10,7 @@
 use ndarray::{Array1, Array2, ArrayView2};
 
 use super::newton::{Local, maximise};
-use asperity_base::law::{standard_normal_cdf, standard_normal_pdf};
+use asperity::law::{standard_normal_cdf, standard_normal_pdf};
 
 /// Least and largest ratio of the scale of the values to σ. Values all of which lie on bounds, on either, end at the least, an
 /// exact fit at the largest.
@@ -90,7 +90,7 @@ fn log_normal_cdf(z: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::random::{standard_normal, stream};
+    use asperity::random::{standard_normal, stream};
 
     /// The design of a line, and values with normal errors.
     fn line(samples: usize) -> (Array2<f64>, Vec<f64>) {
@@ -150,7 +150,7 @@ mod tests {
     fn without_censoring_it_is_least_squares() {
         let (design, values) = line(200);
         let found = fit(design.view(), &values, [-1e9, f64::INFINITY]);
-        let wanted = asperity_chaos::LeastSquares::new(design.view()).unwrap().fit(&values).unwrap();
+        let wanted = asperity::chaos::LeastSquares::new(design.view()).unwrap().fit(&values).unwrap();
         for (found, wanted) in found.coefficients.iter().zip(&wanted.coefficients) {
             assert!((found - wanted).abs() < 1e-3, "{found} {wanted}");
         }

@@ -1,6 +1,6 @@
 //! How often the intervals and tests of the friction stage tell the truth, over many runs, as Markdown.
 //!
-//! `cargo run --release -p asperity --example validate_friction -- [RUNS [ONLY]]` prints what `docs/validation/friction.md`
+//! `cargo run --release -p asperity-validation --bin validate_friction -- [RUNS [ONLY]]` prints what `docs/validation/friction.md`
 //! holds; `just validate` writes it.
 #![expect(clippy::print_stdout, reason = "the tables are what this program is for")]
 

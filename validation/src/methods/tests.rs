@@ -1,9 +1,13 @@
-use super::latent::LatentOverlap;
-use super::two_part::TwoPart;
 use super::*;
-use asperity_base::law::{standard_normal_cdf, standard_normal_pdf};
-use asperity_base::random::{standard_normal, stream};
-use asperity_chaos::distance::kolmogorov_smirnov_to;
+use asperity::chaos::distance::kolmogorov_smirnov_to;
+use asperity::contact::{Boundary, Control, HalfSpace};
+use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::law::{standard_normal_cdf, standard_normal_pdf};
+use asperity::map::Grid;
+use asperity::monitor::Silent;
+use asperity::random::{standard_normal, stream};
+use asperity::stats::wilson_interval;
+use asperity::surface::{KarhunenLoeve, ModesRoute, SpectralField};
 
 const FRESH: usize = 4000;
 
@@ -91,7 +95,7 @@ fn a_logistic_lognormal_pressure_has_its_law_in_two_parts() {
 #[test]
 fn nobody_in_contact_is_a_reason() {
     let samples = samples(50, f64::INFINITY, |_, _| 0.0);
-    let wanted = MethodError::TooFewInContact { in_contact: 0, samples: 50, wanted: LEAST_IN_CONTACT };
+    let wanted = MethodError::TooFewSamples { samples: 0, wanted: LEAST_IN_CONTACT };
     assert_eq!(by_latent(&samples), Err(wanted.clone()));
     assert_eq!(by_two_parts(&samples), Err(wanted));
 }
@@ -222,4 +226,46 @@ fn estimates_do_not_depend_on_the_number_of_threads() {
         pool.install(|| (by_latent(&samples).unwrap(), by_two_parts(&samples).unwrap()))
     };
     assert_eq!(on(1), on(2));
+}
+
+fn small_study() -> Study {
+    let study = Study::new(5);
+    Study { fine_solves: 170, reference_samples: 170, variables: 3, degree: 2, surrogate_samples: 2000, ..study }
+}
+
+fn outcome(outcomes: Vec<Outcome>, name: &str) -> Outcome {
+    names().into_iter().zip(outcomes).find(|(own, _)| *own == name).unwrap().1
+}
+
+#[test]
+fn cells_of_a_stationary_periodic_patch_are_pooled_and_every_method_finds_their_contact_probability() {
+    let grid = Grid::covering(16, 16, 1.0, 1.0).unwrap();
+    let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
+    let surface = SpectralField::periodic(&covariance, grid);
+    let boundary = Boundary::Periodic { mean_compliance_m_per_pa: 0.3 };
+    let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
+    let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.3 }, None).unwrap();
+    let outcomes = estimates(&small_study(), &problem, &Silent).unwrap();
+    let reference = Study { seed: 6, ..small_study() }.run(&problem, &Silent).unwrap().reference.estimate;
+    let [contact, its_se] = [reference.contact_probability, reference.contact_probability_se];
+    assert_eq!(outcomes.len(), Method::ALL.len() + 5);
+    for (name, found) in names().into_iter().zip(outcomes) {
+        let found = found.unwrap();
+        let error = found.contact_probability - found.contact_probability_bias.unwrap_or(0.0) - contact;
+        let se = found.contact_probability_se.hypot(its_se);
+        assert!(error.abs() < 4.0 * se, "{name}: {error} ± {se}");
+    }
+}
+
+#[test]
+fn cells_of_a_free_patch_differ_and_are_not_pooled() {
+    let grid = Grid::covering(16, 16, 1.0, 1.0).unwrap();
+    let covariance = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 0.2, 0.2).unwrap();
+    let surface = KarhunenLoeve::new(&covariance, grid, 30, ModesRoute::Separable).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
+    let study = Study { fine_solves: 400, reference_samples: 100, ..small_study() };
+    let outcomes = estimates(&study, &problem, &Silent).unwrap();
+    let refusal = outcome(outcomes, "pooled_sites").unwrap_err().to_string();
+    assert!(refusal.contains("cells differ"), "{refusal}");
 }

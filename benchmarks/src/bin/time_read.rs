@@ -1,4 +1,4 @@
-//! Times reading a file: `cargo run --release -p asperity-formats --example time_read -- FILE [REPEATS] [HEIGHTS.npy]`.
+//! Times reading a file: `cargo run --release -p asperity-benchmarks --bin time_read -- FILE [REPEATS] [HEIGHTS.npy]`.
 //!
 //! Prints `rows columns best median` with times in second, and writes the heights as NPY when told to. The first read
 //! is not counted: it brings the file into the page cache.

@@ -1,6 +1,6 @@
 //! Seconds of the stick-slip solver, as JSON, with what it found beside them for a check from outside.
 //!
-//! `cargo run --release -p asperity --example time_vibration -- CASE key=value …`; the mass on the belt has the paper's law.
+//! `cargo run --release -p asperity-benchmarks --bin time_vibration -- CASE key=value …`; the mass on the belt has the paper's law.
 //!
 //! | case | what is timed |
 //! |---|---|

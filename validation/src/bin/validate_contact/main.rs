@@ -1,6 +1,6 @@
 //! Validates the contact solver and writes what it found: `just validate`, or
 //!
-//! `cargo run --release -p asperity --example validate_contact -- FOLDER`
+//! `cargo run --release -p asperity-validation --bin validate_contact -- FOLDER`
 //!
 //! solves 1,000 problems drawn at random, checks each answer from its pressure alone, and tells how answers depend on tolerance
 //! and grid and how the residual falls; into `FOLDER/validation/contact.md` and `FOLDER/figures/contact_convergence.svg`.
@@ -18,7 +18,7 @@ use asperity::contact::{Boundary, Control, Solver};
 use rayon::prelude::*;
 
 mod check;
-#[path = "../../tests/contact_check/mod.rs"]
+#[path = "../../../../crates/asperity/tests/contact_check/mod.rs"]
 mod contact_check;
 mod figure;
 mod problems;

@@ -1,6 +1,6 @@
 //! How often the 95 % intervals of a map's statistics hold those of its surface.
 //!
-//! `cargo run --release -p asperity --example interval_coverage -- [MAPS [ONLY [POINTS]]]`
+//! `cargo run --release -p asperity-validation --bin interval_coverage -- [MAPS [ONLY [POINTS]]]`
 //!
 //! draws MAPS maps (1000) of each case, 30 correlation lengths a side and POINTS points (4) to a length, and counts. ONLY names
 //! the cases to run, by a part of their names. For each statistic: the truth, the mean of the estimates, their spread, the mean

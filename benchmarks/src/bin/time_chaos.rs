@@ -1,6 +1,6 @@
 //! Time of building and evaluating expansions and designs, as JSON.
 //!
-//! `RAYON_NUM_THREADS=1 cargo run --release -p asperity --example time_chaos [points]`
+//! `RAYON_NUM_THREADS=1 cargo run --release -p asperity-benchmarks --bin time_chaos [points]`
 //!
 //! Each time is the least of five.
 #![expect(clippy::print_stdout, reason = "the times are what this program is for")]
