@@ -17,10 +17,7 @@
 //! <https://doi.org/10.1016/S0043-1648(99)00113-1>.
 //! D. G. Luenberger and Y. Ye, *Linear and Nonlinear Programming*, §7.10 (spacer steps).
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use crate::descent::Descent;
 use crate::{Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap};
@@ -124,22 +121,6 @@ impl Solver {
         let closure = Closure::Sum { pascal: pascal * points as f64 };
         let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
         Ok(self.run(Descent::new(problem, closure, &start, rigid_mean(problem), workspace), start, monitor))
-    }
-
-    /// Solves many problems, shared among the threads of the current pool: every thread keeps its scratch memory from one problem
-    /// to the next on the same half-space. Solutions come in the order of the problems and are the same on any number of threads;
-    /// after the monitor has cancelled they say so.
-    ///
-    /// # Errors
-    /// The tolerance is not positive.
-    pub fn solve_many(&self, problems: &[Problem<'_>], monitor: &dyn Monitor) -> Result<Vec<Solution>, ContactError> {
-        let done = AtomicUsize::new(0);
-        let solve = |workspace: &mut Workspace, problem: &Problem<'_>| {
-            let solution = self.solve_from(problem, None, workspace, monitor);
-            monitor.progress("contact", done.fetch_add(1, Ordering::Relaxed) + 1, problems.len());
-            solution
-        };
-        problems.par_iter().map_init(Workspace::default, solve).collect()
     }
 
     /// Runs a descent, whose start is needed no more.

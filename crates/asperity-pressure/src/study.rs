@@ -386,12 +386,6 @@ impl Results {
     pub fn estimate(&self, method: Method) -> Option<&(Estimate, Comparison)> {
         self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
     }
-
-    /// `points` pressures in pascal, equally spaced from 0 to the largest of the reference.
-    pub fn common_grid_pa(&self, points: usize) -> Vec<f64> {
-        let largest = self.reference.estimate.law.quantile(1.0);
-        (0..points).map(|i| largest * i as f64 / (points.max(2) - 1) as f64).collect()
-    }
 }
 
 #[cfg(test)]

@@ -498,31 +498,6 @@ fn heights_and_layers_that_no_digit_is_left_of_are_refused() {
 }
 
 #[test]
-fn many_problems_are_solved_as_each_alone() {
-    let n = 48;
-    let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
-    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
-    let half_spaces = [Boundary::Free, periodic].map(|boundary| HalfSpace::new(grid, 1.0, boundary).unwrap());
-    let maps: Vec<_> = (0..6).map(|sample| rough(n, 40 + sample)).collect();
-    let control = Control::Percentile { percent: 15.0 };
-    let problems: Vec<_> = half_spaces
-        .iter()
-        .flat_map(|half_space| maps.iter().map(move |map| Problem::new(half_space, map, control, Some(0.5)).unwrap()))
-        .collect();
-    let alone: Vec<_> = problems.iter().map(|problem| Solver::default().solve(problem).unwrap()).collect();
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let watch = Impatient::after(usize::MAX);
-        let together = pool.install(|| Solver::default().solve_many(&problems, &watch)).unwrap();
-        assert_eq!(watch.done.load(Ordering::Relaxed), problems.len());
-        for (alone, together) in alone.iter().zip(&together) {
-            assert!(together.converged());
-            assert_eq!(alone.pressure_pa(), together.pressure_pa());
-        }
-    }
-}
-
-#[test]
 fn at_the_median_the_free_boundary_touches_at_most_half() {
     // The plane overlaps exactly half of the heights, and elastic displacement can only open contact.
     for sample in 0..5 {

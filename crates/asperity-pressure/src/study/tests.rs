@@ -82,8 +82,6 @@ fn a_centre_cell_is_in_contact_at_most_half_the_time_at_the_median_plane() {
     let error = controlled.contact_probability - reference.estimate.contact_probability;
     let se = controlled.contact_probability_se.hypot(reference.estimate.contact_probability_se);
     assert!(error.abs() < 4.0 * se, "{error:.4} ± {se:.4}");
-    let grid_pa = results.common_grid_pa(11);
-    assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.estimate.law.quantile(1.0)));
 }
 
 #[test]
