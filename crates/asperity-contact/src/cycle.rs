@@ -32,7 +32,6 @@ pub struct LoadPath<'a> {
     half_space: &'a HalfSpace,
     original_heights_m: &'a Array2<f64>,
     hardness_pa: Option<f64>,
-    hardness_field_pa: Option<&'a Array2<f64>>,
     residual_heights_m: Array2<f64>,
     plastic_work_j: f64,
     workspace: Workspace,
@@ -86,28 +85,15 @@ impl<'a> LoadPath<'a> {
             half_space,
             original_heights_m: heights_m,
             hardness_pa,
-            hardness_field_pa: None,
             residual_heights_m: heights_m.clone(),
             plastic_work_j: 0.0,
             workspace: half_space.workspace(),
         })
     }
 
-    /// The same with a hardness of its own for every cell, of shape `[ny, nx]` in pascal.
-    ///
-    /// # Errors
-    /// As [`Problem::with_hardness_field`].
-    pub fn with_hardness_field(mut self, hardness_pa: &'a Array2<f64>) -> Result<Self, ContactError> {
-        self.problem(self.original_heights_m, Control::Penetration { metre: 0.0 })?.with_hardness_field(hardness_pa)?;
-        self.hardness_field_pa = Some(hardness_pa);
-        Ok(self)
-    }
-
     /// The problem of pressing on `heights_m`.
     fn problem<'p>(&'p self, heights_m: &'p Array2<f64>, control: Control) -> Result<Problem<'p>, ContactError> {
-        let hardness_pa = if self.hardness_field_pa.is_some() { None } else { self.hardness_pa };
-        let problem = Problem::new(self.half_space, heights_m, control, hardness_pa)?;
-        self.hardness_field_pa.map_or(Ok(problem), |field| problem.with_hardness_field(field))
+        Problem::new(self.half_space, heights_m, control, self.hardness_pa)
     }
 
     /// Presses as `control` says, on the heights left by the loads before, and keeps the imprint. A load or mean

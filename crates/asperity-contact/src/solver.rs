@@ -140,12 +140,11 @@ fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f
     let mut p: Vec<f64> = start.iter().map(|p| pressed(*p)).collect();
     let sum: f64 = p.iter().sum();
     let wanted = problem.mean_pressure_pa().map_or(sum, |pascal| pascal * p.len() as f64);
-    let upper = problem.hardness_by_cell();
+    let upper_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let mut capacity = 0.0;
-    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
-        let ceiling = upper.as_ref().map_or(f64::INFINITY, |upper| upper(place));
-        *p = (*p * (wanted / sum)).min(ceiling);
-        capacity += ceiling;
+    for p in p.iter_mut().filter(|p| **p > 0.0) {
+        *p = (*p * (wanted / sum)).min(upper_pa);
+        capacity += upper_pa;
     }
     // What has to carry the load needs to be able to.
     let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;

@@ -81,32 +81,6 @@ fn a_load_in_many_steps_leaves_what_one_step_leaves() {
 }
 
 #[test]
-fn with_a_hardness_field_the_softer_cells_keep_the_deeper_imprint() {
-    for (half_space, heights, hardness, newton) in surfaces() {
-        let soft = |row: usize, column: usize| (row / 4 + column / 4).is_multiple_of(2);
-        let field =
-            Array2::from_shape_fn(heights.dim(), |(i, j)| if soft(i, j) { 0.7 * hardness } else { 2.0 * hardness });
-        let path = |count: usize| {
-            let path = LoadPath::new(&half_space, &heights, Some(1e-9 * hardness)).unwrap();
-            let mut path = path.with_hardness_field(&field).unwrap();
-            let controls: Vec<Control> = (1..=count).map(|i| load(newton * i as f64 / count as f64)).collect();
-            assert!(path.follow(&controls, &SOLVER, &Silent).unwrap().iter().all(LoadStep::converged));
-            let again = path.press(load(newton), &SOLVER).unwrap();
-            assert_eq!(again.largest_increment_m, 0.0);
-            path
-        };
-        let (one, many) = (path(1).plastic_displacement_m(), path(8).plastic_displacement_m());
-        assert!(largest_difference(&one, &many) < 1e-6 * one.iter().copied().fold(0.0, f64::max));
-        let volume = |of_soft: bool| {
-            one.indexed_iter().filter(|((i, j), _)| soft(*i, *j) == of_soft).map(|(_, depth)| depth).sum::<f64>()
-        };
-        assert!(volume(true) > 2.0 * volume(false), "{:e} {:e}", volume(true), volume(false));
-        let unfit = Array2::from_elem((3, 3), hardness);
-        assert!(LoadPath::new(&half_space, &heights, None).unwrap().with_hardness_field(&unfit).is_err());
-    }
-}
-
-#[test]
 fn what_was_carried_once_is_carried_elastically_again() {
     for (half_space, heights, hardness, newton) in surfaces() {
         let mut path = LoadPath::new(&half_space, &heights, Some(hardness)).unwrap();

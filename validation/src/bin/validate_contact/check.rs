@@ -52,7 +52,7 @@ impl Checked {
         });
         let contact = solution.contact_fraction();
         let found = evaluate(&operator, &problem, &solution);
-        let (control, yields) = (problem.control(), problem.yields());
+        let (control, yields) = (problem.control(), problem.hardness_pa().is_some());
         let gaps = operator.displace(&p).into_iter().zip(problem.heights_m()).map(|(u, z)| u - z + solution.plane_m());
         let work: f64 = gaps.zip(&p).map(|(gap, p)| p * gap.max(0.0)).sum();
         let sum: f64 = p.iter().sum();
