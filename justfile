@@ -25,9 +25,9 @@ fuzz-vibration COUNT="1000000":
 # Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references, and counts how often
 # intervals of pressure and friction hold: some forty minutes.
 validate:
-    cargo run --release -p asperity --example validate_contact -- docs
-    cargo run --release -p asperity --example validate_pressure > docs/validation/pressure.md
-    cargo run --release -p asperity --example validate_friction > docs/validation/friction.md
+    cargo run --release -p asperity-validation --bin validate_contact -- docs
+    cargo run --release -p asperity-validation --bin validate_pressure > docs/validation/pressure.md
+    cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
 
 # Everything but the tests.
 lint: fmt clippy doc typos deny

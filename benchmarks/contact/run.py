@@ -129,7 +129,7 @@ class Peer:
 
 
 class Asperity:
-    """Our solver, by the example `time_contact`."""
+    """Our solver, by the program `time_contact`."""
 
     name = "asperity"
 
@@ -141,7 +141,7 @@ class Asperity:
         words |= {"maps": job["maps"], "threads": self.threads, "transforms": job.get("transforms", "true")}
         if job["hardness"] is not None:
             words["hardness"] = job["hardness"]
-        command = [TARGET / "release" / "examples" / "time_contact", job["heights"], *(f"{key}={value}" for key, value in words.items())]
+        command = [TARGET / "release" / "time_contact", job["heights"], *(f"{key}={value}" for key, value in words.items())]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment(self.threads)) as process:
             said = process.stdout.read()
             _, status, usage = os.wait4(process.pid, 0)
@@ -407,7 +407,7 @@ def main():
     failed = prepare()
     if Path(sys.prefix).resolve() != PEERS.resolve():
         os.execve(PYTHON, [str(PYTHON), str(HERE / "run.py"), *sys.argv[1:]], environment(1))
-    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "asperity", "--example", "time_contact"], cwd=ROOT, check=True)
+    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "asperity-benchmarks", "--bin", "time_contact"], cwd=ROOT, check=True)
     with tempfile.TemporaryDirectory() as temporary:
         bench = Bench(Path(temporary), 2 if arguments.quick else ROUNDS)
         if arguments.large:

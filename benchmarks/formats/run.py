@@ -331,8 +331,8 @@ def main():
     arguments = parser.parse_args()
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     build = ["cargo", "build", "--release", "--quiet"]
-    subprocess.run(build + ["-p", "asperity-formats", "--example", "time_read"], cwd=ROOT, check=True)
-    arguments.time_read = target / "examples" / "time_read"
+    subprocess.run(build + ["-p", "asperity-benchmarks", "--bin", "time_read"], cwd=ROOT, check=True)
+    arguments.time_read = target / "time_read"
     if arguments.asperity is None:
         subprocess.run(build + ["-p", "asperity-cli"], cwd=ROOT, check=True)
         arguments.asperity = target / "asperity"

@@ -80,7 +80,7 @@ def timed(function):
 
 
 def ours(arguments, program, *words):
-    done = subprocess.run([arguments.target / "examples" / program, *map(str, words)], capture_output=True, text=True, check=True)
+    done = subprocess.run([arguments.target / program, *map(str, words)], capture_output=True, text=True, check=True)
     return done.stdout.splitlines()
 
 
@@ -207,7 +207,7 @@ def main():
     arguments.target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     build = ["cargo", "build", "--release", "--quiet"]
     subprocess.run(build + ["-p", "asperity-cli"], cwd=ROOT, check=True)
-    subprocess.run(build + ["-p", "asperity", "--example", "time_surface", "--example", "time_modes"], cwd=ROOT, check=True)
+    subprocess.run(build + ["-p", "asperity-benchmarks", "--bin", "time_surface", "--bin", "time_modes"], cwd=ROOT, check=True)
     points = arguments.points
     rows = []
 

@@ -30,7 +30,7 @@ PEERS = TARGET / "vibration-peers"
 PYTHON = PEERS / "bin" / "python"
 CRATE = PEERS / "differential-equations"
 CRATE_VERSION = "0.6.1"
-OURS = TARGET / "release" / "examples" / "time_vibration"
+OURS = TARGET / "release" / "time_vibration"
 ROUNDS, PATIENCE_S = 3, 1800.0
 
 MACHINE = {"friction": 0.1, "decay": 4.2, "damping": 0.17, "velocity": 0.003}
@@ -363,7 +363,7 @@ def main():
     which.add_argument("--full", action="store_true")
     arguments = parser.parse_args()
     failed = prepare()
-    subprocess.run(["cargo", "build", "--quiet", "--release", "-p", "asperity", "--example", "time_vibration"], check=True, cwd=ROOT)
+    subprocess.run(["cargo", "build", "--quiet", "--release", "-p", "asperity-benchmarks", "--bin", "time_vibration"], check=True, cwd=ROOT)
     unbuilt = build_crate()
     versions = {"differential-equations": f"not built ({unbuilt})" if unbuilt else f"{CRATE_VERSION} (target-cpu=native)"}
     for name in ("diffrax", "SciPy"):

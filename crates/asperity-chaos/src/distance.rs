@@ -1,12 +1,6 @@
 //! Laws of finitely many values, with atoms, and distances between laws.
 
-mod bands;
-
 use thiserror::Error;
-
-pub use bands::{Band, dvoretzky_kiefer_wolfowitz};
-
-use super::ResamplesError;
 
 /// Why a law could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -30,9 +24,6 @@ pub enum DistanceError {
         /// Number of values.
         values: usize,
     },
-    /// A bootstrap was asked for that cannot be.
-    #[error(transparent)]
-    Resamples(#[from] ResamplesError),
 }
 
 /// A law on finitely many values: its distribution function is a staircase, continuous from the right.

@@ -1,6 +1,5 @@
 //! Functions of a germ as sums of orthonormal polynomials.
 
-use ndarray::ArrayView2;
 use rayon::prelude::*;
 
 use super::horner::{Evaluate, Horner, Scratch};
@@ -82,16 +81,6 @@ impl Expansion {
 
     fn evaluate_block<G: AsRef<[f64]>>(&self, germs: &[G], values: &mut [f64], scratch: &mut Scratch) {
         wide::<Evaluate, (&Horner, &[G], &mut [f64], &mut Scratch)>((&self.horner, germs, values, scratch));
-    }
-
-    /// f at each row of an array of shape `[points, variables]`; further columns are ignored.
-    ///
-    /// # Panics
-    /// If the array has fewer columns than the expansion has variables.
-    pub fn evaluate_rows(&self, germs: ArrayView2<'_, f64>) -> Vec<f64> {
-        let germs = germs.as_standard_layout();
-        let rows: Vec<&[f64]> = germs.rows().into_iter().filter_map(|row| row.to_slice()).collect();
-        self.evaluate_many(&rows)
     }
 
     /// E f = c₀.

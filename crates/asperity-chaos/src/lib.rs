@@ -2,16 +2,13 @@
 //!
 //! A random quantity is a function f(ξ) of a *germ*, a vector of independent standard variables. [`sampling`] says where
 //! to evaluate it, [`Basis`] (the products in a [`MultiIndexSet`]) and [`LeastSquares`] turn the values into an
-//! [`Expansion`], and [`StepLaw`] compares the laws that come out. [`Resamples`] says how well indices, distances and laws
-//! are known; [`propagation`] takes uncertain parameters through a response with noise. An expansion can be handed on as JSON ([`Expansion::to_json`]), C or Python.
-
-#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
+//! [`Expansion`], and [`StepLaw`] compares the distributions that come out. [`Resamples`] estimates the errors of Sobol' indices;
+//! [`propagation`] takes uncertain parameters through a response with noise.
 
 mod basis;
 pub mod distance;
 mod expansion;
 mod horner;
-mod json;
 mod multi_index;
 pub mod polynomial;
 pub mod propagation;
@@ -19,13 +16,11 @@ mod regression;
 mod resamples;
 pub mod sampling;
 mod sensitivity;
-mod source;
 mod sparse;
 
 pub use basis::{Basis, BasisError};
 pub use distance::{DistanceError, StepLaw};
 pub use expansion::Expansion;
-pub use json::ExpansionFileError;
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
 pub use polynomial::Family;
 pub use propagation::{
@@ -35,7 +30,6 @@ pub use regression::{Fit, Fits, LeastSquares, LeaveOneOut, RegressionError};
 pub use resamples::{Estimate, Resamples, ResamplesError};
 pub use sampling::{Design, SamplingError, SamplingMethod};
 pub use sensitivity::{IndexError, IndexEstimates};
-pub use source::SourceError;
 pub use sparse::{
     Attempt, Candidates, SizeCriterion, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason,
 };

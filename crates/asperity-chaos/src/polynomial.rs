@@ -38,19 +38,6 @@ impl Family {
         }
     }
 
-    /// Name in files: `hermite` or `legendre`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hermite => "hermite",
-            Self::Legendre => "legendre",
-        }
-    }
-
-    /// The family of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Hermite, Self::Legendre].into_iter().find(|family| family.name() == name)
-    }
-
     /// The standard variable whose distribution function is `u`, 0 < u < 1.
     pub fn from_unit(self, u: f64) -> f64 {
         match self {

@@ -25,33 +25,20 @@ pub(super) fn under_plane(
         return none();
     };
     let fine = problem.heights_m();
-    let average = |fine: &Array2<f64>| {
-        Array2::from_shape_fn(coarse.grid().shape(), |(row, column)| {
-            let (i, j) = (2 * row, 2 * column);
-            0.25 * (fine[[i, j]] + fine[[i, j + 1]] + fine[[i + 1, j]] + fine[[i + 1, j + 1]])
-        })
-    };
-    let heights_m = average(fine);
+    let heights_m = Array2::from_shape_fn(coarse.grid().shape(), |(row, column)| {
+        let (i, j) = (2 * row, 2 * column);
+        0.25 * (fine[[i, j]] + fine[[i, j + 1]] + fine[[i + 1, j]] + fine[[i + 1, j + 1]])
+    });
     let control = Control::Plane { height_m: plane_m };
     // Averages of a rough map may be flat, which is no guess.
-    let Ok(mut guess) = Problem::new(coarse, &heights_m, control, problem.hardness_pa()) else {
+    let Ok(guess) = Problem::new(coarse, &heights_m, control, problem.hardness_pa()) else {
         return none();
     };
-    let hardness_pa = problem.hardness_field_pa().map(average);
-    if let Some(hardness_pa) = &hardness_pa {
-        guess = match guess.with_hardness_field(hardness_pa) {
-            Ok(guess) => guess,
-            Err(_) => return none(),
-        };
-    }
     let closure = Closure::Plane { height_m: plane_m - guess.mean_height_m() };
     let workspace = &mut **workspace.coarse.get_or_insert_default();
     coarse.claim(workspace);
     let start = under_plane(&guess, plane_m, workspace, monitor);
     let solution = Descent::new(&guess, closure, &start, None, workspace).run(&SOLVER, monitor);
-    let refined = |((row, column), _)| solution.pressure_pa[[row / 2, column / 2]];
-    let Some(upper) = problem.hardness_by_cell() else {
-        return fine.indexed_iter().map(refined).collect();
-    };
-    fine.indexed_iter().map(refined).enumerate().map(|(place, p)| p.min(upper(place))).collect()
+    let upper_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(upper_pa)).collect()
 }

@@ -32,8 +32,6 @@ pub struct LoadPath<'a> {
     half_space: &'a HalfSpace,
     original_heights_m: &'a Array2<f64>,
     hardness_pa: Option<f64>,
-    hardness_field_pa: Option<&'a Array2<f64>>,
-    rms_height_m: f64,
     residual_heights_m: Array2<f64>,
     plastic_work_j: f64,
     workspace: Workspace,
@@ -71,17 +69,6 @@ impl LoadStep {
     }
 }
 
-/// What repeated cycles came to.
-#[derive(Debug, Clone)]
-pub struct Shakedown {
-    /// Largest plastic displacement that each cycle added, in metre.
-    pub increments_m: Vec<f64>,
-    /// The steps of the last cycle.
-    pub last_cycle: Vec<LoadStep>,
-    /// Whether the last cycle added less than the tolerance.
-    pub shaken_down: bool,
-}
-
 impl<'a> LoadPath<'a> {
     /// A surface that has not been loaded yet; `hardness_pa = None` is elastic and keeps no imprint.
     ///
@@ -92,35 +79,21 @@ impl<'a> LoadPath<'a> {
         heights_m: &'a Array2<f64>,
         hardness_pa: Option<f64>,
     ) -> Result<Self, ContactError> {
-        let untouched = Control::Penetration { metre: 0.0 };
-        let problem = Problem::new(half_space, heights_m, untouched, hardness_pa)?;
+        // Refuses heights and a hardness that pose no problem.
+        Problem::new(half_space, heights_m, Control::Penetration { metre: 0.0 }, hardness_pa)?;
         Ok(Self {
             half_space,
             original_heights_m: heights_m,
             hardness_pa,
-            hardness_field_pa: None,
-            rms_height_m: problem.rms_height_m(),
             residual_heights_m: heights_m.clone(),
             plastic_work_j: 0.0,
             workspace: half_space.workspace(),
         })
     }
 
-    /// The same with a hardness of its own for every cell, of shape `[ny, nx]` in pascal.
-    ///
-    /// # Errors
-    /// As [`Problem::with_hardness_field`].
-    pub fn with_hardness_field(mut self, hardness_pa: &'a Array2<f64>) -> Result<Self, ContactError> {
-        self.problem(self.original_heights_m, Control::Penetration { metre: 0.0 })?.with_hardness_field(hardness_pa)?;
-        self.hardness_field_pa = Some(hardness_pa);
-        Ok(self)
-    }
-
     /// The problem of pressing on `heights_m`.
     fn problem<'p>(&'p self, heights_m: &'p Array2<f64>, control: Control) -> Result<Problem<'p>, ContactError> {
-        let hardness_pa = if self.hardness_field_pa.is_some() { None } else { self.hardness_pa };
-        let problem = Problem::new(self.half_space, heights_m, control, hardness_pa)?;
-        self.hardness_field_pa.map_or(Ok(problem), |field| problem.with_hardness_field(field))
+        Problem::new(self.half_space, heights_m, control, self.hardness_pa)
     }
 
     /// Presses as `control` says, on the heights left by the loads before, and keeps the imprint. A load or mean
@@ -204,38 +177,6 @@ impl<'a> LoadPath<'a> {
             }
         }
         Ok(steps)
-    }
-
-    /// Repeats the cycle `controls` until one adds no more plastic displacement than `tolerance` times the rms height
-    /// of the map, at most `most_cycles` times. A tolerance below the solver's cannot be told from its errors.
-    ///
-    /// # Errors
-    /// As [`LoadPath::press`]; the tolerance is not positive.
-    pub fn until_shakedown(
-        &mut self,
-        controls: &[Control],
-        solver: &Solver,
-        tolerance: f64,
-        most_cycles: usize,
-        monitor: &dyn Monitor,
-    ) -> Result<Shakedown, ContactError> {
-        if !(tolerance.is_finite() && tolerance > 0.0) {
-            let (parameter, unit, wanted) = ("tolerance of the shakedown", "(relative)", "positive");
-            return Err(ContactError::Parameter { parameter, value: tolerance, unit, wanted });
-        }
-        let mut shakedown = Shakedown { increments_m: Vec::new(), last_cycle: Vec::new(), shaken_down: false };
-        while !shakedown.shaken_down && shakedown.increments_m.len() < most_cycles {
-            let before_m = self.residual_heights_m.clone();
-            shakedown.last_cycle = self.follow(controls, solver, monitor)?;
-            let fall = before_m.iter().zip(&self.residual_heights_m).map(|(before, after)| before - after);
-            let increment_m = fall.fold(0.0, f64::max);
-            shakedown.increments_m.push(increment_m);
-            if !shakedown.last_cycle.iter().all(LoadStep::converged) {
-                break;
-            }
-            shakedown.shaken_down = increment_m <= tolerance * self.rms_height_m;
-        }
-        Ok(shakedown)
     }
 
     /// The heights that are left without load, z − u_pl, in metre.

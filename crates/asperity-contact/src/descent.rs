@@ -91,7 +91,7 @@ impl<'a> Descent<'a> {
             _ => 0.0,
         };
         let unit_m = problem.rms_height_m();
-        workspace.near.begin(problem.heights_m().ncols(), p, problem.hardness(), unit_m);
+        workspace.near.begin(problem.heights_m().ncols(), p, problem.hardness_pa(), unit_m);
         let mut descent = Self {
             problem,
             closure,
@@ -529,7 +529,6 @@ impl<'a> Descent<'a> {
             grid: problem.half_space().grid(),
             boundary: problem.half_space().boundary(),
             hardness_pa: problem.hardness_pa(),
-            hardness_field_pa: problem.hardness_field_pa().cloned(),
             pressure_pa,
             displacement_m: map(displacement_m),
             signed_gap_m: map(v),

@@ -20,7 +20,6 @@ mod clusters;
 mod coarse_start;
 mod cycle;
 mod descent;
-mod distribution;
 mod energy;
 pub mod exact;
 mod gradient;
@@ -38,8 +37,7 @@ mod substrate;
 
 pub use bodies::{Body, Elastic, Laid, Pair, composite};
 pub use clusters::{Clusters, Neighbours};
-pub use cycle::{LoadPath, LoadStep, Shakedown, work_of_flat_j};
-pub use distribution::Distribution;
+pub use cycle::{LoadPath, LoadStep, work_of_flat_j};
 pub use gradient::{rms_gradient, spectral_rms_gradient};
 pub use half_space::{Boundary, HalfSpace, Workspace, love_coefficient};
 pub use problem::{Control, Problem};

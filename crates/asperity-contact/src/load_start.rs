@@ -20,16 +20,11 @@ const ABOVE: f64 = 64.0;
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
 pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
     let heights_m = problem.heights_m();
-    let upper = problem.hardness_by_cell();
-    let ceiling = |place: usize| upper.as_ref().map_or(f64::INFINITY, |upper| CEILING * upper(place));
-    let uniform = || {
-        (0..heights_m.len())
-            .map(|place| if upper.is_some() { pascal.min(ceiling(place) / CEILING) } else { pascal })
-            .collect()
-    };
+    let upper_pa = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| CEILING * hardness_pa);
+    let uniform = || vec![pascal.min(upper_pa / CEILING); heights_m.len()];
     let half_space = problem.half_space();
     let slope = rms_gradient(heights_m, half_space.grid(), half_space.boundary());
-    let least = problem.mean_hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
+    let least = problem.hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
     let modulus_pa = half_space.modulus_pa();
     let share = MARGIN * persson_contact_fraction(pascal, modulus_pa, slope).max(least);
     if !(share > 0.0 && share < NEARLY_ALL) {
@@ -45,9 +40,9 @@ pub(super) fn under_load(problem: &Problem<'_>, pascal: f64) -> Vec<f64> {
     p.iter_mut().for_each(|p| *p *= scale);
     // What is cut off here, the solver's projection adds again to the cells that are pressed, if they can carry it.
     let mut capacity = 0.0;
-    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
-        *p = p.min(ceiling(place));
-        capacity += ceiling(place);
+    for p in p.iter_mut().filter(|p| **p > 0.0) {
+        *p = p.min(upper_pa);
+        capacity += upper_pa;
     }
     if p.iter().all(|p| p.is_finite()) && capacity > pascal * p.len() as f64 { p } else { uniform() }
 }

@@ -29,7 +29,7 @@ pub(super) fn solve(
     let points = problem.heights_m().len();
     let untouched = gap_m >= problem.highest_m() - problem.mean_height_m();
     let periodic = matches!(problem.half_space().boundary(), Boundary::Periodic { .. });
-    if untouched || (periodic && !problem.yields()) {
+    if untouched || (periodic && problem.hardness_pa().is_none()) {
         let closure = Closure::Gap { metre: gap_m };
         return Descent::new(problem, closure, &vec![0.0; points], rigid_mean(problem), workspace).run(solver, monitor);
     }

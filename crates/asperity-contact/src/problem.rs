@@ -49,18 +49,6 @@ impl Control {
     }
 }
 
-/// The largest pressures.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Hardness<'a> {
-    /// The same everywhere.
-    Uniform {
-        /// In pascal.
-        pascal: f64,
-    },
-    /// Every cell's in pascal, shape `[ny, nx]`.
-    Field(&'a Array2<f64>),
-}
-
 /// A contact problem: heights, a half-space, what is prescribed, and the hardness.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<'a> {
@@ -68,7 +56,6 @@ pub struct Problem<'a> {
     heights_m: &'a Array2<f64>,
     control: Control,
     hardness_pa: Option<f64>,
-    hardness_field_pa: Option<&'a Array2<f64>>,
     mean_height_m: f64,
     rms_height_m: f64,
     highest_m: f64,
@@ -114,29 +101,11 @@ impl<'a> Problem<'a> {
             heights_m,
             control,
             hardness_pa,
-            hardness_field_pa: None,
             mean_height_m,
             rms_height_m: variance.sqrt(),
             highest_m,
         };
         problem.validated()
-    }
-
-    /// The same with a hardness of its own for every cell, of shape `[ny, nx]` in pascal: a coating worn through in places, or
-    /// grains of several phases. It replaces a hardness given before.
-    ///
-    /// # Errors
-    /// The field does not fit the map, a hardness is not positive, or their mean is not above the mean pressure.
-    pub fn with_hardness_field(mut self, hardness_pa: &'a Array2<f64>) -> Result<Self, ContactError> {
-        let ((rows, columns), (ny, nx)) = (hardness_pa.dim(), self.half_space.grid().shape());
-        if (rows, columns) != (ny, nx) {
-            return Err(ContactError::Shape { rows, columns, ny, nx });
-        }
-        if let Some(value) = hardness_pa.iter().copied().find(|h| !(h.is_finite() && *h > 0.0)) {
-            return Err(ContactError::Parameter { parameter: "hardness", value, unit: "Pa", wanted: "positive" });
-        }
-        (self.hardness_pa, self.hardness_field_pa) = (None, Some(hardness_pa));
-        self.validated()
     }
 
     fn validated(self) -> Result<Self, ContactError> {
@@ -168,7 +137,7 @@ impl<'a> Problem<'a> {
             Control::MeanGap { metre } => positive("mean gap", metre, "m")?,
             _ => {}
         }
-        if let (Some(mean_pressure_pa), Some(hardness_pa)) = (self.mean_pressure_pa(), self.mean_hardness_pa())
+        if let (Some(mean_pressure_pa), Some(hardness_pa)) = (self.mean_pressure_pa(), self.hardness_pa)
             && mean_pressure_pa >= hardness_pa
         {
             return Err(ContactError::Overloaded { mean_pressure_pa, hardness_pa });
@@ -195,40 +164,9 @@ impl<'a> Problem<'a> {
         self.control
     }
 
-    /// Upper bound of the pressure in pascal, if there is one for all cells.
+    /// Upper bound of the pressure in pascal, if there is one.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
-    }
-
-    /// Upper bounds of the pressure in pascal, if every cell has its own.
-    pub fn hardness_field_pa(&self) -> Option<&'a Array2<f64>> {
-        self.hardness_field_pa
-    }
-
-    /// Whether the pressure has an upper bound.
-    pub fn yields(&self) -> bool {
-        self.hardness_pa.is_some() || self.hardness_field_pa.is_some()
-    }
-
-    /// The pressure that all cells carry at most, if they yield, in pascal.
-    pub(super) fn mean_hardness_pa(&self) -> Option<f64> {
-        let mean = |field: &Array2<f64>| field.sum() / field.len() as f64;
-        self.hardness_pa.or_else(|| self.hardness_field_pa.map(mean))
-    }
-
-    /// The largest pressure of a cell by its place in row-major order, if they yield.
-    pub(super) fn hardness_by_cell(&self) -> Option<impl Fn(usize) -> f64 + use<'a>> {
-        let columns = self.heights_m.ncols();
-        let hardness = self.hardness()?;
-        Some(move |place: usize| match hardness {
-            Hardness::Uniform { pascal } => pascal,
-            Hardness::Field(field) => field[[place / columns, place % columns]],
-        })
-    }
-
-    /// The largest pressures, if cells yield.
-    pub(super) fn hardness(&self) -> Option<Hardness<'a>> {
-        self.hardness_field_pa.map(Hardness::Field).or(self.hardness_pa.map(|pascal| Hardness::Uniform { pascal }))
     }
 
     /// Mean of the heights in metre.

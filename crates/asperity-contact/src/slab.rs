@@ -122,29 +122,11 @@ pub(super) struct Slab {
     far: Vec<f32>,
     origin_m: f64,
     unit_m: f64,
-    /// The largest pressures, where cells yield.
-    ceiling: Option<Ceiling>,
+    /// Largest pressure in pascal, where cells yield.
+    hardness_pa: Option<f64>,
     pub(super) summary: Summary,
     pub(super) products: Products,
     pub(super) step: Step,
-}
-
-/// The hardness in pascal of a slab's cells.
-#[derive(Debug, Clone)]
-enum Ceiling {
-    /// That of all.
-    Uniform(f64),
-    /// Those of all cells of the slab's rows.
-    Cells(Vec<f64>),
-}
-
-impl Ceiling {
-    fn at(&self, place: usize) -> f64 {
-        match self {
-            Self::Uniform(pascal) => *pascal,
-            Self::Cells(pascal) => pascal[place],
-        }
-    }
 }
 
 /// One value for each cell near contact.
@@ -243,20 +225,19 @@ pub(super) struct Advance {
 
 impl Slab {
     /// Begins with the pressures `p` of its rows; v is not yet known.
-    fn begin(&mut self, width: usize, p: &[f64], ceiling: Option<Ceiling>, unit_m: f64) {
+    fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<f64>, unit_m: f64) {
         self.width = width;
         (self.origin_m, self.unit_m) = (0.0, unit_m);
         self.far.clear();
         self.far.resize(p.len(), f32::INFINITY);
-        self.ceiling = ceiling;
+        self.hardness_pa = hardness_pa;
         self.entrants.clear();
         self.summary = Summary::NONE;
-        self.lists.clear(self.ceiling.is_some());
+        self.lists.clear(hardness_pa.is_some());
         self.lists.reserve(p.iter().filter(|p| **p > 0.0).count());
         for (row, p) in p.chunks_exact(width).enumerate() {
             for (column, p) in p.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-                let upper = self.ceiling.as_ref().map_or(f64::INFINITY, |ceiling| ceiling.at(row * width + column));
-                self.lists.push(column as u32, [*p, 0.0], upper, [0.0; 2]);
+                self.lists.push(column as u32, [*p, 0.0], hardness_pa.unwrap_or(f64::INFINITY), [0.0; 2]);
             }
             self.lists.starts[row + 1..].fill(self.lists.columns.len() as u32);
         }
@@ -341,10 +322,10 @@ impl Slab {
             return;
         }
         let width = self.width;
-        let Self { lists, next, entrants, far, ceiling, origin_m, unit_m, .. } = self;
-        next.clear(ceiling.is_some());
+        let Self { lists, next, entrants, far, hardness_pa, origin_m, unit_m, .. } = self;
+        next.clear(hardness_pa.is_some());
         next.reserve(lists.p.len() + entrants.len());
-        let upper = |place: usize| ceiling.as_ref().map_or(f64::INFINITY, |ceiling| ceiling.at(place));
+        let upper = hardness_pa.unwrap_or(f64::INFINITY);
         let mut waiting = entrants.iter().peekable();
         for row in 0..far.len() / width {
             let cells = lists.cells(row);
@@ -353,7 +334,7 @@ impl Slab {
                     let (column, p, v) = (lists.columns[i], lists.p[i], lists.v[i]);
                     let place = row * width + column as usize;
                     if p > 0.0 || v < bound {
-                        next.push(column, [p, v], upper(place), [lists.step[i], lists.image[i]]);
+                        next.push(column, [p, v], upper, [lists.step[i], lists.image[i]]);
                     } else {
                         far[place] = ((v - *origin_m) / *unit_m) as f32;
                     }
@@ -363,7 +344,7 @@ impl Slab {
             }
             while let Some(entrant) = waiting.next_if(|entrant| entrant.row == row) {
                 let place = row * width + entrant.column as usize;
-                next.push(entrant.column, [0.0, entrant.v], upper(place), [0.0, entrant.image]);
+                next.push(entrant.column, [0.0, entrant.v], upper, [0.0, entrant.image]);
                 far[place] = f32::INFINITY;
             }
             next.starts[row + 1..].fill(next.columns.len() as u32);

@@ -47,7 +47,6 @@ pub struct Solution {
     pub(super) grid: Grid,
     pub(super) boundary: Boundary,
     pub(super) hardness_pa: Option<f64>,
-    pub(super) hardness_field_pa: Option<Array2<f64>>,
     pub(super) pressure_pa: Array2<f64>,
     pub(super) displacement_m: Array2<f64>,
     pub(super) signed_gap_m: Array2<f64>,
@@ -70,14 +69,9 @@ impl Solution {
         self.boundary
     }
 
-    /// Upper bound of the pressure in pascal, if there is one for all cells.
+    /// Upper bound of the pressure in pascal, if there is one.
     pub fn hardness_pa(&self) -> Option<f64> {
         self.hardness_pa
-    }
-
-    /// Upper bounds of the pressure in pascal, if every cell has its own.
-    pub fn hardness_field_pa(&self) -> Option<&Array2<f64>> {
-        self.hardness_field_pa.as_ref()
     }
 
     /// Normal pressure in pascal, ≥ 0 in compression.
@@ -112,8 +106,7 @@ impl Solution {
 
     /// Whether p = H in the cell (row, column).
     pub fn is_plastic(&self, cell: (usize, usize)) -> bool {
-        let hardness_pa = self.hardness_pa.or_else(|| self.hardness_field_pa.as_ref().map(|field| field[cell]));
-        hardness_pa.is_some_and(|hardness_pa| self.pressure_pa[cell] >= hardness_pa)
+        self.hardness_pa.is_some_and(|hardness_pa| self.pressure_pa[cell] >= hardness_pa)
     }
 
     /// Share of all cells with p > 0. Counting cells overestimates the area; see [`Solution::corrected_contact_fraction`].
@@ -257,7 +250,6 @@ mod tests {
             grid: Grid::new(3, 2, 2.0, 0.5).unwrap(),
             boundary: Boundary::Free,
             hardness_pa: Some(4.0),
-            hardness_field_pa: None,
             pressure_pa: array![[4.0, 1.0, 0.0], [0.0, 4.0, 0.0]],
             displacement_m: Array2::zeros((2, 3)),
             // Overlaps within the tolerance are no gap.

@@ -17,10 +17,7 @@
 //! <https://doi.org/10.1016/S0043-1648(99)00113-1>.
 //! D. G. Luenberger and Y. Ye, *Linear and Nonlinear Programming*, §7.10 (spacer steps).
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use ndarray::Array2;
-use rayon::prelude::*;
 
 use crate::descent::Descent;
 use crate::{Boundary, ContactError, Control, Problem, Solution, Workspace, coarse_start, load_start, mean_gap};
@@ -126,22 +123,6 @@ impl Solver {
         Ok(self.run(Descent::new(problem, closure, &start, rigid_mean(problem), workspace), start, monitor))
     }
 
-    /// Solves many problems, shared among the threads of the current pool: every thread keeps its scratch memory from one problem
-    /// to the next on the same half-space. Solutions come in the order of the problems and are the same on any number of threads;
-    /// after the monitor has cancelled they say so.
-    ///
-    /// # Errors
-    /// The tolerance is not positive.
-    pub fn solve_many(&self, problems: &[Problem<'_>], monitor: &dyn Monitor) -> Result<Vec<Solution>, ContactError> {
-        let done = AtomicUsize::new(0);
-        let solve = |workspace: &mut Workspace, problem: &Problem<'_>| {
-            let solution = self.solve_from(problem, None, workspace, monitor);
-            monitor.progress("contact", done.fetch_add(1, Ordering::Relaxed) + 1, problems.len());
-            solution
-        };
-        problems.par_iter().map_init(Workspace::default, solve).collect()
-    }
-
     /// Runs a descent, whose start is needed no more.
     fn run(&self, descent: Descent<'_>, start: Vec<f64>, monitor: &dyn Monitor) -> Solution {
         drop(start);
@@ -159,12 +140,11 @@ fn warm_start(problem: &Problem<'_>, start: &Array2<f64>) -> Result<Option<Vec<f
     let mut p: Vec<f64> = start.iter().map(|p| pressed(*p)).collect();
     let sum: f64 = p.iter().sum();
     let wanted = problem.mean_pressure_pa().map_or(sum, |pascal| pascal * p.len() as f64);
-    let upper = problem.hardness_by_cell();
+    let upper_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let mut capacity = 0.0;
-    for (place, p) in p.iter_mut().enumerate().filter(|(_, p)| **p > 0.0) {
-        let ceiling = upper.as_ref().map_or(f64::INFINITY, |upper| upper(place));
-        *p = (*p * (wanted / sum)).min(ceiling);
-        capacity += ceiling;
+    for p in p.iter_mut().filter(|p| **p > 0.0) {
+        *p = (*p * (wanted / sum)).min(upper_pa);
+        capacity += upper_pa;
     }
     // What has to carry the load needs to be able to.
     let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;

@@ -10,7 +10,6 @@ use thiserror::Error;
 pub mod analysis;
 pub mod law;
 pub mod load_curve;
-mod plane_search;
 pub mod replicates;
 pub mod statistics;
 pub mod strip;
@@ -21,7 +20,6 @@ pub mod window_study;
 
 pub use asperity_process as process;
 pub use asperity_process::{diagnostics, measured};
-pub use plane_search::PlaneAtLoad;
 pub use strip_sums::StripSums;
 
 use asperity_base::monitor::Cancelled;

@@ -163,20 +163,6 @@ impl LoadCurve {
         Ok(self.log_pressure(segment, (penetration_m - from.penetration_m) / width_m(from, to)).exp())
     }
 
-    /// 95 % interval of the mean pressure in pascal at a penetration in metre: that of the levels, log-linear between.
-    ///
-    /// # Errors
-    /// As [`LoadCurve::mean_pressure_pa`].
-    pub fn interval_pa(&self, penetration_m: f64) -> Result<Interval, LoadCurveError> {
-        let mean = self.mean_pressure_pa(penetration_m)?;
-        let segment = self.segment(penetration_m, "m", |point| point.penetration_m)?;
-        let (from, to) = (&self.points[segment], &self.points[segment + 1]);
-        let share = (penetration_m - from.penetration_m) / width_m(from, to);
-        let spread = |point: &LoadPoint| (point.interval.high / point.mean_pressure_pa).ln();
-        let between = (1.0 - share) * spread(from) + share * spread(to);
-        Ok(Interval { low: mean * (-between).exp(), high: mean * between.exp() })
-    }
-
     /// Penetration in metre at a mean pressure in pascal.
     ///
     /// # Errors
@@ -243,7 +229,6 @@ mod tests {
         for d in [0.2e-6, 0.21e-6, 0.35e-6, 0.7e-6, 1e-6] {
             assert!((curve.mean_pressure_pa(d).unwrap() / law(d) - 1.0).abs() < 1e-12);
             assert!((curve.penetration_m(law(d)).unwrap() / d - 1.0).abs() < 1e-12);
-            assert!((curve.interval_pa(d).unwrap().low / law(d) - 0.9).abs() < 1e-12);
         }
         for (d, found) in [(0.1e-6, curve.mean_pressure_pa(0.1e-6)), (9e9, curve.penetration_m(9e9))] {
             assert!(matches!(found, Err(LoadCurveError::Outside { value, .. }) if value == d));

@@ -143,7 +143,7 @@ impl Strips<'_> {
     /// strips converged is an error of its own.
     ///
     /// Levels do not start from one another: at the distance of percentiles that takes more iterations than the solver's own
-    /// start (`examples/time_friction`: 8 to 17 after 8 to 11).
+    /// start (`time_friction`: 8 to 17 after 8 to 11).
     ///
     /// # Errors
     /// The monitor cancelled.

@@ -86,8 +86,6 @@ impl StripSums {
             true if solution.is_plastic(cell) => Cell::Plastic,
             true => Cell::Elastic,
         });
-        let hardness_pa =
-            |cell| solution.hardness_pa().or_else(|| solution.hardness_field_pa().map(|field| field[cell]));
         let tally = |cell: (usize, usize)| {
             let (here, pressure_pa) = (states[cell], p[cell]);
             let ploughed = ploughing_heights_m.filter(|_| here == Cell::Plastic);
@@ -95,7 +93,7 @@ impl StripSums {
                 contact: f64::from(here != Cell::Apart),
                 half_edges: f64::from(counted_edges(&states, cell, periodic)),
                 pressure_pa,
-                yield_share: hardness_pa(cell).map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
+                yield_share: solution.hardness_pa().map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
                 ploughing_pa: ploughed.map_or(0.0, |z| pressure_pa * slope_x(z, cell, grid.dx_m(), periodic).abs()),
             }
         };

@@ -84,7 +84,8 @@ impl Estimate {
     }
 
     /// The empirical law of many cells; each sample is one, however many cells it gives.
-    pub(super) fn of_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
+    #[doc(hidden)]
+    pub fn of_sites(samples: &Samples, largest_pa: f64, seed: u64) -> Result<Self, PressureError> {
         let each = samples.sites().first().map_or(1, Vec::len).max(1);
         let kept = (MOST_POOLED / samples.len().max(1)).clamp(1, each);
         let step = each.div_ceil(kept);

@@ -22,7 +22,8 @@ mod sample;
 mod sensitivity;
 mod stiffness;
 mod study;
-mod surrogate;
+#[doc(hidden)]
+pub mod surrogate;
 mod telescope;
 #[cfg(test)]
 mod testing;
@@ -32,10 +33,14 @@ pub use estimate::{Comparison, Estimate};
 pub use field::{FieldLaws, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;
 pub use method::{Method, MethodError};
+#[doc(hidden)]
+pub use nested::NestedSamples;
 pub use nested::{CoarseSolves, Quantity};
 pub use problem::{FailureReason, Observation, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
 pub use sensitivity::{Sensitivity, SensitivityError, SensitivityIndices, VariableSet};
+#[doc(hidden)]
+pub use study::Solutions;
 pub use study::{MethodResult, Reference, Results, ScalarResult, Study};
 
 use thiserror::Error;

@@ -19,36 +19,20 @@ pub enum Method {
     PolynomialChaosLog,
     /// Eq. (8) on the Monte Carlo samples, in the variables of the germ rotated to the cell.
     PolynomialChaosLocal,
-    /// On the same, censored regression of the pressure continued below zero and beyond the hardness, with a normal error.
-    LatentOverlap,
-    /// On the same, the probability of contact by logistic regression, and the logarithm of the pressure in contact by an
-    /// expansion with its errors.
-    TwoPart,
-    /// The Monte Carlo samples, with a polynomial in a few variables of the germ rotated to the cell as control variate.
-    ControlVariate,
-    /// The same samples and more on coarse grids, whose pressures are taken at their word: multilevel Monte Carlo.
-    Multilevel,
-    /// The empirical law of the pressures of many cells of the Monte Carlo samples, where the surface is stationary on a
-    /// periodic grid, or else where the samples do not show that cells differ.
-    PooledSites,
-    /// Ours: the Monte Carlo samples, coarse grids that predict them, and the rotated germ that predicts these.
+    /// Multilevel estimator: the Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the cell
+    /// that predict the coarse results.
     Default,
 }
 
 impl Method {
     /// All methods, in the order of reports.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 7] = [
         Self::MonteCarlo,
         Self::LatinHypercube,
         Self::Sobol,
         Self::PolynomialChaos,
         Self::PolynomialChaosLog,
         Self::PolynomialChaosLocal,
-        Self::LatentOverlap,
-        Self::TwoPart,
-        Self::ControlVariate,
-        Self::Multilevel,
-        Self::PooledSites,
         Self::Default,
     ];
 
@@ -61,11 +45,6 @@ impl Method {
             Self::PolynomialChaos => "polynomial_chaos",
             Self::PolynomialChaosLog => "polynomial_chaos_log",
             Self::PolynomialChaosLocal => "polynomial_chaos_local",
-            Self::LatentOverlap => "latent_overlap",
-            Self::TwoPart => "two_part",
-            Self::ControlVariate => "control_variate",
-            Self::Multilevel => "multilevel",
-            Self::PooledSites => "pooled_sites",
             Self::Default => "default",
         }
     }
@@ -94,28 +73,9 @@ pub enum MethodError {
         /// Germs evaluated.
         evaluations: usize,
     },
-    /// Cells differ in law.
-    #[error(
-        "cells differ in law and cannot be pooled: were they alike, they would differ so much in contact probability or mean \
-         pressure with probability {p_value:.2e}"
-    )]
-    CellsDiffer {
-        /// Of the test of [`Homogeneity`](crate::Homogeneity).
-        p_value: f64,
-    },
     /// No variable of the germ predicts the pressure of the cell.
     #[error("no direction of the germ predicts the pressure of the cell")]
     NoVariables,
-    /// There are too few samples in contact.
-    #[error("{in_contact} of {samples} samples are in contact; at least {wanted} are needed")]
-    TooFewInContact {
-        /// Samples in contact.
-        in_contact: usize,
-        /// All samples.
-        samples: usize,
-        /// Samples in contact that are needed.
-        wanted: usize,
-    },
     /// There are too few samples.
     #[error("{samples} samples are too few; at least {wanted} are needed")]
     TooFewSamples {

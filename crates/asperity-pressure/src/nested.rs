@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::adapted::Adapted;
 use crate::coarse::{Coarse, generation_work, solution_work};
 use crate::telescope::{self, Nested, Settings, Telescoped};
-use crate::{MethodError, Observation, PressureError, Problem, Samples, stiffness};
+use crate::{Estimate, MethodError, Observation, PressureError, Problem, Samples, stiffness};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_chaos::{Design, DistanceError, SamplingMethod, StepLaw};
 
@@ -92,7 +92,7 @@ pub(super) fn kappa_pa_per_m(observations: &[Observation]) -> f64 {
 
 /// Contact solutions on the fine grid and on coarser ones.
 #[derive(Debug)]
-pub(super) struct NestedSamples {
+pub struct NestedSamples {
     /// Models used, the coarsest first.
     models: Vec<Coarse>,
     /// What they say of the leading samples, each.
@@ -239,40 +239,36 @@ impl NestedSamples {
         Ok(())
     }
 
-    /// The law of a quantity by all models.
+    /// Estimates the distribution of a quantity by all models.
     pub(super) fn estimate(
         &self,
         quantity: Quantity,
         problem: &Problem<'_>,
         seed: u64,
     ) -> Result<Telescoped, MethodError> {
-        self.estimate_with(quantity, self.settings(quantity, problem, seed))
+        self.estimate_with(quantity, self.models.len(), self.settings(quantity, problem, seed))
     }
 
-    /// The same without polynomials: models are taken at their word.
-    pub(super) fn estimate_plain(
+    /// Estimates the distribution of the pressure with all coarse models or none of them. `fitted` predicts by polynomials; otherwise
+    /// the results of a model stand for those of the next finer one.
+    ///
+    /// # Errors
+    /// There are too few samples, or a fit fails.
+    pub fn estimate_pressure(
         &self,
-        quantity: Quantity,
         problem: &Problem<'_>,
         seed: u64,
-    ) -> Result<Telescoped, MethodError> {
-        let settings = Settings { fitted: false, ..self.settings(quantity, problem, seed) };
-        self.estimate_with(quantity, settings)
+        coarse: bool,
+        fitted: bool,
+    ) -> Result<Estimate, MethodError> {
+        let settings = Settings { fitted, ..self.settings(Quantity::Pressure, problem, seed) };
+        let models = if coarse { self.models.len() } else { 0 };
+        let largest_pa = settings.largest;
+        Ok(Estimate::of_telescoped(self.estimate_with(Quantity::Pressure, models, settings)?, largest_pa))
     }
 
-    /// The same without coarse models, by the variables of the rotated germ alone.
-    pub(super) fn estimate_by_germ(
-        &self,
-        quantity: Quantity,
-        problem: &Problem<'_>,
-        seed: u64,
-    ) -> Result<Telescoped, MethodError> {
-        let nested = self.nested(quantity, &[], |count| count);
-        telescope::estimate(&nested, &self.settings(quantity, problem, seed))
-    }
-
-    fn estimate_with(&self, quantity: Quantity, settings: Settings) -> Result<Telescoped, MethodError> {
-        let used: Vec<usize> = (0..self.models.len()).collect();
+    fn estimate_with(&self, quantity: Quantity, models: usize, settings: Settings) -> Result<Telescoped, MethodError> {
+        let used: Vec<usize> = (0..models).collect();
         let nested = self.nested(quantity, &used, |count| count);
         // The stiffness where it was not asked for, and that of complete contact without mean compliance.
         if let Some((index, value)) =

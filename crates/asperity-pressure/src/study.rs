@@ -3,14 +3,10 @@
 use crate::estimate::{Comparison, Estimate};
 use crate::expansion::{self, Response};
 use crate::field::{FIELD_BYTES, FieldLaws};
-use crate::homogeneity::Homogeneity;
 use crate::nested::{CoarseSolves, NestedSamples, Quantity};
 use crate::sample::Sampling;
 use crate::sensitivity::{self, Sensitivity};
-use crate::surrogate::latent::LatentOverlap;
-use crate::surrogate::two_part::TwoPart;
-use crate::surrogate::{self, Evidence, Rotated};
-use crate::telescope::Telescoped;
+use crate::surrogate::{Evidence, Rotated};
 use crate::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::{Interval, NORMAL_95};
@@ -128,6 +124,15 @@ impl Study {
     /// # Errors
     /// A size is out of range, too few contact problems of a run converged, or the monitor cancelled.
     pub fn run(&self, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Results, PressureError> {
+        self.solve(problem, monitor)?.results(monitor)
+    }
+
+    /// Solves the contact problems that the methods share.
+    ///
+    /// # Errors
+    /// As [`Study::run`].
+    #[doc(hidden)]
+    pub fn solve<'a>(&self, problem: &Problem<'a>, monitor: &dyn Monitor) -> Result<Solutions<'a>, PressureError> {
         self.validate(problem)?;
         let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
         // What scalars are estimated of.
@@ -158,98 +163,9 @@ impl Study {
         let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube")?;
         let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol")?;
         let nested = NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor)?;
-        let fresh = self.fresh_germs(self.variables)?;
-        let basis = Basis::hermite(self.variables, self.degree)?;
-        let leading = latin.as_ref().map(|latin| {
-            let groups = (0..latin.len()).map(|position| latin.replicate_of(position)).collect::<Vec<usize>>();
-            (latin.leading_germs(self.variables), pressures_pa(latin), groups)
-        });
         let rotated =
             Rotated::new(problem, &monte_carlo, |variables| self.fresh_design("pressure/surrogate", variables))?;
-        let by_nested = |estimate: &dyn Fn(&NestedSamples) -> Result<Telescoped, MethodError>| match &nested {
-            Ok(nested) => Ok(Estimate::of_telescoped(estimate(nested)?, largest_pa)),
-            Err(reason) => Err(reason.clone()),
-        };
-        let replicated = |samples: &Result<Samples, MethodError>| match samples {
-            Ok(samples) => Ok(Estimate::of_replicates(samples, largest_pa, self.seed)?),
-            Err(reason) => Err(PressureError::Method(reason.clone())),
-        };
-        let mut methods = Vec::with_capacity(Method::ALL.len());
-        for method in Method::ALL {
-            let task = format!("pressure/law/{}", method.name());
-            monitor.progress(&task, 0, 1);
-            let stratified = match method {
-                Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => Some(&latin),
-                Method::Sobol => Some(&sobol),
-                _ => None,
-            };
-            let samples = stratified.map_or(Some(&monte_carlo), |samples| samples.as_ref().ok());
-            let expanded = |response| match &leading {
-                Ok((germs, pressures_pa, groups)) => {
-                    let evaluations = fresh.len();
-                    let evidence = Evidence { pressures_pa, groups: Some(groups), evaluations, largest_pa };
-                    expansion::estimate(response, germs, evidence, basis.clone(), &fresh, self.seed)
-                }
-                Err(reason) => Err((*reason).clone()),
-            };
-            let by_rotated = |estimate: &dyn Fn(&Rotated) -> Result<Estimate, MethodError>| match &rotated {
-                Ok(rotated) => estimate(rotated),
-                Err(reason) => Err(reason.clone()),
-            };
-            let estimate = match method {
-                Method::MonteCarlo => Ok(Estimate::of_independent(&monte_carlo, largest_pa, self.seed)?),
-                Method::LatinHypercube => method_error(replicated(&latin))?,
-                Method::Sobol => method_error(replicated(&sobol))?,
-                Method::PolynomialChaos => expanded(Response::Pressure),
-                Method::PolynomialChaosLog => expanded(Response::Logarithm),
-                Method::PolynomialChaosLocal => by_rotated(&|rotated| {
-                    if rotated.variables() == 0 {
-                        return Err(MethodError::NoVariables);
-                    }
-                    let basis = Basis::hermite(rotated.variables(), self.degree)?;
-                    let (rows, evidence) = (&rotated.rows, rotated.evidence());
-                    expansion::estimate(Response::Pressure, rows, evidence, basis, &rotated.fresh, self.seed)
-                }),
-                Method::LatentOverlap => by_rotated(&|rotated| {
-                    surrogate::estimate(&LatentOverlap::new(rotated, self.degree), rotated.evidence(), self.seed)
-                }),
-                Method::TwoPart => by_rotated(&|rotated| {
-                    surrogate::estimate(&TwoPart::new(rotated, self.degree), rotated.evidence(), self.seed)
-                }),
-                Method::ControlVariate => {
-                    by_nested(&|nested| nested.estimate_by_germ(Quantity::Pressure, problem, self.seed))
-                }
-                Method::Multilevel => {
-                    by_nested(&|nested| nested.estimate_plain(Quantity::Pressure, problem, self.seed))
-                }
-                Method::PooledSites => match poolable(problem, &monte_carlo, site_shape) {
-                    Ok(()) => Ok(Estimate::of_sites(&monte_carlo, largest_pa, self.seed)?),
-                    Err(reason) => Err(reason),
-                },
-                Method::Default => by_nested(&|nested| nested.estimate(Quantity::Pressure, problem, self.seed)),
-            };
-            let uses_coarse = matches!(method, Method::Multilevel | Method::Default);
-            methods.push(MethodResult {
-                method,
-                fine_solves: samples.map_or(0, Samples::posed),
-                coarse_solves: match &nested {
-                    Ok(nested) if uses_coarse => nested.coarse_solves(problem),
-                    _ => Vec::new(),
-                },
-                failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
-                outcome: estimate.map(|estimate| {
-                    let comparison = Comparison::between(&estimate.law, &reference.estimate.law);
-                    (estimate, comparison)
-                }),
-            });
-            monitor.progress(&task, 1, 1);
-        }
-        let scalars = match &nested {
-            Ok(nested) => self.scalars(problem, nested),
-            Err(_) => Vec::new(),
-        };
-        let sensitivities = sensitivity::of(problem, &monte_carlo, self.variables, self.degree, self.seed);
-        Ok(Results { reference, methods, scalars, fields, sensitivities })
+        Ok(Solutions { study: *self, problem: *problem, reference, fields, monte_carlo, latin, sobol, nested, rotated })
     }
 
     /// The law by [`Method::Default`] alone, without a reference: what a user who trusts it wants. The solutions on coarser grids beside.
@@ -265,9 +181,7 @@ impl Study {
         let sampling = Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_share);
         let samples = solve(problem, sampling, monitor)?;
         let nested = NestedSamples::solve(problem, &samples, self.seed, monitor)??;
-        let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
-        let estimate = Estimate::of_telescoped(nested.estimate(Quantity::Pressure, problem, self.seed)?, largest_pa);
-        Ok((estimate, nested.coarse_solves(problem)))
+        Ok((nested.estimate_pressure(problem, self.seed, true, true)?, nested.coarse_solves(problem)))
     }
 
     fn reference(&self, samples: &Samples, largest_pa: f64) -> Result<Reference, PressureError> {
@@ -346,6 +260,102 @@ impl Study {
     }
 }
 
+/// Contact solutions of a study.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Solutions<'a> {
+    study: Study,
+    problem: Problem<'a>,
+    reference: Reference,
+    fields: Option<FieldLaws>,
+    /// Independent samples, with the pressures of many cells.
+    pub monte_carlo: Samples,
+    latin: Result<Samples, MethodError>,
+    sobol: Result<Samples, MethodError>,
+    /// The independent samples and more on coarse grids, or why there are none.
+    pub nested: Result<NestedSamples, MethodError>,
+    /// The independent samples in normal variables rotated to the cell, or why there are none.
+    pub rotated: Result<Rotated, MethodError>,
+}
+
+impl Solutions<'_> {
+    /// Estimates the distribution of the pressure by every method.
+    ///
+    /// # Errors
+    /// A distribution could not be made from its values.
+    pub fn results(self, monitor: &dyn Monitor) -> Result<Results, PressureError> {
+        let mut methods = Vec::with_capacity(Method::ALL.len());
+        for method in Method::ALL {
+            let task = format!("pressure/law/{}", method.name());
+            monitor.progress(&task, 0, 1);
+            let samples = match method {
+                Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => {
+                    self.latin.as_ref().ok()
+                }
+                Method::Sobol => self.sobol.as_ref().ok(),
+                Method::MonteCarlo | Method::PolynomialChaosLocal | Method::Default => Some(&self.monte_carlo),
+            };
+            methods.push(MethodResult {
+                method,
+                fine_solves: samples.map_or(0, Samples::posed),
+                coarse_solves: match &self.nested {
+                    Ok(nested) if method == Method::Default => nested.coarse_solves(&self.problem),
+                    _ => Vec::new(),
+                },
+                failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
+                outcome: method_error(self.estimate(method))?.map(|estimate| {
+                    let comparison = Comparison::between(&estimate.law, &self.reference.estimate.law);
+                    (estimate, comparison)
+                }),
+            });
+            monitor.progress(&task, 1, 1);
+        }
+        let Self { study, problem, monte_carlo, .. } = &self;
+        let scalars = self.nested.as_ref().map_or_else(|_| Vec::new(), |nested| study.scalars(problem, nested));
+        let sensitivities = sensitivity::of(problem, monte_carlo, study.variables, study.degree, study.seed);
+        Ok(Results { reference: self.reference, methods, scalars, fields: self.fields, sensitivities })
+    }
+
+    fn estimate(&self, method: Method) -> Result<Estimate, PressureError> {
+        let Study { seed, variables, degree, .. } = self.study;
+        let largest_pa = self.problem.hardness_pa().unwrap_or(f64::INFINITY);
+        let replicated = |samples: &Result<Samples, MethodError>| match samples {
+            Ok(samples) => Estimate::of_replicates(samples, largest_pa, seed),
+            Err(reason) => Err(reason.clone().into()),
+        };
+        let expanded = |response| {
+            let latin = self.latin.as_ref().map_err(Clone::clone)?;
+            let (germs, pressures_pa) = (latin.leading_germs(variables), pressures_pa(latin));
+            let groups: Vec<usize> = (0..latin.len()).map(|position| latin.replicate_of(position)).collect();
+            let fresh = self.study.fresh_germs(variables)?;
+            let evaluations = fresh.len();
+            let evidence = Evidence { pressures_pa: &pressures_pa, groups: Some(&groups), evaluations, largest_pa };
+            let basis = Basis::hermite(variables, degree)?;
+            Ok(expansion::estimate(response, &germs, evidence, basis, &fresh, seed)?)
+        };
+        match method {
+            Method::MonteCarlo => Estimate::of_independent(&self.monte_carlo, largest_pa, seed),
+            Method::LatinHypercube => replicated(&self.latin),
+            Method::Sobol => replicated(&self.sobol),
+            Method::PolynomialChaos => expanded(Response::Pressure),
+            Method::PolynomialChaosLog => expanded(Response::Logarithm),
+            Method::PolynomialChaosLocal => {
+                let rotated = self.rotated.as_ref().map_err(Clone::clone)?;
+                if rotated.variables() == 0 {
+                    return Err(MethodError::NoVariables.into());
+                }
+                let basis = Basis::hermite(rotated.variables(), degree).map_err(MethodError::from)?;
+                let (rows, evidence) = (&rotated.rows, rotated.evidence());
+                Ok(expansion::estimate(Response::Pressure, rows, evidence, basis, &rotated.fresh, seed)?)
+            }
+            Method::Default => {
+                let nested = self.nested.as_ref().map_err(Clone::clone)?;
+                Ok(nested.estimate_pressure(&self.problem, seed, true, true)?)
+            }
+        }
+    }
+}
+
 /// Every so many cells that pressures are pooled of.
 fn site_stride(problem: &Problem<'_>) -> usize {
     let (ny, nx) = problem.half_space().grid().shape();
@@ -356,15 +366,6 @@ fn site_stride(problem: &Problem<'_>) -> usize {
 fn site_shape(problem: &Problem<'_>, stride: usize) -> (usize, usize) {
     let (ny, nx) = problem.half_space().grid().shape();
     (ny.div_ceil(stride), nx.div_ceil(stride))
-}
-
-/// Whether sites may be pooled: they are alike, or the samples do not show that they are not.
-fn poolable(problem: &Problem<'_>, samples: &Samples, shape: (usize, usize)) -> Result<(), MethodError> {
-    if problem.cells_are_alike() {
-        return Ok(());
-    }
-    let homogeneity = Homogeneity::of_sites(samples, shape)?;
-    if homogeneity.is_plausible() { Ok(()) } else { Err(MethodError::CellsDiffer { p_value: homogeneity.p_value }) }
 }
 
 fn pressures_pa(samples: &Samples) -> Vec<f64> {
@@ -384,12 +385,6 @@ impl Results {
     /// The estimate of one method, if it has one.
     pub fn estimate(&self, method: Method) -> Option<&(Estimate, Comparison)> {
         self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
-    }
-
-    /// `points` pressures in pascal, equally spaced from 0 to the largest of the reference.
-    pub fn common_grid_pa(&self, points: usize) -> Vec<f64> {
-        let largest = self.reference.estimate.law.quantile(1.0);
-        (0..points).map(|i| largest * i as f64 / (points.max(2) - 1) as f64).collect()
     }
 }
 

@@ -15,12 +15,6 @@
 //! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
 //! V. Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
-pub(super) mod censored;
-pub(super) mod functions;
-pub(super) mod latent;
-pub(super) mod newton;
-pub(super) mod two_part;
-
 use rayon::prelude::*;
 
 use crate::adapted::Adapted;
@@ -37,41 +31,37 @@ const FOLDS: usize = 10;
 /// Most variables of the rotated germ, and the degree of the polynomials that choose them.
 const MOST_VARIABLES: usize = 8;
 const CHOOSING_DEGREE: usize = 3;
-/// Fewest samples in contact from which a law of the pressure in contact is modelled.
-pub(super) const LEAST_IN_CONTACT: usize = 10;
-/// Samples for each coefficient that a degree needs to be tried.
-pub(super) const SAMPLES_PER_TERM: usize = 4;
 
 /// Pressures in pascal and their probabilities.
-pub(super) type Atoms = Vec<(f64, f64)>;
+pub type Atoms = Vec<(f64, f64)>;
 
 /// What a model says.
 #[derive(Debug, Clone)]
-pub(super) struct Fitted {
+pub struct Fitted {
     /// The law.
-    pub(super) law: Atoms,
+    pub law: Atoms,
     /// The law given the germ of each sample that was not fitted, in their order.
-    pub(super) given: Vec<Atoms>,
-    pub(super) coefficients: usize,
-    pub(super) leave_one_out_error: Option<f64>,
+    pub given: Vec<Atoms>,
+    pub coefficients: usize,
+    pub leave_one_out_error: Option<f64>,
 }
 
 /// A model of the pressure.
-pub(super) trait Surrogate: Sync {
+pub trait Surrogate: Sync {
     /// Fits the samples at increasing positions.
     fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError>;
 }
 
 /// Samples that models are fitted to.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Evidence<'a> {
-    pub(super) pressures_pa: &'a [f64],
+pub struct Evidence<'a> {
+    pub pressures_pa: &'a [f64],
     /// The group of each sample, from 0 on; groups are independent of each other. `None`: samples are.
-    pub(super) groups: Option<&'a [usize]>,
+    pub groups: Option<&'a [usize]>,
     /// Fresh germs on which models are evaluated.
-    pub(super) evaluations: usize,
+    pub evaluations: usize,
     /// Upper bound of the pressure: the hardness, or infinity.
-    pub(super) largest_pa: f64,
+    pub largest_pa: f64,
 }
 
 impl Evidence<'_> {
@@ -136,7 +126,7 @@ impl Evidence<'_> {
 ///
 /// # Errors
 /// The samples have no model, or it overflows.
-pub(super) fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
+pub fn estimate(surrogate: &dyn Surrogate, evidence: Evidence<'_>, seed: u64) -> Result<Estimate, MethodError> {
     let samples: Vec<usize> = (0..evidence.pressures_pa.len()).collect();
     let fitted = surrogate.fit(&samples)?;
     let overflowed = fitted.law.iter().filter(|(p, _)| !p.is_finite()).count();
@@ -253,14 +243,14 @@ fn summary(mut atoms: Atoms, nodes: &[f64]) -> Vec<f64> {
 
 /// Samples in the variables of the germ rotated to the cell, see [`Adapted`], and fresh ones.
 #[derive(Debug, Clone)]
-pub(super) struct Rotated {
+pub struct Rotated {
     /// Variables of each sample; none where no direction predicts the pressure.
-    pub(super) rows: Vec<Vec<f64>>,
-    pub(super) pressures_pa: Vec<f64>,
+    pub rows: Vec<Vec<f64>>,
+    pub pressures_pa: Vec<f64>,
     /// Fresh variables, independent and standard normal.
-    pub(super) fresh: Vec<Vec<f64>>,
+    pub fresh: Vec<Vec<f64>>,
     /// Upper bound of the pressure.
-    pub(super) largest_pa: f64,
+    pub largest_pa: f64,
 }
 
 impl Rotated {
@@ -286,24 +276,14 @@ impl Rotated {
         Ok(Ok(Self { rows, pressures_pa, fresh, largest_pa }))
     }
 
-    pub(super) fn variables(&self) -> usize {
+    pub fn variables(&self) -> usize {
         self.rows.first().map_or(0, Vec::len)
     }
 
     /// The samples, independent of each other.
-    pub(super) fn evidence(&self) -> Evidence<'_> {
+    pub fn evidence(&self) -> Evidence<'_> {
         let Self { pressures_pa, fresh, largest_pa, .. } = self;
         Evidence { pressures_pa, groups: None, evaluations: fresh.len(), largest_pa: *largest_pa }
-    }
-
-    /// The rows of some samples.
-    pub(super) fn rows_of(&self, samples: &[usize]) -> Vec<Vec<f64>> {
-        samples.iter().map(|i| self.rows[*i].clone()).collect()
-    }
-
-    /// The rows of all others.
-    pub(super) fn rows_but(&self, samples: &[usize]) -> Vec<Vec<f64>> {
-        self.rows_of(&others(samples, self.rows.len()))
     }
 }
 
@@ -315,14 +295,48 @@ pub(super) fn latent_pa(samples: &Samples) -> Vec<f64> {
 }
 
 /// Positions below `count` that are not among increasing ones.
-pub(super) fn others(samples: &[usize], count: usize) -> Vec<usize> {
+pub fn others(samples: &[usize], count: usize) -> Vec<usize> {
     (0..count).filter(|i| samples.binary_search(i).is_err()).collect()
 }
 
-/// A point between 0 and 1 for each index, evenly spread.
-pub(super) fn golden(index: usize) -> f64 {
-    ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
-}
-
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use asperity_base::random::{standard_normal, stream};
+
+    /// Ignores the germ: half the mean of the pressures, always.
+    struct HalfTheMean<'a>(&'a [f64]);
+
+    impl Surrogate for HalfTheMean<'_> {
+        fn fit(&self, samples: &[usize]) -> Result<Fitted, MethodError> {
+            let mean = samples.iter().map(|i| self.0[*i]).sum::<f64>() / samples.len() as f64;
+            let law = vec![(0.5 * mean, 1.0)];
+            let given = vec![law.clone(); self.0.len() - samples.len()];
+            Ok(Fitted { law, given, coefficients: 1, leave_one_out_error: None })
+        }
+    }
+
+    #[test]
+    fn a_wrong_model_reports_its_bias_and_its_intervals_contain_the_truth() {
+        // Uniform between 0 and 1 with probability 0.7, otherwise 0.
+        let normal = standard_normal(&mut stream(7, "surrogate", 0), 1500);
+        let uniform = normal.into_iter().map(asperity_base::law::standard_normal_cdf);
+        let pressures_pa: Vec<f64> = uniform.map(|u| ((u - 0.3) / 0.7).max(0.0)).collect();
+        let evidence =
+            Evidence { pressures_pa: &pressures_pa, groups: None, evaluations: 1000, largest_pa: f64::INFINITY };
+        let found = estimate(&HalfTheMean(&pressures_pa), evidence, 1).unwrap();
+        let band = found.band.as_ref().unwrap();
+        for (i, value) in band.values.iter().enumerate() {
+            let [low, high] = band.simultaneous(i);
+            let truth = (0.3 + 0.7 * value).min(1.0);
+            assert!(low <= truth && truth <= high, "{value}: {truth} in [{low}, {high}]");
+            assert!((band.cdf[i] - band.bias[i] - truth).abs() < 4.0 * band.standard_errors[i]);
+        }
+        // The model knows no pressure of zero: its probability of contact is 1.
+        assert!((found.contact_probability_bias.unwrap() - 0.3).abs() < 4.0 * found.contact_probability_se);
+        // A model that predicts nothing leaves the error of counting.
+        let counted = (0.3_f64 * 0.7 / 1500.0).sqrt();
+        assert!((found.contact_probability_se / counted - 1.0).abs() < 0.1, "{}", found.contact_probability_se);
+        assert!((found.mean_pa - 0.175).abs() < 0.01 && found.mean_interval_pa().unwrap().contains(0.35));
+    }
+}

@@ -358,7 +358,9 @@ mod tests {
             let clamped: u64 = (0..runs)
                 .map(|run| {
                     let mut path = process.path(1, run);
-                    path.fill(&mut vec![0.0; knots]);
+                    for _ in 0..knots {
+                        path.next_knot();
+                    }
                     path.clamped()
                 })
                 .sum();

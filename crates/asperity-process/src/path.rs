@@ -10,12 +10,9 @@ use super::table::TranslationTable;
 use super::{Cell, CorrelationShape, EqualCells, Fluctuation, FrictionProcess, Generator};
 use asperity_base::random::Stream;
 
-/// Knots whose normal values are drawn before they are used.
-const BLOCK: usize = 64;
-
 /// A realisation of a [`FrictionProcess`], made as it is read; it is endless.
 ///
-/// It is read knot by knot ([`Path::next_knot`], [`Path::fill`]) or cell by cell ([`Fluctuation`]), not both.
+/// It is read knot by knot ([`Path::next_knot`]) or cell by cell ([`Fluctuation`]), not both.
 #[derive(Debug, Clone)]
 pub struct Path<'a> {
     rng: Stream,
@@ -114,27 +111,6 @@ impl<'a> Path<'a> {
         self.limited.value(normal)
     }
 
-    /// m at the next knots: the same bits as [`Path::next_knot`] called as often, in less time.
-    pub fn fill(&mut self, knots: &mut [f64]) {
-        match &mut self.source {
-            Source::Autoregressive(recursion) => {
-                // Apart, the draws and the recursion wait for each other less.
-                for block in knots.chunks_mut(BLOCK) {
-                    for knot in &mut *block {
-                        *knot = StandardNormal.sample(&mut self.rng);
-                    }
-                    for knot in &mut *block {
-                        *knot = recursion.advance(*knot);
-                    }
-                    for knot in &mut *block {
-                        *knot = self.limited.value(*knot);
-                    }
-                }
-            }
-            _ => knots.iter_mut().for_each(|knot| *knot = self.next_knot()),
-        }
-    }
-
     /// Values so far that were raised to the least one: knots, or intervals of a renewal process.
     pub fn clamped(&self) -> u64 {
         self.limited.clamped
@@ -178,11 +154,10 @@ mod tests {
             // The correction has nothing to correct.
             let model = ProcessModel { correlation: Correlation::Corrected, ..model(law, generator) };
             let process = FrictionProcess::new(model.clone()).unwrap();
-            let mut knots = vec![0.0; 61];
             let paths: Vec<Vec<f64>> = (0..20_000)
                 .map(|i| {
-                    process.path(7, i).fill(&mut knots);
-                    knots.iter().map(|m| m / 0.002).collect()
+                    let mut path = process.path(7, i);
+                    (0..61).map(|_| path.next_knot() / 0.002).collect()
                 })
                 .collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
@@ -211,8 +186,8 @@ mod tests {
     fn a_diffusion_slows_down_at_its_bounds_as_its_variance_says() {
         // Var[X_h | x] from the second eigenfunction; binned by x, against the squared changes of many steps.
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
-        let mut knots = vec![0.0; 400_000];
-        process.path(3, 0).fill(&mut knots);
+        let mut path = process.path(3, 0);
+        let knots: Vec<f64> = (0..400_000).map(|_| path.next_knot()).collect();
         let (a, b, h) = (2.1, 5.0, 0.05_f64);
         let (mean, std) = (0.295_775, 0.025_715_f64.sqrt());
         let x: Vec<f64> = knots.iter().map(|m| mean + m / 0.002 * std).collect();
@@ -232,29 +207,6 @@ mod tests {
         }
         for (count, sum, squares) in errors {
             assert!(count > 1000.0 && f64::abs(sum) < 4.0 * f64::sqrt(squares), "{count} {sum} {squares}");
-        }
-    }
-
-    #[test]
-    fn filled_knots_are_the_same_bits_as_single_ones() {
-        let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
-        for (generator, shape) in [
-            (Generator::Autoregressive, CorrelationShape::Exponential),
-            (Generator::Autoregressive, windowed),
-            (Generator::Spectral { harmonics: 16 }, CorrelationShape::Exponential),
-            (Generator::Jacobi, CorrelationShape::Exponential),
-            (Generator::Renewal, CorrelationShape::Exponential),
-        ] {
-            let model = ProcessModel { shape, least: Some(-0.001), ..model("beta:2.1,5", generator) };
-            let process = FrictionProcess::new(model).unwrap();
-            let (mut single, mut filled) = (process.path(5, 2), process.path(5, 2));
-            for count in [1, 63, 64, 65, 200] {
-                let mut knots = vec![0.0; count];
-                filled.fill(&mut knots);
-                assert!(knots.iter().all(|knot| knot.to_bits() == single.next_knot().to_bits()), "{generator:?}");
-                assert_eq!(filled.clamped(), single.clamped());
-            }
-            assert!(filled.clamped() > 0);
         }
     }
 

@@ -74,11 +74,6 @@ pub(crate) fn method_name(method: &str) -> String {
         "polynomial_chaos" => "polynomial chaos".into(),
         "polynomial_chaos_log" => "polynomial chaos of log p".into(),
         "polynomial_chaos_local" => "local polynomial chaos".into(),
-        "latent_overlap" => "latent overlap".into(),
-        "two_part" => "two-part model".into(),
-        "control_variate" => "control variate".into(),
-        "multilevel" => "multilevel Monte Carlo".into(),
-        "pooled_sites" => "pooled sites".into(),
         "default" => "default of asperity".into(),
         other => other.replace('_', " "),
     }

@@ -10,10 +10,8 @@ pub(crate) const GREEN: RGBColor = RGBColor(0, 130, 95);
 pub(crate) const PURPLE: RGBColor = RGBColor(170, 68, 140);
 pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
 pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
-pub(crate) const BROWN: RGBColor = RGBColor(122, 82, 48);
 pub(crate) const PLUM: RGBColor = RGBColor(84, 24, 110);
 pub(crate) const OLIVE: RGBColor = RGBColor(128, 128, 0);
-pub(crate) const ROSE: RGBColor = RGBColor(232, 100, 150);
 pub(crate) const GREY: RGBColor = RGBColor(150, 150, 150);
 pub(crate) const BLACK: RGBColor = RGBColor(20, 20, 20);
 

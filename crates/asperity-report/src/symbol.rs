@@ -12,35 +12,14 @@ use crate::canvas::{Canvas, Dash, Pen};
 pub(crate) enum Shape {
     Disc,
     Ring,
-    Square,
     Frame,
     Diamond,
-    Up,
-    Down,
     Cross,
     Plus,
     OpenDiamond,
-    OpenUp,
-    OpenDown,
 }
 
 impl Shape {
-    /// All of them.
-    pub(crate) const ALL: [Self; 12] = [
-        Self::Disc,
-        Self::Square,
-        Self::Diamond,
-        Self::Up,
-        Self::Cross,
-        Self::Ring,
-        Self::Frame,
-        Self::Down,
-        Self::Plus,
-        Self::OpenDiamond,
-        Self::OpenUp,
-        Self::OpenDown,
-    ];
-
     /// Draws the symbol around a point; all shapes cover about the area of a disc of this radius.
     pub(crate) fn draw(
         self,
@@ -58,18 +37,13 @@ impl Shape {
             points.push(points[0]);
             points
         };
-        let (outer, triangle) = (1.25 * radius, 1.45 * radius);
+        let outer = 1.25 * radius;
         match self {
             Self::Disc => canvas.disc((x, y), radius, colour),
             Self::Ring => canvas.line(&closed(corners(24, 0.0, radius)), pen),
-            Self::Square => canvas.polygon(&corners(4, 0.125, outer), colour, 1.0),
             Self::Frame => canvas.line(&closed(corners(4, 0.125, outer)), pen),
             Self::Diamond => canvas.polygon(&corners(4, 0.0, outer), colour, 1.0),
             Self::OpenDiamond => canvas.line(&closed(corners(4, 0.0, outer)), pen),
-            Self::OpenUp => canvas.line(&closed(corners(3, 0.75, triangle)), pen),
-            Self::OpenDown => canvas.line(&closed(corners(3, 0.25, triangle)), pen),
-            Self::Up => canvas.polygon(&corners(3, 0.75, triangle), colour, 1.0),
-            Self::Down => canvas.polygon(&corners(3, 0.25, triangle), colour, 1.0),
             Self::Cross | Self::Plus => {
                 let ends = corners(4, if self == Self::Cross { 0.125 } else { 0.0 }, outer);
                 canvas.line(&[ends[0], ends[2]], pen)?;

@@ -13,7 +13,7 @@ use self::general::ClassModes;
 use super::gaussian::{check_germ, map_of, row_order};
 use super::spectral::{FourierModes, wrapped_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
-use asperity_base::correlation::{CorrelationModel, Covariance, StationaryCovariance};
+use asperity_base::correlation::{Covariance, StationaryCovariance};
 use asperity_base::fourier::RealFft2;
 use asperity_base::map::{Grid, HeightMap};
 
@@ -31,16 +31,6 @@ pub enum ModesRoute {
     General,
     /// The covariance wrapped onto a periodic map; its modes are cosines and sines.
     Periodic,
-}
-
-impl ModesRoute {
-    /// The cheapest route that leaves the covariance of this model on a map that is not periodic as it is.
-    pub fn exact_for(model: CorrelationModel) -> Self {
-        match model {
-            CorrelationModel::SquaredExponential => Self::Separable,
-            _ => Self::General,
-        }
-    }
 }
 
 /// A truncated Karhunen–Loève surface z = σ Σ_{j≤M} √λ_j φ_j(x) ξ_j with ∫ρ(x − y)φ_j(y)dy = λ_j φ_j(x).

@@ -19,7 +19,7 @@ mod translation;
 pub mod uncertainty;
 mod weierstrass_mandelbrot;
 
-pub use conditional::{ConditionalError, ConditionalSurface, Conditioning, NeighbourhoodSurface, surrounded};
+pub use conditional::{ConditionalError, NeighbourhoodSurface, surrounded};
 pub use filling::{
     FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, filling_memory_bytes,
 };

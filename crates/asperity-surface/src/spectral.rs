@@ -8,8 +8,8 @@ use ndarray::Array2;
 
 use super::gaussian::{check_germ, map_of, row_order};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
-use asperity_base::correlation::{Covariance, StationaryCovariance};
-use asperity_base::fourier::{RealFft2, good_length, signed_index};
+use asperity_base::correlation::StationaryCovariance;
+use asperity_base::fourier::{RealFft2, good_length};
 use asperity_base::map::{Grid, HeightMap};
 
 pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
@@ -27,9 +27,6 @@ const LARGEST_DOMAIN: usize = 1 << 24;
 ///
 /// - [`SpectralField::periodic`]: λ from the covariance wrapped onto the grid. The ensemble covariance on the grid *is*
 ///   the wrapped covariance, with the exact variance; it fails to be one only by [`SpectralField::clipped_variance`].
-/// - [`SpectralField::from_psd`]: λ_q = P(q)/σ² at the grid's wavevectors, never negative. The ensemble covariance is the
-///   model's summed over all periodic images, without what lies beyond the grid's wavevectors. Its variance over σ² is
-///   [`SpectralField::captured_variance`]: below 1 for a coarse grid, above 1 for one of few correlation lengths.
 /// - [`SpectralField::free`]: a crop of a larger periodic domain on which the wrapped covariance is non-negative
 ///   (circulant embedding), so that opposite edges are uncorrelated unless the covariance says so.
 ///
@@ -41,7 +38,6 @@ pub struct SpectralField {
     grid: Grid,
     std_m: f64,
     modes: FourierModes,
-    captured_variance: f64,
     clipped_variance: f64,
 }
 
@@ -49,21 +45,6 @@ impl SpectralField {
     /// A field on the periodic `grid` with the covariance wrapped at the least image.
     pub fn periodic(covariance: &dyn StationaryCovariance, grid: Grid) -> Self {
         Self::on_domain(covariance, grid, grid)
-    }
-
-    /// A field on the periodic `grid` with the model's power spectral density at the grid's wavevectors.
-    pub fn from_psd(covariance: &Covariance, grid: Grid) -> Self {
-        let fft = RealFft2::new(grid.nx(), grid.ny());
-        let variance = covariance.std_m() * covariance.std_m();
-        let (qx_min, qy_min) = (std::f64::consts::TAU / grid.width_m(), std::f64::consts::TAU / grid.height_m());
-        let ny = grid.ny();
-        let eigenvalues_m2: Vec<f64> = (0..fft.stored_kx())
-            .flat_map(|kx| (0..ny).map(move |ky| (kx, ky)))
-            .map(|(kx, ky)| covariance.psd_m4(kx as f64 * qx_min, signed_index(ky, ny) * qy_min) / variance)
-            .collect();
-        let modes = FourierModes::new(grid, fft, &eigenvalues_m2);
-        let captured_variance = modes.eigenvalues_m2().sum::<f64>() / grid.area_m2();
-        Self { grid, std_m: covariance.std_m(), modes, captured_variance, clipped_variance: 0.0 }
     }
 
     /// A field that is not periodic on `grid`, with the exact covariance where the embedding is non-negative.
@@ -120,12 +101,7 @@ impl SpectralField {
         spectrum: &WrappedSpectrum,
     ) -> Self {
         let modes = FourierModes::new(domain, fft, &spectrum.eigenvalues_m2);
-        Self { grid, std_m, modes, captured_variance: 1.0, clipped_variance: spectrum.clipped }
-    }
-
-    /// Variance of the generated heights over σ²: 1 but for [`SpectralField::from_psd`].
-    pub fn captured_variance(&self) -> f64 {
-        self.captured_variance
+        Self { grid, std_m, modes, clipped_variance: spectrum.clipped }
     }
 
     /// Share of the variance that negative eigenvalues of the wrapped covariance held. They are set to zero and the
@@ -181,7 +157,7 @@ impl RandomSurface for SpectralField {
 
 impl GaussianSurface for SpectralField {
     fn pointwise_std_m(&self) -> Array2<f64> {
-        Array2::from_elem(self.grid.shape(), self.std_m * self.captured_variance.sqrt())
+        Array2::from_elem(self.grid.shape(), self.std_m)
     }
 
     fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {
@@ -194,7 +170,7 @@ impl GaussianSurface for SpectralField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::correlation::{CorrelationModel, Rotated};
+    use asperity_base::correlation::{CorrelationModel, Covariance, Rotated};
     use asperity_base::random;
 
     fn model(model: CorrelationModel, length_x_m: f64, length_y_m: f64) -> Covariance {
@@ -310,27 +286,6 @@ mod tests {
         let wanted = negative / 1024.0;
         assert!(wanted > 1e-3 && (field.clipped_variance() - wanted).abs() < 1e-12, "{wanted}");
         assert!((field.covariance_with_m2(0, 0)[[0, 0]] - 4.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_spectral_route_reports_the_variance_beyond_its_wavevectors() {
-        // A resolved squared exponential loses nothing; its covariance is the model's, summed over images.
-        let smooth = model(CorrelationModel::SquaredExponential, 6.0, 5.0);
-        let field = SpectralField::from_psd(&smooth, Grid::new(64, 64, 1.0, 1.0).unwrap());
-        assert!((field.captured_variance() - 1.0).abs() < 1e-12);
-        let met = field.covariance_with_m2(0, 0);
-        for (row, column) in [(0, 0), (3, 5), (10, 2)] {
-            assert!((met[[row, column]] - smooth.value_m2(column as f64, row as f64)).abs() < 1e-10);
-        }
-        // An exponential holds a share ∫_{|q|>π/Δ} P beyond the grid: on a fine grid about 1 − (1 + k²)^{−1/2}-like tails.
-        // Bounded by the disc inside and the disc around the square of wavevectors, P integrated in closed form.
-        let rough = model(CorrelationModel::Exponential, 8.0, 8.0);
-        let field = SpectralField::from_psd(&rough, Grid::new(256, 256, 1.0, 1.0).unwrap());
-        let inside = |k: f64| 1.0 - 1.0 / (1.0 + k * k).sqrt();
-        let nyquist = 8.0 * std::f64::consts::PI;
-        assert!(
-            field.captured_variance() > inside(nyquist) && field.captured_variance() < inside(nyquist * 2_f64.sqrt())
-        );
     }
 
     #[test]

@@ -77,9 +77,8 @@ pub use stability_map::{
 };
 pub use structure::{
     Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd, BranchPoint,
-    Criticality, CurveSettings, ForcedCycle, HopfPoint, Mark, MarkKind, Parameter, Separatrix, SeparatrixKind,
-    SlipCycle, Turnover, basin, bifurcation_diagram, critical_curve, forced_cycles, hopf_point, locked_curve,
-    separatrix, slip_cycles, smallest_kick,
+    CurveSettings, ForcedCycle, Mark, MarkKind, Parameter, Separatrix, SeparatrixKind, SlipCycle, Turnover, basin,
+    bifurcation_diagram, critical_curve, forced_cycles, locked_curve, separatrix, slip_cycles, smallest_kick,
 };
 pub use sweep::{Crossing, DampingSweep, crossings_without_fluctuation, damping_sweep};
 pub use table::FrictionTable;

@@ -1,7 +1,6 @@
 //! Deterministic structure: what the motion without fluctuation can end in, and where that changes.
 //!
-//! - [`slip_cycles`]: cycles that stay slower than the belt, such as the unstable one between ζ_H and ζ_c; [`hopf_point`]:
-//!   where and how they are born.
+//! - [`slip_cycles`]: cycles that stay slower than the belt, such as the unstable one between ζ_H and ζ_c.
 //! - [`forced_cycles`]: cycles with stick under a harmonic force, stable and unstable, with their multipliers.
 //! - [`critical_curve`], [`locked_curve`]: the end of the cycle over another parameter.
 //! - [`basin`], [`separatrix`], [`smallest_kick`]: which starts end in steady sliding.
@@ -12,7 +11,6 @@ mod bifurcation;
 mod boundary;
 mod forced;
 pub(super) mod grazing;
-mod hopf;
 mod locked_curve;
 mod parameter;
 mod passage;
@@ -26,7 +24,6 @@ pub use bifurcation::{
 };
 pub use boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, critical_curve};
 pub use forced::{ForcedCycle, forced_cycles};
-pub use hopf::{Criticality, HopfPoint, hopf_point};
 pub use locked_curve::locked_curve;
 pub use parameter::Parameter;
 pub use slip_cycle::{SlipCycle, slip_cycles};

@@ -132,6 +132,11 @@ fn what_has_no_intervals_says_why() {
     assert!(matches!(indices(&values), Err(IndexError::TooManyFailures { resamples: 40, .. })));
     let error = resamples.sobol_indices(1, &[], |_| Err(())).unwrap_err();
     assert_eq!(error, IndexError::Resamples(ResamplesError::Samples { samples: 1 }));
+    let refused = |resamples: Resamples| resamples.sobol_indices(9, &[], |_| Err(())).unwrap_err();
+    let few = Resamples { count: 3, ..resamples };
+    assert_eq!(refused(few), IndexError::Resamples(ResamplesError::Count { count: 3 }));
+    let sure = Resamples { level: 1.0, ..resamples };
+    assert_eq!(refused(sure), IndexError::Resamples(ResamplesError::Level { level: 1.0 }));
     assert_eq!(resamples.sobol_indices(2, &[], |_| Err(())), Err(IndexError::Fit(())));
     let flat = |_: &[usize]| Ok::<_, ()>(Expansion::new(Basis::hermite(1, 0).unwrap(), vec![1.0]));
     assert_eq!(resamples.sobol_indices(2, &[], flat), Err(IndexError::Constant));

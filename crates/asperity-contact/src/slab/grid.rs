@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Ceiling, Slab};
-use crate::problem::Hardness;
+use super::Slab;
 use asperity_base::fourier::ROWS_OF_SLAB;
 
 /// Cells of a grid from which its slabs are worth sharing among threads.
@@ -17,19 +16,13 @@ pub(crate) struct Slabs {
 }
 
 impl Slabs {
-    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. Cells yield at the `hardness`, if any.
-    pub(crate) fn begin(&mut self, width: usize, p: &[f64], hardness: Option<Hardness<'_>>, unit_m: f64) {
+    /// Begins with the pressures `p` on rows of `width` cells; v is not yet known. Cells yield at the hardness, if any.
+    pub(crate) fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<f64>, unit_m: f64) {
         let chunk = width * ROWS_OF_SLAB;
         self.slabs.resize_with(p.len().div_ceil(chunk), Slab::default);
         self.shared = p.len() >= SHARED_FROM && rayon::current_num_threads() > 1;
-        for (number, (slab, p)) in self.slabs.iter_mut().zip(p.chunks(chunk)).enumerate() {
-            let ceiling = hardness.map(|hardness| match hardness {
-                Hardness::Uniform { pascal } => Ceiling::Uniform(pascal),
-                Hardness::Field(field) => {
-                    Ceiling::Cells(field.iter().skip(number * chunk).take(p.len()).copied().collect())
-                }
-            });
-            slab.begin(width, p, ceiling, unit_m);
+        for (slab, p) in self.slabs.iter_mut().zip(p.chunks(chunk)) {
+            slab.begin(width, p, hardness_pa, unit_m);
         }
     }
 

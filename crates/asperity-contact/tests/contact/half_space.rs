@@ -280,65 +280,6 @@ fn check_by_definition(compliance: &[Vec<f64>], problem: &Problem<'_>, solution:
 }
 
 #[test]
-fn a_hardness_of_every_cell_bounds_its_pressure() {
-    let grid = Grid::new(24, 20, 1.0, 1.0).unwrap();
-    let heights = random::standard_normal(&mut random::stream(7, "hardness", 0), grid.points());
-    let heights = Array2::from_shape_vec(grid.shape(), heights).unwrap();
-    // Soft grains in a hard matrix.
-    let soft = |row: usize, column: usize| (row / 5 + column / 6).is_multiple_of(2);
-    let hardness = Array2::from_shape_fn(grid.shape(), |(row, column)| if soft(row, column) { 0.05 } else { 0.6 });
-    for boundary in [Boundary::Free, Boundary::Periodic { mean_compliance_m_per_pa: 1.0 }] {
-        let half_space = HalfSpace::new(grid, 1.0, boundary).unwrap();
-        let compliance = dense_compliance(grid, 1.0, boundary);
-        for control in [
-            Control::MeanPressure { pascal: 0.03 },
-            Control::Percentile { percent: 30.0 },
-            Control::MeanGap { metre: 1.5 },
-        ] {
-            let problem = Problem::new(&half_space, &heights, control, None).unwrap();
-            let problem = problem.with_hardness_field(&hardness).unwrap();
-            let tolerance = 1e-10;
-            let solution = Solver { tolerance, ..Solver::default() }.solve(&problem).unwrap();
-            assert!(solution.converged(), "{control:?} {:?}", solution.residual());
-            let p: Vec<f64> = solution.pressure_pa().iter().copied().collect();
-            let (mut plastic, mut elastic) = ([0, 0], 0);
-            for (row, compliance) in compliance.iter().enumerate() {
-                let u: f64 = compliance.iter().zip(&p).map(|(c, p)| c * p).sum();
-                let cell = (row / grid.nx(), row % grid.nx());
-                let gap = u - heights[cell] + solution.plane_m();
-                let upper = hardness[cell];
-                assert!((0.0..=upper).contains(&p[row]));
-                if p[row] == upper {
-                    plastic[usize::from(soft(cell.0, cell.1))] += 1;
-                    assert!(gap < 1e-8 && solution.is_plastic(cell));
-                    assert!((solution.plastic_displacement_m()[cell] - (-gap).max(0.0)).abs() < 1e-8);
-                } else if p[row] > 0.0 {
-                    elastic += 1;
-                    assert!(gap.abs() < 1e-7, "{control:?}: {gap:e}");
-                } else {
-                    assert!(gap > -1e-8);
-                }
-            }
-            assert!(plastic[1] > 0 && elastic > 0, "{control:?}: {plastic:?} {elastic}");
-            let share = (plastic[0] + plastic[1]) as f64 / p.len() as f64;
-            assert!((solution.plastic_fraction() - share).abs() < 1e-12);
-        }
-        // The same hardness everywhere is that hardness.
-        let control = Control::MeanPressure { pascal: 0.03 };
-        let even = Array2::from_elem(grid.shape(), 0.3);
-        let problem = Problem::new(&half_space, &heights, control, None).unwrap();
-        let field = Solver::default().solve(&problem.with_hardness_field(&even).unwrap()).unwrap();
-        let uniform = solve(&heights, &half_space, control, Some(0.3));
-        assert_eq!(field.pressure_pa(), uniform.pressure_pa());
-        assert_eq!(field.corrected_contact_fraction(), uniform.corrected_contact_fraction());
-        let refused = |hardness: &Array2<f64>| problem.with_hardness_field(hardness).map(|_| ()).unwrap_err();
-        assert!(matches!(refused(&Array2::from_elem((20, 23), 1.0)), ContactError::Shape { .. }));
-        assert!(matches!(refused(&Array2::from_elem(grid.shape(), 0.0)), ContactError::Parameter { .. }));
-        assert!(matches!(refused(&Array2::from_elem(grid.shape(), 0.02)), ContactError::Overloaded { .. }));
-    }
-}
-
-#[test]
 fn a_start_changes_the_way_and_not_the_answer() {
     let n = 64;
     let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
@@ -493,31 +434,6 @@ fn heights_and_layers_that_no_digit_is_left_of_are_refused() {
     };
     assert!(layer(0.2, 0.5).is_ok() && layer(0.01, 0.3).is_ok());
     assert!(matches!(layer(1e-3, 0.5), Err(ContactError::Parameter { .. })));
-}
-
-#[test]
-fn many_problems_are_solved_as_each_alone() {
-    let n = 48;
-    let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
-    let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 1.0 };
-    let half_spaces = [Boundary::Free, periodic].map(|boundary| HalfSpace::new(grid, 1.0, boundary).unwrap());
-    let maps: Vec<_> = (0..6).map(|sample| rough(n, 40 + sample)).collect();
-    let control = Control::Percentile { percent: 15.0 };
-    let problems: Vec<_> = half_spaces
-        .iter()
-        .flat_map(|half_space| maps.iter().map(move |map| Problem::new(half_space, map, control, Some(0.5)).unwrap()))
-        .collect();
-    let alone: Vec<_> = problems.iter().map(|problem| Solver::default().solve(problem).unwrap()).collect();
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let watch = Impatient::after(usize::MAX);
-        let together = pool.install(|| Solver::default().solve_many(&problems, &watch)).unwrap();
-        assert_eq!(watch.done.load(Ordering::Relaxed), problems.len());
-        for (alone, together) in alone.iter().zip(&together) {
-            assert!(together.converged());
-            assert_eq!(alone.pressure_pa(), together.pressure_pa());
-        }
-    }
 }
 
 #[test]

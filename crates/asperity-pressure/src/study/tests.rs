@@ -82,8 +82,6 @@ fn a_centre_cell_is_in_contact_at_most_half_the_time_at_the_median_plane() {
     let error = controlled.contact_probability - reference.estimate.contact_probability;
     let se = controlled.contact_probability_se.hypot(reference.estimate.contact_probability_se);
     assert!(error.abs() < 4.0 * se, "{error:.4} ± {se:.4}");
-    let grid_pa = results.common_grid_pa(11);
-    assert_eq!((grid_pa[0], grid_pa[10]), (0.0, reference.estimate.law.quantile(1.0)));
 }
 
 #[test]
@@ -109,7 +107,7 @@ fn every_statistic_of_every_method_keeps_to_the_hardness() {
             within("quantile", name, &[estimate.law.quantile(probability), interval.low, interval.high]);
         }
     }
-    assert!(methods >= 12, "{methods}");
+    assert_eq!(methods, Method::ALL.len() + 1);
     // Scalars of the contact keep to their own limits.
     for (quantity, largest) in [(Quantity::ContactFraction, 1.0), (Quantity::MeanPressure, hardness)] {
         let scalar = scalar(&results, quantity).unwrap();
@@ -119,7 +117,7 @@ fn every_statistic_of_every_method_keeps_to_the_hardness() {
 }
 
 #[test]
-fn cells_of_a_free_patch_differ_and_are_not_pooled_and_the_height_of_the_cell_matters_most() {
+fn cells_of_a_free_patch_differ_and_the_height_of_the_cell_matters_most() {
     let (surface, half_space) = gaussian_surface(16, 30);
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
     let sizes = Study { fine_solves: 400, reference_samples: 100, ..small_study() };
@@ -127,8 +125,6 @@ fn cells_of_a_free_patch_differ_and_are_not_pooled_and_the_height_of_the_cell_ma
     let fields = results.fields.as_ref().unwrap();
     let p_value = fields.homogeneity.as_ref().unwrap().p_value;
     assert!(p_value < 0.05, "{p_value}");
-    let pooled = results.methods.iter().find(|r| r.method == Method::PooledSites).unwrap();
-    assert_eq!(pooled.outcome.as_ref().unwrap_err(), &MethodError::CellsDiffer { p_value });
     // The same samples, counted for the cell by themselves.
     let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
     assert_eq!(fields.contact_probability[[8, 8]], plain.contact_probability);
@@ -158,14 +154,14 @@ fn cells_of_a_stationary_periodic_patch_are_pooled() {
     let homogeneity = results.fields.as_ref().unwrap().homogeneity.as_ref().unwrap();
     assert_eq!((homogeneity.cells, homogeneity.samples), (16, 170));
     assert!(homogeneity.p_value > 1e-3, "{homogeneity:?}");
-    let (pooled, _) = results.estimate(Method::PooledSites).unwrap();
-    let reference = &results.reference.estimate;
-    let error = pooled.contact_probability - reference.contact_probability;
-    assert!(error.abs() < 4.0 * pooled.contact_probability_se.hypot(reference.contact_probability_se));
-    for method in [Method::PolynomialChaosLocal, Method::LatentOverlap, Method::TwoPart] {
-        let (estimate, comparison) = results.estimate(method).unwrap();
-        assert!(estimate.band.is_some() && estimate.mean_se_pa > 0.0 && comparison.ks_distance < 0.3);
-    }
+    // The reference pools the cells of each solution.
+    assert_eq!(results.reference.sites, 256);
+    let (plain, reference) = (&results.estimate(Method::MonteCarlo).unwrap().0, &results.reference.estimate);
+    let se = plain.contact_probability_se.hypot(reference.contact_probability_se);
+    assert!((plain.contact_probability - reference.contact_probability).abs() < 4.0 * se);
+    assert!(reference.contact_probability_se < 0.6 * plain.contact_probability_se);
+    let (local, comparison) = results.estimate(Method::PolynomialChaosLocal).unwrap();
+    assert!(local.band.is_some() && local.mean_se_pa > 0.0 && comparison.ks_distance < 0.3);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use plotters::prelude::RGBColor;
 
 use super::{Plate, Stage, map};
 use crate::canvas::{Dash, Pen};
-use crate::palette::{BLACK, BLUE, BROWN, GREEN, OLIVE, ORANGE, PLUM, PURPLE, ROSE, SKY, VERMILION, pen};
+use crate::palette::{BLUE, GREEN, ORANGE, PLUM, PURPLE, SKY, VERMILION, pen};
 use crate::raster::Kind;
 use crate::symbol::Shape;
 use crate::{ReportError, Run};
@@ -42,13 +42,8 @@ fn style(method: &str, index: usize) -> (Pen, Shape) {
         "polynomial_chaos" => (PURPLE, 1.8, Dash::Dotted, Shape::Cross),
         "polynomial_chaos_log" => (ORANGE, 1.8, Dash::Long, Shape::Plus),
         "polynomial_chaos_local" => (PLUM, 1.8, Dash::Solid, Shape::OpenDiamond),
-        "latent_overlap" => (OLIVE, 1.8, Dash::Dashed, Shape::OpenUp),
-        "two_part" => (ROSE, 1.8, Dash::Alternating, Shape::OpenDown),
-        "control_variate" => (BROWN, 1.8, Dash::Dashed, Shape::Up),
-        "multilevel" => (BLACK, 1.8, Dash::Long, Shape::Down),
-        "pooled_sites" => (BLACK, 1.8, Dash::Dotted, Shape::Square),
         "default" => (VERMILION, 2.6, Dash::Solid, Shape::Disc),
-        _ => (pen(index).colour, pen(index).width, pen(index).dash, Shape::ALL[index % Shape::ALL.len()]),
+        _ => (pen(index).colour, pen(index).width, pen(index).dash, Shape::Ring),
     };
     (Pen::new(colour, width, dash), shape)
 }

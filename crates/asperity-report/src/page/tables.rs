@@ -94,15 +94,10 @@ fn coarse_solves(coarse: &Value) -> String {
 /// Wall time of a method: of the contact solutions on which it rests, which methods share, and of its estimate.
 fn seconds(run: &Run, method: &str) -> Option<f64> {
     let samples: &[&str] = match method {
-        "monte_carlo"
-        | "pooled_sites"
-        | "control_variate"
-        | "polynomial_chaos_local"
-        | "latent_overlap"
-        | "two_part" => &["monte_carlo"],
+        "monte_carlo" | "polynomial_chaos_local" => &["monte_carlo"],
         "latin_hypercube" | "polynomial_chaos" | "polynomial_chaos_log" => &["latin_hypercube"],
         "sobol" => &["sobol"],
-        "multilevel" | "default" => &["monte_carlo", "coarse"],
+        "default" => &["monte_carlo", "coarse"],
         _ => return None,
     };
     let of = |task: &str| run.provenance["seconds"][format!("pressure/{task}")].as_f64();

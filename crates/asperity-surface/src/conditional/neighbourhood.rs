@@ -17,7 +17,7 @@ use self::groups::{Group, groups, work_per_point};
 use self::metric::Metric;
 use self::noise::{LEAST_NOISE, likeliest_noise};
 use self::pyramid::Pyramid;
-use super::kernel::Lags;
+use super::lags::Lags;
 use super::{ConditionalError, Standardised, check, map, places, scores};
 use crate::gaussian::check_germ;
 use crate::{RandomSurface, SpectralField};
@@ -33,8 +33,8 @@ const BLOCK: usize = 32;
 
 /// Maps of a stationary Gaussian surface, given its heights at some points, by the heights around each void alone.
 ///
-/// As [`ConditionalSurface`](super::ConditionalSurface), an unconditional map z is corrected by what it misses of the
-/// measured heights d (Matheron), but void by void: at the missing points of one,
+/// An unconditional map z is corrected by what it misses of the measured heights d (Matheron), void by void: at the missing
+/// points of one,
 ///
 /// z_d = z + K_{·n} (K_nn + τ²I)⁻¹ (d_n − z(x_n) − τε),
 ///

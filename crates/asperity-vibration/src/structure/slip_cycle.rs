@@ -301,7 +301,6 @@ fn cycle(oscillator: &Oscillator, rest: f64, r: f64, lap: &Lap) -> SlipCycle {
 
 #[cfg(test)]
 mod tests {
-    use super::super::hopf::hopf_point;
     use super::*;
     use crate::{FrictionLaw, FrictionTable, Parameters, critical_damping};
 
@@ -334,12 +333,14 @@ mod tests {
     fn its_amplitude_follows_the_normal_form_near_the_hopf_point() {
         for (friction, decay, velocity) in [(0.2, 4.2, 0.05), (0.3, 4.2, 0.1), (1.0, 3.0, 0.2)] {
             let of = |damping| Oscillator::stribeck(friction, decay, damping, velocity).unwrap();
-            let hopf = hopf_point(&of(0.0)).unwrap();
-            let width = critical_damping(&of(0.0)).unwrap().critical_damping_ratio - hopf.damping_ratio;
+            let ends = critical_damping(&of(0.0)).unwrap();
+            let width = ends.critical_damping_ratio - ends.hopf_damping_ratio;
+            // R′ = (ζ_H − ζ)R + ℓR³ with ℓ = −μ‴(V)/16 (Guckenheimer & Holmes, §3.4): the quadratic part is reversible in time and
+            // adds nothing. μ‴ = −6a³μ/(1 + aV)⁴.
+            let lyapunov = 6.0 / 16.0 * decay.powi(3) * friction / (1.0_f64 + decay * velocity).powi(4);
             let off = |share: f64| {
-                let damping = hopf.damping_ratio + share * width;
-                let cycle = slip_cycles(&of(damping)).unwrap()[0];
-                cycle.velocity_amplitude() / hopf.velocity_amplitude(damping).unwrap() - 1.0
+                let cycle = slip_cycles(&of(ends.hopf_damping_ratio + share * width)).unwrap()[0];
+                cycle.velocity_amplitude() / (share * width / lyapunov).sqrt() - 1.0
             };
             // √((ζ − ζ_H)/ℓ)·(1 + O(ζ − ζ_H)).
             let (far, near) = (off(1e-2), off(1e-3));

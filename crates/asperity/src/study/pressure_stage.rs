@@ -9,7 +9,7 @@ use crate::contact::{self, Boundary, Control, HalfSpace, Solver};
 use crate::law::Marginal;
 use crate::map::Grid;
 use crate::monitor::Monitor;
-use crate::pressure::{MethodError, Problem, Study as Sizes};
+use crate::pressure::{Problem, Study as Sizes};
 use crate::random;
 use crate::study::config::{BoundaryChoice, MaterialSection, PressureSection};
 use crate::study::output::StageOutput;
@@ -98,9 +98,7 @@ pub(super) fn run(
     let patch =
         [patch_sentence(section, (row, column), &half_space, hardness_pa), expansion_sentence(section, surface)];
     for method in &results.methods {
-        // That the cells of a patch cannot be pooled is nothing to be wary of.
-        let pooled = |reason: &&MethodError| matches!(reason, MethodError::CellsDiffer { .. });
-        if let Some(reason) = method.outcome.as_ref().err().filter(|reason| !pooled(reason)) {
+        if let Err(reason) = &method.outcome {
             warnings.push(format!("pressure method {} has no estimate: {reason}", method.method.name()));
         }
         let estimate = method.outcome.as_ref().ok().map(|(estimate, _)| estimate);

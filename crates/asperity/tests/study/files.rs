@@ -1,6 +1,6 @@
 //! The study files that come with the code, and the synthetic scan that they use.
 
-#[path = "../../examples/brake_disc/scan.rs"]
+#[path = "../../../../validation/src/bin/brake_disc/scan.rs"]
 mod scan;
 
 use std::fs;
@@ -23,7 +23,7 @@ fn choose(n: usize, k: usize) -> usize {
 }
 
 #[test]
-fn the_stored_scan_is_what_the_example_makes() {
+fn the_stored_scan_is_what_brake_disc_makes() {
     let stored = asperity_formats::read(&studies().join("brake_disc.x3p")).unwrap();
     let made = scan::brake_disc().unwrap();
     assert_eq!(stored.pitch_m, made.pitch_m);

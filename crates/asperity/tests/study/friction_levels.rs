@@ -4,7 +4,6 @@ use std::path::Path;
 
 use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
-use asperity::friction::FrictionError;
 use asperity::friction::law::BowdenTabor;
 use asperity::friction::load_curve::{LoadCurve, LoadPoint};
 use asperity::friction::strip::{Level, Strips};
@@ -41,23 +40,6 @@ fn planes(strips: &Strips<'_>, heights_m: &[f64]) -> Vec<Level> {
 }
 
 #[test]
-fn the_plane_that_carries_a_pressure_carries_it() {
-    for realisations in [1, 6] {
-        with_strips(realisations, |strips| {
-            for pressure_pa in [5e6, 100e6, 1e9] {
-                let found = strips.plane_for(pressure_pa, &Silent).unwrap();
-                assert!((found.mean_pressure_pa / pressure_pa - 1.0).abs() < 1.1e-5, "{found:?}");
-                // Solved afresh, from no start.
-                let level = &planes(strips, &[found.plane_m])[0];
-                assert!((level.mean_pressure_pa / pressure_pa - 1.0).abs() < 2e-5, "{}", level.mean_pressure_pa);
-                assert!((level.penetration_m - found.penetration_m).abs() < 1e-15);
-                assert!(found.passes <= 15, "{found:?}");
-            }
-        });
-    }
-}
-
-#[test]
 fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
     with_strips(6, |strips| {
         // Heights of the plane in units of Sq = 0.5 µm, every other of which makes the curve.
@@ -68,11 +50,7 @@ fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
             let between = curve.mean_pressure_pa(level.penetration_m).unwrap();
             println!("{:e}: {between:e} for {:e}", level.penetration_m, level.mean_pressure_pa);
             assert!((between / level.mean_pressure_pa - 1.0).abs() < 0.05);
-            assert!(curve.interval_pa(level.penetration_m).unwrap().contains(level.mean_pressure_pa));
-            // The exact inverse: error of the interpolation alone, 0.05 of a pressure that grows e-fold per 0.2 µm or slower.
-            let exact = strips.plane_for(between, &Silent).unwrap();
             assert!((curve.penetration_m(between).unwrap() - level.penetration_m).abs() < 1e-15);
-            assert!((exact.penetration_m - level.penetration_m).abs() < 0.05 * 0.5e-6);
         }
         let last = LoadPoint::of(&levels[8]);
         assert!(curve.mean_pressure_pa(1.01 * last.penetration_m).is_err());
@@ -92,14 +70,6 @@ fn the_interval_of_a_load_is_students_in_the_logarithm() {
         level.strip_pressures_pa = vec![2.0; 3];
         let exact = LoadPoint::of(&level).interval;
         assert_eq!((exact.low, exact.high), (2.0, 2.0));
-    });
-}
-
-#[test]
-fn a_pressure_above_the_hardness_has_no_plane() {
-    with_strips(2, |strips| {
-        let error = strips.plane_for(3e9, &Silent).unwrap_err();
-        assert!(matches!(error, FrictionError::TooFewValid { first, .. } if first.contains("hardness")));
     });
 }
 

@@ -101,9 +101,6 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
     let default = method(&outcome, "default");
     let (found, se) = (default.contact_probability.unwrap(), default.contact_probability_se.unwrap());
     assert!(found < 0.5 + 3.0 * se && found > 0.05, "{found} ± {se}");
-    // A free patch is stationary at no scale; so few samples may not show it.
-    let alike = pressure.homogeneity.as_ref().unwrap().plausible.unwrap();
-    assert_eq!(method(&outcome, "pooled_sites").failure.is_none(), alike);
 }
 
 #[test]
@@ -115,7 +112,7 @@ fn results_and_tables_say_the_same_of_every_method() {
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     let table = &outcome.tables["pressure_methods"];
     let refused = pressure["methods"].as_array().unwrap().iter().filter(|m| m["failure"].is_string()).count();
-    assert_eq!(table.names().len(), 13 - refused);
+    assert_eq!(table.names().len(), 8 - refused);
     assert_eq!(table.column("mean_low_pa").unwrap()[0], number(&pressure["mean_interval"][0]));
     for method in pressure["methods"].as_array().unwrap() {
         let name = method["name"].as_str().unwrap();
@@ -148,8 +145,7 @@ fn results_and_tables_say_the_same_of_every_method() {
         };
         within("contact_probability", "contact_probability_bias", "contact_probability_interval");
         within("mean_pa", "mean_bias_pa", "mean_interval");
-        let models =
-            ["polynomial_chaos", "polynomial_chaos_log", "polynomial_chaos_local", "latent_overlap", "two_part"];
+        let models = ["polynomial_chaos", "polynomial_chaos_log", "polynomial_chaos_local"];
         assert_eq!(method["mean_bias_pa"].is_number(), models.contains(&name), "{name}");
         assert!(method["interval_failure"].is_null(), "{name}");
         let quantile = &method["quantiles"][2];

@@ -56,9 +56,8 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let height = ROW * methods.len() as f64 + 12.0;
     let width = (640.0 - NAMES - 12.0) / panels.len() as f64;
     let title = "Contact probability and mean pressure by method";
-    let caption = "Estimates with 95 % intervals; the grey bar is the reference’s. Intervals of models (polynomial chaos, latent \
-                   overlap, two parts) are corrected for the bias seen on samples that they were not fitted to: a symbol off its \
-                   bar is a biased estimate. An arrow points at an estimate beyond the frame.";
+    let caption = "Estimates with 95 % intervals; the grey bar is the reference’s. Intervals of polynomial chaos are corrected for the \
+                   bias seen on samples that it was not fitted to: a symbol off its bar is a biased estimate. An arrow points at an estimate beyond the frame.";
     let svg = draw((640.0, height + 62.0), title, caption, |canvas| {
         for (row, (_, method)) in methods.iter().enumerate() {
             let y = 8.0 + 6.0 + ROW * (row as f64 + 0.5);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::conditional::kernel::Lags;
+use crate::conditional::lags::Lags;
 use asperity_base::map::Grid;
 
 /// Share of the correlation of neighbours that bounds the central lobe, and the share beyond which heights are not looked for.

@@ -4,7 +4,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
-use crate::conditional::kernel::Lags;
+use crate::conditional::lags::Lags;
 use asperity_base::map::Grid;
 
 /// Variances of the noise that are tried, over that of the heights, from [`LEAST_NOISE`] up by factors of ten.

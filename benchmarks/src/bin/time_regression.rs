@@ -1,0 +1,230 @@
+//! Seconds of polynomial-chaos regressions, as JSON, with their results beside them for a check from outside.
+//!
+//! `cargo run --release -p asperity-benchmarks --bin time_regression -- CASE key=value …`; all files hold little-endian doubles, row by
+//! row. A basis has total degree `degree` in `variables` variables, the first `hermite` of them (default all) standard normal
+//! and the others uniform on [−1, 1].
+//!
+//! | case | keys | what is timed |
+//! |---|---|---|
+//! | `solve` | basis, `points`, `samples`, `responses`, `count` | design matrix, factorisation, all responses |
+//! | `fit` | the same | the same, with leave-one-out errors |
+//! | `evaluate` | basis, `points`, `samples`, `coefficients` | values of the expansion at all points |
+//! | `select` | basis and `points`, or `matrix` and `columns`; `samples`, `response`, `method` (`omp`, `lars`, `sp`), `folds` (0: corrected leave-one-out), `patience`, `max_terms` | design matrix and selection |
+//!
+//! | key | default | meaning |
+//! |---|---|---|
+//! | `repeats`, `warm_up` | 5, 1 | runs that are timed, and that are not and come first |
+//! | `threads` | 1 | of the pool |
+//! | `output` | | file for coefficients (`[coefficients, responses]`) or values |
+#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Instant;
+
+use asperity::chaos::{
+    Basis, Candidates, Expansion, Family, LeastSquares, MultiIndexSet, SizeCriterion, SparseMethod, SparseRegression,
+};
+use ndarray::Array2;
+use serde_json::{Value, json};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// The words after the case, by key.
+struct Words(BTreeMap<String, String>);
+
+impl Words {
+    fn parse(words: impl Iterator<Item = String>) -> Result<Self> {
+        let mut found = BTreeMap::new();
+        for word in words {
+            let (key, value) = word.split_once('=').ok_or_else(|| format!("{word} is not key=value"))?;
+            found.insert(key.to_owned(), value.to_owned());
+        }
+        Ok(Self(found))
+    }
+
+    fn optional<T: FromStr>(&mut self, key: &str) -> Result<Option<T>> {
+        let parse = |value: String| value.parse().map_err(|_| format!("{key}={value} cannot be read"));
+        Ok(self.0.remove(key).map(parse).transpose()?)
+    }
+
+    fn wanted<T: FromStr>(&mut self, key: &str) -> Result<T> {
+        self.optional(key)?.ok_or_else(|| format!("{key}=… is missing").into())
+    }
+
+    fn or<T: FromStr>(&mut self, key: &str, default: T) -> Result<T> {
+        Ok(self.optional(key)?.unwrap_or(default))
+    }
+
+    /// Every word has been asked for.
+    fn finish(self) -> Result<()> {
+        let unknown: Vec<String> = self.0.into_keys().collect();
+        if unknown.is_empty() { Ok(()) } else { Err(format!("unknown: {}", unknown.join(", ")).into()) }
+    }
+
+    fn basis(&mut self) -> Result<Basis> {
+        let variables: usize = self.wanted("variables")?;
+        let hermite: usize = self.or("hermite", variables)?;
+        let families = (0..variables).map(|i| if i < hermite { Family::Hermite } else { Family::Legendre }).collect();
+        Ok(Basis::new(MultiIndexSet::total_degree(variables, self.wanted("degree")?)?, families)?)
+    }
+
+    fn points(&mut self, samples: usize, basis: &Basis) -> Result<Vec<Vec<f64>>> {
+        let variables = basis.families().len();
+        let values = read(&self.wanted::<PathBuf>("points")?, samples * variables)?;
+        Ok(values.chunks(variables).map(<[f64]>::to_vec).collect())
+    }
+}
+
+/// How often, and on what.
+struct Runs {
+    repeats: usize,
+    warm_up: usize,
+    pool: rayon::ThreadPool,
+}
+
+impl Runs {
+    /// Seconds of each run that counts, and what the last gave.
+    fn time<T: Send>(&self, run: impl Fn() -> Result<T> + Sync) -> Result<(Vec<f64>, T)> {
+        let mut seconds = Vec::new();
+        let mut last = None;
+        for number in 0..self.warm_up + self.repeats.max(1) {
+            // The memory of the last result is given back first.
+            drop(last.take());
+            let start = Instant::now();
+            let result = self.pool.install(|| run().map_err(|error| error.to_string()))?;
+            if number >= self.warm_up {
+                seconds.push(start.elapsed().as_secs_f64());
+            }
+            last = Some(result);
+        }
+        Ok((seconds, last.ok_or("nothing was run")?))
+    }
+}
+
+fn main() -> Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    let case = arguments.next().ok_or("usage: time_regression CASE key=value …")?;
+    let mut words = Words::parse(arguments)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(words.or("threads", 1)?).build()?;
+    let runs = Runs { repeats: words.or("repeats", 5)?, warm_up: words.or("warm_up", 1)?, pool };
+    let output: Option<PathBuf> = words.optional("output")?;
+    let (mut answer, values) = match case.as_str() {
+        "solve" => solve(words, &runs, false)?,
+        "fit" => solve(words, &runs, true)?,
+        "evaluate" => evaluate(words, &runs)?,
+        "select" => select(words, &runs)?,
+        other => return Err(format!("{other} is no case").into()),
+    };
+    if let Some(path) = output {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        std::fs::write(path, bytes)?;
+    }
+    answer["memory_bytes"] = peak_memory_bytes().into();
+    println!("{answer}");
+    Ok(())
+}
+
+fn solve(mut words: Words, runs: &Runs, assess: bool) -> Result<(Value, Vec<f64>)> {
+    let basis = words.basis()?;
+    let samples: usize = words.wanted("samples")?;
+    let points = words.points(samples, &basis)?;
+    let count: usize = words.wanted("count")?;
+    let responses = read(&words.wanted::<PathBuf>("responses")?, samples * count)?;
+    let responses = Array2::from_shape_vec((samples, count), responses)?;
+    words.finish()?;
+    let (seconds, (coefficients, condition, parts)) = runs.time(|| {
+        let start = Instant::now();
+        let design = basis.design_matrix(&points);
+        let design_s = start.elapsed().as_secs_f64();
+        let least_squares = LeastSquares::new(design.view())?;
+        let factorised_s = start.elapsed().as_secs_f64();
+        let coefficients = if assess {
+            least_squares.fit_many(responses.view())?.coefficients
+        } else {
+            least_squares.solve_many(responses.view())?
+        };
+        let solve_s = start.elapsed().as_secs_f64() - factorised_s;
+        Ok((coefficients, least_squares.condition(), [design_s, factorised_s - design_s, solve_s]))
+    })?;
+    let [design_s, factor_s, solve_s] = parts;
+    let answer = json!({
+        "seconds": seconds, "design_s": design_s, "factor_s": factor_s, "solve_s": solve_s, "condition": condition,
+    });
+    Ok((answer, coefficients.into_iter().collect()))
+}
+
+fn evaluate(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
+    let basis = words.basis()?;
+    let samples: usize = words.wanted("samples")?;
+    let points = words.points(samples, &basis)?;
+    let coefficients = read(&words.wanted::<PathBuf>("coefficients")?, basis.len())?;
+    words.finish()?;
+    let expansion = Expansion::new(basis, coefficients);
+    let (seconds, values) = runs.time(|| Ok(expansion.evaluate_many(&points)))?;
+    Ok((json!({ "seconds": seconds }), values))
+}
+
+fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
+    let samples: usize = words.wanted("samples")?;
+    let response = read(&words.wanted::<PathBuf>("response")?, samples)?;
+    let method = match words.wanted::<String>("method")?.as_str() {
+        "omp" => SparseMethod::OrthogonalMatchingPursuit,
+        "lars" => SparseMethod::LeastAngle,
+        "sp" => SparseMethod::SubspacePursuit,
+        other => return Err(format!("method={other} is none of omp, lars and sp").into()),
+    };
+    let default = SparseRegression::default();
+    let regression = SparseRegression {
+        method,
+        size: match words.or("folds", 0)? {
+            0 => SizeCriterion::CorrectedLeaveOneOut,
+            folds => SizeCriterion::CrossValidation { folds },
+        },
+        patience: words.or("patience", default.patience)?,
+        max_terms: words.optional("max_terms")?,
+    };
+    let fit_of = |design: &Array2<f64>| Ok(regression.select(&Candidates::new(design.view())?, &response)?);
+    let (seconds, fit, columns) = if let Some(path) = words.optional::<PathBuf>("matrix")? {
+        let columns: usize = words.wanted("columns")?;
+        let matrix = Array2::from_shape_vec((samples, columns), read(&path, samples * columns)?)?;
+        words.finish()?;
+        let (seconds, fit) = runs.time(|| fit_of(&matrix))?;
+        (seconds, fit, columns)
+    } else {
+        let basis = words.basis()?;
+        let points = words.points(samples, &basis)?;
+        words.finish()?;
+        let (seconds, fit) = runs.time(|| fit_of(&basis.design_matrix(&points)))?;
+        (seconds, fit, basis.len())
+    };
+    let answer = json!({
+        "seconds": seconds,
+        "terms": fit.terms.len(),
+        "tried": fit.path.len(),
+        "leave_one_out": fit.leave_one_out.relative_error,
+        "corrected": fit.chosen.corrected,
+        "cross_validated": fit.chosen.cross_validated,
+        "condition": fit.condition,
+        "stop_reason": format!("{:?}", fit.stop_reason),
+    });
+    Ok((answer, fit.dense(columns)))
+}
+
+/// Most memory that the process ever had resident, where the system says so.
+fn peak_memory_bytes() -> Option<usize> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<usize>().ok().map(|kibibytes| 1024 * kibibytes)
+}
+
+fn read(path: &Path, count: usize) -> Result<Vec<f64>> {
+    let bytes = std::fs::read(path)?;
+    let (values, rest) = bytes.as_chunks::<8>();
+    if values.len() != count || !rest.is_empty() {
+        return Err(format!("{} holds {} bytes, wanted {count} doubles", path.display(), bytes.len()).into());
+    }
+    Ok(values.iter().map(|value| f64::from_le_bytes(*value)).collect())
+}

@@ -1,0 +1,221 @@
+//! How often the 95 % intervals of a map's statistics hold those of its surface.
+//!
+//! `cargo run --release -p asperity-validation --bin interval_coverage -- [MAPS [ONLY [POINTS]]]`
+//!
+//! draws MAPS maps (1000) of each case, 30 correlation lengths a side and POINTS points (4) to a length, and counts. ONLY names
+//! the cases to run, by a part of their names. For each statistic: the truth, the mean of the estimates, their spread, the mean
+//! standard error over it, the mean number of blocks, the share of maps with an interval, the share of these intervals that
+//! hold the truth, and the shares that lie above and below it; then the same share for the correlation at some lags along x.
+//! The last table is that of `docs/validation/intervals.md`.
+
+#![expect(clippy::print_stdout, reason = "tables for people")]
+
+use asperity::correlation::{Autocorrelation, CorrelationModel, Covariance, StationaryCovariance};
+use asperity::law::Marginal;
+use asperity::law::translation::Translation;
+use asperity::map::{Grid, HeightMap};
+use asperity::random;
+use asperity::stats::{Interval, Moments};
+use asperity::surface::areal::{EquivalentLine, MaterialRatio, parameters};
+use asperity::surface::level::{Level, remove_form};
+use asperity::surface::uncertainty::{Estimate, Estimates, Uncertainty, Values, removed_terms};
+use asperity::surface::{RandomSurface, SpectralField, Translated};
+use ndarray::{Array2, s};
+use rand::RngExt;
+use rayon::prelude::*;
+
+/// Correlation lengths a side, the geometric mean of those along x and y.
+const LENGTHS: f64 = 30.0;
+/// Seed of heights and of holes.
+const SEED: u64 = 1;
+
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+type Found = (Estimates, Vec<Option<Interval>>);
+
+struct Case {
+    /// Points to the correlation length along y.
+    points: f64,
+    law: &'static str,
+    model: CorrelationModel,
+    /// Correlation length along x over that along y.
+    stretch: f64,
+    /// Share of the points that are missing.
+    missing: f64,
+    level: Level,
+}
+
+const fn case(law: &'static str, model: CorrelationModel, level: Level) -> Case {
+    Case { points: 4.0, law, model, stretch: 1.0, missing: 0.0, level }
+}
+
+/// Lags along x whose correlation is looked at, in quarters of the correlation length along y.
+const QUARTERS: [usize; 5] = [1, 4, 8, 16, 40];
+
+const LOGNORMAL: &str = "lognormal:0,0.5";
+const BETA: &str = "beta:2.1,5";
+
+const CASES: [Case; 14] = {
+    use CorrelationModel::{Exponential, SquaredExponential};
+    use Level::{Mean, Plane};
+    [
+        case("normal", SquaredExponential, Mean),
+        case("normal", SquaredExponential, Plane),
+        case("normal", Exponential, Mean),
+        case("normal", Exponential, Plane),
+        case(LOGNORMAL, SquaredExponential, Mean),
+        case(LOGNORMAL, SquaredExponential, Plane),
+        case(LOGNORMAL, Exponential, Mean),
+        case("lognormal:0,0.2", SquaredExponential, Mean),
+        case("lognormal:0,0.3", SquaredExponential, Mean),
+        case(BETA, SquaredExponential, Mean),
+        case(BETA, Exponential, Mean),
+        case(BETA, Exponential, Plane),
+        Case { missing: 0.2, ..case("normal", Exponential, Mean) },
+        Case { stretch: 3.0, ..case("normal", SquaredExponential, Mean) },
+    ]
+};
+
+/// A covariance stretched along x.
+struct Lay {
+    covariance: Covariance,
+    stretch: f64,
+}
+
+impl StationaryCovariance for Lay {
+    fn std_m(&self) -> f64 {
+        1.0
+    }
+
+    fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+        self.covariance.correlation(dx_m / self.stretch, dy_m)
+    }
+}
+
+impl Case {
+    fn name(&self) -> String {
+        let lay = if self.stretch == 1.0 { String::new() } else { format!(", l_x = {} l_y", self.stretch) };
+        let holes = if self.missing > 0.0 { format!(", {} % missing", 100.0 * self.missing) } else { String::new() };
+        format!("{} {}, {} removed{lay}{holes}", self.law, self.model.name(), self.level)
+    }
+
+    fn law(&self) -> Result<Marginal, Failure> {
+        Ok(self.law.parse::<Marginal>()?.standardised(0.0, 1.0)?)
+    }
+
+    fn covariance(&self) -> Result<Lay, Failure> {
+        Ok(Lay { covariance: Covariance::new(self.model, 1.0, self.points, self.points)?, stretch: self.stretch })
+    }
+
+    fn side(&self) -> usize {
+        (LENGTHS * self.points * self.stretch.sqrt()).round() as usize
+    }
+
+    /// Estimates and intervals of the correlation at the lags.
+    fn estimates(&self, count: u64) -> Result<Vec<Found>, Failure> {
+        // Fifteen lengths beyond the map, opposite edges of the periodic field no longer know of each other.
+        let side = self.side();
+        let domain = side + (15.0 * self.points * self.stretch) as usize;
+        let field = SpectralField::periodic(&self.covariance()?, Grid::new(domain, domain, 1.0, 1.0)?);
+        let field = Translated::new(field, self.law()?)?;
+        let grid = Grid::new(side, side, 1.0, 1.0)?;
+        let uncertainty = Uncertainty { removed_terms: removed_terms(self.level), ..Uncertainty::default() };
+        let of_map = |index: u64| -> Result<Found, Failure> {
+            let germ = random::standard_normal(&mut random::stream(SEED, "coverage", index), field.germ_len());
+            let mut heights: Array2<f64> = field.generate(&germ).heights_m().slice(s![..side, ..side]).to_owned();
+            let mut holes = random::stream(SEED, "holes", index);
+            heights.iter_mut().filter(|_| holes.random::<f64>() < self.missing).for_each(|z| *z = f64::NAN);
+            let map = remove_form(&HeightMap::new(grid, heights)?, self.level)?.map;
+            let values = Values::new(&parameters(&map)?, &Autocorrelation::estimate(&map)?);
+            let [correlation, _] = uncertainty.correlation(&map, &values, [&self.lags(), &[]])?;
+            Ok((uncertainty.of(&map, &values)?, correlation))
+        };
+        (0..count).into_par_iter().map(of_map).collect()
+    }
+
+    fn lags(&self) -> [usize; 5] {
+        QUARTERS.map(|quarters| (0.25 * self.points * quarters as f64).round() as usize)
+    }
+
+    /// The surface's own correlation at the lags.
+    fn correlations(&self) -> Result<[f64; 5], Failure> {
+        let (translation, covariance) = (Translation::new(&self.law()?)?, self.covariance()?);
+        Ok(self.lags().map(|lag| translation.correlation(covariance.correlation(lag as f64, 0.0))))
+    }
+
+    /// The surface's own statistics, in the order of [`Estimates::named`].
+    fn truths(&self) -> Result<[f64; 11], Failure> {
+        let (law, covariance) = (self.law()?, self.covariance()?);
+        let count = 2_000_000;
+        let quantile = |i: i32| law.quantile((f64::from(i) + 0.5) / f64::from(count));
+        let heights: Vec<f64> = (0..count).map(quantile).collect();
+        let moments = Moments::of(&heights);
+        let sa = heights.iter().map(|z| (z - moments.mean).abs()).sum::<f64>() / f64::from(count);
+        let core = MaterialRatio::of(&heights).core(EquivalentLine::LeastSquares);
+        let translation = Translation::new(&law)?;
+        let rho = |x: f64, y: f64| translation.correlation(covariance.correlation(x, y));
+        let falls_to = |level: f64, turn: f64| {
+            let (mut near, mut far) = (0.0, 1e3 * self.points);
+            for _ in 0..60 {
+                let middle = 0.5 * (near + far);
+                if rho(middle * turn.cos(), middle * turn.sin()) > level { near = middle } else { far = middle }
+            }
+            near
+        };
+        let inverse_e = (-1.0_f64).exp();
+        let across = std::f64::consts::FRAC_PI_2;
+        let (length_x, length_y) = (falls_to(inverse_e, 0.0), falls_to(inverse_e, across));
+        let (skew, kurtosis) = (law.skewness(), law.excess_kurtosis() + 3.0);
+        let sdq = (4.0 - 2.0 * rho(1.0, 0.0) - 2.0 * rho(0.0, 1.0)).sqrt();
+        Ok([sa, 1.0, skew, kurtosis, sdq, falls_to(0.2, across), core.sk_m, core.spk_m, core.svk_m, length_x, length_y])
+    }
+}
+
+fn main() -> Result<(), Failure> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let count: u64 = arguments.first().map_or(Ok(1000), |count| count.parse())?;
+    let only = arguments.get(1).map_or("", String::as_str);
+    let mut table = String::new();
+    let points: f64 = arguments.get(2).map_or(Ok(4.0), |points| points.parse())?;
+    for case in CASES.into_iter().filter(|case| case.name().contains(only)) {
+        let case = Case { points, ..case };
+        println!("{}: {count} maps of {} points a side", case.name(), case.side());
+        let (truths, maps) = (case.truths()?, case.estimates(count)?);
+        table += &format!("| {} |", case.name());
+        for (k, truth) in truths.into_iter().enumerate() {
+            let name = maps[0].0.named()[k].0;
+            let found: Vec<Estimate> = maps.iter().filter_map(|(m, _)| m.named()[k].1).collect();
+            let share =
+                |of: &dyn Fn(&Estimate) -> bool| found.iter().filter(|e| of(e)).count() as f64 / found.len() as f64;
+            let spread = Moments::of(&found.iter().map(|e| e.surface).collect::<Vec<f64>>());
+            let mean = |of: &dyn Fn(&Estimate) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+            let covered = share(&|e| e.interval.contains(truth));
+            println!(
+                "  {name:22} truth {truth:8.4} mean {:8.4} spread {:.4} se/spread {:.3} blocks {:5.1} given {:.3} covered \
+                 {covered:.3} (above {:.3}, below {:.3})",
+                spread.mean,
+                spread.std,
+                mean(&|e| e.standard_error) / spread.std,
+                mean(&|e| e.blocks),
+                found.len() as f64 / count as f64,
+                share(&|e| e.interval.low > truth),
+                share(&|e| e.interval.high < truth),
+            );
+            // Fewer than half say nothing of the rest.
+            table += &if 2 * found.len() < maps.len() { " – |".into() } else { format!(" {:.1} |", 100.0 * covered) };
+        }
+        for (k, truth) in case.correlations()?.into_iter().enumerate() {
+            let found: Vec<Interval> = maps.iter().filter_map(|(_, correlation)| correlation[k]).collect();
+            let held = found.iter().filter(|interval| interval.contains(truth)).count() as f64 / found.len() as f64;
+            let half = found.iter().map(|i| 0.5 * (i.high - i.low)).sum::<f64>() / found.len() as f64;
+            println!("  correlation at lag {:2}: truth {truth:7.4}, ± {half:.4}, covered {held:.3}", case.lags()[k]);
+            table += &format!(" {:.1} |", 100.0 * held);
+        }
+        table += "\n";
+    }
+    println!(
+        "\n| case | Sa | Sq | Ssk | Sku | Sdq | Sal | Sk | Spk | Svk | l_x | l_y | ρ(l/4) | ρ(l) | ρ(2l) | ρ(4l) | ρ(10l) |"
+    );
+    println!("|---|{}\n{table}", "---:|".repeat(16));
+    Ok(())
+}

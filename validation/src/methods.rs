@@ -1,0 +1,90 @@
+//! All methods of the comparison, from the contact solutions of one study.
+//!
+//! Besides the methods of [`asperity::pressure`]: censored regression ([`latent`]), a two-part model ([`two_part`]), a control
+//! variate in the rotated normal variables, multilevel Monte Carlo without regression, and pooling of cells.
+
+mod censored;
+mod functions;
+mod latent;
+mod newton;
+mod two_part;
+
+use std::error::Error;
+
+use asperity::monitor::Monitor;
+use asperity::pressure::surrogate::{Rotated, estimate, others};
+use asperity::pressure::{Estimate, Method, MethodError, PressureError, Problem, Study};
+
+use latent::LatentOverlap;
+use two_part::TwoPart;
+
+/// Fewest samples in contact from which a distribution of the pressure in contact is modelled.
+const LEAST_IN_CONTACT: usize = 10;
+/// Samples for each coefficient that a degree needs to be tried.
+const SAMPLES_PER_TERM: usize = 4;
+
+/// An estimate, or why there is none.
+pub type Outcome = Result<Estimate, Box<dyn Error + Send + Sync>>;
+
+/// Names of the methods, in the order of [`estimates`].
+pub fn names() -> Vec<&'static str> {
+    let product = Method::ALL.map(Method::name);
+    let (last, first) = product.split_last().map_or(("", &[][..]), |(last, first)| (*last, first));
+    let own = ["latent_overlap", "two_part", "control_variate", "multilevel", "pooled_sites"];
+    first.iter().copied().chain(own).chain([last]).collect()
+}
+
+/// Estimates the distribution of the pressure of `problem` by every method of [`names`].
+///
+/// # Errors
+/// As [`Study::run`].
+pub fn estimates(study: &Study, problem: &Problem<'_>, monitor: &dyn Monitor) -> Result<Vec<Outcome>, PressureError> {
+    let Study { seed, degree, .. } = *study;
+    let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    let solutions = study.solve(problem, monitor)?;
+    let by_rotated = |model: &dyn Fn(&Rotated) -> Result<Estimate, MethodError>| -> Outcome {
+        Ok(model(solutions.rotated.as_ref().map_err(Clone::clone)?)?)
+    };
+    let by_nested = |coarse: bool, fitted: bool| -> Outcome {
+        let nested = solutions.nested.as_ref().map_err(Clone::clone)?;
+        Ok(nested.estimate_pressure(problem, seed, coarse, fitted)?)
+    };
+    let mut own = vec![
+        by_rotated(&|rotated| estimate(&LatentOverlap::new(rotated, degree), rotated.evidence(), seed)),
+        by_rotated(&|rotated| estimate(&TwoPart::new(rotated, degree), rotated.evidence(), seed)),
+        by_nested(false, true),
+        by_nested(true, false),
+    ];
+    let sites = Estimate::of_sites(&solutions.monte_carlo, largest_pa, seed)?;
+    let results = solutions.results(monitor)?;
+    let homogeneity = results.fields.as_ref().map(|fields| &fields.homogeneity);
+    own.push(match homogeneity {
+        _ if problem.cells_are_alike() => Ok(sites),
+        Some(Ok(found)) if found.is_plausible() => Ok(sites),
+        Some(Ok(found)) => Err(format!("cells differ: p-value {:.2e}", found.p_value).into()),
+        Some(Err(reason)) => Err(reason.clone().into()),
+        None => Err("no samples of whole fields".into()),
+    });
+    let mut product: Vec<Outcome> =
+        results.methods.into_iter().map(|method| Ok(method.outcome.map(|(estimate, _)| estimate)?)).collect();
+    let last = product.pop();
+    Ok(product.into_iter().chain(own).chain(last).collect())
+}
+
+/// The rows of some samples.
+fn rows_of(rotated: &Rotated, samples: &[usize]) -> Vec<Vec<f64>> {
+    samples.iter().map(|i| rotated.rows[*i].clone()).collect()
+}
+
+/// The rows of all other samples.
+fn rows_but(rotated: &Rotated, samples: &[usize]) -> Vec<Vec<f64>> {
+    rows_of(rotated, &others(samples, rotated.rows.len()))
+}
+
+/// A point between 0 and 1 for each index, evenly spread.
+fn golden(index: usize) -> f64 {
+    ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
+}
+
+#[cfg(test)]
+mod tests;
