@@ -8,7 +8,6 @@
 mod bessel;
 mod estimate;
 mod fit;
-mod least_squares;
 mod measured;
 mod model;
 #[doc(hidden)]

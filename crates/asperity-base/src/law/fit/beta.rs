@@ -1,9 +1,10 @@
 //! Beta law between given or free bounds.
 
-use super::maximise::{FARTHEST, NEAREST, simplex};
+use super::maximise::{FARTHEST, NEAREST};
 use super::{End, Family, Fit};
 use crate::law::special::{digamma, ln_beta, trigamma};
 use crate::law::{LawError, Marginal};
+use crate::numeric::simplex;
 use crate::stats::Moments;
 
 /// Shapes of the largest likelihood, and the mean log-density on [0, 1] that they reach.
