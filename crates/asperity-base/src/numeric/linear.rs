@@ -90,6 +90,25 @@ pub fn solve_positive_definite(matrix: &mut [f64], right: &mut [f64]) -> bool {
     true
 }
 
+/// Returns the inverse of a small symmetric matrix by Gauss and Jordan's elimination; `None` unless all pivots are positive.
+pub fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+    let n = matrix.len();
+    for pivot in 0..n {
+        let diagonal = matrix[pivot][pivot];
+        if !(diagonal > 0.0 && diagonal.is_finite()) {
+            return None;
+        }
+        matrix[pivot][pivot] = 1.0;
+        matrix[pivot].iter_mut().for_each(|entry| *entry /= diagonal);
+        let row = matrix[pivot].clone();
+        for (_, other) in matrix.iter_mut().enumerate().filter(|(index, _)| *index != pivot) {
+            let factor = std::mem::take(&mut other[pivot]);
+            other.iter_mut().zip(&row).for_each(|(entry, above)| *entry -= factor * above);
+        }
+    }
+    (n > 0).then_some(matrix)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,5 +133,18 @@ mod tests {
         assert!(solve_positive_definite(&mut matrix, &mut right));
         assert!((right[0] / 1e-6 - 1.0).abs() < 1e-14 && (right[1] / 1e6 - 1.0).abs() < 1e-14, "{right:?}");
         assert!(!solve_positive_definite(&mut [1.0, 1.0, 1.0, 1.0], &mut [1.0, 1.0]));
+    }
+
+    #[test]
+    fn a_small_matrix_times_its_inverse_is_one() {
+        let matrix = vec![vec![4.0, 1.0, -2.0], vec![1.0, 3.0, 0.5], vec![-2.0, 0.5, 5.0]];
+        let inverse = inverse(matrix.clone()).unwrap();
+        for i in 0..3 {
+            for j in 0..3 {
+                let product: f64 = (0..3).map(|k| matrix[i][k] * inverse[k][j]).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14);
+            }
+        }
+        assert!(super::inverse(vec![vec![1.0, 2.0], vec![2.0, 1.0]]).is_none());
     }
 }

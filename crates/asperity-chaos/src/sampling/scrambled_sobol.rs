@@ -10,8 +10,7 @@
 
 use rand::Rng;
 
-use super::permutation::hash;
-use asperity_base::random::stream;
+use asperity_base::random::{hash, stream};
 
 /// Binary digits of a coordinate, and of a sample index.
 const DIGITS: usize = 32;

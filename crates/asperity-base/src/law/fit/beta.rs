@@ -22,7 +22,7 @@ struct Shapes {
 ///
 /// # Errors
 /// Fewer than two values, a value outside the bounds, or a variance that no Beta law on them has.
-pub fn beta_by_moments(values: &[f64], low: f64, high: f64) -> Result<Marginal, LawError> {
+pub(super) fn beta_by_moments(values: &[f64], low: f64, high: f64) -> Result<Marginal, LawError> {
     let moments = Moments::of(values);
     let error = |reason| LawError::Sample { law: "beta", n: moments.n, reason };
     if moments.n < 2 {
