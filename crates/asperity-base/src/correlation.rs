@@ -8,7 +8,6 @@
 mod bessel;
 mod estimate;
 mod fit;
-mod least_squares;
 mod measured;
 mod model;
 #[doc(hidden)]
@@ -16,7 +15,6 @@ pub mod profiles;
 mod record;
 mod spectrum;
 
-pub use bessel::bessel_k;
 pub use estimate::{Autocorrelation, Axis, EstimateError, axis_correlation, axis_correlation_length_m};
 pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
 pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
@@ -24,8 +22,8 @@ pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, Separabl
 pub use record::{
     CrossCorrelation, DriftTest, LackOfFit, LagNormalisation, LengthFit, LengthSettings, Observation, ObservedLengths,
     RankedLength, RecordBand, RecordCorrelation, RecordEnds, RecordFit, RecordHistory, RecordModel, RecordSpectrum,
-    Stationarity, Wander, WindowedModel, WindowedRecords, autocorrelation_1d, cross_correlation, fit_length,
-    fit_matern, fit_record, fitted_length_interval, rank_lengths, record_spectrum, windowed_exponential,
+    Stationarity, Wander, WindowedModel, WindowedRecords, cross_correlation, fit_length, fit_record,
+    fitted_length_interval, rank_lengths, record_spectrum, windowed_exponential,
 };
 #[doc(hidden)]
 pub use spectrum::Block;

@@ -8,7 +8,6 @@ pub mod goodness;
 mod johnson;
 mod marginal;
 mod moments;
-mod root;
 mod special;
 mod text;
 pub mod translation;

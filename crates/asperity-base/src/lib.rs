@@ -10,6 +10,8 @@ pub mod fourier;
 pub mod law;
 pub mod map;
 pub mod monitor;
+#[doc(hidden)]
+pub mod numeric;
 pub mod quantity;
 pub mod random;
 pub mod stats;

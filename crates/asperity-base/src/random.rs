@@ -25,6 +25,21 @@ pub fn stream(seed: u64, stage: &str, index: u64) -> Stream {
     rng
 }
 
+/// The golden-ratio increment of SplitMix64.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// SplitMix64 at counter `counter` of the sequence `key`: a fixed hash of two words, not a generator.
+///
+/// # References
+/// Steele, Lea & Flood, *OOPSLA* (2014) 453, <https://doi.org/10.1145/2660193.2660195>.
+#[doc(hidden)]
+pub fn hash(key: u64, counter: u64) -> u64 {
+    let mut z = key.wrapping_add(counter.wrapping_add(1).wrapping_mul(GOLDEN));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
 /// Fills `germ` with independent standard normal variables.
 pub fn fill_standard_normal(stream: &mut Stream, germ: &mut [f64]) {
     for xi in germ {

@@ -3,7 +3,6 @@
 mod autocorrelation;
 #[doc(hidden)]
 pub mod blocks;
-mod bootstrap;
 mod histogram;
 mod layout;
 mod moments;
@@ -18,7 +17,6 @@ use thiserror::Error;
 #[doc(hidden)]
 pub use autocorrelation::lag_sums;
 pub use autocorrelation::{CorrelationTime, correlation_time};
-pub use bootstrap::{Bootstrap, Resampling};
 pub use histogram::Histogram;
 pub use layout::Layout;
 #[doc(hidden)]
@@ -53,16 +51,6 @@ pub enum StatsError {
         /// Values present.
         n: usize,
     },
-    /// An argument lies outside its range.
-    #[error("{parameter} is {value}, but must be {wanted}")]
-    Parameter {
-        /// Name of the argument.
-        parameter: &'static str,
-        /// Value found.
-        value: f64,
-        /// Values allowed.
-        wanted: &'static str,
-    },
 }
 
 /// A confidence interval.
@@ -88,11 +76,21 @@ impl Interval {
 /// If the probability lies outside [0, 1].
 pub fn quantile_sorted(sorted: &[f64], probability: f64) -> f64 {
     assert!((0.0..=1.0).contains(&probability), "probability {probability} lies outside [0, 1]");
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let position = probability * last as f64;
+    if sorted.is_empty() { f64::NAN } else { between_order_statistics(sorted, probability * (sorted.len() - 1) as f64) }
+}
+
+/// Linear interpolation of sorted values at a position between 0 and n − 1.
+pub(crate) fn between_order_statistics(sorted: &[f64], position: f64) -> f64 {
     let left = position.floor() as usize;
-    let right = (left + 1).min(last);
+    let right = (left + 1).min(sorted.len() - 1);
     sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
+}
+
+/// The value in the middle of the sorted values, the upper one of two; `None` without values, which are reordered.
+#[doc(hidden)]
+pub fn upper_median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The present (not NaN) values, sorted.

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
@@ -25,7 +25,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Al3d,
-        name: "AL3D",
         extensions: &["al3d"],
         vendor: "Alicona (Bruker)",
         known_by: "`AliconaImaging\\0\\r\\n`",

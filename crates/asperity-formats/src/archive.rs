@@ -353,6 +353,9 @@ impl<'a> Archive<'a> {
     }
 }
 
+/// First bytes of a gzip stream.
+pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+
 /// The content of a gzip stream.
 ///
 /// # Errors

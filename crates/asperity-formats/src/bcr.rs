@@ -16,7 +16,7 @@
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::{ByteOrder, Sample};
@@ -27,7 +27,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Bcr,
-        name: "BCR",
         extensions: &["bcr", "bcrf"],
         vendor: "Image Metrology (BCR-STM)",
         known_by: "`fileformat = bcr`, in ASCII or UTF-16",

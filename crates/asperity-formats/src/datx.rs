@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::hdf5::{Attribute, Dataset, File, Object, Value, shown_name};
 use crate::input::Input;
 use crate::unit::per_metre;
@@ -29,7 +29,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Datx,
-        name: "DATX",
         extensions: &["datx"],
         vendor: "Zygo",
         known_by: "HDF5 with the groups `MetaData` or `Data`",

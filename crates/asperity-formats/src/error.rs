@@ -68,12 +68,14 @@ pub enum FormatError {
         error: Box<FormatError>,
     },
     /// The content belongs to no known format.
-    #[error("{}; known are {}", unknown(*length, start), crate::format::read_names())]
+    #[error("{}; known are {}", unknown(*length, start), known)]
     Unrecognised {
         /// Size of the file in bytes.
         length: u64,
         /// The first bytes of its content, escaped.
         start: String,
+        /// Names of the formats that are read.
+        known: String,
     },
     /// The content belongs to a known format that this crate does not read.
     #[error("this is {name}, which is not read; {way_out}")]
@@ -210,10 +212,12 @@ pub enum FormatError {
         wanted: &'static str,
     },
     /// No format is written under this extension.
-    #[error("{}; wanted {}", unwritten(extension), crate::format::written_extensions())]
+    #[error("{}; wanted {}", unwritten(extension), written)]
     UnknownExtension {
         /// The extension, empty when there is none.
         extension: String,
+        /// Extensions that are written.
+        written: String,
     },
 }
 

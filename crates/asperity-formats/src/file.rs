@@ -4,15 +4,13 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use crate::archive::gunzip;
+use crate::archive::{GZIP_MAGIC, gunzip};
 use crate::large;
+use crate::registry::{read_names, written_extensions};
 use crate::replace::replace_file;
 use crate::text::{Separator, write_text};
 use crate::x3p::ZIP_MAGIC;
 use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
-
-/// First bytes of a gzip stream.
-pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// The largest file that is read, in bytes: twice the heights of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
@@ -123,7 +121,7 @@ fn may_be_known(start: &[u8]) -> bool {
 fn unrecognised(bytes: &[u8], size: u64) -> FormatError {
     foreign::recognise(bytes, size).or_else(|| foreign::in_archive(bytes)).unwrap_or_else(|| {
         let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii();
-        FormatError::Unrecognised { length: size, start: format!("`{start}`") }
+        FormatError::Unrecognised { length: size, start: format!("`{start}`"), known: read_names() }
     })
 }
 
@@ -167,8 +165,9 @@ fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
         return read_plain(format, bytes, options);
     }
     read_plain(format, &gunzip(bytes)?, options).map_err(|error| match error {
-        FormatError::Unrecognised { length: 1.., start } => {
-            FormatError::Unrecognised { length: bytes.len() as u64, start: format!("{start} once unpacked") }
+        FormatError::Unrecognised { length: 1.., start, known } => {
+            let start = format!("{start} once unpacked");
+            FormatError::Unrecognised { length: bytes.len() as u64, start, known }
         }
         error => error,
     })
@@ -186,7 +185,7 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
     let mut scan = (codec.read)(bytes, options)?;
     if scan.channels.is_empty() {
         // A file of one map has just the map number 1.
-        options.choose(format, &[codec.description.name.to_owned()])?;
+        options.choose(format, &[format.name().to_owned()])?;
     }
     scan.format = Some(format);
     scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
@@ -221,7 +220,7 @@ pub fn to_bytes(scan: &Scan, path: &Path) -> Result<Vec<u8>, FormatError> {
         Some(Format::Text) if extension == "csv" => Ok(write_text(scan, Separator::Comma)),
         format => match format.and_then(Format::codec).and_then(|codec| codec.write) {
             Some(write) => write(scan),
-            None => Err(FormatError::UnknownExtension { extension }),
+            None => Err(FormatError::UnknownExtension { extension, written: written_extensions() }),
         },
     };
     bytes.map_err(|error| error.in_file(path))

@@ -30,7 +30,7 @@ use self::blocks::{
     blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
@@ -41,7 +41,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Frt,
-        name: "FRT",
         extensions: &["frt"],
         vendor: "FRT MicroProf",
         known_by: "`FRTM_GLIDERV`",

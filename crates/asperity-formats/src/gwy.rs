@@ -19,14 +19,13 @@ mod read;
 mod write;
 
 use crate::Format;
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 
 pub use write::write_gwy;
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Gwy,
-        name: "GWY",
         extensions: &["gwy"],
         vendor: "Gwyddion",
         known_by: "`GWYP`, `GWYO`",

@@ -17,6 +17,7 @@
 mod al3d;
 mod archive;
 mod bcr;
+mod codec;
 mod datx;
 mod error;
 mod file;
@@ -35,6 +36,7 @@ mod npz;
 mod opd;
 mod plu;
 mod plux;
+mod registry;
 mod replace;
 mod sample;
 mod scan;
@@ -51,11 +53,13 @@ mod x3p;
 mod xml;
 mod xyz;
 
+pub use codec::{Description, Tested};
 pub use error::{FormatError, Location};
 pub use file::{read, read_bytes, read_bytes_with, read_series, read_with, to_bytes, write};
-pub use format::{Description, Format, Tested, descriptions};
+pub use format::Format;
 pub use gwy::write_gwy;
 pub use npy::{write_npy, write_series};
+pub use registry::descriptions;
 pub use replace::{
     check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file,
     temporary_suffix,

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -25,7 +25,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::MetroPro,
-        name: "MetroPro DAT",
         extensions: &["dat"],
         vendor: "Zygo",
         known_by: "0x881B036F, 0x881B0370, 0x881B0371",

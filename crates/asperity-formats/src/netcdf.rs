@@ -19,8 +19,8 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
+use crate::codec::{Codec, Description, Tested};
 use crate::foreign::TO_MATRIX;
-use crate::format::{Codec, Description, Tested};
 use crate::hdf5;
 use crate::input::Input;
 use crate::large;
@@ -31,7 +31,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::NetCdf,
-        name: "NetCDF",
         extensions: &["nc", "nc4", "cdf"],
         vendor: "Unidata",
         known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::large;
 use crate::sample::Sample;
@@ -21,7 +21,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Nms,
-        name: "NMS",
         extensions: &["nms", "orginal"],
         vendor: "NanoFocus",
         known_by: "`OM_MS_` at byte 32",

@@ -6,8 +6,8 @@
 
 use ndarray::Array2;
 
+use crate::codec::{Codec, Description, Tested};
 use crate::error::shown;
-use crate::format::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
 use crate::scan::FITTING_SHAPE;
@@ -16,7 +16,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Npy,
-        name: "NPY",
         extensions: &["npy"],
         vendor: "NumPy",
         known_by: "`\\x93NUMPY`",

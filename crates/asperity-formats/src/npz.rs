@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::archive::{Archive, damaged};
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::npy::Header;
 use crate::selection::some_of;
@@ -24,7 +24,6 @@ use crate::{Format, FormatError, Location, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Npz,
-        name: "NPZ",
         extensions: &["npz"],
         vendor: "NumPy",
         known_by: "zip archive whose first file is .npy",

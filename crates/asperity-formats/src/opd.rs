@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::unique;
@@ -28,7 +28,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Opd,
-        name: "OPD",
         extensions: &["opd"],
         vendor: "Wyko (Veeco, Bruker)",
         known_by: "`\\x01\\x00Directory`",

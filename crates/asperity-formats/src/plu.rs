@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::Sample;
 use crate::scan::FITTING_SHAPE;
@@ -22,7 +22,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Plu,
-        name: "PLU",
         extensions: &["plu", "apx"],
         vendor: "Sensofar",
         known_by: "a date in words at byte 0, a measurement type from 0 to 8 at byte 428, a known version at byte 490",

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::archive::{Archive, damaged};
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::plu::LOST;
 use crate::sample::Sample;
 use crate::scan::{Dimension, shape};
@@ -24,7 +24,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Plux,
-        name: "PLUX",
         extensions: &["plux"],
         vendor: "Sensofar",
         known_by: "zip archive with index.xml and a file of the name *.raw, or an index.xml with IMAGE_SIZE_X",

@@ -22,8 +22,8 @@ use std::str::FromStr;
 
 use ndarray::Array2;
 
+use crate::codec::{Codec, Description, Tested};
 use crate::error::shown;
-use crate::format::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::large;
 use crate::sample::Sample;
@@ -37,7 +37,6 @@ pub use write::{SdfData, write_sdf};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Sdf,
-        name: "SDF",
         extensions: &["sdf"],
         vendor: "ISO 25178-71",
         known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",

@@ -22,7 +22,7 @@ mod streams;
 mod write;
 
 use crate::Format;
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::sample::Sample;
 
 pub use write::write_sur;
@@ -30,7 +30,6 @@ pub use write::write_sur;
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Sur,
-        name: "SUR",
         extensions: &["sur", "pro"],
         vendor: "Digital Surf",
         known_by: "`DIGITAL SURF`, `DSCOMPRESSED`",

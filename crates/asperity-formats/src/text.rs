@@ -21,8 +21,8 @@ use std::borrow::Cow;
 
 use ndarray::Array2;
 
+use crate::codec::{Codec, Description, Tested};
 use crate::error::shown;
-use crate::format::{Codec, Description, Tested};
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
@@ -33,7 +33,6 @@ pub use write::write_text;
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Text,
-        name: "text",
         extensions: &["txt", "dat", "csv", "asc"],
         vendor: "any",
         known_by: "no control characters in UTF-8, UTF-16 or Latin-1",

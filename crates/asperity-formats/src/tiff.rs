@@ -16,12 +16,11 @@ mod directory;
 mod read;
 
 use crate::Format;
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Tiff,
-        name: "TIFF",
         extensions: &["tif", "tiff"],
         vendor: "Adobe",
         known_by: "`II*`, `MM*`, BigTIFF",

@@ -15,7 +15,7 @@
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
 use crate::sample::Sample;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -23,7 +23,6 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Tmd,
-        name: "TMD",
         extensions: &["tmd"],
         vendor: "TrueMap, GelSight",
         known_by: "`Binary TrueMap Data File`",

@@ -7,20 +7,20 @@
 //! found no height. VK3 and VK4 have no such marks: programs that take 0 or the highest number for one contradict each
 //! other, so heights of 0 are told and kept.
 
+mod conditions;
 mod metadata;
 mod vk4;
 
 use ndarray::Array2;
 
 use crate::archive::Archive;
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Vk,
-        name: "VK4/VK6",
         extensions: &["vk3", "vk4", "vk6", "vk7"],
         vendor: "Keyence",
         known_by: "`VK3_`, `VK4_`; `VK6` or `VK7` before a BMP preview",

@@ -11,14 +11,13 @@ use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderStringWriter;
 use quick_xml::escape::escape;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Vtk,
-        name: "VTK image",
         extensions: &["vti"],
         vendor: "Kitware",
         known_by: "",

@@ -19,7 +19,7 @@ mod read;
 mod write;
 
 use crate::Format;
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::sample::Sample;
 
 pub use write::write_x3p;
@@ -27,7 +27,6 @@ pub use write::write_x3p;
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::X3p,
-        name: "X3P",
         extensions: &["x3p"],
         vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
         known_by: "zip archive with `main.xml`",

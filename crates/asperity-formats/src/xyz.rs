@@ -17,7 +17,7 @@ mod grid;
 
 use ndarray::Array2;
 
-use crate::format::{Codec, Description, Tested};
+use crate::codec::{Codec, Description, Tested};
 use crate::input::utf8_or_latin1;
 use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
@@ -28,7 +28,6 @@ use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Xyz,
-        name: "XYZ",
         extensions: &["xyz"],
         vendor: "any; Zygo",
         known_by: "three columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",

@@ -1,12 +1,15 @@
 //! Mean pressure against the depth of the plane, N ↔ d.
 
+use std::convert::Infallible;
+
 use thiserror::Error;
 
 use crate::strip::Level;
+use asperity_base::numeric::bisect;
 use asperity_base::stats::{Interval, student_quantile};
 
-/// Halvings of an interval that leave nothing of it in double precision.
-const HALVINGS: usize = 60;
+/// Fraction of a segment that is nothing in double precision.
+const NOTHING: f64 = 1e-18;
 
 /// Why there is no load curve, or no point on it.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -170,11 +173,8 @@ impl LoadCurve {
     pub fn penetration_m(&self, mean_pressure_pa: f64) -> Result<f64, LoadCurveError> {
         let segment = self.segment(mean_pressure_pa, "Pa", |point| point.mean_pressure_pa)?;
         let wanted = mean_pressure_pa.ln();
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.log_pressure(segment, middle) < wanted { low = middle } else { high = middle }
-        }
+        let is_below = |share: f64| Ok::<_, Infallible>(self.log_pressure(segment, share) < wanted);
+        let Ok([low, high]) = bisect(0.0, 1.0, NOTHING, is_below);
         let (from, to) = (&self.points[segment], &self.points[segment + 1]);
         Ok(from.penetration_m + 0.5 * (low + high) * width_m(from, to))
     }

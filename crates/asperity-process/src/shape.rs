@@ -1,16 +1,19 @@
 //! Shapes of the correlation of a friction process.
 
+use std::convert::Infallible;
+
 use serde::{Deserialize, Serialize};
 
 use super::{ProcessError, positive};
 use asperity_base::correlation::{CorrelationModel, RecordModel, windowed_exponential};
 use asperity_base::law::standard_normal_quantile;
+use asperity_base::numeric::bisect;
 use asperity_base::stats::student_quantile;
 
 /// Largest order of a Matérn correlation; beyond, it is a squared exponential to every digit that a record could show.
 const LARGEST_NU: f64 = 100.0;
-/// Halvings of a bracket: enough for every bit.
-const HALVINGS: usize = 200;
+/// Doublings of a bracket's end.
+const DOUBLINGS: usize = 200;
 
 /// The correlation ρ(s) of a process, up to its length ℓ.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -148,21 +151,15 @@ impl CorrelationShape {
 /// The root of a rising function of a positive number, between 0 and what doubling `start` reaches.
 fn rising_root(start: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, start);
-    for _ in 0..HALVINGS {
+    for _ in 0..DOUBLINGS {
         if f(high) >= 0.0 {
             break;
         }
         low = high;
         high *= 2.0;
     }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if f(middle) < 0.0 { low = middle } else { high = middle }
-    }
-    high
+    let Ok([_, root]) = bisect(low, high, 0.0, |x| Ok::<_, Infallible>(f(x) < 0.0));
+    root
 }
 
 #[cfg(test)]

@@ -215,46 +215,6 @@ fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) 
     })
 }
 
-/// Solves a symmetric positive definite system in place by Cholesky's factorisation, after scaling its diagonal to one;
-/// `false` when a pivot says that the system does not determine the unknowns.
-fn solve_symmetric(matrix: &mut [f64], right: &mut [f64]) -> bool {
-    /// Least pivot of a unit diagonal.
-    const LEAST_PIVOT: f64 = 1e-11;
-    let n = right.len();
-    let scale: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();
-    if scale.iter().any(|s| s.is_nan() || *s == 0.0) {
-        return false;
-    }
-    for i in 0..n {
-        right[i] /= scale[i];
-        for j in 0..n {
-            matrix[i * n + j] /= scale[i] * scale[j];
-        }
-    }
-    for i in 0..n {
-        for j in 0..=i {
-            let product: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
-            let rest = matrix[i * n + j] - product;
-            if i == j {
-                if rest.is_nan() || rest < LEAST_PIVOT {
-                    return false;
-                }
-                matrix[i * n + i] = rest.sqrt();
-            } else {
-                matrix[i * n + j] = rest / matrix[j * n + j];
-            }
-        }
-        let product: f64 = (0..i).map(|k| matrix[i * n + k] * right[k]).sum();
-        right[i] = (right[i] - product) / matrix[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let product: f64 = (i + 1..n).map(|k| matrix[k * n + i] * right[k]).sum();
-        right[i] = (right[i] - product) / matrix[i * n + i];
-    }
-    right.iter_mut().zip(&scale).for_each(|(x, s)| *x /= s);
-    true
-}
-
 /// Coordinates that run from −1 to 1 over the columns or rows that hold a present point.
 #[derive(Debug, Clone, Copy)]
 struct Span {

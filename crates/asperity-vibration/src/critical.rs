@@ -61,16 +61,18 @@ pub fn limit_damping(oscillator: &Oscillator) -> Result<f64, VibrationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::root::zero_between;
     use crate::{FrictionLaw, FrictionTable, MotionKind, Parameters, limit_cycle, smallest_kick};
     use asperity_base::law::standard_normal_cdf;
+    use asperity_base::numeric::try_root_between;
     use asperity_base::random;
 
     /// ζ_c by bisection of the same least velocity, without its derivative.
     fn bisected(oscillator: &Oscillator, above: f64) -> f64 {
-        let least = |damping| Ok(first_minimum(&oscillator.with_damping(damping)?, 0.0)?.map_or(1.0, |m| m.w));
+        let least = |damping| -> Result<f64, VibrationError> {
+            Ok(first_minimum(&oscillator.with_damping(damping)?, 0.0)?.map_or(1.0, |m| m.w))
+        };
         let (at_zero, at_above) = (least(0.0).unwrap(), least(above).unwrap());
-        zero_between(least, (0.0, at_zero), (above, at_above), 1e-15).unwrap()
+        try_root_between(least, [0.0, at_zero], [above, at_above], 1e-15).unwrap().unwrap()
     }
 
     #[test]

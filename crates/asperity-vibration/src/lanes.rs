@@ -157,14 +157,10 @@ impl<F: Fluctuation, W: Observer> Rider<F, W> {
     /// A mass at its start; none if lanes cannot follow it.
     fn mount(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
         let Task { oscillator, mut fluctuation, observer, swing_level } = task;
-        let known = matches!(
-            oscillator.law(),
-            FrictionLaw::Stribeck { .. }
-                | FrictionLaw::Coulomb { .. }
-                | FrictionLaw::Linear { .. }
-                | FrictionLaw::Exponential { .. }
-        );
-        if !known || oscillator.forcing().is_some() || swing_level.is_finite() {
+        if matches!(oscillator.law(), FrictionLaw::Tabulated(_))
+            || oscillator.forcing().is_some()
+            || swing_level.is_finite()
+        {
             return Ok(None);
         }
         let velocity = oscillator.belt_velocity();

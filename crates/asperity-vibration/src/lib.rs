@@ -39,7 +39,6 @@ mod polynomial;
 mod portrait;
 #[cfg(test)]
 mod robustness;
-mod root;
 mod runge_kutta;
 mod sample_law;
 mod series;

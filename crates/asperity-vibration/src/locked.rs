@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::critical::critical_damping;
-use super::root::zero_between;
 use super::slip_orbit::first_minimum;
 use super::structure::grazing::grazing_damping;
 use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
+use asperity_base::numeric::try_root_between;
 
 /// Detachment phases at which the orbit is first looked at.
 const PHASES: usize = 96;
@@ -53,10 +53,12 @@ pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), Vibrat
         if let (Some((a, at_a)), Some((b, at_b))) = (last, here) {
             // The mismatch is a circle's angle: a jump of nearly a turn is no zero.
             if at_a * at_b <= 0.0 && (at_a - at_b).abs() < 0.5 * period {
-                let value = |phase: f64| Ok(mismatch(phase)?.map_or(f64::NAN, |(value, _)| value));
-                let (negative, positive) = if at_a < 0.0 { ((a, at_a), (b, at_b)) } else { ((b, at_b), (a, at_a)) };
-                let root = zero_between(value, negative, positive, 1e-14)?;
-                if let Some((_, damping)) = mismatch(root)? {
+                let value = |phase: f64| -> Result<f64, VibrationError> {
+                    Ok(mismatch(phase)?.map_or(f64::INFINITY, |(value, _)| value))
+                };
+                if let Some(root) = try_root_between(value, [a, at_a], [b, at_b], 1e-14)?
+                    && let Some((_, damping)) = mismatch(root)?
+                {
                     best = best.filter(|(_, largest)| *largest >= damping).or(Some((root, damping)));
                 }
             }

@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 use serde::{Deserialize, Serialize};
 
 use asperity_base::law::goodness::normality;
+use asperity_base::random::hash;
 
 /// The law of a quantity met many times along many trajectories, such as the displacement at re-attachment.
 ///
@@ -119,7 +120,7 @@ struct Reservoir {
 
 impl Reservoir {
     fn add(&mut self, number: u64, value: f64) {
-        self.take((mix(number), number, value.to_bits()));
+        self.take((hash(number, 0), number, value.to_bits()));
     }
 
     fn take(&mut self, (hash, number, bits): (u64, u64, u64)) {
@@ -138,14 +139,6 @@ impl Reservoir {
         kept.sort_unstable_by_key(|&(_, number, _)| number);
         kept.into_iter().map(|(_, _, bits)| f64::from_bits(bits)).collect()
     }
-}
-
-/// The finaliser of SplitMix64, a bijection of 64-bit numbers.
-fn mix(number: u64) -> u64 {
-    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// Gathers a [`SampleLaw`], from the values of one trajectory or from gatherings of many.

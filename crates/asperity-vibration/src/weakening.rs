@@ -31,6 +31,18 @@ pub(super) enum Curve {
     Cubic(Cubic),
 }
 
+impl Curve {
+    /// g and c, zero without a curve; none of a table.
+    pub(super) fn gain_and_curvature(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Straight => Some([0.0, 0.0]),
+            Self::Quotient(q) => Some([q.gain, q.curvature]),
+            Self::Exponential(x) => Some([x.gain, x.curvature]),
+            Self::Cubic(_) => None,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quotient {
     gain: f64,
@@ -70,13 +82,7 @@ impl Weakening {
             FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::of(table, v, 0))),
             _ => (damping, Curve::Straight),
         };
-        let gain = match &curve {
-            Curve::Straight => Some(0.0),
-            Curve::Quotient(q) => Some(q.gain),
-            Curve::Exponential(x) => Some(x.gain),
-            Curve::Cubic(_) => None,
-        };
-        let steepest = gain.map(|gain| linear.abs().max((linear + gain).abs()));
+        let steepest = curve.gain_and_curvature().map(|[gain, _]| linear.abs().max((linear + gain).abs()));
         let table = match oscillator.law() {
             FrictionLaw::Tabulated(table) => Some((table.clone(), v)),
             _ => None,

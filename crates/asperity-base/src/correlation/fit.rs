@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::estimate::Axis;
-use super::least_squares::{Range, minimise};
 use super::model::{CorrelationModel, Covariance, CovarianceError};
 use super::spectrum::BlockSpectrum;
+use crate::numeric::{Range, least_squares};
 
 /// Degrees of freedom that a block counts at most: no model describes a surface to better than about 10 %, however many
 /// wavevectors a block has, and the few blocks of long waves would else have no weight.
@@ -268,7 +268,7 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
         let length = |axis: usize| pitch_m[axis] * (size_m[axis] / pitch_m[axis]).powf(share);
         let mut first: Vec<f64> = (0..2).map(length).collect();
         first.extend(family.shape().map(|(_, value)| value));
-        let found = minimise(&residuals, &first, &ranges);
+        let found = least_squares(&residuals, &first, &ranges);
         let is_finite = found.1.is_finite() && found.0.iter().all(|value| value.is_finite());
         if is_finite && best.as_ref().is_none_or(|(_, deviance)| found.1 < *deviance) {
             best = Some(found);

@@ -23,7 +23,7 @@ pub use length::{LackOfFit, LengthFit, LengthSettings, fit_length};
 pub use likelihood::{RecordEnds, WindowedRecords};
 pub use model::{RecordModel, WindowedModel, windowed_exponential};
 pub use observed::{Observation, ObservedLengths, RecordHistory};
-pub use ranking::{RankedLength, fit_matern, rank_lengths};
+pub use ranking::{RankedLength, rank_lengths};
 pub use spectrum::{RecordSpectrum, record_spectrum};
 pub use stationarity::{DriftTest, Stationarity, Wander};
 
@@ -123,18 +123,14 @@ impl RecordCorrelation {
     }
 }
 
-/// Autocorrelation of one record at the lags 0 … n − 1; NaN is a missing value.
-///
-/// # Errors
-/// As [`RecordCorrelation::estimate`].
-pub fn autocorrelation_1d(values: &[f64], normalisation: LagNormalisation) -> Result<Vec<f64>, EstimateError> {
-    RecordCorrelation::estimate(&[values], 1.0, values.len(), normalisation).map(|found| found.correlation)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random;
+
+    fn of_one(values: &[f64], normalisation: LagNormalisation) -> Result<Vec<f64>, EstimateError> {
+        RecordCorrelation::estimate(&[values], 1.0, values.len(), normalisation).map(|found| found.correlation)
+    }
 
     /// A stationary autoregressive record with correlation φ^lag.
     fn autoregressive(phi: f64, n: usize, index: u64) -> Vec<f64> {
@@ -157,8 +153,8 @@ mod tests {
         let present: Vec<f64> = record.iter().copied().filter(|v| v.is_finite()).collect();
         let mean = present.iter().sum::<f64>() / 20.0;
         let variance = present.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 20.0;
-        let biased = autocorrelation_1d(&record, LagNormalisation::Biased).unwrap();
-        let paired = autocorrelation_1d(&record, LagNormalisation::PairNormalised).unwrap();
+        let biased = of_one(&record, LagNormalisation::Biased).unwrap();
+        let paired = of_one(&record, LagNormalisation::PairNormalised).unwrap();
         for lag in 0..23 {
             let products: Vec<f64> = (0..23 - lag)
                 .map(|i| (record[i] - mean) * (record[i + lag] - mean))
@@ -213,14 +209,8 @@ mod tests {
 
     #[test]
     fn records_without_variation_or_values_are_refused() {
-        assert_eq!(
-            autocorrelation_1d(&[0.1; 5], LagNormalisation::Biased),
-            Err(EstimateError::Constant { present: 5 })
-        );
-        assert!(matches!(
-            autocorrelation_1d(&[], LagNormalisation::Biased),
-            Err(EstimateError::TooFew { present: 0, .. })
-        ));
+        assert_eq!(of_one(&[0.1; 5], LagNormalisation::Biased), Err(EstimateError::Constant { present: 5 }));
+        assert!(matches!(of_one(&[], LagNormalisation::Biased), Err(EstimateError::TooFew { present: 0, .. })));
         let bad = RecordCorrelation::estimate(&[&[0.0, 1.0, 2.0]], 0.0, 2, LagNormalisation::Biased);
         assert_eq!(bad, Err(EstimateError::BadStep { step_m: 0.0 }));
     }

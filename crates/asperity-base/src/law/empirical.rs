@@ -1,5 +1,7 @@
 //! The measured law: linear interpolation between sorted values.
 
+use crate::stats::between_order_statistics;
+
 /// Distribution function; the half steps beyond the first and the last value are atoms there.
 pub(super) fn cdf(sorted: &[f64], x: f64) -> f64 {
     if x.is_nan() {
@@ -20,7 +22,5 @@ pub(super) fn cdf(sorted: &[f64], x: f64) -> f64 {
 /// Quantile.
 pub(super) fn quantile(sorted: &[f64], probability: f64) -> f64 {
     let position = (probability * sorted.len() as f64 - 0.5).clamp(0.0, sorted.len() as f64 - 1.0);
-    let left = position.floor() as usize;
-    let right = (left + 1).min(sorted.len() - 1);
-    sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
+    between_order_statistics(sorted, position)
 }

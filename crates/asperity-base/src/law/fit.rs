@@ -13,11 +13,8 @@ mod weibull;
 use super::{LawError, Marginal};
 use crate::stats::{Moments, sorted_present};
 
-pub use beta::beta_by_moments;
 pub use ranking::{FitGoodness, Ranking, rank_by_aic};
 pub use uncertainty::ParameterEstimate;
-#[doc(hidden)]
-pub use uncertainty::inverse;
 
 /// A family of laws that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -24,11 +24,6 @@ impl CorrelationTime {
     pub fn effective_size(&self) -> f64 {
         self.n as f64 / self.steps
     }
-
-    /// A block length for resampling: 2τ rounded up, but never more than half the record.
-    pub fn block_length(&self) -> usize {
-        ((2.0 * self.steps).ceil() as usize).clamp(1, (self.n / 2).max(1))
-    }
 }
 
 /// The integrated autocorrelation time of an equally spaced record; NaN are missing values, and lags count pairs of which

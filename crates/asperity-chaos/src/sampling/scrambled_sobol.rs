@@ -1,46 +1,23 @@
 //! Sobol' points with Owen's nested uniform scrambling.
 //!
-//! Dimension 0 is the van der Corput sequence; each further dimension has its own primitive polynomial over GF(2), taken
-//! in order of degree. The free initial direction numbers are chosen dimension by dimension: of some candidates the one
-//! whose two-dimensional projections with the nearest earlier dimensions have the smallest t-values. Any choice gives a
-//! digital sequence with perfectly stratified one-dimensional projections; the choice only improves the pairs.
+//! Dimension 0 is the van der Corput sequence. The primitive polynomials and initial direction numbers of the further ones are
+//! the table of Joe and Kuo for criterion D(6), which keeps the t-values of two-dimensional projections small.
 //!
 //! # References
 //! Sobol', *USSR Comput. Math. Math. Phys.* **7** (1967) 86, <https://doi.org/10.1016/0041-5553(67)90144-9>.
 //! Owen, *J. Complexity* **14** (1998) 466, <https://doi.org/10.1006/jcom.1998.0487>.
-//! Joe & Kuo, *SIAM J. Sci. Comput.* **30** (2008) 2635, <https://doi.org/10.1137/070709359> (the criterion on pairs).
-
-use std::sync::{Mutex, PoisonError};
+//! Joe & Kuo, *SIAM J. Sci. Comput.* **30** (2008) 2635, <https://doi.org/10.1137/070709359>.
 
 use rand::Rng;
 
-use super::permutation::hash;
-use asperity_base::random::stream;
+use asperity_base::random::{hash, stream};
 
 /// Binary digits of a coordinate, and of a sample index.
 const DIGITS: usize = 32;
-/// Highest degree of a primitive polynomial.
-const MAX_POLYNOMIAL_DEGREE: u32 = 14;
-/// Dimensions that polynomials up to [`MAX_POLYNOMIAL_DEGREE`] can serve.
+/// Dimensions of [`TABLE`] and the van der Corput sequence.
 pub(super) const MAX_DIMENSIONS: usize = 1867;
-/// Candidates of initial direction numbers per dimension.
-const CANDIDATES: u64 = 16;
-/// Earlier dimensions with which a candidate is compared.
-const NEIGHBOURS: usize = 16;
-/// log₂ of the numbers of points at which t-values are compared.
-const COMPARED_LOG2_POINTS: [usize; 4] = [4, 6, 8, 10];
-
-/// Generator matrices found so far: the choice for a dimension depends on those before it, but on no seed.
-static MATRICES: Mutex<Vec<Matrix>> = Mutex::new(Vec::new());
-
-/// A generator matrix over GF(2), twice.
-#[derive(Debug, Clone)]
-struct Matrix {
-    /// Bit 31−i of column k is the element (i, k).
-    columns: [u32; DIGITS],
-    /// Bit k of row i is the element (i, k).
-    rows: [u32; DIGITS],
-}
+/// Primitive polynomials and initial direction numbers; its first lines describe the format.
+const TABLE: &str = include_str!("joe_kuo.txt");
 
 /// The first 2³² points of a scrambled sequence.
 #[derive(Debug, Clone)]
@@ -80,58 +57,26 @@ fn scramble(x: u32, key: u64) -> u32 {
 
 /// The columns of the generator matrices: bit 31−i of column k is the matrix element (i, k).
 fn generator_columns(dimensions: usize) -> Vec<[u32; DIGITS]> {
-    assert!(dimensions <= MAX_DIMENSIONS, "{dimensions} dimensions; the polynomials serve {MAX_DIMENSIONS}");
-    // Matrices are appended whole, so a thread that panicked has left good ones.
-    let mut matrices = MATRICES.lock().unwrap_or_else(PoisonError::into_inner);
-    extend(&mut matrices, dimensions);
-    matrices[..dimensions].iter().map(|matrix| matrix.columns).collect()
+    assert!(dimensions <= MAX_DIMENSIONS, "{dimensions} dimensions; the table has {MAX_DIMENSIONS}");
+    let van_der_corput = std::array::from_fn(|k| 1 << (DIGITS - 1 - k));
+    let rows = TABLE.lines().filter(|line| !line.starts_with('#'));
+    let packed = rows.filter_map(|row| u128::from_str_radix(row, 16).ok());
+    std::iter::once(van_der_corput).chain(packed.map(columns_of)).take(dimensions).collect()
 }
 
-/// Appends matrices until there are as many as `dimensions`.
-fn extend(matrices: &mut Vec<Matrix>, dimensions: usize) {
-    if matrices.len() >= dimensions {
-        return;
-    }
-    if matrices.is_empty() {
-        matrices.push(Matrix::new(std::array::from_fn(|k| 1 << (DIGITS - 1 - k))));
-    }
-    let polynomials = (1..=MAX_POLYNOMIAL_DEGREE).flat_map(primitive_polynomials);
-    for polynomial in polynomials.take(dimensions - 1).skip(matrices.len() - 1) {
-        let dimension = matrices.len();
-        let neighbours = &matrices[dimension.saturating_sub(NEIGHBOURS)..];
-        let mut best: Option<(usize, Matrix)> = None;
-        for candidate in 0..CANDIDATES {
-            let trial = Matrix::new(columns_of(polynomial, hash(dimension as u64, candidate)));
-            let least = best.as_ref().map_or(usize::MAX, |(least, _)| *least);
-            // No sum of squares gets smaller again: what has reached the least so far is no better.
-            let mut pairs = neighbours.iter().flat_map(|near| COMPARED_LOG2_POINTS.map(|m| (near, m)));
-            let cost = pairs.try_fold(0, |cost, (near, m)| {
-                let cost = cost + pair_t_value(&trial.rows, &near.rows, m).pow(2);
-                (cost < least).then_some(cost)
-            });
-            if let Some(cost) = cost {
-                best = Some((cost, trial));
-            }
-        }
-        matrices.extend(best.map(|(_, matrix)| matrix));
-    }
-}
-
-impl Matrix {
-    fn new(columns: [u32; DIGITS]) -> Self {
-        Self { columns, rows: transposed(&columns) }
-    }
-}
-
-/// Columns of one dimension: initial numbers m₁ … m_s odd with m_k < 2^k, drawn from `key`, then Sobol's recurrence
-/// m_k = 2a₁m_{k−1} ⊕ … ⊕ 2^s m_{k−s} ⊕ m_{k−s}. The polynomial is stored with bit i as the coefficient of x^i.
-fn columns_of(polynomial: u32, key: u64) -> [u32; DIGITS] {
-    let degree = (u32::BITS - 1 - polynomial.leading_zeros()) as usize;
+/// Columns of one dimension: initial numbers m₁ … m_s odd with m_k < 2^k, then Sobol's recurrence
+/// m_k = 2a₁m_{k−1} ⊕ … ⊕ 2^s m_{k−s} ⊕ m_{k−s}.
+///
+/// `packed` has the s + 1 coefficients of the polynomial in its highest bits, then the k − 1 free bits of each m_k.
+fn columns_of(packed: u128) -> [u32; DIGITS] {
+    let last_bit = packed.ilog2() as usize;
+    let degree = (1..DIGITS).find(|s| s * (s + 1) / 2 >= last_bit).unwrap_or(DIGITS);
+    let polynomial = (packed >> (last_bit - degree)) as u32;
     let mut columns = [0_u32; DIGITS];
     for k in 0..DIGITS {
         columns[k] = if k < degree {
-            let odd = (hash(key, k as u64) >> (63 - k)) as u32 | 1;
-            odd << (DIGITS - 1 - k)
+            let free = (packed >> (last_bit - degree - k * (k + 1) / 2)) as u32 & ((1 << k) - 1);
+            (free << 1 | 1) << (DIGITS - 1 - k)
         } else {
             let last = columns[k - degree];
             (1..degree)
@@ -142,89 +87,134 @@ fn columns_of(polynomial: u32, key: u64) -> [u32; DIGITS] {
     columns
 }
 
-/// Rows of the generator matrix: bit k of row i is the matrix element (i, k).
-fn transposed(columns: &[u32; DIGITS]) -> [u32; DIGITS] {
-    std::array::from_fn(|i| (0..DIGITS).fold(0, |row, k| row | ((columns[k] >> (DIGITS - 1 - i) & 1) << k)))
-}
-
-/// The quality parameter t of the first 2^m points in two dimensions: every elementary box of volume 2^{t−m} holds
-/// exactly 2^t of them.
-///
-/// For each number of leading rows of `a` those of `b` are counted that are independent of them and of each other. The
-/// least total is m − t. Whether `from_a` rows of `a` alone are independent ends the search.
-fn pair_t_value(a: &[u32; DIGITS], b: &[u32; DIGITS], m: usize) -> usize {
-    let mask = (1_u32 << m) - 1;
-    let mut of_a = Echelon::default();
-    let mut independent = m;
-    for from_a in 0..m {
-        if from_a > 0 && !of_a.insert(a[from_a - 1] & mask) {
-            return m - independent.min(from_a - 1);
-        }
-        // More rows of b than the least so far needs cannot lower it.
-        let enough = independent.saturating_sub(from_a).min(m - from_a);
-        let mut both = of_a;
-        let from_b = (0..enough).take_while(|&i| both.insert(b[i] & mask)).count();
-        independent = independent.min(from_a + from_b);
-    }
-    m - independent
-}
-
-/// Independent vectors over GF(2), by their leading bits.
-#[derive(Clone, Copy, Default)]
-struct Echelon {
-    by_leading_bit: [u32; 16],
-}
-
-impl Echelon {
-    /// Adds a vector of at most 16 bits; false when it depends on those before.
-    #[inline]
-    fn insert(&mut self, mut vector: u32) -> bool {
-        while vector != 0 {
-            let place = &mut self.by_leading_bit[(vector.ilog2() & 15) as usize];
-            if *place == 0 {
-                *place = vector;
-                return true;
-            }
-            vector ^= *place;
-        }
-        false
-    }
-}
-
-/// All primitive polynomials of one degree over GF(2), in increasing order.
-fn primitive_polynomials(degree: u32) -> impl Iterator<Item = u32> {
-    let order = (1_u32 << degree) - 1;
-    let divisors: Vec<u32> =
-        (2..=order).filter(|q| order.is_multiple_of(*q) && (2..*q).all(|r| !q.is_multiple_of(r))).collect();
-    ((1_u32 << degree) + 1..1_u32 << (degree + 1)).step_by(2).filter(move |&polynomial| {
-        power_of_x(order, polynomial, degree) == 1
-            && divisors.iter().all(|q| power_of_x(order / q, polynomial, degree) != 1)
-    })
-}
-
-/// x^exponent modulo a polynomial over GF(2).
-fn power_of_x(exponent: u32, polynomial: u32, degree: u32) -> u32 {
-    let reduce = |value: u32| if value >> degree & 1 == 1 { value ^ polynomial } else { value };
-    let multiply = |a: u32, b: u32| {
-        (0..degree).rev().fold(0, |product, bit| reduce(product << 1) ^ if b >> bit & 1 == 1 { a } else { 0 })
-    };
-    let x = reduce(2);
-    (0..u32::BITS - exponent.leading_zeros()).rev().fold(1, |power, bit| {
-        let square = multiply(power, power);
-        if exponent >> bit & 1 == 1 { multiply(square, x) } else { square }
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Rows of the generator matrix: bit k of row i is the matrix element (i, k).
+    fn transposed(columns: &[u32; DIGITS]) -> [u32; DIGITS] {
+        std::array::from_fn(|i| (0..DIGITS).fold(0, |row, k| row | ((columns[k] >> (DIGITS - 1 - i) & 1) << k)))
+    }
+
+    /// The quality parameter t of the first 2^m points in two dimensions: every elementary box of volume 2^{t−m} holds
+    /// exactly 2^t of them.
+    ///
+    /// For each number of leading rows of `a` those of `b` are counted that are independent of them and of each other. The
+    /// least total is m − t. Whether `from_a` rows of `a` alone are independent ends the search.
+    fn pair_t_value(a: &[u32; DIGITS], b: &[u32; DIGITS], m: usize) -> usize {
+        let mask = (1_u32 << m) - 1;
+        let mut of_a = Echelon::default();
+        let mut independent = m;
+        for from_a in 0..m {
+            if from_a > 0 && !of_a.insert(a[from_a - 1] & mask) {
+                return m - independent.min(from_a - 1);
+            }
+            // More rows of b than the least so far needs cannot lower it.
+            let enough = independent.saturating_sub(from_a).min(m - from_a);
+            let mut both = of_a;
+            let from_b = (0..enough).take_while(|&i| both.insert(b[i] & mask)).count();
+            independent = independent.min(from_a + from_b);
+        }
+        m - independent
+    }
+
+    /// Independent vectors over GF(2), by their leading bits.
+    #[derive(Clone, Copy, Default)]
+    struct Echelon {
+        by_leading_bit: [u32; 16],
+    }
+
+    impl Echelon {
+        /// Adds a vector of at most 16 bits; false when it depends on those before.
+        fn insert(&mut self, mut vector: u32) -> bool {
+            while vector != 0 {
+                let place = &mut self.by_leading_bit[(vector.ilog2() & 15) as usize];
+                if *place == 0 {
+                    *place = vector;
+                    return true;
+                }
+                vector ^= *place;
+            }
+            false
+        }
+    }
+
+    /// All primitive polynomials of one degree over GF(2), in increasing order.
+    fn primitive_polynomials(degree: u32) -> impl Iterator<Item = u32> {
+        let order = (1_u32 << degree) - 1;
+        let divisors: Vec<u32> =
+            (2..=order).filter(|q| order.is_multiple_of(*q) && (2..*q).all(|r| !q.is_multiple_of(r))).collect();
+        ((1_u32 << degree) + 1..1_u32 << (degree + 1)).step_by(2).filter(move |&polynomial| {
+            power_of_x(order, polynomial, degree) == 1
+                && divisors.iter().all(|q| power_of_x(order / q, polynomial, degree) != 1)
+        })
+    }
+
+    /// x^exponent modulo a polynomial over GF(2).
+    fn power_of_x(exponent: u32, polynomial: u32, degree: u32) -> u32 {
+        let reduce = |value: u32| if value >> degree & 1 == 1 { value ^ polynomial } else { value };
+        let multiply = |a: u32, b: u32| {
+            (0..degree).rev().fold(0, |product, bit| reduce(product << 1) ^ if b >> bit & 1 == 1 { a } else { 0 })
+        };
+        let x = reduce(2);
+        (0..u32::BITS - exponent.leading_zeros()).rev().fold(1, |power, bit| {
+            let square = multiply(power, power);
+            if exponent >> bit & 1 == 1 { multiply(square, x) } else { square }
+        })
+    }
+
+    /// m₁ … m_s of a dimension of this degree s.
+    fn initial_numbers(columns: &[u32; DIGITS], degree: usize) -> Vec<u32> {
+        (0..degree).map(|k| columns[k] >> (DIGITS - 1 - k)).collect()
+    }
+
+    #[test]
+    fn the_table_starts_as_published() {
+        // Dimensions 2 to 20 of new-joe-kuo-6.21201, as printed on the authors' page.
+        let published: [&[u32]; 19] = [
+            &[1],
+            &[1, 3],
+            &[1, 3, 1],
+            &[1, 1, 1],
+            &[1, 1, 3, 3],
+            &[1, 3, 5, 13],
+            &[1, 1, 5, 5, 17],
+            &[1, 1, 5, 5, 5],
+            &[1, 1, 7, 11, 19],
+            &[1, 1, 5, 1, 1],
+            &[1, 1, 1, 3, 11],
+            &[1, 3, 5, 5, 31],
+            &[1, 3, 3, 9, 7, 49],
+            &[1, 1, 1, 15, 21, 21],
+            &[1, 3, 1, 13, 27, 49],
+            &[1, 1, 1, 15, 7, 5],
+            &[1, 3, 1, 15, 13, 25],
+            &[1, 1, 5, 5, 19, 61],
+            &[1, 3, 7, 11, 23, 15, 103],
+        ];
+        for (columns, numbers) in generator_columns(20)[1..].iter().zip(published) {
+            assert_eq!(initial_numbers(columns, numbers.len()), numbers);
+        }
+    }
+
+    #[test]
+    fn each_dimension_has_the_next_primitive_polynomial() {
+        let rows = TABLE.lines().filter(|line| !line.starts_with('#'));
+        let found = rows.map(|row| {
+            let packed = u128::from_str_radix(row, 16).unwrap();
+            let degree = (1..).find(|s| s * (s + 1) / 2 == packed.ilog2()).unwrap();
+            (packed >> (packed.ilog2() - degree)) as u32
+        });
+        let wanted: Vec<u32> = (1..=14).flat_map(primitive_polynomials).collect();
+        assert_eq!(found.collect::<Vec<_>>(), wanted);
+        assert_eq!(wanted.len() + 1, MAX_DIMENSIONS);
+    }
+
     #[test]
     fn the_number_of_primitive_polynomials_is_that_of_theory() {
         // φ(2^s − 1)/s for s = 1 … 14.
-        let counts: Vec<usize> = (1..=MAX_POLYNOMIAL_DEGREE).map(|s| primitive_polynomials(s).count()).collect();
+        let counts: Vec<usize> = (1..=14).map(|s| primitive_polynomials(s).count()).collect();
         assert_eq!(counts, [1, 1, 2, 2, 6, 6, 18, 16, 48, 60, 176, 144, 630, 756]);
-        assert_eq!(counts.iter().sum::<usize>() + 1, MAX_DIMENSIONS);
         assert_eq!(primitive_polynomials(3).collect::<Vec<_>>(), [0b1011, 0b1101]);
     }
 
@@ -262,15 +252,13 @@ mod tests {
     }
 
     #[test]
-    fn matrices_do_not_depend_on_how_many_are_asked_for_at_a_time() {
-        let (mut at_once, mut by_and_by) = (Vec::new(), Vec::new());
-        extend(&mut at_once, 60);
-        for dimensions in [1, 2, 3, 17, 17, 5, 60] {
-            extend(&mut by_and_by, dimensions);
-        }
-        let columns = |matrices: &[Matrix]| matrices.iter().map(|matrix| matrix.columns).collect::<Vec<_>>();
-        assert_eq!(columns(&at_once), columns(&by_and_by));
-        assert_eq!(generator_columns(60), columns(&at_once));
+    fn pairs_of_early_dimensions_have_small_t_values() {
+        // From SciPy's copy of the table, by an independent program: at most 6 at 2^10 points. Initial numbers at random have up
+        // to 9.
+        let rows: Vec<_> = generator_columns(50).iter().map(transposed).collect();
+        let pairs = (1..rows.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let largest = pairs.map(|(i, j)| pair_t_value(&rows[i], &rows[j], 10)).max();
+        assert_eq!(largest, Some(6));
     }
 
     #[test]

@@ -29,7 +29,7 @@ impl Formats {
 
 fn as_json(format: &Description) -> Value {
     json!({
-        "name": format.name,
+        "name": format.format.name(),
         "extensions": format.extensions,
         "vendor": format.vendor,
         "known_by": format.known_by,
@@ -47,11 +47,11 @@ fn table() -> String {
     let extensions = |format: &Description| {
         format.extensions.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
     };
-    let names = descriptions().map(|format| format.name.chars().count()).max().unwrap_or_default();
+    let names = descriptions().map(|format| format.format.name().chars().count()).max().unwrap_or_default();
     let endings = descriptions().map(|format| extensions(format).chars().count()).max().unwrap_or_default();
     let mut text = String::new();
     for format in descriptions() {
-        text += &format!("{:names$}  {:endings$}  {}\n", format.name, extensions(format), format.vendor);
+        text += &format!("{:names$}  {:endings$}  {}\n", format.format.name(), extensions(format), format.vendor);
         for (label, content) in [("reads", format.reads), ("writes", format.writes)] {
             if !content.is_empty() {
                 text += &format!("  {label:8}{content}\n");

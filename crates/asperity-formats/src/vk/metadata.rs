@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::vk4::{Conditions, Field, offset};
+use super::conditions::{Conditions, Field, offset};
 use crate::input::Input;
 
 /// Where the version of Keyence's library stands: four bytes, the main number last.

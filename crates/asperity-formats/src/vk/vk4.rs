@@ -9,6 +9,7 @@
 
 use ndarray::Array2;
 
+use super::conditions::{Conditions, Field, offset};
 use super::metadata::metadata;
 use crate::input::Input;
 use crate::large;
@@ -20,10 +21,7 @@ use crate::{Format, FormatError, ReadOptions, Scan};
 const SIGNATURES: [&[u8]; 2] = [b"VK3_", b"VK4_"];
 /// Where the type of the file stands, after the version of Keyence's library.
 const FILE_TYPE: usize = 8;
-/// Where the table of offsets starts.
-const OFFSETS: usize = 12;
-/// Entries of the table.
-const CONDITIONS_ENTRY: usize = 0;
+/// Entries of the table of offsets.
 const HEIGHT_ENTRIES: [usize; 3] = [6, 7, 8];
 /// Fields of the measurement conditions by their place, counted in numbers.
 const X_LENGTH: Field = Field("x length per pixel", 42);
@@ -31,43 +29,8 @@ const Y_LENGTH: Field = Field("y length per pixel", 43);
 const Z_LENGTH: Field = Field("z length per digit", 44);
 /// Bytes before the heights of an image: 7 numbers and a palette.
 const IMAGE_HEADER_BYTES: usize = 7 * 4 + 768;
-/// Picometre per metre.
-const PM_PER_METRE: f64 = 1e12;
-
-/// A field of the measurement conditions and its place, counted in numbers.
-#[derive(Clone, Copy)]
-pub(super) struct Field(pub(super) &'static str, pub(super) usize);
-
-/// The measurement conditions: the file up to their end, and where they start.
-#[derive(Clone, Copy)]
-pub(super) struct Conditions<'a> {
-    input: Input<'a>,
-    start: usize,
-}
-
-impl Conditions<'_> {
-    pub(super) fn at(&self, field: Field) -> usize {
-        self.start + 4 * field.1
-    }
-
-    pub(super) fn u32(&self, field: Field) -> Result<u32, FormatError> {
-        self.input.u32(field.0, self.at(field))
-    }
-
-    fn metre(&self, field: Field) -> Result<f64, FormatError> {
-        Ok(f64::from(self.u32(field)?) / PM_PER_METRE)
-    }
-}
-
 pub(super) fn detect(bytes: &[u8]) -> bool {
     SIGNATURES.iter().any(|signature| bytes.starts_with(signature))
-}
-
-/// The offset in an entry of the table, `None` where the part is not there.
-pub(super) fn offset(input: Input, part: &str, entry: usize) -> Result<Option<usize>, FormatError> {
-    let at = OFFSETS + 4 * entry;
-    let found = input.u32(&format!("the offset of {part}"), at)?;
-    Ok(usize::try_from(found).ok().filter(|&offset| offset > 0))
 }
 
 /// Reads a layer of heights.
@@ -80,7 +43,7 @@ pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan, FormatEr
     if file_type != 0 {
         warnings.push(format!("the file type is {file_type}, not 0; the file was read all the same"));
     }
-    let conditions = conditions(input)?;
+    let conditions = Conditions::new(input)?;
     let (mut names, mut offsets) = (Vec::new(), Vec::new());
     for (number, entry) in HEIGHT_ENTRIES.into_iter().enumerate() {
         let name = format!("Height {}", number + 1);
@@ -97,15 +60,6 @@ pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan, FormatEr
     let pitch_m = Some((conditions.metre(X_LENGTH)?, conditions.metre(Y_LENGTH)?));
     let scan = Scan { metadata: metadata(input, &conditions), warnings, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(names, channel))
-}
-
-/// The measurement conditions.
-fn conditions<'a>(input: Input<'a>) -> Result<Conditions<'a>, FormatError> {
-    let start = offset(input, "the measurement conditions", CONDITIONS_ENTRY)?
-        .ok_or_else(|| input.missing("the offset of the measurement conditions", OFFSETS, "a value above 0"))?;
-    let size = usize::try_from(input.u32("the size of the measurement conditions", start)?).unwrap_or(usize::MAX);
-    let end = start + input.take("the measurement conditions", start, size)?.len();
-    Ok(Conditions { input: input.up_to(end), start })
 }
 
 /// The heights of the image at `start` in metre.

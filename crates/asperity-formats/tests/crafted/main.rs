@@ -5,6 +5,7 @@
 
 mod archives;
 mod binary;
+#[path = "../memory/mod.rs"]
 mod memory;
 mod texts;
 
@@ -12,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use asperity_formats::read_bytes;
 
-use memory::peak_bytes;
+use memory::peak_bytes_of_all_threads;
 
 /// A file and its name.
 type Crafted = (&'static str, Vec<u8>);
@@ -29,7 +30,7 @@ fn crafted_files_take_no_more_than_their_size_and_their_heights_justify() {
     for make in [texts::crafted, archives::crafted, binary::crafted] {
         for (name, bytes) in make(size) {
             let start = Instant::now();
-            let (result, peak) = peak_bytes(|| read_bytes(&bytes));
+            let (result, peak) = peak_bytes_of_all_threads(|| read_bytes(&bytes));
             let took = start.elapsed();
             let points = result.as_ref().map_or(0, |scan| scan.heights_m.len());
             // Texts are read in pieces, which are then joined: twice the heights, and room to grow.

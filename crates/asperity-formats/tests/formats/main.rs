@@ -14,6 +14,7 @@ mod gwy;
 mod gz;
 mod height_unit;
 mod hostile;
+#[path = "../memory/mod.rs"]
 mod memory;
 mod metropro;
 mod netcdf;

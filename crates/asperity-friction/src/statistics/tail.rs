@@ -8,7 +8,10 @@
 //! Pickands, *Ann. Stat.* **3** (1975) 119, <https://doi.org/10.1214/aos/1176343003>; Davison & Smith, *J. R. Stat. Soc. B*
 //! **52** (1990) 393, <https://doi.org/10.1111/j.2517-6161.1990.tb01796.x> (peaks of correlated records, return levels).
 
+use std::convert::Infallible;
+
 use asperity_base::law::fit::{Family, Fit};
+use asperity_base::numeric::{bisect, golden_section};
 use asperity_base::stats::{Interval, NORMAL_95, correlation_time, quantile_sorted, sorted_present};
 
 /// Shares of the windows above the threshold that are tried, until there are enough clusters.
@@ -267,11 +270,7 @@ fn edge(holds: impl Fn(f64) -> bool, from: f64, to: f64) -> Option<f64> {
     if holds(to) {
         return None;
     }
-    let (mut inside, mut outside) = (from, to);
-    for _ in 0..40 {
-        let middle = 0.5 * (inside + outside);
-        if holds(middle) { inside = middle } else { outside = middle }
-    }
+    let Ok([inside, _]) = bisect(from, to, 1e-12 * (to - from).abs(), |x| Ok::<_, Infallible>(holds(x)));
     Some(inside)
 }
 
@@ -282,13 +281,8 @@ fn maximum(f: impl Fn(f64) -> f64, [low, high]: [f64; 2]) -> f64 {
     let at = |i: usize| low + step * i as f64;
     let best = (0..=GRID).map(|i| (i, f(at(i)))).filter(|(_, v)| !v.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1));
     let centre = best.map_or(0, |(i, _)| i);
-    let (mut low, mut high) = (at(centre.saturating_sub(1)), at((centre + 1).min(GRID)));
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    for _ in 0..32 {
-        let (left, right) = (high - ratio * (high - low), low + ratio * (high - low));
-        if f(left) > f(right) { high = right } else { low = left }
-    }
-    0.5 * (low + high)
+    let bracket = [at(centre.saturating_sub(1)), at((centre + 1).min(GRID))];
+    golden_section(|x| -f(x), bracket, 2.1e-7 * (bracket[1] - bracket[0])).middle()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::MeasuredError;
 use super::columns::{Chosen, ColumnTable};
+use asperity_base::stats::upper_median;
 
 /// Largest deviation of a step from the usual one that is resampled, and the smallest that is noticed, over the step.
 const LARGEST_JITTER: f64 = 0.01;
@@ -51,7 +52,7 @@ pub(super) fn even(
             before: at(place - 1),
         });
     }
-    let usual = median(&mut steps.clone());
+    let usual = upper_median(&mut steps.clone()).unwrap_or(f64::NAN);
     let mut worst = (0.0, 0);
     let mut index = vec![0.0];
     for (place, step) in steps.drain(..).enumerate() {
@@ -112,11 +113,6 @@ pub(super) fn even(
         }
     }
     Ok(Grid { start, step, values: even })
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Start and step of the line of least squares through positions over their indices.

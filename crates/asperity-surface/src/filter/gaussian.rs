@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::FilterError;
 use asperity_base::fourier::{Complex64, RealFft2, Workspace, good_length};
 use asperity_base::map::{Grid, HeightMap};
+use asperity_base::stats::upper_median;
 
 /// √(ln 2/π): with it half of a wave of the cutoff's length passes.
 const ALPHA: f64 = 0.469_718_639_349_825_5;
@@ -153,8 +154,7 @@ fn median_distance(heights: &[f64], smooth: &[f64], present: &[f64]) -> f64 {
     let distances = heights.iter().zip(smooth).zip(present);
     let mut distances: Vec<f64> =
         distances.filter(|((_, w), m)| **m > 0.0 && !w.is_nan()).map(|((z, w), _)| (z - w).abs()).collect();
-    let middle = distances.len() / 2;
-    if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    upper_median(&mut distances).unwrap_or(0.0)
 }
 
 /// Exponents (a, b) of the moments x^a y^b up to the fourth order; the first six make up a quadratic.

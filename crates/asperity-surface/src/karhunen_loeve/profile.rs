@@ -1,10 +1,13 @@
 //! The eigenproblem of a stationary covariance on an interval.
 
+use std::convert::Infallible;
+
 use faer::{Mat, Side};
 use ndarray::{Array2, ArrayViewMut1};
 
 use super::parity::Class;
 use crate::GeneratorError;
+use asperity_base::numeric::bisect;
 
 /// Eigenpairs of ∫₀^L ρ(x − y) φ(y) dy = λ φ(x), of unit variance.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,18 +116,12 @@ pub fn exponential_eigenvalues_m(correlation_length_m: f64, size_m: f64, count: 
                 if j % 2 == 0 { half * cos - u * sin } else { u * cos + half * sin }
             };
             let quarter = std::f64::consts::FRAC_PI_2;
-            let (mut low, mut high) = (j as f64 * quarter, (j + 1) as f64 * quarter);
+            let low = j as f64 * quarter;
             // The residual leaves each interval's start with the sign of the middle of its first part.
             let sign = residual(low + 1e-9 * quarter).signum();
-            for _ in 0..100 {
-                let middle = 0.5 * (low + high);
-                if residual(middle).signum() == sign {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            2.0 * correlation_length_m / (1.0 + (low / half).powi(2))
+            let keeps_sign = |u: f64| Ok::<_, Infallible>(residual(u).signum() == sign);
+            let Ok([root, _]) = bisect(low, (j + 1) as f64 * quarter, 0.0, keeps_sign);
+            2.0 * correlation_length_m / (1.0 + (root / half).powi(2))
         })
         .collect()
 }

@@ -3,8 +3,9 @@
 use ndarray::Array2;
 use rayon::prelude::*;
 
-use super::{Span, solve_symmetric, sums_over_rows};
+use super::{Span, sums_over_rows};
 use asperity_base::map::HeightMap;
+use asperity_base::numeric::solve_positive_definite;
 
 /// The present points do not determine the polynomial.
 #[derive(Debug)]
@@ -69,7 +70,7 @@ pub(super) fn fit(map: &HeightMap, degree: usize) -> Result<Array2<f64>, Undeter
                 *sum += products[a] * y[b];
             }
         });
-        if !solve_symmetric(&mut gram.clone(), &mut correction) {
+        if !solve_positive_definite(&mut gram.clone(), &mut correction) {
             return Err(Undetermined);
         }
         coefficients.iter_mut().zip(&correction).for_each(|(c, d)| *c += d);

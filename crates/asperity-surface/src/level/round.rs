@@ -2,8 +2,9 @@
 
 use ndarray::Array2;
 
-use super::{Span, polynomial, solve_symmetric, sums_over_rows};
+use super::{Span, polynomial, sums_over_rows};
 use asperity_base::map::HeightMap;
+use asperity_base::numeric::solve_positive_definite;
 
 /// Steps of the search.
 const MAX_ITERATIONS: usize = 100;
@@ -139,7 +140,7 @@ pub(super) fn fit(map: &HeightMap, cylinder: bool) -> Result<Fitted, RoundError>
             for i in 0..n {
                 damped[i * n + i] *= 1.0 + damping;
             }
-            if !solve_symmetric(&mut damped, &mut step) {
+            if !solve_positive_definite(&mut damped, &mut step) {
                 return Err(RoundError::Undetermined);
             }
             let moved = best.moved(&step);

@@ -4,6 +4,7 @@ use std::f64::consts::{LOG2_E, PI};
 
 use super::super::polynomial;
 use super::super::series::{RECIPROCAL, before_the_wall};
+use super::super::weakening::{Curve, Weakening};
 use super::super::{FrictionLaw, Oscillator};
 use asperity_process::Cell;
 
@@ -100,28 +101,18 @@ impl Plants {
     };
 
     pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
-        let velocity = oscillator.belt_velocity();
-        let kinetic = oscillator.law().kinetic();
-        let (mut slope, mut floor) = (0.0, kinetic);
+        let Weakening { jump, linear, curve, .. } = Weakening::new(oscillator);
+        let [gain, curvature] = curve.gain_and_curvature().unwrap_or_default();
+        (self.jump[lane], self.linear[lane], self.gain[lane], self.curvature[lane]) = (jump, linear, gain, curvature);
         // r″ is at most twice gain × curvature of a quotient, and once that of an exponential law.
-        let (gain, curvature, thinning, bend) = match oscillator.law() {
-            FrictionLaw::Stribeck { decay, .. } => (decay * kinetic, decay * velocity, decay * velocity, 1.0),
-            FrictionLaw::Linear { slope: loss, .. } => {
-                slope = *loss;
-                (0.0, 0.0, 0.0, 0.0)
-            }
-            FrictionLaw::Exponential { high_speed, stribeck_velocity, .. } => {
-                floor = *high_speed;
-                ((kinetic - high_speed) / stribeck_velocity, velocity / stribeck_velocity, 0.0, 0.5)
-            }
-            FrictionLaw::Coulomb { .. } | FrictionLaw::Tabulated(_) => (0.0, 0.0, 0.0, 0.0),
-        };
-        (self.floor[lane], self.loss[lane], self.thinning[lane]) = (floor, slope * velocity, thinning);
-        self.jump[lane] = (oscillator.static_friction() - kinetic) / velocity;
-        self.linear[lane] = slope - 2.0 * oscillator.damping_ratio();
-        self.gain[lane] = gain;
-        self.curvature[lane] = curvature;
+        let bend = if let Curve::Exponential(_) = curve { 0.5 } else { 1.0 };
         self.softening[lane] = bend * gain * curvature;
+        let law = oscillator.law();
+        self.floor[lane] =
+            if let FrictionLaw::Exponential { high_speed, .. } = law { *high_speed } else { law.kinetic() };
+        self.loss[lane] =
+            if let FrictionLaw::Linear { slope, .. } = law { slope * oscillator.belt_velocity() } else { 0.0 };
+        self.thinning[lane] = if let Curve::Quotient(_) = curve { curvature } else { 0.0 };
     }
 }
 

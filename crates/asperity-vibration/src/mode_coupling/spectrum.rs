@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::root::zero_between;
 use super::super::{VibrationError, positive};
 use super::Model;
 use super::roots;
+use asperity_base::numeric::root_between;
 
 /// Intervals in which a change of stability is looked for when friction falls with velocity.
 const INTERVALS: usize = 4096;
@@ -254,8 +254,7 @@ fn falling(model: &Model, most: f64) -> Result<Option<f64>, VibrationError> {
     for i in 1..=INTERVALS {
         let friction = most * i as f64 / INTERVALS as f64;
         if margin(friction) < 0.0 {
-            let (low, high) = ((friction, margin(friction)), (before, margin(before)));
-            return zero_between(|mu| Ok(margin(mu)), low, high, 0.0).map(Some);
+            return Ok(root_between(margin, [friction, margin(friction)], [before, margin(before)]));
         }
         before = friction;
     }

@@ -4,6 +4,7 @@ use super::super::motion::Motion;
 use super::super::{Drive, Event, EventKind, Forcing, FrictionLaw, Oscillator, Phase, Slips, VibrationError};
 use super::draw::Case;
 use super::reading::Reading;
+use asperity_base::numeric::golden_section;
 use asperity_process::Path;
 
 /// Gauss's rule of eight nodes on (−1, 1): node and weight of each pair.
@@ -16,7 +17,6 @@ const GAUSS: [[f64; 2]; 4] = [
 
 /// Rounding relative to the sum of all forces, many times over.
 const TIGHT: f64 = 1e-11;
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// What was seen of one motion.
 #[derive(Debug, Default)]
@@ -318,13 +318,13 @@ impl Watch<'_> {
         if slowest > 0.0 && slowest < fall {
             // Golden sections of thirds of the step.
             for third in 0..3 {
-                let (mut low, mut high) = (f64::from(third) / 3.0, f64::from(third + 1) / 3.0);
-                for _ in 0..40 {
-                    let (p, q) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-                    let [left, right] = [p, q].map(|share| motion.sample(before.tau + share * length).1);
-                    slowest = slowest.min(left).min(right);
-                    if left < right { high = q } else { low = p }
-                }
+                let ends = [third, third + 1].map(|third| f64::from(third) / 3.0);
+                let velocity = |share: f64| {
+                    let velocity = motion.sample(before.tau + share * length).1;
+                    slowest = slowest.min(velocity);
+                    velocity
+                };
+                golden_section(velocity, ends, 1.5e-9);
             }
         }
         self.backward = slowest < 0.0;

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use super::super::cycle::cycle_at_belt;
 use super::super::motion::{Motion, SlipState};
 use super::super::portrait::{PhasePoint, sampled};
-use super::super::root::zero_between;
 use super::super::slip_orbit::first_minimum_from;
 use super::super::sway::Sway;
 use super::super::weakening::Weakening;
@@ -16,6 +15,7 @@ use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationErr
 use super::planar::Planar;
 use super::slip_cycle::{ReturnMap, return_map};
 use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::numeric::{bisect, try_root_between};
 use asperity_process::Steady;
 
 /// W and W′ closer than this to steady sliding end there, if it is stable.
@@ -241,17 +241,15 @@ pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationEr
         })
     };
     let smooth = outcomes.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
-    let threshold = |sign: f64, mut high: f64| -> Result<f64, VibrationError> {
-        let (mut low, tolerance) = (0.0, KICK_TOLERANCE * high);
+    let threshold = |sign: f64, high: f64| -> Result<f64, VibrationError> {
+        let tolerance = KICK_TOLERANCE * high;
         if smooth {
-            let at_high = excess(sign * high)?;
-            return zero_between(|velocity| excess(sign * velocity), (low, -1.0), (high, at_high), tolerance);
+            let ends = [[0.0, -1.0], [high, excess(sign * high)?]];
+            let root = try_root_between(|velocity| excess(sign * velocity), ends[0], ends[1], tolerance)?;
+            return Ok(root.unwrap_or(high));
         }
-        while high - low > tolerance {
-            let middle = 0.5 * (low + high);
-            if excess(sign * middle)? > 0.0 { high = middle } else { low = middle }
-        }
-        Ok(high)
+        let ends_in_vibration = |velocity| excess(sign * velocity).map(|excess| excess > 0.0);
+        Ok(bisect(high, 0.0, tolerance, ends_in_vibration)?[0])
     };
     // With the velocity of the belt the mass sticks, or is faster than on any orbit that does not reach the belt.
     let with_belt = threshold(1.0, belt)?;
@@ -347,7 +345,7 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
     if near <= 0.0 || far >= 0.0 {
         return Ok(None);
     }
-    let e = zero_between(least, (0.0, far), (-jump * (1.0 - 1e-9), near), 0.0)?;
+    let Some(e) = try_root_between(least, [0.0, far], [-jump * (1.0 - 1e-9), near], 0.0)? else { return Ok(None) };
     let Some(minimum) = first_minimum_from(&free, 0.0, e, |_, _| {})? else { return Ok(None) };
     // The touch is tangential: rounding may make it an arrival a little before.
     drawn(SeparatrixKind::GrazingOrbit, SlipState { tau: 0.0, phase: Phase::Slip, w: 0.0, e }, minimum.time)

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 
 use super::super::cycle::{LimitCycle, Turn};
 use super::super::motion::Motion;
-use super::super::root::zero_between;
 use super::super::{
     EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary,
 };
@@ -16,6 +15,7 @@ use super::basin::{Outcomes, started_at};
 use super::parameter::Parameter;
 use super::slip_cycle::{SlipCycle, slip_cycles};
 use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::numeric::try_root_between;
 use asperity_process::Steady;
 
 /// Difference of states, relative to the belt velocity and the stick limit, that counts as a repetition.
@@ -398,11 +398,11 @@ fn marks(
         };
         let heights = oscillators.iter().map(above).collect::<Result<Vec<_>, _>>()?;
         for i in 1..values.len() {
-            let (a, b) = ((values[i - 1], heights[i - 1]), (values[i], heights[i]));
-            if a.1 * b.1 < 0.0 {
-                let (negative, positive) = if a.1 < 0.0 { (a, b) } else { (b, a) };
+            let ends = [i - 1, i].map(|i| [values[i], heights[i]]);
+            if ends[0][1] * ends[1][1] < 0.0 {
                 let height = |value: f64| above(&parameter.set(oscillator, value)?);
-                marks.push(Mark { kind, parameter: zero_between(height, negative, positive, 1e-15)? });
+                let root = try_root_between(height, ends[0], ends[1], 1e-15)?;
+                marks.extend(root.map(|parameter| Mark { kind, parameter }));
             }
         }
     }

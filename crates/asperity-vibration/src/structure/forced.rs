@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::super::cycle::{LimitCycle, Turn};
-use super::super::root::{newton_between, zero_between};
 use super::super::{Oscillator, VibrationError};
 use super::passage::passage;
 use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::numeric::{bisect, newton_between, try_root_between};
 
 /// Detachment phases at which the map is first looked at, times the slips of the cycle.
 const PHASES: usize = 192;
@@ -158,14 +158,12 @@ fn pieces(
     let mut pieces = Vec::new();
     for (node, far) in [(a, spacing), (b, -spacing)] {
         let Some(node) = node else { continue };
-        let (mut inside, mut outside) = (node, node.tau + far);
-        while (outside - inside.tau).abs() > 1e-13 * period {
-            let tau = 0.5 * (inside.tau + outside);
-            match advance(tau)?.filter(|(value, _)| joined(*value, node)) {
-                Some((value, slope)) => inside = Node { tau, value, slope },
-                None => outside = tau,
-            }
-        }
+        let mut inside = node;
+        bisect(node.tau, node.tau + far, 1e-13 * period, |tau| -> Result<bool, VibrationError> {
+            let found = advance(tau)?.filter(|(value, _)| joined(*value, node));
+            inside = found.map_or(inside, |(value, slope)| Node { tau, value, slope });
+            Ok(found.is_some())
+        })?;
         pieces.push(if far > 0.0 { (node, inside) } else { (inside, node) });
     }
     Ok(pieces)
@@ -180,10 +178,11 @@ fn roots(
 ) -> Result<Vec<f64>, VibrationError> {
     let mut nodes = vec![a, b];
     if a.slope * b.slope < 0.0 {
-        let (low, high) = if a.slope < 0.0 { (a, b) } else { (b, a) };
-        let slope = |tau: f64| Ok(advance(tau)?.map_or(f64::NAN, |(_, slope)| slope));
-        let extreme = zero_between(slope, (low.tau, low.slope), (high.tau, high.slope), 1e-12 * period)?;
-        if let Some((value, slope)) = advance(extreme)? {
+        let slope =
+            |tau: f64| -> Result<f64, VibrationError> { Ok(advance(tau)?.map_or(f64::INFINITY, |(_, slope)| slope)) };
+        if let Some(extreme) = try_root_between(slope, [a.tau, a.slope], [b.tau, b.slope], 1e-12 * period)?
+            && let Some((value, slope)) = advance(extreme)?
+        {
             nodes.insert(1, Node { tau: extreme, value, slope });
         }
     }
@@ -194,7 +193,9 @@ fn roots(
         let last = (high.value / period).floor() as i64;
         for whole in first..=last {
             let goal = whole as f64 * period;
-            let off = |tau: f64| Ok(advance(tau)?.map_or((f64::NAN, f64::NAN), |(value, slope)| (value - goal, slope)));
+            let off = |tau: f64| -> Result<(f64, f64), VibrationError> {
+                Ok(advance(tau)?.map_or((f64::NAN, f64::NAN), |(value, slope)| (value - goal, slope)))
+            };
             roots.push(newton_between(off, low.tau, high.tau, 0.5 * (low.tau + high.tau))?);
         }
     }

@@ -1,10 +1,10 @@
 //! The slip orbit that touches the belt velocity, with its derivatives.
 
-use super::super::root::newton_between;
 use super::super::slip_orbit::{Minimum, first_minimum_from};
 use super::super::sway::Sway;
 use super::super::{Oscillator, VibrationError};
 use super::tangent::Linear;
+use asperity_base::numeric::newton_between;
 
 /// Least W of the slip orbit from a detachment, with derivatives with respect to ζ and to the time of the detachment.
 #[derive(Debug, Clone, Copy)]

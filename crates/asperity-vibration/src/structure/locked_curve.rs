@@ -10,6 +10,7 @@ use super::boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, Scale};
 use super::grazing::graze;
 use super::parameter::Parameter;
 use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::numeric::bisect;
 
 /// Newton steps of a corrector.
 const MAX_CORRECTIONS: usize = 12;
@@ -224,15 +225,12 @@ impl Lock {
 
     /// Where the parameter is extreme on the next step, by bisection of its direction.
     fn turn(&self, point: Point, direction: Point, step: f64, sense: f64) -> Result<Point, VibrationError> {
-        let (mut low, mut high) = (0.0, step);
         let mut found = point;
-        while high - low > 1e-10 {
-            let middle = 0.5 * (low + high);
-            found = std::array::from_fn(|i| point[i] + middle * direction[i]);
+        bisect(0.0, step, 1e-10, |along| -> Result<bool, VibrationError> {
+            found = std::array::from_fn(|i| point[i] + along * direction[i]);
             let (ahead, _) = self.correct(&mut found, direction)?;
-            let rises = sense * ahead[0] * dot(ahead, direction).signum() > 0.0;
-            if rises { low = middle } else { high = middle }
-        }
+            Ok(sense * ahead[0] * dot(ahead, direction).signum() > 0.0)
+        })?;
         Ok(found)
     }
 }

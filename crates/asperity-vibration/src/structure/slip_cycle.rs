@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::motion::SlipState;
-use super::super::root::newton_between;
 use super::super::{FrictionLaw, Oscillator, Phase, VibrationError};
 use super::planar::{Lap, Planar, Turn};
+use asperity_base::numeric::newton_between;
 
 /// Amplitudes at which the return map is first looked at.
 const AMPLITUDES: usize = 32;

@@ -12,6 +12,7 @@ use std::sync::LazyLock;
 
 use super::super::Oscillator;
 use super::super::series::Series;
+use asperity_base::numeric::solve;
 
 /// Gauss points of a step.
 const NODES: usize = 12;
@@ -151,36 +152,6 @@ impl Linear<'_> {
 
 fn speed(step: Step, node: usize) -> f64 {
     step.series.state(RULE.nodes[node] * step.length).0
-}
-
-/// Gaussian elimination with row pivots; the solutions replace the right sides.
-fn solve<const K: usize>(matrix: &mut [Vector; NODES], right: &mut [[f64; K]; NODES]) {
-    for column in 0..NODES {
-        let mut pivot = column;
-        for row in column + 1..NODES {
-            if matrix[row][column].abs() > matrix[pivot][column].abs() {
-                pivot = row;
-            }
-        }
-        matrix.swap(column, pivot);
-        right.swap(column, pivot);
-        let (head, tail) = (matrix[column], right[column]);
-        for row in column + 1..NODES {
-            let factor = matrix[row][column] / head[column];
-            for k in column + 1..NODES {
-                matrix[row][k] -= factor * head[k];
-            }
-            for k in 0..K {
-                right[row][k] -= factor * tail[k];
-            }
-        }
-    }
-    for row in (0..NODES).rev() {
-        for k in 0..K {
-            let sum: f64 = (row + 1..NODES).map(|j| matrix[row][j] * right[j][k]).sum();
-            right[row][k] = (right[row][k] - sum) / matrix[row][row];
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use asperity::stats::{Bootstrap, Estimate, Interval, Moments, ProcessMoments, Resampling, correlation_time};
+use asperity::random;
+use asperity::stats::{Estimate, Interval, Moments, ProcessMoments, correlation_time, quantile_sorted, sorted_present};
+use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::planted::Planted;
@@ -79,6 +81,33 @@ fn truth(planted: Planted) -> [f64; 5] {
     [m.mean, m.std, m.coefficient_of_variation(), m.skewness, m.excess_kurtosis]
 }
 
+/// The 95 % percentile interval of 200 resamples in moving blocks, which stay within records; none for blocks longer than all
+/// records.
+fn moving_blocks(records: &[&[f64]], block: usize, seed: u64, statistic: fn(Moments) -> f64) -> Option<Interval> {
+    let total: usize = records.iter().map(|record| record.len()).sum();
+    let starts = |record: &[f64]| (record.len() + 1).saturating_sub(block).max(usize::from(!record.is_empty()));
+    let all: usize = records.iter().map(|record| starts(record)).sum();
+    let resample = |index: u64| {
+        let mut stream = random::stream(seed, "bootstrap", index);
+        let mut drawn = Vec::with_capacity(total + block);
+        while drawn.len() < total {
+            let mut start = stream.random_range(0..all);
+            for record in records {
+                if start < starts(record) {
+                    drawn.extend_from_slice(&record[start..(start + block).min(record.len())]);
+                    break;
+                }
+                start -= starts(record);
+            }
+        }
+        drawn.truncate(total);
+        statistic(Moments::of(&drawn))
+    };
+    let replicates = sorted_present((0..200).map(resample));
+    let end = |probability: f64| quantile_sorted(&replicates, probability);
+    (block <= total && !replicates.is_empty()).then(|| Interval { low: end(0.025), high: end(0.975) })
+}
+
 fn bootstrap(text: &mut String, planted: Planted, runs: usize) {
     let truth = truth(planted);
     let found: Vec<[Option<Interval>; 2]> = (0..runs as u64)
@@ -86,13 +115,10 @@ fn bootstrap(text: &mut String, planted: Planted, runs: usize) {
         .map(|run| {
             let records = planted.records(run);
             let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-            let blocks = views.iter().filter_map(|record| correlation_time(record).ok()).map(|t| t.block_length());
-            let resampling = Resampling::MovingBlocks { length: blocks.max().unwrap_or(1) };
-            let bootstrap = Bootstrap { resamples: 200, ..Bootstrap::new(resampling, run) };
-            let of = |statistic: fn(Moments) -> f64| {
-                bootstrap.interval_of_records(&views, |values| statistic(Moments::of(values))).ok()
-            };
-            [of(|m| m.mean), of(|m| m.std)]
+            let times = views.iter().filter_map(|record| correlation_time(record).ok());
+            let blocks = times.map(|t| ((2.0 * t.steps).ceil() as usize).clamp(1, (t.n / 2).max(1)));
+            let block = blocks.max().unwrap_or(1);
+            [moving_blocks(&views, block, run, |m| m.mean), moving_blocks(&views, block, run, |m| m.std)]
         })
         .collect();
     let column = |k: usize| held(&found.iter().filter_map(|f| f[k]).collect::<Vec<_>>(), truth[k]);

@@ -2,7 +2,7 @@
 
 use super::{LagNormalisation, RecordCorrelation, RecordModel};
 use crate::correlation::estimate::EstimateError;
-use crate::correlation::least_squares::{Range, minimise};
+use crate::numeric::{Range, least_squares};
 use crate::stats::{Interval, Moments, student_quantile};
 
 /// Most parts of the jackknife, the least, and the least length of one in fitted lengths.
@@ -39,7 +39,7 @@ pub fn fit_record(record: &RecordCorrelation, model: RecordModel) -> Result<Reco
     let longest_m = record.step_m * record.correlation.len() as f64;
     let range = Range { low: 1e-3 * record.step_m, high: 100.0 * longest_m };
     let decay = record.correlation_length_m().unwrap_or(longest_m);
-    let (found, sum) = minimise(&residuals, &[decay], &[range]);
+    let (found, sum) = least_squares(&residuals, &[decay], &[range]);
     Ok(RecordFit { model, length_m: found[0], misfit: sum.sqrt() })
 }
 

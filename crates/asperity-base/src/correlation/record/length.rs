@@ -6,6 +6,7 @@ use super::band::RecordBand;
 use super::likelihood::{Likelihood, RecordEnds, WindowedRecords};
 use super::model::{RecordModel, WindowedModel};
 use crate::correlation::estimate::EstimateError;
+use crate::numeric::golden_section;
 use crate::stats::{Interval, Moments, student_quantile};
 
 /// Pieces that records are cut into, so that their scatter is known.
@@ -202,28 +203,14 @@ fn range_m(channels: &[WindowedRecords<'_>]) -> (f64, f64) {
 
 /// The minimum of −ln L over ℓ: a coarse scan of ln ℓ and golden sections; 0 if that is as good.
 fn minimum(curve: &dyn Fn(f64) -> f64, low_m: f64, high_m: f64) -> (f64, f64) {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let factor: f64 = 2.0;
     let steps = ((high_m / low_m).ln() / factor.ln()).ceil() as i32;
     let scanned: Vec<(f64, f64)> =
         (0..=steps).map(|i| (low_m * factor.powi(i)).min(high_m)).map(|length_m| (length_m, curve(length_m))).collect();
     let best = scanned.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map_or(0, |(index, _)| index);
-    let mut a = scanned[best.saturating_sub(1)].0.ln();
-    let mut b = scanned[(best + 1).min(scanned.len() - 1)].0.ln();
-    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut at_c, mut at_d) = (curve(c.exp()), curve(d.exp()));
-    while b - a > 2e-3 {
-        if at_c < at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - GOLDEN * (b - a);
-            at_c = curve(c.exp());
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + GOLDEN * (b - a);
-            at_d = curve(d.exp());
-        }
-    }
-    let found = if at_c < at_d { (c.exp(), at_c) } else { (d.exp(), at_d) };
+    let ends = [best.saturating_sub(1), (best + 1).min(scanned.len() - 1)].map(|index| scanned[index].0.ln());
+    let found = golden_section(|log_length| curve(log_length.exp()), ends, 2e-3);
+    let found = (found.place.exp(), found.value);
     let zero = curve(0.0);
     if zero <= found.1 + 1e-6 { (0.0, zero) } else { found }
 }

@@ -78,31 +78,6 @@ fn beyond_chance(best: &[f64], other: &[f64]) -> bool {
     moments.mean > student_quantile(LEVEL, moments.n as f64 - 1.0) * moments.standard_error()
 }
 
-/// The Matérn model whose ν between 0.2 and 5 is most likely, by golden sections in ln ν; [`LengthFit::model`] holds ν. The
-/// interval of ℓ is for this ν.
-///
-/// # Errors
-/// As [`fit_length`].
-pub fn fit_matern(channels: &[WindowedRecords<'_>], settings: LengthSettings) -> Result<LengthFit, EstimateError> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let at = |ln_nu: f64| fit_length(channels, RecordModel::Matern { nu: ln_nu.exp() }, settings);
-    let (mut a, mut b) = (0.2_f64.ln(), 5.0_f64.ln());
-    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut at_c, mut at_d) = (at(c)?, at(d)?);
-    while b - a > 0.05 {
-        if at_c.log_likelihood > at_d.log_likelihood {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - GOLDEN * (b - a);
-            at_c = at(c)?;
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + GOLDEN * (b - a);
-            at_d = at(d)?;
-        }
-    }
-    Ok(if at_c.log_likelihood > at_d.log_likelihood { at_c } else { at_d })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,14 +113,5 @@ mod tests {
         // The filter at four cells a value misses the continuous spectrum by some per cent at the highest wavenumbers.
         let ratio = smooth[0].fit.length_m / (10.0 * 3.0_f64.sqrt());
         assert!((ratio - 1.0).abs() < 0.2, "{smooth:?}");
-    }
-
-    #[test]
-    fn the_smoothness_of_a_filtered_record_is_found() {
-        let record = filtered(1.0 / 10.0, false, 3000, 3);
-        let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, lanes: 1, records: vec![&record] };
-        let found = fit_matern(&[channel], LengthSettings::default()).unwrap();
-        // ν = 1/2; ordinates well above the corner, some thousand, know the exponent −(2ν + 1) to some hundredths.
-        assert!(matches!(found.model, RecordModel::Matern { nu } if (nu - 0.5).abs() < 0.1), "{found:?}");
     }
 }

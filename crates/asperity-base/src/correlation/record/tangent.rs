@@ -1,7 +1,7 @@
 //! A fitted model of records and what moves it: scores, information, and whether it fits.
 
 use super::likelihood::{Likelihood, Spectra};
-use crate::correlation::least_squares::solve;
+use crate::numeric::solution;
 
 /// Fewest ordinates in a band of the test of fit, and most bands of equal number.
 const LEAST_IN_BAND: f64 = 12.0;
@@ -49,7 +49,7 @@ impl Tangent<'_> {
         // The direction of ln ℓ less what the others can do.
         let others: Vec<usize> = (0..all.len()).filter(|index| *index != 1).collect();
         let matrix = others.iter().map(|i| others.iter().map(|j| all[*i][*j]).collect()).collect();
-        let shares = solve(matrix, others.iter().map(|i| all[*i][1]).collect());
+        let shares = solution(matrix, &others.iter().map(|i| all[*i][1]).collect::<Vec<f64>>());
         let (mut scores, mut information) = (vec![0.0; owners], 0.0);
         for (index, group) in self.likelihood.groups.iter().enumerate() {
             for (place, share) in group.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
@@ -69,8 +69,8 @@ impl Tangent<'_> {
     pub(super) fn noise_variance(&self, noise: f64) -> Option<f64> {
         let all = self.information();
         let last = all.len() - 1;
-        let unit = (0..all.len()).map(|index| f64::from(u8::from(index == last))).collect();
-        (noise > 0.0).then(|| solve(all, unit)[last]).filter(|variance| *variance > 0.0)
+        let unit: Vec<f64> = (0..all.len()).map(|index| f64::from(u8::from(index == last))).collect();
+        (noise > 0.0).then(|| solution(all, &unit)[last]).filter(|variance| *variance > 0.0)
     }
 
     /// How far periodogram over model departs from 1 in bands: a sum of squares, and its degrees of freedom.
@@ -123,14 +123,14 @@ impl Tangent<'_> {
         }
         let free = bands.len().checked_sub(1).filter(|free| *free > size)?;
         let information = self.information();
-        let solved: Vec<Vec<f64>> = bands.iter().map(|(_, _, part)| solve(information.clone(), part.clone())).collect();
+        let solved: Vec<Vec<f64>> = bands.iter().map(|(_, _, part)| solution(information.clone(), part)).collect();
         let covariance = |i: usize, j: usize| {
             let taken: f64 = bands[i].2.iter().zip(&solved[j]).map(|(a, b)| a * b).sum();
             dispersion * (if i == j { bands[i].1 } else { 0.0 } - taken)
         };
         let matrix = (0..free).map(|i| (0..free).map(|j| covariance(i, j)).collect()).collect();
         let sums: Vec<f64> = bands[..free].iter().map(|(sum, _, _)| *sum).collect();
-        let statistic = sums.iter().zip(solve(matrix, sums.clone())).map(|(a, b)| a * b).sum::<f64>();
+        let statistic = sums.iter().zip(solution(matrix, &sums)).map(|(a, b)| a * b).sum::<f64>();
         statistic.is_finite().then_some((statistic, free as f64))
     }
 }

@@ -1,9 +1,10 @@
 //! Beta law between given or free bounds.
 
-use super::maximise::{FARTHEST, NEAREST, simplex};
+use super::maximise::{FARTHEST, NEAREST};
 use super::{End, Family, Fit};
 use crate::law::special::{digamma, ln_beta, trigamma};
 use crate::law::{LawError, Marginal};
+use crate::numeric::simplex;
 use crate::stats::Moments;
 
 /// Shapes of the largest likelihood, and the mean log-density on [0, 1] that they reach.
@@ -21,7 +22,7 @@ struct Shapes {
 ///
 /// # Errors
 /// Fewer than two values, a value outside the bounds, or a variance that no Beta law on them has.
-pub fn beta_by_moments(values: &[f64], low: f64, high: f64) -> Result<Marginal, LawError> {
+pub(super) fn beta_by_moments(values: &[f64], low: f64, high: f64) -> Result<Marginal, LawError> {
     let moments = Moments::of(values);
     let error = |reason| LawError::Sample { law: "beta", n: moments.n, reason };
     if moments.n < 2 {

@@ -3,9 +3,10 @@
 //! Where ξ and λ are given, f((x − ξ)/λ) is a normal sample, so that γ and δ are its moments. What is left is a search over
 //! ξ and λ, or over the two ends.
 
-use super::maximise::{FARTHEST, simplex};
+use super::maximise::FARTHEST;
 use super::{End, Family, Fit};
 use crate::law::{JohnsonSystem, LawError, Marginal};
+use crate::numeric::simplex;
 use crate::stats::Moments;
 
 /// Scales of S_U that are searched, in standard deviations of the sample; at the largest the law is lognormal or normal to

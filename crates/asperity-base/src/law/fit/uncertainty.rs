@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::{End, Family, Fit, fit};
 use crate::law::Marginal;
+use crate::numeric::inverse;
 use crate::stats::{Estimate, Layout, Moments, RecordSum};
 
 /// Step of a difference quotient, in units of a positive parameter or of the law's standard deviation.
@@ -224,26 +225,6 @@ fn side_by_side(records: &[&[f64]], layout: Layout) -> Vec<f64> {
     layout.by_strip(records).flat_map(strip).collect()
 }
 
-/// The inverse of a small symmetric matrix by Gauss and Jordan's elimination; `None` unless all pivots are positive.
-#[doc(hidden)]
-pub fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
-    let n = matrix.len();
-    for pivot in 0..n {
-        let diagonal = matrix[pivot][pivot];
-        if !(diagonal > 0.0 && diagonal.is_finite()) {
-            return None;
-        }
-        matrix[pivot][pivot] = 1.0;
-        matrix[pivot].iter_mut().for_each(|entry| *entry /= diagonal);
-        let row = matrix[pivot].clone();
-        for (_, other) in matrix.iter_mut().enumerate().filter(|(index, _)| *index != pivot) {
-            let factor = std::mem::take(&mut other[pivot]);
-            other.iter_mut().zip(&row).for_each(|(entry, above)| *entry -= factor * above);
-        }
-    }
-    (n > 0).then_some(matrix)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::sample;
@@ -325,18 +306,5 @@ mod tests {
         let short = record("beta:2.1,5", 40, 3);
         let fitted = fit(Family::Beta { low: 0.0, high: 1.0 }, &short).unwrap();
         assert!(fitted.estimates(&[&short], false).iter().all(|found| found.estimate.is_none()));
-    }
-
-    #[test]
-    fn a_small_matrix_times_its_inverse_is_one() {
-        let matrix = vec![vec![4.0, 1.0, -2.0], vec![1.0, 3.0, 0.5], vec![-2.0, 0.5, 5.0]];
-        let inverse = inverse(matrix.clone()).unwrap();
-        for i in 0..3 {
-            for j in 0..3 {
-                let product: f64 = (0..3).map(|k| matrix[i][k] * inverse[k][j]).sum();
-                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14);
-            }
-        }
-        assert!(super::inverse(vec![vec![1.0, 2.0], vec![2.0, 1.0]]).is_none());
     }
 }

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::{Goodness, anderson_darling, kolmogorov_smirnov};
 use crate::fourier::RealFft2;
-use crate::law::fit::{Fit, FitGoodness, inverse};
+use crate::law::fit::{Fit, FitGoodness};
 use crate::law::{LawError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::numeric::inverse;
 use crate::random;
 use crate::stats::{Layout, sorted_present};
 

@@ -4,8 +4,8 @@
 //! nearest poles lie at Im g = πδ, so a step of 0.4 δ leaves e^{−2π²/0.4} = 4e-22 of them.
 
 use super::super::moments::Exact;
-use super::super::root::root_between;
 use super::super::special::standard_normal_pdf;
+use crate::numeric::root_between;
 
 /// The least δ that is searched: closer to two atoms, quadrature becomes slow and the law is of no use as a height law.
 const LEAST_DELTA: f64 = 2e-3;

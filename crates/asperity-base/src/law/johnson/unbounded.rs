@@ -9,7 +9,7 @@
 //! <https://doi.org/10.1080/00949650108812126>, for m and for the proof that there is one solution.
 
 use super::super::moments::Exact;
-use super::super::root::root_between;
+use crate::numeric::root_between;
 
 /// Moments of sinh((g − γ)/δ).
 pub(in crate::law) fn unit_moments(gamma: f64, delta: f64) -> Exact {

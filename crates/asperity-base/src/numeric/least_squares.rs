@@ -1,10 +1,14 @@
 //! Weighted nonlinear least squares in a few bounded parameters.
 
+use super::solution;
+
 /// A parameter between two positive bounds, searched on a logarithmic scale.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Range {
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub struct Range {
+    /// Lower bound.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
 }
 
 impl Range {
@@ -23,7 +27,7 @@ impl Range {
 ///
 /// # References
 /// Marquardt, *J. Soc. Indust. Appl. Math.* **11** (1963) 431, <https://doi.org/10.1137/0111030>.
-pub(super) fn minimise(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], ranges: &[Range]) -> (Vec<f64>, f64) {
+pub fn least_squares(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], ranges: &[Range]) -> (Vec<f64>, f64) {
     let count = start.len();
     let real = |t: &[f64]| -> Vec<f64> { t.iter().zip(ranges).map(|(t, range)| range.at(*t)).collect() };
     let square = |r: &[f64]| r.iter().map(|v| v * v).sum::<f64>();
@@ -49,7 +53,7 @@ pub(super) fn minimise(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], ra
             for (p, row) in matrix.iter_mut().enumerate() {
                 row[p] += damping * row[p].max(1e-12);
             }
-            let change = solve(matrix, gradient.clone());
+            let change = solution(matrix, &gradient);
             // A step of 2 in the logistic variable crosses a third of the range; more is not a local step.
             let trial: Vec<f64> =
                 t.iter().zip(&change).map(|(t, d)| (t + d.clamp(-2.0, 2.0)).clamp(-12.0, 12.0)).collect();
@@ -73,31 +77,6 @@ pub(super) fn minimise(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], ra
     (real(&t), sum)
 }
 
-/// Solves a small symmetric positive system by elimination with pivoting; a singular direction stays at zero.
-pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
-    let n = b.len();
-    for i in 0..n {
-        let pivot = (i..n).max_by(|p, q| a[*p][i].abs().total_cmp(&a[*q][i].abs())).unwrap_or(i);
-        a.swap(i, pivot);
-        b.swap(i, pivot);
-        if a[i][i] == 0.0 {
-            continue;
-        }
-        for row in i + 1..n {
-            let factor = a[row][i] / a[i][i];
-            for column in i..n {
-                a[row][column] -= factor * a[i][column];
-            }
-            b[row] -= factor * b[i];
-        }
-    }
-    for i in (0..n).rev() {
-        let rest: f64 = (i + 1..n).map(|column| a[i][column] * b[column]).sum();
-        b[i] = if a[i][i] == 0.0 { 0.0 } else { (b[i] - rest) / a[i][i] };
-    }
-    b
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,7 +89,7 @@ mod tests {
             |p: &[f64]| (0..40).map(|i| model(p, 0.1 * f64::from(i)) - model(&truth, 0.1 * f64::from(i))).collect();
         let ranges = [Range { low: 0.1, high: 10.0 }; 3];
         let ranges = [ranges[0], ranges[1], Range { low: 1e-4, high: 1.0 }];
-        let (found, sum) = minimise(&residuals, &[1.0, 3.0, 0.5], &ranges);
+        let (found, sum) = least_squares(&residuals, &[1.0, 3.0, 0.5], &ranges);
         assert!(sum < 1e-16, "{sum:e}");
         assert!(found.iter().zip(truth).all(|(f, t)| (f / t - 1.0).abs() < 1e-6), "{found:?}");
     }
@@ -118,7 +97,7 @@ mod tests {
     #[test]
     fn a_minimum_outside_the_range_ends_at_its_bound() {
         let residuals = |p: &[f64]| vec![p[0] - 5.0];
-        let (found, _) = minimise(&residuals, &[0.5], &[Range { low: 0.1, high: 1.0 }]);
+        let (found, _) = least_squares(&residuals, &[0.5], &[Range { low: 0.1, high: 1.0 }]);
         assert!(found[0] > 0.99 && found[0] <= 1.0);
     }
 }

@@ -2,12 +2,16 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::atomic::{AtomicIsize, Ordering};
 
-/// The system's allocator with a count of the bytes that each thread holds.
+/// The system's allocator with a count of the bytes that each thread and the whole process hold.
 struct Counting;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
+
+static HELD_BY_ALL: AtomicIsize = AtomicIsize::new(0);
+static PEAK_OF_ALL: AtomicIsize = AtomicIsize::new(0);
 
 thread_local! {
     static HELD: Cell<isize> = const { Cell::new(0) };
@@ -15,6 +19,8 @@ thread_local! {
 }
 
 fn count(bytes: isize) {
+    let held = HELD_BY_ALL.fetch_add(bytes, Ordering::Relaxed) + bytes;
+    PEAK_OF_ALL.fetch_max(held, Ordering::Relaxed);
     // Memory may be freed after the thread's locals are gone; nobody measures then.
     let _ = HELD.try_with(|held| {
         held.set(held.get() + bytes);
@@ -23,8 +29,8 @@ fn count(bytes: isize) {
 }
 
 #[expect(unsafe_code, reason = "counting allocations needs an allocator; every call goes to the system's unchanged")]
-// SAFETY: every method passes its arguments to `System` and returns what it returns; counting touches no memory but
-// thread locals that need no initialisation and no destructor.
+// SAFETY: every method passes its arguments to `System` and returns what it returns; counting touches no memory but two
+// static numbers, and thread locals that need no initialisation and no destructor.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
@@ -51,6 +57,16 @@ unsafe impl GlobalAlloc for Counting {
         // SAFETY: the caller's promise about `pointer`, `layout` and `size` is passed on.
         unsafe { System.realloc(pointer, layout, size) }
     }
+}
+
+/// What `work` returns, and the most bytes that all threads held during it beyond those that they held before. Other tests
+/// must not run meanwhile.
+#[allow(dead_code, reason = "each test program uses one of the two")]
+pub(crate) fn peak_bytes_of_all_threads<T>(work: impl FnOnce() -> T) -> (T, usize) {
+    let before = HELD_BY_ALL.load(Ordering::Relaxed);
+    PEAK_OF_ALL.store(before, Ordering::Relaxed);
+    let value = work();
+    (value, PEAK_OF_ALL.load(Ordering::Relaxed).saturating_sub(before).max(0) as usize)
 }
 
 /// What `work` returns, and the most bytes that this thread held during it beyond those that it held before.

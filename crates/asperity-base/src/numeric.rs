@@ -1,0 +1,11 @@
+//! Roots, minima and small linear systems.
+
+mod least_squares;
+mod linear;
+mod minimum;
+mod root;
+
+pub use least_squares::{Range, least_squares};
+pub use linear::{inverse, solution, solve, solve_positive_definite};
+pub use minimum::{GoldenSection, golden_section, simplex};
+pub use root::{bisect, newton_between, root_between, try_root_between};

@@ -1,0 +1,85 @@
+//! The list of all formats, and how they are told apart.
+
+use crate::archive::GZIP_MAGIC;
+use crate::codec::{Codec, Description};
+use crate::{Format, foreign};
+
+/// All formats, in the order in which content is compared with them: signatures first, X3P after the other zip archives,
+/// text of any kind last.
+const CODECS: [&Codec; 22] = [
+    &crate::plux::CODEC,
+    &crate::npz::CODEC,
+    &crate::x3p::CODEC,
+    &crate::sur::CODEC,
+    &crate::sdf::CODEC,
+    &crate::gwy::CODEC,
+    &crate::opd::CODEC,
+    &crate::metropro::CODEC,
+    &crate::datx::CODEC,
+    &crate::al3d::CODEC,
+    &crate::nms::CODEC,
+    &crate::frt::CODEC,
+    &crate::bcr::CODEC,
+    &crate::tmd::CODEC,
+    &crate::vk::CODEC,
+    &crate::netcdf::CODEC,
+    &crate::npy::CODEC,
+    &crate::tiff::CODEC,
+    &crate::vtk::CODEC,
+    &crate::plu::CODEC,
+    &crate::xyz::CODEC,
+    &crate::text::CODEC,
+];
+
+/// The table of formats.
+pub fn descriptions() -> impl Iterator<Item = &'static Description> {
+    CODECS.iter().map(|codec| &codec.description)
+}
+
+impl Format {
+    /// The functions of the format; `None` for [`Format::Gzip`], which is transparent.
+    pub(crate) fn codec(self) -> Option<&'static Codec> {
+        CODECS.into_iter().find(|codec| codec.description.format == self)
+    }
+
+    /// Whether files of this format state how far apart their points are.
+    pub fn stores_pitch(self) -> bool {
+        self.codec().is_some_and(|codec| codec.description.stores_pitch)
+    }
+
+    /// The format of a file's content; `None` for content of no known format.
+    ///
+    /// Zip archives are told apart by the names of their files. Text that is no other format counts as a matrix:
+    /// whether it holds one is found out by reading it.
+    pub fn detect(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(&GZIP_MAGIC) {
+            return Some(Self::Gzip);
+        }
+        // Some of them are text.
+        if foreign::recognise(bytes, bytes.len() as u64).is_some() {
+            return None;
+        }
+        CODECS.into_iter().find(|codec| (codec.detect)(bytes)).map(|codec| codec.description.format)
+    }
+
+    /// The format that is written under an extension (without its dot, in any case).
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        let extension = extension.to_ascii_lowercase();
+        let written = CODECS.into_iter().filter(|codec| codec.write.is_some()).map(|codec| &codec.description);
+        written.filter(|known| known.extensions.contains(&extension.as_str())).map(|known| known.format).next()
+    }
+}
+
+/// The extensions that are written, for a message.
+pub(crate) fn written_extensions() -> String {
+    let written = CODECS.iter().filter(|codec| codec.write.is_some());
+    let extensions: Vec<String> =
+        written.flat_map(|codec| codec.description.extensions).map(|extension| format!(".{extension}")).collect();
+    extensions.join(" ")
+}
+
+/// The names of the formats that are read, for a message.
+pub(crate) fn read_names() -> String {
+    let read = CODECS.iter().filter(|codec| !codec.description.reads.is_empty());
+    read.map(|codec| codec.description.format.name()).collect::<Vec<_>>().join(", ")
+}
