@@ -559,7 +559,7 @@ mod tests {
                 }
             }
         }
-        let plane = crate::correlation::least_squares::solve(normal, right);
+        let plane = crate::numeric::solution(normal, &right);
         let mut heights = map.heights_m().clone();
         for ((row, column), z) in heights.indexed_iter_mut() {
             *z -= basis(row, column).iter().enumerate().map(|(i, b)| b * plane[i]).sum::<f64>();
