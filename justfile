@@ -8,11 +8,15 @@ default:
     @just --list
 
 # Everything CI checks.
-check: test lint
+check: test slow lint
 
-# All tests, documentation examples included.
+# The quick tests, documentation examples included.
 test:
     cargo test --workspace
+
+# The tests that count statistics or follow many machines, above two seconds each.
+slow:
+    cargo test --workspace --tests -- --ignored
 
 # Damages small files of every surface format, COUNT times each, and reads them: about a minute.
 fuzz COUNT="150000":

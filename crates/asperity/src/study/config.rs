@@ -63,7 +63,7 @@ pub enum CovarianceChoice {
     /// would distort its slopes.
     ///
     /// Spectrum and heights do not determine the contact. Copies of a scan with random phases and the scan's own heights need
-    /// 0.73 to 1.29 times its mean pressure for 5 % contact on reference scans (st_al3d-1 and st_x3p-2 of SurfaceTopography):
+    /// 0.75 to 1.44 times its mean pressure for 5 % contact on reference scans (st_al3d-1 and st_x3p-2 of SurfaceTopography):
     /// a study presses drawn maps and a part of the scan, and warns where they touch on different areas.
     #[default]
     Measured,
