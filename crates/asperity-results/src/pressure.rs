@@ -1,0 +1,249 @@
+//! The pressure stage in `results.json`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Pair;
+
+/// The pressure stage.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureResult {
+    /// Cell [row, column] whose pressure is studied.
+    pub cell: [usize; 2],
+    /// Contact solves of the reference run.
+    pub reference_samples: usize,
+    /// Cells of each whose pressures are pooled: more than one where the surface is stationary on a periodic patch.
+    pub sites: usize,
+    /// P(contact) of the reference run.
+    pub contact_probability: f64,
+    /// Its standard error.
+    pub contact_probability_se: Option<f64>,
+    /// Its interval.
+    pub contact_probability_interval: Option<Pair>,
+    /// Mean pressure of the reference run, zeros out of contact counted.
+    pub mean_pa: f64,
+    /// Its standard error.
+    pub mean_se_pa: Option<f64>,
+    /// Its interval.
+    pub mean_interval: Option<Pair>,
+    /// Standard deviation of the pressure in the reference run, zeros out of contact counted.
+    pub std_pa: f64,
+    /// Quantiles of the reference run.
+    pub quantiles: Vec<PressureQuantile>,
+    /// Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %.
+    pub ks_resolution: f64,
+    /// Contact solves of the reference run that failed.
+    pub failed_samples: usize,
+    /// Mean compliance of a periodic patch.
+    pub mean_compliance_m_per_pa: Option<f64>,
+    /// Height of the plane above the mean of the ensemble, where it is fixed in space.
+    pub separation_m: Option<f64>,
+    /// One entry per method.
+    pub methods: Vec<MethodEntry>,
+    /// Scalars of the whole contact.
+    pub scalars: Vec<ScalarEntry>,
+    /// What the maps of all cells rest on; absent without maps.
+    pub maps: Option<MapsEntry>,
+    /// Whether cells differ in law; absent without maps.
+    pub homogeneity: Option<HomogeneityEntry>,
+    /// The expansion of all cells; absent without maps.
+    pub global_expansion: Option<GlobalExpansionEntry>,
+    /// Sobol' indices, one entry for each quantity and set of variables.
+    pub sensitivities: Vec<SensitivityEntry>,
+}
+
+/// One method of the pressure stage.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MethodEntry {
+    /// Name.
+    pub name: String,
+    /// Contact solves.
+    pub fine_solves: usize,
+    /// Contact solves on coarser grids.
+    pub coarse_solves: Vec<CoarseEntry>,
+    /// Their work, that of coarse ones by cells and iterations, in fine solves.
+    pub work_in_fine_solves: f64,
+    /// Contact solves that failed.
+    pub failed_samples: usize,
+    /// P(contact).
+    pub contact_probability: Option<f64>,
+    /// Its bias, estimated from samples that a model is not fitted to; absent where there is no bias.
+    pub contact_probability_bias: Option<f64>,
+    /// The standard error of P(contact) less its bias.
+    pub contact_probability_se: Option<f64>,
+    /// Its interval, which holds bias and error.
+    pub contact_probability_interval: Option<Pair>,
+    /// Mean pressure, zeros out of contact counted.
+    pub mean_pa: Option<f64>,
+    /// Its bias, as that of P(contact).
+    pub mean_bias_pa: Option<f64>,
+    /// The standard error of the mean less its bias.
+    pub mean_se_pa: Option<f64>,
+    /// Its interval, which holds bias and error.
+    pub mean_interval: Option<Pair>,
+    /// Standard deviation of the pressure, zeros out of contact counted.
+    pub std_pa: Option<f64>,
+    /// Quantiles.
+    pub quantiles: Vec<PressureQuantile>,
+    /// So many standard errors to either side of the distribution function less its bias hold it everywhere at once with 95 %; biases
+    /// and standard errors stand in the table `pressure_bands`.
+    pub simultaneous_band_factor: Option<f64>,
+    /// Kolmogorov–Smirnov distance from the reference.
+    pub ks_distance: Option<f64>,
+    /// Wasserstein-1 distance from the reference over its standard deviation.
+    pub wasserstein_1_over_std: Option<f64>,
+    /// Coefficients of the expansion.
+    pub coefficients: Option<usize>,
+    /// Relative leave-one-out error of the expansion.
+    pub leave_one_out_error: Option<f64>,
+    /// Why there are no intervals.
+    pub interval_failure: Option<String>,
+    /// Why there is no estimate.
+    pub failure: Option<String>,
+}
+
+/// Contact solves on one coarser grid.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoarseEntry {
+    /// Points along x.
+    pub nx: usize,
+    /// Points along y.
+    pub ny: usize,
+    /// Number of solves.
+    pub solves: usize,
+    /// Their work, by cells and iterations, in fine solves.
+    pub work_in_fine_solves: f64,
+}
+
+/// A quantile of the pressure.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureQuantile {
+    /// Probability.
+    pub probability: f64,
+    /// Quantile; 0 up to the probability of no contact.
+    pub pressure_pa: f64,
+    /// Its interval; absent without standard errors.
+    pub pressure_pa_interval: Option<Pair>,
+}
+
+/// A scalar of the whole contact, estimated as by the default method.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScalarEntry {
+    /// Name with the unit of all values.
+    pub name: String,
+    /// Mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub mean_se: f64,
+    /// Its interval.
+    pub mean_interval: Pair,
+    /// Standard deviation.
+    pub std: f64,
+    /// Quantiles.
+    pub quantiles: Vec<ScalarQuantile>,
+}
+
+/// A quantile of a scalar.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScalarQuantile {
+    /// Probability.
+    pub probability: f64,
+    /// Quantile.
+    pub value: f64,
+    /// Its interval.
+    pub value_interval: Pair,
+}
+
+/// What the maps of all cells rest on. They are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50`
+/// and `_90`, and `expansion_error`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapsEntry {
+    /// Samples of contact probabilities and means.
+    pub samples: usize,
+    /// Samples of quantiles, standard errors and the expansion.
+    pub kept_samples: usize,
+    /// Largest half width of the 95 % intervals of the contact probabilities, each cell by itself.
+    pub contact_probability_largest_half_width: Option<f64>,
+    /// Largest standard error of the mean pressures.
+    pub mean_largest_se_pa: Option<f64>,
+}
+
+/// Whether cells differ in contact probability or mean pressure.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HomogeneityEntry {
+    /// Cells compared.
+    pub cells: Option<usize>,
+    /// Independent samples of them.
+    pub samples: Option<usize>,
+    /// p-value of equal contact probabilities.
+    pub contact_p_value: Option<f64>,
+    /// p-value of equal mean pressures.
+    pub mean_p_value: Option<f64>,
+    /// p-value of both.
+    pub p_value: Option<f64>,
+    /// Whether the samples do not show that cells differ, at 5 %.
+    pub plausible: Option<bool>,
+    /// Why it is not known.
+    pub failure: Option<String>,
+}
+
+/// An expansion of the pressures of all cells in the leading germ variables.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GlobalExpansionEntry {
+    /// Leading germ variables.
+    pub variables: Option<usize>,
+    /// Total degree.
+    pub degree: Option<usize>,
+    /// Coefficients of each cell.
+    pub coefficients: Option<usize>,
+    /// Relative leave-one-out error, mean over the cells that vary.
+    pub leave_one_out_error: Option<f64>,
+    /// Why there is none.
+    pub failure: Option<String>,
+}
+
+/// Sobol' indices of one quantity with respect to one set of variables: shares of what an expansion explains.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensitivityEntry {
+    /// Name of the quantity with its unit.
+    pub quantity: String,
+    /// `local`: the height of the cell and of rings around it; `global`: the leading germ variables.
+    pub variables: String,
+    /// One entry for each variable.
+    pub indices: Vec<IndexEntry>,
+    /// Terms of the expansion.
+    pub terms: Option<usize>,
+    /// Share of the variance that the expansion does not predict, by cross-validation.
+    pub cross_validated_error: Option<f64>,
+    /// Why there are no indices.
+    pub failure: Option<String>,
+}
+
+/// Sobol' indices of one variable.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IndexEntry {
+    /// Name of the variable.
+    pub name: String,
+    /// First-order index.
+    pub first_order: f64,
+    /// Its standard error.
+    pub first_order_se: f64,
+    /// Its interval.
+    pub first_order_interval: Pair,
+    /// Total index.
+    pub total: f64,
+    /// Its standard error.
+    pub total_se: f64,
+    /// Its interval.
+    pub total_interval: Pair,
+}

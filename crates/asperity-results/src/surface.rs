@@ -1,0 +1,289 @@
+//! The surface stage in `results.json`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::companions::{Companions, Pooled, Spread};
+use crate::LawResult;
+
+/// The surface stage. The statistics stand beside the other keys.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceResult {
+    /// Statistics of what was measured.
+    #[serde(flatten)]
+    pub measured: MeasuredSurface,
+    /// Covariance of the random surfaces; absent for Weierstrass–Mandelbrot surfaces, which are not made from one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<CovarianceResult>,
+    /// Marginal distribution of the random surfaces.
+    pub marginal: LawResult,
+    /// Karhunen–Loève expansion on the patches of the pressure stage.
+    pub karhunen_loeve: Option<KarhunenLoeveResult>,
+}
+
+impl SurfaceResult {
+    /// Returns the statistics of the scan if the study has exactly one.
+    pub fn scan(&self) -> Option<&SurfaceStatistics> {
+        if let MeasuredSurface::Scan(scan) = &self.measured { Some(scan) } else { None }
+    }
+
+    /// Returns the statistics of the part if the study has several scans of it.
+    pub fn part(&self) -> Option<&PartStatistics> {
+        if let MeasuredSurface::Part(part) = &self.measured { Some(part) } else { None }
+    }
+}
+
+/// Statistics of the scans of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum MeasuredSurface {
+    /// Pooled statistics of several scans of a part.
+    Part(Box<PartStatistics>),
+    /// Statistics of one scan.
+    Scan(Box<SurfaceStatistics>),
+    /// The study states its surface.
+    Stated {},
+}
+
+impl Default for MeasuredSurface {
+    fn default() -> Self {
+        Self::Stated {}
+    }
+}
+
+/// Statistics of a map after levelling; keys as in `asperity surface stats`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[expect(non_snake_case, reason = "the names of ISO 25178-2 parameters are case-sensitive")]
+pub struct SurfaceStatistics {
+    /// Points along x.
+    pub nx: usize,
+    /// Points along y.
+    pub ny: usize,
+    /// Pitch along x.
+    pub dx_m: f64,
+    /// Pitch along y.
+    pub dy_m: f64,
+    /// Missing points, rejected outliers included.
+    pub missing_points: usize,
+    /// Points rejected as outliers.
+    pub outliers: usize,
+    /// Radius of the cylinder or sphere that was removed, positive for a ridge or cap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form_radius_m: Option<f64>,
+    /// Arithmetical mean height.
+    pub Sa_m: f64,
+    /// Root mean square height.
+    pub Sq_m: f64,
+    /// Skewness.
+    pub Ssk: Option<f64>,
+    /// Kurtosis.
+    pub Sku: Option<f64>,
+    /// Highest peak.
+    pub Sp_m: f64,
+    /// Deepest pit.
+    pub Sv_m: f64,
+    /// Sp + Sv.
+    pub Sz_m: f64,
+    /// Root mean square gradient by forward differences.
+    pub Sdq: Option<f64>,
+    /// The same by the seven-point stencil.
+    pub Sdq_7point: Option<f64>,
+    /// Developed interfacial area ratio by triangulation.
+    pub Sdr: Option<f64>,
+    /// Autocorrelation length at 0.2.
+    pub Sal_m: Option<f64>,
+    /// Texture aspect ratio.
+    pub Str: Option<f64>,
+    /// Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π.
+    pub Std_rad: Option<f64>,
+    /// Dominant wavelength.
+    pub Ssw_m: Option<f64>,
+    /// Core height, by the least-squares line of ISO 25178-2, as those up to Svkx.
+    pub Sk_m: f64,
+    /// Reduced peak height.
+    pub Spk_m: f64,
+    /// Reduced dale depth.
+    pub Svk_m: f64,
+    /// Upper material ratio of the core.
+    pub Smrk1: f64,
+    /// Lower material ratio of the core.
+    pub Smrk2: f64,
+    /// Height of the highest peak above the core.
+    pub Spkx_m: f64,
+    /// Depth of the deepest dale below the core.
+    pub Svkx_m: f64,
+    /// Core height by the flattest secant, as the next four.
+    pub Sk_secant_m: f64,
+    /// Reduced peak height.
+    pub Spk_secant_m: f64,
+    /// Reduced dale depth.
+    pub Svk_secant_m: f64,
+    /// Upper material ratio of the core.
+    pub Smrk1_secant: f64,
+    /// Lower material ratio of the core.
+    pub Smrk2_secant: f64,
+    /// Peak extreme height, between the material ratios 2.5 % and 50 %.
+    pub Sxp_m: f64,
+    /// Peak material volume.
+    pub Vmp_m: f64,
+    /// Core material volume.
+    pub Vmc_m: f64,
+    /// Core void volume.
+    pub Vvc_m: f64,
+    /// Dale void volume.
+    pub Vvv_m: f64,
+    /// Lower end of the wavenumbers at which the radial spectrum is reliable.
+    pub psd_reliable_low_rad_per_m: f64,
+    /// Their upper end; nothing is reliable when it is not above the lower.
+    pub psd_reliable_high_rad_per_m: f64,
+    /// What sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    pub psd_upper_limit: String,
+    /// 1/e correlation length along x.
+    pub correlation_length_x_m: Option<f64>,
+    /// 1/e correlation length along y.
+    pub correlation_length_y_m: Option<f64>,
+    /// Hurst exponent.
+    pub hurst: Option<f64>,
+    /// Its standard error.
+    pub hurst_se: Option<f64>,
+    /// Shortest lag of the structure functions from which it was fitted.
+    pub hurst_range_low_m: Option<f64>,
+    /// Longest lag of these.
+    pub hurst_range_high_m: Option<f64>,
+    /// Fractal dimension 3 − H.
+    pub fractal_dimension: Option<f64>,
+    /// Intervals and standard errors beside them.
+    #[serde(flatten)]
+    pub intervals: Companions<Spread>,
+}
+
+/// Pooled statistics of several scans of a part, and those of the scans.
+///
+/// Each pooled statistic `x` is the weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the
+/// standard error of one scan) and `x_between_std` (the standard deviation between places). All are `null` if `x` is undefined on a
+/// scan.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartStatistics {
+    /// Number of scans.
+    pub scan_count: usize,
+    /// Points along x; `null` where the scans differ, as for the next three.
+    pub nx: Option<usize>,
+    /// Points along y.
+    pub ny: Option<usize>,
+    /// Pitch along x.
+    pub dx_m: Option<f64>,
+    /// Pitch along y.
+    pub dy_m: Option<f64>,
+    /// Missing points of all scans.
+    pub missing_points: usize,
+    /// Points of all scans rejected as outliers.
+    pub outliers: usize,
+    /// Pooled statistics by name.
+    #[serde(flatten)]
+    pub pooled: Companions<Pooled>,
+    /// Lower end of the wavenumbers at which the spectra of all scans are reliable.
+    pub psd_reliable_low_rad_per_m: f64,
+    /// Their upper end.
+    pub psd_reliable_high_rad_per_m: f64,
+    /// What sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    pub psd_upper_limit: String,
+    /// Shortest lag from which the Hurst exponent of a scan was fitted.
+    pub hurst_range_low_m: Option<f64>,
+    /// Longest lag of these.
+    pub hurst_range_high_m: Option<f64>,
+    /// The scans.
+    pub scans: Vec<ScanOfPart>,
+}
+
+/// One scan of a part.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ScanOfPart {
+    /// Name of its file.
+    pub file: String,
+    /// Its statistics.
+    #[serde(flatten)]
+    pub statistics: SurfaceStatistics,
+}
+
+/// Covariance of the random surfaces.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CovarianceResult {
+    /// Name of the model; `empirical` is the scan's own.
+    pub model: String,
+    /// Standard deviation.
+    pub std_m: f64,
+    /// Length ℓ along x of the model : where the correlation falls to 1/e, except
+    /// that it is the scale of the Matérn model and the roll-off length of the self-affine one. Without a model where the
+    /// correlation falls to 1/e.
+    pub length_x_m: f64,
+    /// The same along y.
+    pub length_y_m: f64,
+    /// Lag along x at which the correlation is 1/e, whatever the model: what `correlation_length_x_m` is of the scan.
+    pub decay_length_x_m: f64,
+    /// The same along y.
+    pub decay_length_y_m: f64,
+    /// Smoothness ν of a Matérn model.
+    pub smoothness: Option<f64>,
+    /// Hurst exponent of a self-affine model.
+    pub hurst: Option<f64>,
+    /// Root mean square of ln(measured/model spectral density) over the reliable band, where fitted.
+    pub misfit: Option<f64>,
+    /// Sdq of maps drawn on the scan's grid, in the root mean square, over that of the scan, both S-filtered at `slope_cutoff_m`, where
+    /// the covariance is the scan's.
+    pub slope_ratio: Option<f64>,
+    /// Cutoff of that S-filter: the end of the scan's reliable band, or four pixels.
+    pub slope_cutoff_m: Option<f64>,
+    /// The covariances that were tried, the most likely model first.
+    pub candidates: Vec<CovarianceCandidate>,
+    /// What was done to the scan's own autocorrelation to make it a covariance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub empirical: Option<EmpiricalCovariance>,
+}
+
+/// A covariance that was tried.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CovarianceCandidate {
+    /// Name of the model; `empirical` is the scan's own.
+    pub model: String,
+    /// Root mean square of ln(measured/model spectral density) over the reliable band, of a model.
+    pub misfit: Option<f64>,
+    /// Sdq of its random surfaces, as expected without sampling, over that of the scan.
+    pub slope_ratio: Option<f64>,
+}
+
+/// A Karhunen–Loève expansion.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KarhunenLoeveResult {
+    /// Number of terms.
+    pub modes: usize,
+    /// Fraction of the variance that they hold.
+    pub captured_variance: f64,
+    /// Fraction of the mean squared slope on the patch's grid that they hold.
+    pub captured_slope_variance: f64,
+}
+
+/// Changes that made the scan's own autocorrelation a covariance. All correlations are relative to the variance.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EmpiricalCovariance {
+    /// Share of the variance that went with the map's mean; lags and variance are corrected for it.
+    pub mean_share: f64,
+    /// Standard error of a lag near zero in a field without correlation there, √(Σρ²/N).
+    pub standard_error: f64,
+    /// Largest lag along x, over all directions, up to which the estimate is used as it stands, in metre.
+    pub reliable_x_m: f64,
+    /// Largest lag along y up to which the estimate is used as it stands, in metre.
+    pub reliable_y_m: f64,
+    /// Whether the correlation decays along x within the map. Otherwise the taper shortened it.
+    pub decayed_x: bool,
+    /// Whether the correlation decays along y within the map.
+    pub decayed_y: bool,
+    /// Largest change of a lag by the taper.
+    pub taper_change: f64,
+    /// Share of the variance in negative values of the tapered spectrum, which were set to zero.
+    pub clipped_variance: f64,
+    /// Largest change of a lag by the balancing of the spectrum and the end of its factor.
+    pub clipping_change: f64,
+}
