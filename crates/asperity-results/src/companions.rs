@@ -27,7 +27,7 @@ impl<T> Companions<T> {
 
 /// Interval and standard error of a statistic whose value stands elsewhere.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Spread {
+pub struct SpreadResult {
     /// 95 % interval.
     pub interval: Pair,
     /// Standard error.
@@ -36,7 +36,7 @@ pub struct Spread {
 
 /// A statistic of a part.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Pooled {
+pub struct PooledResult {
     /// Weighted mean of the values of the scans.
     pub value: f64,
     /// 95 % interval of the part's statistic.
@@ -81,7 +81,7 @@ pub trait Cells: Sized {
     fn of(cells: &[Option<Cell>]) -> Option<Self>;
 }
 
-impl Cells for Spread {
+impl Cells for SpreadResult {
     const ENDINGS: &'static [&'static str] = &["_interval", "_se"];
 
     fn cells(&self) -> Vec<Option<Cell>> {
@@ -93,7 +93,7 @@ impl Cells for Spread {
     }
 }
 
-impl Cells for Pooled {
+impl Cells for PooledResult {
     const ENDINGS: &'static [&'static str] = &["_interval", "_se", "_within_std", "_between_std", ""];
 
     fn cells(&self) -> Vec<Option<Cell>> {

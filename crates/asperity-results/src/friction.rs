@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Control, CutoffResult, LawResult, Pair, UncertaintyResult};
+use crate::{CutoffResult, LawResult, Pair, Prescribed, UncertaintyResult};
 
 /// The friction stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -69,7 +69,7 @@ pub struct LevelResult {
     /// Whether this is the level that is shown in full and handed to the vibration stage.
     pub leading: bool,
     /// Prescribed quantity.
-    pub control: Control,
+    pub control: Prescribed,
     /// Percentage of the heights above the plane; `null` where that is not prescribed.
     pub percentile: Option<f64>,
     /// Mean depth of the plane below the highest point of each strip.

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use companions::{Companions, Pooled, Spread};
+pub use companions::{Companions, PooledResult, SpreadResult};
 pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
 pub use friction::{
     AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
@@ -37,8 +37,8 @@ pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
 pub use vibration::{
-    CrossingResult, CycleResult, DampingResult, EnsembleResult, MapResolution, MapResult, MotionKind, MotionResult,
-    PointsResult, VibrationResult,
+    CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,
+    MotionResult, PointsResult, VibrationResult,
 };
 
 /// Version of the keys of `results.json` that this crate reads and writes.
@@ -98,7 +98,7 @@ pub struct LawResult {
 /// Quantity that a level of the friction stage prescribes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Control {
+pub enum Prescribed {
     /// Percentage of the heights above the plane.
     #[default]
     Percentile,

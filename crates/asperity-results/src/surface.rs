@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::companions::{Companions, Pooled, Spread};
 use crate::LawResult;
+use crate::companions::{Companions, PooledResult, SpreadResult};
 
 /// The surface stage. The statistics stand beside the other keys.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -153,7 +153,59 @@ pub struct SurfaceStatistics {
     pub fractal_dimension: Option<f64>,
     /// Intervals and standard errors beside them.
     #[serde(flatten)]
-    pub intervals: Companions<Spread>,
+    pub intervals: Companions<SpreadResult>,
+}
+
+impl SurfaceStatistics {
+    /// Returns a statistic by its name, or `None` if it is undefined or no statistic with a decimal point has the name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match name {
+            "dx_m" => Some(self.dx_m),
+            "dy_m" => Some(self.dy_m),
+            "Sa_m" => Some(self.Sa_m),
+            "Sq_m" => Some(self.Sq_m),
+            "Sp_m" => Some(self.Sp_m),
+            "Sv_m" => Some(self.Sv_m),
+            "Sz_m" => Some(self.Sz_m),
+            "Sk_m" => Some(self.Sk_m),
+            "Spk_m" => Some(self.Spk_m),
+            "Svk_m" => Some(self.Svk_m),
+            "Smrk1" => Some(self.Smrk1),
+            "Smrk2" => Some(self.Smrk2),
+            "Spkx_m" => Some(self.Spkx_m),
+            "Svkx_m" => Some(self.Svkx_m),
+            "Sk_secant_m" => Some(self.Sk_secant_m),
+            "Spk_secant_m" => Some(self.Spk_secant_m),
+            "Svk_secant_m" => Some(self.Svk_secant_m),
+            "Smrk1_secant" => Some(self.Smrk1_secant),
+            "Smrk2_secant" => Some(self.Smrk2_secant),
+            "Sxp_m" => Some(self.Sxp_m),
+            "Vmp_m" => Some(self.Vmp_m),
+            "Vmc_m" => Some(self.Vmc_m),
+            "Vvc_m" => Some(self.Vvc_m),
+            "Vvv_m" => Some(self.Vvv_m),
+            "psd_reliable_low_rad_per_m" => Some(self.psd_reliable_low_rad_per_m),
+            "psd_reliable_high_rad_per_m" => Some(self.psd_reliable_high_rad_per_m),
+            "form_radius_m" => self.form_radius_m,
+            "Ssk" => self.Ssk,
+            "Sku" => self.Sku,
+            "Sdq" => self.Sdq,
+            "Sdq_7point" => self.Sdq_7point,
+            "Sdr" => self.Sdr,
+            "Sal_m" => self.Sal_m,
+            "Str" => self.Str,
+            "Std_rad" => self.Std_rad,
+            "Ssw_m" => self.Ssw_m,
+            "correlation_length_x_m" => self.correlation_length_x_m,
+            "correlation_length_y_m" => self.correlation_length_y_m,
+            "hurst" => self.hurst,
+            "hurst_se" => self.hurst_se,
+            "hurst_range_low_m" => self.hurst_range_low_m,
+            "hurst_range_high_m" => self.hurst_range_high_m,
+            "fractal_dimension" => self.fractal_dimension,
+            _ => None,
+        }
+    }
 }
 
 /// Pooled statistics of several scans of a part, and those of the scans.
@@ -179,7 +231,7 @@ pub struct PartStatistics {
     pub outliers: usize,
     /// Pooled statistics by name.
     #[serde(flatten)]
-    pub pooled: Companions<Pooled>,
+    pub pooled: Companions<PooledResult>,
     /// Lower end of the wavenumbers at which the spectra of all scans are reliable.
     pub psd_reliable_low_rad_per_m: f64,
     /// Their upper end.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Control, LawResult, Pair};
+use crate::{LawResult, Pair, Prescribed};
 
 /// `friction.uncertainty` of `results.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -37,7 +37,7 @@ pub struct UncertainParameter {
 #[serde(deny_unknown_fields)]
 pub struct UncertainLevel {
     /// Prescribed quantity, the same for all surfaces.
-    pub control: Control,
+    pub control: Prescribed,
     /// Percentage of the heights above the plane, which lies elsewhere for each surface.
     pub percentile: Option<f64>,
     /// Mean pressure that is held.

@@ -9,7 +9,7 @@ use crate::{LawResult, Pair};
 /// Kind of motion that the machine settles into.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum MotionKind {
+pub enum KindResult {
     /// The mass sticks to the belt in every period.
     StickSlip,
     /// The mass passes the belt's velocity and never sticks.
@@ -21,7 +21,7 @@ pub enum MotionKind {
     None,
 }
 
-impl MotionKind {
+impl KindResult {
     /// Returns the name in `results.json`.
     pub fn name(self) -> &'static str {
         match self {
@@ -62,7 +62,7 @@ pub struct VibrationResult {
     /// Damping ratio ζ_v above which no vibration persists; `null` if the search failed.
     pub limit_damping_ratio: Option<f64>,
     /// Kind of motion without fluctuation, started in stick, at the study's damping ratio.
-    pub kind: MotionKind,
+    pub kind: KindResult,
     /// Whether steady sliding is unstable there; `null` under forcing.
     pub steady_sliding_unstable: Option<bool>,
     /// Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if none is
@@ -90,13 +90,13 @@ pub struct MapResult {
     /// Second parameter: `belt_velocity`, `friction_std` or `load_ratio`.
     pub y: String,
     /// Widths of the smallest cells, and whether they resolve the transition.
-    pub resolution: MapResolution,
+    pub resolution: MapResolutionResult,
 }
 
 /// How finely a map resolves the fall of the probability.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MapResolution {
+pub struct MapResolutionResult {
     /// Width of the smallest cells along x.
     pub x: f64,
     /// Width of the smallest cells along y.
@@ -179,7 +179,7 @@ pub struct MotionResult {
     /// Share of the time in vibration.
     pub share_in_cycle: f64,
     /// Share of the time in each kind of motion.
-    pub kind_shares: BTreeMap<MotionKind, f64>,
+    pub kind_shares: BTreeMap<KindResult, f64>,
     /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,
     /// Its interval.
@@ -201,7 +201,7 @@ pub struct DampingResult {
     /// Damping ratio.
     pub damping_ratio: f64,
     /// Kind of motion without noise.
-    pub kind: MotionKind,
+    pub kind: KindResult,
     /// Slips that reach a negative velocity, without noise.
     pub cycles_deterministic: u64,
     /// Their mean number with noise.

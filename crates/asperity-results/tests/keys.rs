@@ -80,12 +80,15 @@ fn the_version_of_the_keys_comes_first() {
 fn an_unknown_or_incomplete_key_is_an_error() {
     let value = serde_json::to_value(example::results()).unwrap();
     assert!(serde_json::from_value::<Results>(value.clone()).is_ok());
-    for place in ["", "/surface", "/surface/covariance", "/pressure", "/pressure/methods/0", "/friction/levels/0", "/vibration"] {
+    for place in
+        ["", "/surface", "/surface/covariance", "/pressure", "/pressure/methods/0", "/friction/levels/0", "/vibration"]
+    {
         let mut changed = value.clone();
         changed.pointer_mut(place).unwrap()["colour"] = "red".into();
         assert!(serde_json::from_value::<Results>(changed).is_err(), "{place}");
     }
-    for (place, key) in [("/surface", "Sq_m"), ("/surface", "Sq_m_se"), ("/vibration", "area"), ("/friction", "levels")] {
+    for (place, key) in [("/surface", "Sq_m"), ("/surface", "Sq_m_se"), ("/vibration", "area"), ("/friction", "levels")]
+    {
         let mut changed = value.clone();
         changed.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(key);
         assert!(serde_json::from_value::<Results>(changed).is_err(), "{place}/{key}");

@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::f64::consts::E;
 
 use asperity_results::{
-    AreaScatter, AtMeanLoad, CoarseEntry, Companions, Control, CorrelationCurveResult, CorrelationModelResult,
+    AreaScatter, AtMeanLoad, CoarseEntry, Companions, CorrelationCurveResult, CorrelationModelResult,
     CovarianceCandidate, CovarianceResult, CrossResult, CrossingResult, CutoffPoint, CutoffResult, CycleResult,
     DampingResult, EmpiricalCovariance, EnsembleResult, FailedPoint, FrictionResult, GlobalExpansionEntry,
-    GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry, KarhunenLoeveResult, LawResult, LevelResult, MapResolution,
-    MapResult, MapsEntry, MeasuredSurface, MethodEntry, MotionKind, MotionResult, OperatingPoint, PaperScatter,
-    ParameterIndexResult, PartStatistics, PointsResult, Pooled, PressureQuantile, PressureResult, RankedLawResult,
-    Results, ReturnLevelResult, ScalarEntry, ScalarQuantile, ScanOfPart, SensitivityEntry, Spread, StationarityResult,
-    SurfaceResult, SurfaceStatistics, TailResult, UncertainLevel, UncertainParameter, UncertainResponse,
-    UncertaintyResult, UpscalingResult, VibrationResult,
+    GoodnessResult, HalvedPitch, HomogeneityEntry, IndexEntry, KarhunenLoeveResult, KindResult, LawResult, LevelResult,
+    MapResolutionResult, MapResult, MapsEntry, MeasuredSurface, MethodEntry, MotionResult, OperatingPoint,
+    PaperScatter, ParameterIndexResult, PartStatistics, PointsResult, PooledResult, Prescribed, PressureQuantile,
+    PressureResult, RankedLawResult, Results, ReturnLevelResult, ScalarEntry, ScalarQuantile, ScanOfPart,
+    SensitivityEntry, SpreadResult, StationarityResult, SurfaceResult, SurfaceStatistics, TailResult, UncertainLevel,
+    UncertainParameter, UncertainResponse, UncertaintyResult, UpscalingResult, VibrationResult,
 };
 
 /// Penetrations of the levels; the last one leads.
@@ -64,14 +64,16 @@ pub fn results() -> Results {
         friction: Some(friction()),
         vibration: Some(vibration()),
         assumptions: vec!["The boundary of the pressure patches is free.".into()],
-        warnings: vec!["At the level of 3 MPa the windows hold 21 contact cells on average; about 30 are needed.".into()],
+        warnings: vec![
+            "At the level of 3 MPa the windows hold 21 contact cells on average; about 30 are needed.".into(),
+        ],
         ..Results::default()
     }
 }
 
 /// The measured surface of several scans in place of one.
 pub fn part(scans: Vec<ScanOfPart>) -> MeasuredSurface {
-    let pooled = Pooled {
+    let pooled = PooledResult {
         value: 1.1e-6,
         interval: [0.9e-6, 1.3e-6],
         standard_error: 1e-7,
@@ -98,7 +100,7 @@ pub fn part(scans: Vec<ScanOfPart>) -> MeasuredSurface {
 
 /// Statistics of a scan.
 pub fn scan() -> SurfaceStatistics {
-    let spread = |interval, standard_error| Some(Spread { interval, standard_error });
+    let spread = |interval, standard_error| Some(SpreadResult { interval, standard_error });
     SurfaceStatistics {
         nx: 256,
         ny: 256,
@@ -176,8 +178,7 @@ pub fn law(name: &str, parameters: &[(&str, f64)]) -> LawResult {
 }
 
 fn pressure() -> PressureResult {
-    let quantile =
-        PressureQuantile { probability: 0.9, pressure_pa: 6e8, pressure_pa_interval: Some([5.8e8, 6.2e8]) };
+    let quantile = PressureQuantile { probability: 0.9, pressure_pa: 6e8, pressure_pa_interval: Some([5.8e8, 6.2e8]) };
     let method = |name: &str, contact_probability, standard_error: Option<f64>, ks, wasserstein| MethodEntry {
         name: name.into(),
         fine_solves: 500,
@@ -302,7 +303,7 @@ fn level(row: usize) -> LevelResult {
     let gof = GoodnessResult { kolmogorov_smirnov: 0.021, kolmogorov_smirnov_p: 0.41, ..GoodnessResult::default() };
     LevelResult {
         leading: percentile.is_none(),
-        control: if percentile.is_some() { Control::Percentile } else { Control::MeanPressure },
+        control: if percentile.is_some() { Prescribed::Percentile } else { Prescribed::MeanPressure },
         percentile,
         penetration_m,
         mean_pressure_pa: percentile.map_or(3e6, |percentile| 4e6 * percentile),
@@ -328,13 +329,7 @@ fn level(row: usize) -> LevelResult {
             ReturnLevelResult { distance_m: 0.1, mu: 0.231, interval: Some([0.228, 0.236]) },
             ReturnLevelResult { distance_m: 1.0, mu: 0.24, interval: None },
         ],
-        tail: Some(TailResult {
-            largest: 0.25,
-            threshold: 0.22,
-            peaks: 31,
-            shape: -0.2,
-            shape_interval: [-0.4, 0.1],
-        }),
+        tail: Some(TailResult { largest: 0.25, threshold: 0.22, peaks: 31, shape: -0.2, shape_interval: [-0.4, 0.1] }),
         beta: Some(law("beta", &[("a", 2.13)])),
         at_mean_load: AtMeanLoad {
             mean: 0.996 * mean,
@@ -370,12 +365,7 @@ fn level(row: usize) -> LevelResult {
         area_and_load: Some(CrossResult { correlation: 0.98, interval: [0.97, 0.985] }),
         upscaling: UpscalingResult {
             paper: PaperScatter { std: 0.0055 },
-            area: AreaScatter {
-                nominal_area_m2: 8.33e-4,
-                windows: 18500.0,
-                variance_reduction: 6.1e-5,
-                std: 4.3e-5,
-            },
+            area: AreaScatter { nominal_area_m2: 8.33e-4, windows: 18500.0, variance_reduction: 6.1e-5, std: 4.3e-5 },
         },
         contact_cells_per_window: 21.0,
         effective_windows: 120.0,
@@ -466,8 +456,12 @@ pub fn uncertainty(levels: usize) -> UncertaintyResult {
         failures: vec![FailedPoint { point: 3, reason: "a strip carries no load".into() }],
         ..UncertainLevel::default()
     };
-    let parameter =
-        UncertainParameter { name: "rms_height".into(), mean: 1e-6, std: 1e-7, law: law("lognormal", &[("mu", -13.8)]) };
+    let parameter = UncertainParameter {
+        name: "rms_height".into(),
+        mean: 1e-6,
+        std: 1e-7,
+        law: law("lognormal", &[("mu", -13.8)]),
+    };
     UncertaintyResult { points: 32, realisations: 4, parameters: vec![parameter], levels: vec![level; levels] }
 }
 
@@ -479,7 +473,7 @@ fn vibration() -> VibrationResult {
             let lost = cycles[0] - cycles[upscaling];
             DampingResult {
                 damping_ratio,
-                kind: if cycles[0] > 0.0 { MotionKind::StickSlip } else { MotionKind::None },
+                kind: if cycles[0] > 0.0 { KindResult::StickSlip } else { KindResult::None },
                 cycles_deterministic: cycles[0] as u64,
                 cycles_mean: cycles[upscaling],
                 difference_mean: lost,
@@ -503,7 +497,7 @@ fn vibration() -> VibrationResult {
         damping_ratio_interval: Some([damping_ratio - 2e-4, damping_ratio + 2e-4]),
         reason: None,
     };
-    let shares = [(MotionKind::StickSlip, 0.7), (MotionKind::Overtaking, 0.0997), (MotionKind::SlipCycle, 0.0)];
+    let shares = [(KindResult::StickSlip, 0.7), (KindResult::Overtaking, 0.0997), (KindResult::SlipCycle, 0.0)];
     let ensemble = |upscaling: usize, friction_std, std| EnsembleResult {
         friction_std,
         clipped_fraction: 0.0,
@@ -524,7 +518,7 @@ fn vibration() -> VibrationResult {
         critical_damping_ratio: Some(0.204_830_150_5),
         hopf_damping_ratio: Some(0.204_805_7),
         limit_damping_ratio: Some(0.204_830_150_5),
-        kind: MotionKind::StickSlip,
+        kind: KindResult::StickSlip,
         steady_sliding_unstable: Some(true),
         cycle: CycleResult {
             damping_ratio: 0.17,
@@ -540,7 +534,7 @@ fn vibration() -> VibrationResult {
         map: Some(MapResult {
             x: "damping_ratio".into(),
             y: "belt_velocity".into(),
-            resolution: MapResolution { x: 0.01, y: 0.002, unresolved_share: 0.0 },
+            resolution: MapResolutionResult { x: 0.01, y: 0.002, unresolved_share: 0.0 },
         }),
         paper: EnsembleResult {
             crossings: vec![

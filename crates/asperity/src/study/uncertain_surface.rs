@@ -6,10 +6,9 @@ use crate::law::Marginal;
 use crate::stats::Interval;
 use crate::study::StudyError;
 use crate::study::config::UncertaintySection;
-use crate::study::result::SurfaceResult;
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::study::surface_model::{SurfaceCovariance, SurfaceModel, Texture};
-use crate::surface::uncertainty::Estimates;
+use crate::study::surface_stage::SurfaceStage;
 
 /// Which parameter of the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,13 +28,10 @@ pub(super) struct UncertainSurface<'a> {
 }
 
 impl<'a> UncertainSurface<'a> {
-    /// `surface` is what the surface stage found.
-    pub(super) fn new(
-        section: &UncertaintySection,
-        model: &'a SurfaceModel,
-        surface: &SurfaceResult,
-    ) -> Result<Self, StudyError> {
-        let length_x_m = surface.covariance.as_ref().map_or(f64::NAN, |covariance| covariance.length_x_m);
+    pub(super) fn new(section: &UncertaintySection, surface: &'a SurfaceStage) -> Result<Self, StudyError> {
+        let model = &surface.model;
+        let measured = |statistic: &str| surface.measured.as_ref()?.estimate(statistic);
+        let length_x_m = model.covariance().map_or(f64::NAN, SurfaceCovariance::length_x_m);
         let (mut kinds, mut parameters) = (Vec::new(), Vec::new());
         let absent = |key, statistic| StudyError::NoInterval { key, statistic };
         let lengths = [
@@ -55,7 +51,7 @@ impl<'a> UncertainSurface<'a> {
                 Some(LengthScatter::Absolute(std)) => Parameter::lognormal(key, nominal_m, std.0)?,
                 Some(LengthScatter::Measured) => {
                     let (value_m, Interval { low, high }) =
-                        measured(surface, statistic).filter(|(_, i)| i.low > 0.0).ok_or(absent(key, statistic))?;
+                        measured(statistic).filter(|(_, i)| i.low > 0.0).ok_or(absent(key, statistic))?;
                     // A model's length need not be the lag at which the scan's correlation is 1/e.
                     let scale = nominal_m / value_m;
                     Parameter::lognormal_within(key, Interval { low: scale * low, high: scale * high })?
@@ -68,7 +64,7 @@ impl<'a> UncertainSurface<'a> {
             let parameter = match scatter {
                 NumberScatter::Absolute(std) => Parameter::normal("skewness", model.marginal.skewness(), std)?,
                 NumberScatter::Measured => {
-                    let (_, interval) = measured(surface, "Ssk").ok_or(absent("skewness", "Ssk"))?;
+                    let (_, interval) = measured("Ssk").ok_or(absent("skewness", "Ssk"))?;
                     Parameter::normal_within("skewness", interval)?
                 }
             };
@@ -121,17 +117,6 @@ fn stretched(covariance: &SurfaceCovariance, std_m: f64, factor: f64) -> Result<
             SurfaceCovariance::Empirical(Box::new((**own).clone().with_std(std_m).stretched(factor)))
         }
     })
-}
-
-/// A statistic of the scan, or of the part, with its 95 % interval.
-fn measured(surface: &SurfaceResult, name: &str) -> Option<(f64, Interval)> {
-    if let Some(part) = &surface.part {
-        let found = part.statistics.iter().find(|(own, _)| *own == name)?.1?;
-        return Some((found.value, found.interval));
-    }
-    let estimates: &Estimates = &surface.statistics.as_ref()?.intervals.0;
-    let found = estimates.named().into_iter().find(|(own, _)| *own == name)?.1?;
-    Some((found.value, found.interval))
 }
 
 #[cfg(test)]
