@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::study_file;
 use crate::args;
-use crate::failure::{Failure, Kind};
+use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;
 use crate::page::{begin_folder, store_failure};

@@ -117,7 +117,10 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     assert_eq!(written(&run), wanted);
     assert_eq!(listing(&folder.path().join("runs")), ["study"]);
     let results: Value = serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
-    assert_eq!(keys(&results), ["assumptions", "pressure", "seed", "surface", "vibration", "warnings"]);
+    assert_eq!(
+        keys(&results),
+        ["assumptions", "pressure", "schema_version", "seed", "surface", "vibration", "warnings"]
+    );
     let methods: Vec<&str> =
         results["pressure"]["methods"].as_array().unwrap().iter().map(|m| m["name"].as_str().unwrap()).collect();
     for name in ["monte_carlo", "latin_hypercube", "sobol", "polynomial_chaos", "polynomial_chaos_log", "default"] {
@@ -158,6 +161,14 @@ fn a_report_is_rendered_again_to_the_same_bytes_and_leaves_the_numbers_alone() {
     fs::rename(run.join("results.json"), folder.path().join("aside.json")).unwrap();
     run_in(folder.path(), "report runs/study").refuses(3, &["results.json"]);
     fs::rename(folder.path().join("aside.json"), run.join("results.json")).unwrap();
+    let results = fs::read_to_string(run.join("results.json")).unwrap();
+    for (version, found) in [("\"schema_version\": 7,", "schema_version 7"), ("", "no schema_version")] {
+        fs::write(run.join("results.json"), results.replace("\"schema_version\": 1,", version)).unwrap();
+        let wanted = [found, "reads version 1", "run the study again", "runs/study/study.toml"];
+        run_in(folder.path(), "report runs/study").refuses(3, &wanted);
+    }
+    fs::write(run.join("results.json"), results.replace("\"seed\"", "\"sed\"")).unwrap();
+    run_in(folder.path(), "report runs/study").refuses(3, &["results.json", "sed"]);
     fs::remove_file(run.join("COMPLETE")).unwrap();
     run_in(folder.path(), "report runs/study").refuses(3, &["runs/study", "not a finished run", "COMPLETE"]);
     run_in(folder.path(), "report nowhere").refuses(3, &["nowhere"]);

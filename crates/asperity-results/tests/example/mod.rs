@@ -1,4 +1,5 @@
 //! Invented results that hold every key of `results.json`.
+#![allow(dead_code, reason = "each test that includes this file uses a part of it")]
 
 use std::collections::BTreeMap;
 use std::f64::consts::E;
@@ -16,38 +17,38 @@ use asperity_results::{
 };
 
 /// Penetrations of the levels; the last one leads.
-pub const PENETRATIONS_M: [f64; 6] = [1.35e-6, 1.72e-6, 2.33e-6, 3.0e-6, 3.68e-6, 0.62e-6];
+pub(crate) const PENETRATIONS_M: [f64; 6] = [1.35e-6, 1.72e-6, 2.33e-6, 3.0e-6, 3.68e-6, 0.62e-6];
 /// Percentiles of all levels but the last.
-pub const PERCENTILES: [f64; 5] = [5.0, 10.0, 25.0, 50.0, 75.0];
+pub(crate) const PERCENTILES: [f64; 5] = [5.0, 10.0, 25.0, 50.0, 75.0];
 /// Cut-off wavelengths.
-pub const CUTOFFS_M: [f64; 4] = [2.9e-6, 5.9e-6, 11.7e-6, 23.4e-6];
+pub(crate) const CUTOFFS_M: [f64; 4] = [2.9e-6, 5.9e-6, 11.7e-6, 23.4e-6];
 /// Root mean square slopes without the waves below the cut-offs.
-pub const RMS_SLOPES: [f64; 4] = [0.21, 0.17, 0.13, 0.09];
+pub(crate) const RMS_SLOPES: [f64; 4] = [0.21, 0.17, 0.13, 0.09];
 /// Fractions of the contact at the hardness.
-pub const PLASTIC_FRACTIONS: [f64; 4] = [0.31, 0.24, 0.15, 0.06];
+pub(crate) const PLASTIC_FRACTIONS: [f64; 4] = [0.31, 0.24, 0.15, 0.06];
 
 /// Mean of F/N at a penetration.
-pub fn level_mean(penetration_m: f64) -> f64 {
+pub(crate) fn level_mean(penetration_m: f64) -> f64 {
     0.19 + 0.06 * (-(penetration_m / 1.2e-6)).exp()
 }
 
 /// Standard deviation of F/N at a penetration.
-pub fn level_std(penetration_m: f64) -> f64 {
+pub(crate) fn level_std(penetration_m: f64) -> f64 {
     0.012 * (-(penetration_m / 1.5e-6)).exp() + 0.0004
 }
 
 /// Mean friction without the waves below a cut-off.
-pub fn cutoff_mean(cutoff_m: f64) -> f64 {
+pub(crate) fn cutoff_mean(cutoff_m: f64) -> f64 {
     0.19 + 0.03 * (cutoff_m / 2.9e-6).ln() / 8_f64.ln()
 }
 
 /// Damping ratios of the sweep.
-pub fn damping_ratios() -> Vec<f64> {
+pub(crate) fn damping_ratios() -> Vec<f64> {
     (0..11).map(|i| 0.05 + 0.25 * f64::from(i) / 10.0).collect()
 }
 
 /// Cycles without noise, and mean cycles with the paper's upscaling and with that over the area.
-pub fn cycles(damping_ratio: f64) -> [f64; 3] {
+pub(crate) fn cycles(damping_ratio: f64) -> [f64; 3] {
     let deterministic = if damping_ratio < 0.2048 { (95.0 + 30.0 * damping_ratio).round() } else { 0.0 };
     // An approximation of the normal distribution function.
     let x = (0.205 - damping_ratio) / 0.045;
@@ -56,7 +57,7 @@ pub fn cycles(damping_ratio: f64) -> [f64; 3] {
 }
 
 /// Results of a study with one scan and all stages.
-pub fn results() -> Results {
+pub(crate) fn results() -> Results {
     Results {
         seed: 2016,
         surface: Some(surface(MeasuredSurface::Scan(Box::new(scan())))),
@@ -72,7 +73,7 @@ pub fn results() -> Results {
 }
 
 /// The measured surface of several scans in place of one.
-pub fn part(scans: Vec<ScanOfPart>) -> MeasuredSurface {
+pub(crate) fn part(scans: Vec<ScanOfPart>) -> MeasuredSurface {
     let pooled = PooledResult {
         value: 1.1e-6,
         interval: [0.9e-6, 1.3e-6],
@@ -99,7 +100,7 @@ pub fn part(scans: Vec<ScanOfPart>) -> MeasuredSurface {
 }
 
 /// Statistics of a scan.
-pub fn scan() -> SurfaceStatistics {
+pub(crate) fn scan() -> SurfaceStatistics {
     let spread = |interval, standard_error| Some(SpreadResult { interval, standard_error });
     SurfaceStatistics {
         nx: 256,
@@ -170,7 +171,7 @@ fn surface(measured: MeasuredSurface) -> SurfaceResult {
 }
 
 /// A distribution with its parameters.
-pub fn law(name: &str, parameters: &[(&str, f64)]) -> LawResult {
+pub(crate) fn law(name: &str, parameters: &[(&str, f64)]) -> LawResult {
     LawResult {
         name: name.into(),
         parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
@@ -427,7 +428,7 @@ fn friction() -> FrictionResult {
 }
 
 /// Friction over two uncertain parameters of the surface; the standard deviation does not vary.
-pub fn uncertainty(levels: usize) -> UncertaintyResult {
+pub(crate) fn uncertainty(levels: usize) -> UncertaintyResult {
     let index = |name: &str, total: f64| ParameterIndexResult {
         parameter: name.into(),
         first: total - 0.02,

@@ -8,6 +8,7 @@ use asperity::law::Marginal;
 use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;
 use asperity::quantity::Length;
+use asperity::study::Provenance;
 use asperity::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 use asperity::study::{
     Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, Twins, json_bytes,
