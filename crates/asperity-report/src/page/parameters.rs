@@ -1,6 +1,6 @@
 //! The parameters of a measured surface, in groups, and the laws of its heights.
 
-use asperity_results::{MeasuredSurface, Pair, PartStatistics, PooledResult, SurfaceResult, SurfaceStatistics};
+use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
 
 use super::DataTable;
 use super::cells::DASH;
@@ -117,22 +117,17 @@ pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)
 
 /// A parameter of a scan or of a part.
 enum Known {
-    Count(usize),
-    Word(String),
+    /// A count or a word.
+    Text(String),
     Number {
         value: f64,
         interval: Option<Pair>,
         standard_error: Option<f64>,
-        within: Option<f64>,
-        between: Option<f64>,
+        stds: [Option<f64>; 2],
     },
 }
 
 impl Known {
-    fn number(value: f64, interval: Option<Pair>, standard_error: Option<f64>) -> Self {
-        Self::Number { value, interval, standard_error, within: None, between: None }
-    }
-
     fn of(measured: &MeasuredSurface, key: &str) -> Option<Self> {
         match measured {
             MeasuredSurface::Stated {} => None,
@@ -142,49 +137,53 @@ impl Known {
     }
 
     fn of_scan(scan: &SurfaceStatistics, key: &str) -> Option<Self> {
-        Some(match key {
-            "nx" => Self::Count(scan.nx),
-            "ny" => Self::Count(scan.ny),
-            "missing_points" => Self::Count(scan.missing_points),
-            "outliers" => Self::Count(scan.outliers),
-            "psd_upper_limit" => Self::Word(scan.psd_upper_limit.clone()),
-            "hurst" => Self::number(scan.hurst?, None, scan.hurst_se),
-            key => {
-                let spread = scan.intervals.get(key);
-                let (interval, standard_error) = (spread.map(|s| s.interval), spread.map(|s| s.standard_error));
-                Self::number(scan.number(key)?, interval, standard_error)
-            }
+        let counts = [Some(scan.nx), Some(scan.ny), Some(scan.missing_points), Some(scan.outliers)];
+        Self::text(counts, &scan.psd_upper_limit, key).or_else(|| {
+            let spread = scan.intervals.get(key);
+            let standard_error = spread.map(|spread| spread.standard_error);
+            Some(Self::Number {
+                value: scan.number(key)?,
+                interval: spread.map(|spread| spread.interval),
+                standard_error: if key == "hurst" { scan.hurst_se } else { standard_error },
+                stds: [None; 2],
+            })
         })
     }
 
     fn of_part(part: &PartStatistics, key: &str) -> Option<Self> {
-        let known = |value| Self::number(value, None, None);
-        match key {
-            "nx" => part.nx.map(Self::Count),
-            "ny" => part.ny.map(Self::Count),
-            "missing_points" => Some(Self::Count(part.missing_points)),
-            "outliers" => Some(Self::Count(part.outliers)),
-            "psd_upper_limit" => Some(Self::Word(part.psd_upper_limit.clone())),
-            "dx_m" => part.dx_m.map(known),
-            "dy_m" => part.dy_m.map(known),
-            "psd_reliable_low_rad_per_m" => Some(known(part.psd_reliable_low_rad_per_m)),
-            "psd_reliable_high_rad_per_m" => Some(known(part.psd_reliable_high_rad_per_m)),
-            "hurst_range_low_m" => part.hurst_range_low_m.map(known),
-            "hurst_range_high_m" => part.hurst_range_high_m.map(known),
-            key => part.pooled.get(key).map(|pooled| {
-                let &PooledResult { value, interval, standard_error, within_std, between_std } = pooled;
-                let (interval, standard_error) = (Some(interval), Some(standard_error));
-                Self::Number { value, interval, standard_error, within: within_std, between: between_std }
-            }),
-        }
+        let counts = [part.nx, part.ny, Some(part.missing_points), Some(part.outliers)];
+        let pooled = part.pooled.get(key);
+        Self::text(counts, &part.psd_upper_limit, key).or_else(|| {
+            let value = match key {
+                "dx_m" => part.dx_m,
+                "dy_m" => part.dy_m,
+                "psd_reliable_low_rad_per_m" => Some(part.psd_reliable_low_rad_per_m),
+                "psd_reliable_high_rad_per_m" => Some(part.psd_reliable_high_rad_per_m),
+                "hurst_range_low_m" => part.hurst_range_low_m,
+                "hurst_range_high_m" => part.hurst_range_high_m,
+                _ => pooled.map(|pooled| pooled.value),
+            };
+            Some(Self::Number {
+                value: value?,
+                interval: pooled.map(|pooled| pooled.interval),
+                standard_error: pooled.map(|pooled| pooled.standard_error),
+                stds: pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]),
+            })
+        })
+    }
+
+    fn text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
+        const COUNTS: [&str; 4] = ["nx", "ny", "missing_points", "outliers"];
+        let word = (key == "psd_upper_limit").then(|| psd_upper_limit.replace('_', " "));
+        let place = COUNTS.iter().position(|count| *count == key);
+        word.or_else(|| counts[place?].map(|count| count.to_string())).map(Self::Text)
     }
 
     /// Value and interval, or dashes: three digits, more where the interval is narrower.
     fn shown(&self, key: &str) -> (String, String) {
         let none = || DASH.to_owned();
         let (value, interval, standard_error) = match self {
-            Self::Count(count) => return (count.to_string(), none()),
-            Self::Word(word) => return (word.replace('_', " "), none()),
+            Self::Text(text) => return (text.clone(), none()),
             Self::Number { value, interval, standard_error, .. } => (*value, *interval, *standard_error),
         };
         let dimension = Dimension::of_key(key).1;
@@ -207,9 +206,9 @@ impl Known {
 
     /// Standard deviations of one scan and between scans in the unit of the parameter, or dashes.
     fn spreads(&self, key: &str) -> [String; 2] {
-        let Self::Number { within, between, .. } = self else { return [DASH, DASH].map(str::to_owned) };
+        let Self::Number { stds, .. } = self else { return [DASH, DASH].map(str::to_owned) };
         let dimension = Dimension::of_key(key).1;
-        [within, between].map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)))
+        stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)))
     }
 }
 
@@ -308,7 +307,7 @@ fn parameters_of(fit: &HeightFit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_results::{Companions, ScanOfPart, SpreadResult};
+    use asperity_results::{Companions, PooledResult, ScanOfPart, SpreadResult};
 
     #[test]
     fn every_parameter_is_listed_once() {

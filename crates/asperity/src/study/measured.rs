@@ -37,42 +37,15 @@ impl MapStatistics {
     /// The statistics that mean something for a part of which the map is one scan, with what is averaged over scans.
     pub(super) fn poolable(&self) -> Vec<(&'static str, Option<f64>, Mean)> {
         // Their squares are means over the surface.
-        let squares = ["Sq_m", "Sdq", "Sdq_7point"].map(|name| (name, Mean::RootMeanSquare));
-        let others = [
-            "Sa_m",
-            "Ssk",
-            "Sku",
-            "Sp_m",
-            "Sv_m",
-            "Sz_m",
-            "Sdr",
-            "Sal_m",
-            "Str",
-            "Ssw_m",
-            "Sk_m",
-            "Spk_m",
-            "Svk_m",
-            "Smrk1",
-            "Smrk2",
-            "Spkx_m",
-            "Svkx_m",
-            "Sk_secant_m",
-            "Spk_secant_m",
-            "Svk_secant_m",
-            "Smrk1_secant",
-            "Smrk2_secant",
-            "Sxp_m",
-            "Vmp_m",
-            "Vmc_m",
-            "Vvc_m",
-            "Vvv_m",
-            "correlation_length_x_m",
-            "correlation_length_y_m",
-            "hurst",
-            "fractal_dimension",
-        ];
-        let all = squares.into_iter().chain(others.map(|name| (name, Mean::Arithmetic)));
-        all.map(|(name, mean)| (name, self.results.number(name), mean)).collect()
+        const SQUARES: [&str; 3] = ["Sq_m", "Sdq", "Sdq_7point"];
+        let of_map = ["dx_m", "dy_m", "form_radius_m", "Std_rad", "hurst_se"];
+        let is_poolable = |name: &str| {
+            !of_map.contains(&name) && !["psd_reliable", "hurst_range"].iter().any(|group| name.starts_with(group))
+        };
+        let all = self.results.numbers().into_iter().filter(|(name, _)| is_poolable(name));
+        let (squares, others): (Vec<_>, Vec<_>) = all.partition(|(name, _)| SQUARES.contains(name));
+        let of = |mean: Mean| move |(name, value)| (name, value, mean);
+        squares.into_iter().map(of(Mean::RootMeanSquare)).chain(others.into_iter().map(of(Mean::Arithmetic))).collect()
     }
 
     /// Area of the points that are present in m².
