@@ -25,7 +25,7 @@ impl<T> Companions<T> {
     }
 }
 
-/// Interval and standard error of a statistic whose value stands elsewhere.
+/// Interval and standard error of a statistic, without its value.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SpreadResult {
     /// 95 % interval.

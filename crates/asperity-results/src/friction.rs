@@ -24,10 +24,10 @@ pub struct FrictionResult {
     pub operating_point: OperatingPoint,
     /// Levels of contact.
     pub levels: Vec<LevelResult>,
-    /// Mean friction against the shortest waves kept; absent for Coulomb's law, and where it could not be solved.
+    /// Mean friction against the shortest waves kept; absent for Coulomb's law, and if there is no solution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutoff: Option<CutoffResult>,
-    /// What uncertain parameters of the surface do; absent where none is stated.
+    /// Friction over uncertain parameters of the surface; absent if the study states none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyResult>,
 }
@@ -66,7 +66,7 @@ pub struct OperatingPoint {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LevelResult {
-    /// Whether this is the level that is shown in full and handed to the vibration stage.
+    /// Whether this level is the operating point.
     pub leading: bool,
     /// Prescribed quantity.
     pub control: Prescribed,
@@ -78,12 +78,11 @@ pub struct LevelResult {
     pub mean_pressure_pa: f64,
     /// Contact area over nominal area, corrected.
     pub contact_fraction: f64,
-    /// Share of the contact cells at the hardness.
+    /// Fraction of the contact cells at the hardness.
     pub plastic_share: f64,
     /// Mean of F/N; `null` where it does not exist (tail index of at most 1).
     pub mean: Option<f64>,
-    /// Its interval, which as all of μ knows the correlation along the strips; `null` where they hold too few correlation
-    /// lengths.
+    /// Its interval, which allows for the correlation along the strips; `null` where they hold too few correlation lengths.
     pub mean_interval: Option<Pair>,
     /// Standard deviation of F/N; with all that needs a variance `null` where [`LevelResult::no_variance`] says why.
     pub std: Option<f64>,
@@ -105,36 +104,36 @@ pub struct LevelResult {
     pub correlation_length_m: Option<f64>,
     /// Its interval.
     pub correlation_length_m_interval: Option<Pair>,
-    /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
-    /// everything.
+    /// Correlation length without the window, fitted jointly over windows of W to W/8; 0 if the windows explain the whole
+    /// correlation.
     pub correlation_length_without_window_m: Option<f64>,
     /// Its interval.
     pub correlation_length_without_window_m_interval: Option<Pair>,
-    /// Model that it is the length of.
+    /// Correlation model with this length.
     pub correlation_without_window_model: Option<String>,
-    /// Probability of a spectrum at least as far from that model's where it holds.
+    /// p-value of the fit of that model to the spectrum.
     pub correlation_without_window_fit_p: Option<f64>,
-    /// Probability that the windows one by one give lengths as different where one length holds under all.
+    /// p-value of the agreement between the lengths under each window alone.
     pub correlation_without_window_agreement_p: Option<f64>,
-    /// Whether that interval includes what cannot be told from 0, less than a step: the correlation is the window's.
+    /// Whether that interval includes lengths below one step, so that the correlation is due to the window alone.
     pub window_only: Option<bool>,
-    /// Marginal law ranked first by Akaike's criterion.
+    /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// How well it fits.
+    /// Goodness of fit.
     pub gof: Option<GoodnessResult>,
     /// Values that μ of a window exceeds once in a sliding distance; empty where the strips hold too few separate peaks.
     pub return_levels: Vec<ReturnLevelResult>,
-    /// How μ of a window is distributed far above the others; `null` where the strips hold too few separate peaks.
+    /// Upper tail of μ of a window; `null` where the strips hold too few separate peaks.
     pub tail: Option<TailResult>,
-    /// The Beta law with bounds fitted by likelihood.
+    /// The beta distribution with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
-    /// Why F/N has no variance, and so no standard deviation, marginal law or return levels; `null` where it has one.
+    /// Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if it has one.
     pub no_variance: Option<String>,
     /// Windows without contact, left out.
     pub empty_windows: usize,
-    /// The process that a body feels which rests on many windows.
+    /// Friction of a body that rests on many windows.
     pub at_mean_load: AtMeanLoad,
     /// Whether friction drifts along the strips; `null` where it does not vary.
     pub stationarity: Option<StationarityResult>,
@@ -144,15 +143,15 @@ pub struct LevelResult {
     pub upscaling: UpscalingResult,
     /// Mean number of contact cells in a window.
     pub contact_cells_per_window: f64,
-    /// Share of windows with fewer than 30 contact cells.
+    /// Fraction of the windows with fewer than 30 contact cells.
     pub sparse_window_share: f64,
-    /// Independent windows that the correlated ones are worth.
+    /// Effective number of independent windows.
     pub effective_windows: f64,
     /// Strips that failed.
     pub failed_samples: usize,
 }
 
-/// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; what the vibration stage takes.
+/// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; it drives the vibration stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AtMeanLoad {
@@ -176,42 +175,41 @@ pub struct AtMeanLoad {
     pub correlation_curves: Vec<CorrelationCurveResult>,
     /// Models of the correlation that is left when the window is taken out, the most likely first.
     pub correlation_models: Vec<CorrelationModelResult>,
-    /// Marginal law ranked first by Akaike's criterion.
+    /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// How well it fits; `null` for the windows' own law.
+    /// Goodness of fit; `null` for the empirical distribution.
     pub gof: Option<GoodnessResult>,
-    /// All laws that were fitted, the first by Akaike's criterion first. `marginal` is the first whose ends the windows see.
+    /// All fitted distributions, ordered by Akaike's criterion. `marginal` is the first whose ends lie within the data.
     pub laws: Vec<RankedLawResult>,
-    /// Independent windows that the correlated ones are worth.
+    /// Effective number of independent windows.
     pub effective_windows: f64,
 }
 
-/// A law among others.
+/// A fitted distribution in the ranking.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RankedLawResult {
-    /// Name; `shifted_` where a shift was fitted, `empirical` for the windows' own law.
+    /// Name; it begins with `shifted_` if a shift was fitted, and is `empirical` for the windows' own distribution.
     pub name: String,
-    /// Akaike's criterion, of as many independent windows as the correlated ones are worth, less that of the first law.
+    /// Difference of Akaike's criterion from the first distribution, for the effective number of independent windows.
     pub aic_difference: f64,
-    /// How well it fits; `null` for the windows' own law.
+    /// Goodness of fit; `null` for the empirical distribution.
     pub gof: Option<GoodnessResult>,
 }
 
-/// Distances between the windows and the marginal law, with p-values that know that the law was fitted and how the windows are
-/// correlated.
+/// Distances between the windows and the marginal distribution. The p-values allow for the fit and for the correlation of the windows.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GoodnessResult {
     /// Largest difference of the distribution functions.
     pub kolmogorov_smirnov: f64,
-    /// Probability of a larger one if the law is right.
+    /// Its p-value.
     pub kolmogorov_smirnov_p: f64,
-    /// A², which weighs the tails and grows with the number of windows; `null` where a window lies at an end of the law.
+    /// Anderson–Darling statistic A²; `null` if a window lies at an end of the distribution.
     pub anderson_darling: Option<f64>,
-    /// Probability of a larger one if the law is right.
+    /// Its p-value.
     pub anderson_darling_p: Option<f64>,
 }
 
@@ -237,9 +235,9 @@ pub struct CorrelationModelResult {
     pub length_m: f64,
     /// Its interval.
     pub length_interval: Pair,
-    /// Akaike's criterion less that of the best.
+    /// Difference of Akaike's criterion from the best model.
     pub aic_difference: f64,
-    /// Whether the best is better beyond chance.
+    /// Whether the best model is better by more than chance.
     pub worse_beyond_chance: bool,
 }
 
@@ -271,7 +269,7 @@ pub struct CrossResult {
     pub interval: Pair,
 }
 
-/// The upper tail of μ: peaks over a threshold follow a generalised Pareto law.
+/// Upper tail of μ: a generalised Pareto distribution of the peaks over a threshold.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TailResult {
@@ -299,7 +297,7 @@ pub struct ReturnLevelResult {
     pub interval: Option<Pair>,
 }
 
-/// The scatter of friction at the mean load under both upscalings.
+/// Standard deviation of friction at the mean load under both upscalings.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UpscalingResult {
@@ -323,9 +321,9 @@ pub struct PaperScatter {
 pub struct AreaScatter {
     /// The nominal area.
     pub nominal_area_m2: f64,
-    /// Windows that it holds.
+    /// Number of windows in the nominal area.
     pub windows: f64,
-    /// Variance of μ over the nominal area over that of one window.
+    /// Variance of μ over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Standard deviation of μ.
     pub std: f64,

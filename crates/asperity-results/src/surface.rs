@@ -8,7 +8,7 @@ use crate::companions::{Companions, PooledResult, SpreadResult};
 /// The surface stage. The statistics stand beside the other keys.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceResult {
-    /// Statistics of what was measured.
+    /// Statistics of the scan or scans.
     #[serde(flatten)]
     pub measured: MeasuredSurface,
     /// Covariance of the random surfaces; absent for Weierstrass–Mandelbrot surfaces, which are not made from one.
@@ -135,7 +135,7 @@ pub struct SurfaceStatistics {
     pub psd_reliable_low_rad_per_m: f64,
     /// Their upper end; nothing is reliable when it is not above the lower.
     pub psd_reliable_high_rad_per_m: f64,
-    /// What sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
     /// 1/e correlation length along x.
     pub correlation_length_x_m: Option<f64>,
@@ -240,7 +240,7 @@ pub struct PartStatistics {
     pub psd_reliable_low_rad_per_m: f64,
     /// Their upper end.
     pub psd_reliable_high_rad_per_m: f64,
-    /// What sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
     /// Shortest lag from which the Hurst exponent of a scan was fitted.
     pub hurst_range_low_m: Option<f64>,
@@ -274,7 +274,7 @@ pub struct CovarianceResult {
     pub length_x_m: f64,
     /// The same along y.
     pub length_y_m: f64,
-    /// Lag along x at which the correlation is 1/e, whatever the model: what `correlation_length_x_m` is of the scan.
+    /// Lag along x at which the correlation is 1/e, for every model; compares with `correlation_length_x_m` of the scan.
     pub decay_length_x_m: f64,
     /// The same along y.
     pub decay_length_y_m: f64,
@@ -291,7 +291,7 @@ pub struct CovarianceResult {
     pub slope_cutoff_m: Option<f64>,
     /// The covariances that were tried, the most likely model first.
     pub candidates: Vec<CovarianceCandidate>,
-    /// What was done to the scan's own autocorrelation to make it a covariance.
+    /// Changes that made the scan's own autocorrelation a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub empirical: Option<EmpiricalCovariance>,
 }
@@ -314,9 +314,9 @@ pub struct CovarianceCandidate {
 pub struct KarhunenLoeveResult {
     /// Number of terms.
     pub modes: usize,
-    /// Fraction of the variance that they hold.
+    /// Fraction of the variance in these terms.
     pub captured_variance: f64,
-    /// Fraction of the mean squared slope on the patch's grid that they hold.
+    /// Fraction of the mean squared slope on the patch's grid in these terms.
     pub captured_slope_variance: f64,
 }
 
@@ -324,7 +324,7 @@ pub struct KarhunenLoeveResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EmpiricalCovariance {
-    /// Share of the variance that went with the map's mean; lags and variance are corrected for it.
+    /// Fraction of the variance removed with the map's mean; lags and variance are corrected for it.
     pub mean_share: f64,
     /// Standard error of a lag near zero in a field without correlation there, √(Σρ²/N).
     pub standard_error: f64,
@@ -338,7 +338,7 @@ pub struct EmpiricalCovariance {
     pub decayed_y: bool,
     /// Largest change of a lag by the taper.
     pub taper_change: f64,
-    /// Share of the variance in negative values of the tapered spectrum, which were set to zero.
+    /// Fraction of the variance in negative values of the tapered spectrum, which were set to zero.
     pub clipped_variance: f64,
     /// Largest change of a lag by the balancing of the spectrum and the end of its factor.
     pub clipping_change: f64,

@@ -43,7 +43,7 @@ pub struct VibrationResult {
     pub belt_velocity: f64,
     /// Mean friction coefficient μ_st.
     pub static_friction: f64,
-    /// Level of the friction stage that is used; `null` where it is the one at N/nominal_area, or friction is stated.
+    /// Percentile of the level of the friction stage that is used; `null` if the level is at N/nominal_area or friction is stated.
     pub level_percentile: Option<f64>,
     /// Mean pressure of that level.
     pub level_mean_pressure_pa: Option<f64>,
@@ -51,9 +51,9 @@ pub struct VibrationResult {
     pub friction_correlation_length_m: f64,
     /// The same as sliding distance over N/c.
     pub correlation_length: f64,
-    /// Marginal law of μ; `null` where friction is constant.
+    /// Marginal distribution of μ; `null` if friction is constant.
     pub marginal: Option<LawResult>,
-    /// Variance of μ over the nominal area over that of one window.
+    /// Variance of μ over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Damping ratio ζ_c above which no cycle reaches the belt velocity; `null` if the search failed.
     pub critical_damping_ratio: Option<f64>,
@@ -70,7 +70,7 @@ pub struct VibrationResult {
     pub kick_m_per_s: Option<f64>,
     /// The deterministic motion at the study's damping ratio.
     pub cycle: CycleResult,
-    /// Which upscaling leads.
+    /// Upscaling that the study uses: `area` or `paper`; both are computed.
     pub upscaling: String,
     /// The stability map, if one is asked for; its numbers are tables.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,7 +81,7 @@ pub struct VibrationResult {
     pub area: EnsembleResult,
 }
 
-/// What a stability map is drawn over.
+/// Parameters and resolution of a stability map.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapResult {
@@ -140,11 +140,11 @@ pub struct EnsembleResult {
     pub damping: Vec<DampingResult>,
     /// Where vibration falls through 95, 50 and 5 % of the second half of the duration.
     pub crossings: Vec<CrossingResult>,
-    /// The law of the re-attachment points at the study's damping ratio.
+    /// Distribution of the re-attachment points at the study's damping ratio.
     pub reattachment: PointsResult,
-    /// The law of the points at which the mass leaves the belt there.
+    /// Distribution of the points at which the mass leaves the belt there.
     pub release: PointsResult,
-    /// The cycle there; absent where friction is constant.
+    /// Motion in time at the study's damping ratio; `null` if friction is constant.
     pub motion: Option<MotionResult>,
 }
 
@@ -159,12 +159,12 @@ pub struct CrossingResult {
     pub damping_ratio: Option<f64>,
     /// Its interval.
     pub damping_ratio_interval: Option<Pair>,
-    /// Why there is none.
+    /// Reason why there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
-/// Vibration in time: how regular it is, and how surely it goes on.
+/// Regularity and persistence of vibration.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionResult {
@@ -172,13 +172,13 @@ pub struct MotionResult {
     pub period_mean: Option<f64>,
     /// Its standard deviation.
     pub period_std: Option<f64>,
-    /// Share of the time in stick.
+    /// Fraction of the time in stick.
     pub stick_share: f64,
     /// Its standard error over trajectories.
     pub stick_share_se: f64,
-    /// Share of the time in vibration.
+    /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
-    /// Share of the time in each kind of motion.
+    /// Fraction of the time in each kind of motion.
     pub kind_shares: BTreeMap<KindResult, f64>,
     /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,
@@ -188,7 +188,7 @@ pub struct MotionResult {
     pub entry_rate: Option<f64>,
     /// Its interval.
     pub entry_rate_interval: Option<Pair>,
-    /// Share of the trajectories that leave vibration at all.
+    /// Fraction of the trajectories that leave vibration at all.
     pub left_share: f64,
     /// Its interval.
     pub left_share_interval: Pair,
@@ -212,13 +212,13 @@ pub struct DampingResult {
     pub difference_mean: f64,
     /// Its interval.
     pub difference_interval: Pair,
-    /// Share of the time in vibration.
+    /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
     /// Mean fraction of the second half of the time in vibration.
     pub vibration_share: f64,
     /// Its standard error.
     pub vibration_share_se: f64,
-    /// Share of the trajectories that sustain vibration: it takes half of the second half of their time at least.
+    /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
     pub sustained_share: f64,
     /// Its interval.
     pub sustained_share_interval: Pair,
@@ -226,7 +226,7 @@ pub struct DampingResult {
     pub failed_samples: usize,
 }
 
-/// The law of points met along the trajectories.
+/// Distribution of points along the trajectories.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointsResult {
