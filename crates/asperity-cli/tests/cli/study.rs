@@ -179,7 +179,7 @@ fn only_names_a_stage_and_seed_replaces_the_study_s() {
     let folder = folder_with(STUDY);
     let run = |line: &str| run_in(folder.path(), &format!("run study.toml --quiet --json {line}"));
     let surface = run("--only surface --out a").json(0);
-    assert_eq!(keys(&surface), ["assumptions", "seed", "surface", "warnings"]);
+    assert_eq!(keys(&surface), ["assumptions", "schema_version", "seed", "surface", "warnings"]);
     let vibration = run("--only vibration --out b").json(0);
     assert!(vibration["vibration"].is_object() && vibration.get("pressure").is_none(), "{vibration}");
     let other = run("--only vibration --out c --seed 6").json(0);
