@@ -21,8 +21,8 @@ enum Kind {
 /// A random surface some of whose parameters are uncertain.
 pub(super) struct UncertainSurface<'a> {
     model: &'a SurfaceModel,
-    /// Correlation length along x of the model.
-    length_x_m: f64,
+    /// Correlation length along x of the model; `None` without a covariance.
+    length_x_m: Option<f64>,
     kinds: Vec<Kind>,
     pub(super) parameters: Vec<Parameter>,
 }
@@ -31,11 +31,11 @@ impl<'a> UncertainSurface<'a> {
     pub(super) fn new(section: &UncertaintySection, surface: &'a SurfaceStage) -> Result<Self, StudyError> {
         let model = &surface.model;
         let measured = |statistic: &str| surface.measured.as_ref()?.estimate(statistic);
-        let length_x_m = model.covariance().map_or(f64::NAN, SurfaceCovariance::length_x_m);
+        let length_x_m = model.covariance().map(SurfaceCovariance::length_x_m);
         let (mut kinds, mut parameters) = (Vec::new(), Vec::new());
         let absent = |key, statistic| StudyError::NoInterval { key, statistic };
         let lengths = [
-            (Kind::RmsHeight, "rms_height", section.rms_height, model.marginal.std(), "Sq_m"),
+            (Kind::RmsHeight, "rms_height", section.rms_height, Some(model.marginal.std()), "Sq_m"),
             (
                 Kind::CorrelationLength,
                 "correlation_length",
@@ -45,11 +45,12 @@ impl<'a> UncertainSurface<'a> {
             ),
         ];
         for (kind, key, scatter, nominal_m, statistic) in lengths {
+            // Without a covariance the check of the study refuses an uncertain length.
+            let (Some(scatter), Some(nominal_m)) = (scatter, nominal_m) else { continue };
             let parameter = match scatter {
-                None => continue,
-                Some(LengthScatter::Relative(share)) => Parameter::lognormal(key, nominal_m, share * nominal_m)?,
-                Some(LengthScatter::Absolute(std)) => Parameter::lognormal(key, nominal_m, std.0)?,
-                Some(LengthScatter::Measured) => {
+                LengthScatter::Relative(share) => Parameter::lognormal(key, nominal_m, share * nominal_m)?,
+                LengthScatter::Absolute(std) => Parameter::lognormal(key, nominal_m, std.0)?,
+                LengthScatter::Measured => {
                     let (value_m, Interval { low, high }) =
                         measured(statistic).filter(|(_, i)| i.low > 0.0).ok_or(absent(key, statistic))?;
                     // A model's length need not be the lag at which the scan's correlation is 1/e.
@@ -94,7 +95,8 @@ impl<'a> UncertainSurface<'a> {
                 Marginal::johnson_with_moments(0.0, std_m, skewness, excess_kurtosis)?
             }
         };
-        let stretch = value(Kind::CorrelationLength).map_or(1.0, |length_m| length_m / self.length_x_m);
+        let lengths = value(Kind::CorrelationLength).zip(self.length_x_m);
+        let stretch = lengths.map_or(1.0, |(length_m, own_m)| length_m / own_m);
         let texture = match &self.model.texture {
             Texture::Translated { covariance, translation, expansion } => Texture::Translated {
                 covariance: stretched(covariance, std_m, stretch)?,
@@ -136,7 +138,7 @@ mod tests {
         };
         let model = SurfaceModel { marginal: beta.clone(), texture };
         let kinds = vec![Kind::RmsHeight, Kind::CorrelationLength, Kind::Skewness];
-        let surface = UncertainSurface { model: &model, length_x_m: 20e-6, kinds, parameters: Vec::new() };
+        let surface = UncertainSurface { model: &model, length_x_m: Some(20e-6), kinds, parameters: Vec::new() };
         for skewness in [beta.skewness(), 0.0, 0.9, -1.5] {
             let found = surface.at(&[1.1e-6, 30e-6, skewness]).unwrap();
             assert!((found.marginal.std() / 1.1e-6 - 1.0).abs() < 1e-9);
