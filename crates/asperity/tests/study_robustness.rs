@@ -334,7 +334,7 @@ fn a_scan_may_come_with_stated_covariance_rms_height_law_and_form() {
     let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
     assert_numbers(&outcome, USUAL);
     let surface = outcome.results.surface.unwrap();
-    let covariance = surface.covariance.unwrap();
+    let covariance = surface.covariance.as_ref().unwrap();
     assert_eq!((covariance.model.as_str(), covariance.std_m, covariance.length_y_m), ("exponential", 2e-6, 8e-6));
     // The scan's own statistics stay what they are.
     assert!(surface.scan().unwrap().Sq_m < 1e-6);
@@ -352,14 +352,14 @@ fn the_scan_s_own_covariance_serves_every_stage_and_says_what_was_changed() {
         let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
         assert_numbers(&outcome, USUAL);
         let surface = outcome.results.surface.unwrap();
-        let covariance = surface.covariance.unwrap();
+        let covariance = surface.covariance.as_ref().unwrap();
         assert_eq!(covariance.model, "empirical");
         // The same standard deviation, by way of the standardised distribution of the heights.
         assert!((covariance.std_m / surface.scan().unwrap().Sq_m - 1.0).abs() < 1e-12);
         // Its length is that at which the scan's own correlation falls to 1/e, but for the mean that was put back.
         let length_m = surface.scan().unwrap().correlation_length_x_m.unwrap();
         assert!((covariance.length_x_m / length_m - 1.0).abs() < 0.1, "{} {length_m}", covariance.length_x_m);
-        let report = covariance.empirical.unwrap();
+        let report = covariance.empirical.as_ref().unwrap();
         assert!(report.clipping_change < 0.1 && report.mean_share < 0.2, "{report:?}");
         assert!(
             outcome.results.assumptions.iter().any(|sentence| sentence.contains("the covariance of the scan itself"))

@@ -33,7 +33,7 @@ pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenanc
 ///
 /// ```
 /// use std::path::Path;
-/// use asperity::monitor::Quiet;
+/// use asperity::monitor::Silent;
 /// use asperity::study::{Staging, StoredRun, Study, provenance, write_run};
 ///
 /// let text = "seed = 7\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\n\
@@ -42,7 +42,7 @@ pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenanc
 /// # let temporary = tempfile::tempdir()?;
 /// # let runs = temporary.path();
 /// let staging = Staging::open(&runs.join("first"), false, &[])?;
-/// let outcome = study.run(Path::new("."), None, &Quiet)?;
+/// let outcome = study.run(Path::new("."), None, &Silent)?;
 /// let mut origin = provenance("first", study.seed, &[])?;
 /// origin.machine.threads = 1;
 /// write_run(&staging, &study, Path::new("."), &outcome, &origin)?;
