@@ -22,14 +22,15 @@ const NAMES: f64 = 190.0;
 /// A value with its interval.
 type Known = (f64, Option<(f64, f64)>);
 
+/// An estimate of a method.
+type Read = fn(&MethodEntry) -> Option<Known>;
+
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let Some(pressure) = &run.results.pressure else { return Ok(()) };
     let known = |value, interval: Option<Pair>| -> Known { (value, interval.map(Into::into)) };
-    let of_method: [fn(&MethodEntry) -> Option<(f64, Option<Pair>)>; 2] = [
-        |method| Some((method.contact_probability?, method.contact_probability_interval)),
-        |method| Some((method.mean_pa?, method.mean_interval)),
-    ];
-    let [contact, mean] = of_method;
+    let contact: Read =
+        |method| Some((method.contact_probability?, method.contact_probability_interval.map(Into::into)));
+    let mean: Read = |method| Some((method.mean_pa?, method.mean_interval.map(Into::into)));
     let panels = [
         ("P(contact)", contact, known(pressure.contact_probability, pressure.contact_probability_interval), None),
         ("Mean pressure", mean, known(pressure.mean_pa, pressure.mean_interval), Some(Dimension::Pressure)),
@@ -39,8 +40,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let panels: Vec<_> = panels
         .into_iter()
         .filter_map(|(label, of, reference, dimension)| {
-            let row = |method: &MethodEntry| of(method).map(|(value, interval)| known(value, interval));
-            let rows: Vec<Option<Known>> = methods.iter().map(|(_, method)| row(method)).collect();
+            let rows: Vec<Option<Known>> = methods.iter().map(|(_, method)| of(method)).collect();
             let ends =
                 |known: &Known| known.1.map_or([known.0; 2], |(low, high)| [low.min(known.0), high.max(known.0)]);
             // Estimates without an interval do not press the others flat.
