@@ -1,82 +1,29 @@
-//! Where a run comes from: versions, hashes, timings, machine. The only place where a clock is read for a result.
+//! Clock and host of a run: the only place where they are read for a result.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::Serialize;
-use sha2::{Digest, Sha256};
+use asperity::study::Provenance;
+use asperity::study::result::Machine;
 
-use crate::failure::{Failure, Kind};
+use crate::failure::Failure;
+use crate::page::load_failure;
 
-/// The content of `provenance.json`.
-#[derive(Debug, Serialize)]
-pub(crate) struct Provenance {
-    asperity: &'static str,
-    /// Name of the study.
-    study: String,
-    seed: u64,
-    /// SHA-256 of every input, by file name.
-    inputs: BTreeMap<String, String>,
-    /// The stage that was asked for, if not all.
-    only: Option<String>,
-    started_unix_s: u64,
-    /// Seconds that each task took.
-    seconds: BTreeMap<String, f64>,
-    machine: Machine,
-}
-
-#[derive(Debug, Serialize)]
-struct Machine {
-    system: &'static str,
-    architecture: &'static str,
-    processor: Option<String>,
-    instruction_sets: Vec<&'static str>,
-    threads: usize,
-}
-
-impl Provenance {
-    /// Begins the record of a run.
-    pub(crate) fn begin(study: String, seed: u64, only: Option<String>) -> Self {
-        Self {
-            asperity: env!("CARGO_PKG_VERSION"),
-            study,
-            seed,
-            inputs: BTreeMap::new(),
-            only,
-            started_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
-            seconds: BTreeMap::new(),
-            machine: Machine {
-                system: std::env::consts::OS,
-                architecture: std::env::consts::ARCH,
-                processor: processor(),
-                instruction_sets: instruction_sets(),
-                threads: rayon::current_num_threads(),
-            },
-        }
-    }
-
-    /// Notes the hash of an input file.
-    pub(crate) fn input(&mut self, path: &Path) -> Result<(), Failure> {
-        let bytes = fs::read(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
-        let mut name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if self.inputs.contains_key(&name) {
-            // A file of the same name in another folder.
-            name = path.display().to_string();
-        }
-        self.inputs.insert(name, hex(&Sha256::digest(&bytes)));
-        Ok(())
-    }
-
-    /// Notes how long the tasks took.
-    pub(crate) fn end(&mut self, seconds: BTreeMap<String, f64>) {
-        self.seconds = seconds;
-    }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+/// Begins the record of a computation from `inputs`.
+pub(crate) fn begin(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenance, Failure> {
+    let of_files = asperity::study::provenance(name, seed, inputs).map_err(|e| load_failure(&e))?;
+    Ok(Provenance {
+        started_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
+        machine: Machine {
+            system: std::env::consts::OS.into(),
+            architecture: std::env::consts::ARCH.into(),
+            processor: processor(),
+            instruction_sets: instruction_sets(),
+            threads: rayon::current_num_threads(),
+        },
+        ..of_files
+    })
 }
 
 /// The name of the processor, where the system tells it.
@@ -87,7 +34,7 @@ fn processor() -> Option<String> {
 }
 
 /// Instruction sets on which the last bits of results may depend.
-fn instruction_sets() -> Vec<&'static str> {
+fn instruction_sets() -> Vec<String> {
     let mut found = Vec::new();
     #[cfg(target_arch = "x86_64")]
     for (name, present) in [
@@ -98,28 +45,10 @@ fn instruction_sets() -> Vec<&'static str> {
         ("avx512f", std::is_x86_feature_detected!("avx512f")),
     ] {
         if present {
-            found.push(name);
+            found.push(name.to_owned());
         }
     }
     #[cfg(target_arch = "aarch64")]
-    found.push("neon");
+    found.push("neon".to_owned());
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hash_of_an_input_is_its_sha_256() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("abc.txt");
-        fs::write(&path, "abc").unwrap();
-        let mut provenance = Provenance::begin("abc".into(), 1, None);
-        provenance.input(&path).unwrap();
-        // FIPS 180-2, appendix B.1.
-        let wanted = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-        assert_eq!(provenance.inputs["abc.txt"], wanted);
-        assert_eq!(provenance.input(&folder.path().join("gone")).unwrap_err().kind(), Kind::Data);
-    }
 }

@@ -6,7 +6,7 @@
 //! # Conventions
 //! - Numbers come in SI units, as the names of columns and keys say (`lag_m`, `pressure_pa`); the report chooses
 //!   engineering units for display.
-//! - NaN in tables and `null` in JSON mean undefined. Curves are interrupted there and cells show a dash.
+//! - NaN in tables and `None` in results mean undefined. Curves are interrupted there and cells show a dash.
 //! - All text of the caller is escaped.
 
 mod axis;
@@ -26,6 +26,7 @@ mod twin;
 
 use std::collections::BTreeMap;
 
+use asperity_results::{Provenance, Results, VibrationResult};
 use thiserror::Error;
 
 pub use figures::vibration::vibration_figures;
@@ -37,8 +38,8 @@ pub use twin::{TwinRun, render_twins};
 pub struct Run {
     /// Name of the study.
     pub name: String,
-    /// The parsed `results.json`: objects `surface`, `pressure`, `friction`, `vibration`, each optional.
-    pub results: serde_json::Value,
+    /// The content of `results.json`.
+    pub results: Results,
     /// The tables of the run by the name of their CSV file, without its extension.
     pub tables: BTreeMap<String, Table>,
     /// The fields of the run: `height_raw`, `height_levelled`, `surface_sample` in metre, `pressure_sample`, `pressure_mean`,
@@ -46,10 +47,8 @@ pub struct Run {
     pub fields: BTreeMap<String, Field>,
     /// The inputs of the study as resolved, with units.
     pub inputs: Vec<Input>,
-    /// What was assumed where the study said nothing, one sentence each.
-    pub assumptions: Vec<String>,
-    /// Versions, hashes, timings and machine.
-    pub provenance: serde_json::Value,
+    /// The content of `provenance.json`.
+    pub provenance: Option<Provenance>,
 }
 
 /// Columns of equal length with their names, NaN where a value is undefined.
@@ -186,9 +185,9 @@ pub fn render(run: &Run) -> Result<Report, ReportError> {
     Ok(Report { html, figures })
 }
 
-/// Returns the answer to "Does it vibrate?" from the `results.json` of a run; none without a vibration stage.
-pub fn vibration_answer(results: &serde_json::Value) -> Option<String> {
-    page::answers::vibration_answer(results)
+/// Returns the answer to "Does it vibrate?".
+pub fn vibration_answer(vibration: &VibrationResult) -> String {
+    page::answers::vibration_answer(vibration)
 }
 
 fn validate<'a>(

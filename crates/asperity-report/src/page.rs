@@ -1,22 +1,24 @@
 //! The HTML page: headline answers, one section per stage, inputs, assumptions, provenance, references.
 
 pub(crate) mod answers;
+mod cells;
 mod cutoff;
 mod friction;
-mod json;
 mod parameters;
+mod provenance;
 mod random_surface;
 mod references;
 mod tables;
 mod vibration;
 
+use asperity_results::Provenance;
 use minijinja::{AutoEscape, Environment, Value, context};
 
 use crate::figures::{Plate, Stage};
 
 use crate::{ReportError, Run};
+pub(crate) use cells::DASH;
 pub(crate) use friction::{conditions, law_name, leading_level};
-pub(crate) use json::{interval, plain};
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
 
@@ -43,7 +45,7 @@ impl DataTable {
     /// Leaves out columns in which every cell is a dash.
     fn without_empty_columns(mut self) -> Self {
         let kept: Vec<bool> = (0..self.headers.len())
-            .map(|c| self.rows.iter().filter(|row| row.len() > 1).any(|row| row.get(c).is_some_and(|t| t != "–")))
+            .map(|c| self.rows.iter().filter(|row| row.len() > 1).any(|row| row.get(c).is_some_and(|t| t != DASH)))
             .collect();
         let keep = |row: &Vec<String>| {
             row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(text, _)| text.clone()).collect::<Vec<_>>()
@@ -106,6 +108,7 @@ fn section(plates: &[Plate], stage: Stage, id: &str, title: &str, lead: &str, ta
 /// The template engine's.
 pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
     let results = &run.results;
+    let friction = results.friction.as_ref();
     let sections: Vec<Value> = [
         section(
             plates,
@@ -124,25 +127,25 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             &format!(
                 "How often a point of the surface is in contact, and how the pressure there is distributed, by independent \
                  methods. {}",
-                tables::refused_methods(&run.results["pressure"])
+                results.pressure.as_ref().map_or_else(String::new, tables::refused_methods)
             ),
-            &tables::pressure(run),
+            &results.pressure.as_ref().map_or_else(Vec::new, |pressure| tables::pressure(run, pressure)),
         ),
         section(
             plates,
             Stage::Friction,
             "friction",
             "Friction coefficient",
-            &friction::lead(&results["friction"]),
-            &friction::tables(&results["friction"]),
+            &friction::lead(friction),
+            &friction.map_or_else(Vec::new, friction::tables),
         ),
         section(
             plates,
             Stage::Quotient,
             "quotient",
             "Quotient F/N of single windows",
-            &friction::quotient_lead(&results["friction"]),
-            &friction::quotient_tables(&results["friction"]),
+            &friction::quotient_lead(friction),
+            &friction.map_or_else(Vec::new, friction::quotient_tables),
         ),
         section(
             plates,
@@ -151,7 +154,7 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
             "Friction-induced vibration",
             "Whether the machine vibrates without roughness, and what the roughness does to it. Displacement and time \
              are dimensionless: X = xc/N, τ = ω₀t.",
-            &vibration::tables(run),
+            &results.vibration.as_ref().map_or_else(Vec::new, vibration::tables),
         ),
     ]
     .into_iter()
@@ -159,13 +162,13 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
     .collect();
     let inputs: Vec<Value> = tables::inputs(&run.inputs).iter().map(DataTable::value).collect();
     let present: Vec<Stage> = [
-        (Stage::Surface, "surface"),
-        (Stage::Pressure, "pressure"),
-        (Stage::Friction, "friction"),
-        (Stage::Vibration, "vibration"),
+        (Stage::Surface, results.surface.is_some()),
+        (Stage::Pressure, results.pressure.is_some()),
+        (Stage::Friction, friction.is_some()),
+        (Stage::Vibration, results.vibration.is_some()),
     ]
     .into_iter()
-    .filter(|(stage, key)| results[*key].is_object() || plates.iter().any(|plate| plate.stage == *stage))
+    .filter(|(stage, is_present)| *is_present || plates.iter().any(|plate| plate.stage == *stage))
     .map(|(stage, _)| stage)
     .collect();
     let answers: Vec<Value> = answers::answers(run)
@@ -175,19 +178,19 @@ pub(crate) fn html(run: &Run, plates: &[Plate]) -> Result<String, ReportError> {
     let page = context! {
         name => run.name.clone(),
         answers => answers,
-        warnings => json::warnings(results),
+        warnings => results.warnings.clone(),
         sections => sections,
         inputs => inputs,
-        assumptions => run.assumptions.clone(),
-        provenance => provenance(&run.provenance),
+        assumptions => results.assumptions.clone(),
+        provenance => provenance(run.provenance.as_ref()),
         references => references::references(&present),
     };
     filled_in(TEMPLATE, page)
 }
 
-/// Every leaf of `provenance.json` as a row.
-pub(crate) fn provenance(provenance: &serde_json::Value) -> Vec<Value> {
-    let rows = json::flattened(provenance).into_iter();
+/// Every entry of `provenance.json` as a row.
+pub(crate) fn provenance(provenance: Option<&Provenance>) -> Vec<Value> {
+    let rows = provenance.into_iter().flat_map(provenance::rows);
     rows.map(|(key, value)| context! { key => key, value => value }).collect()
 }
 

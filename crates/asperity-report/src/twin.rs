@@ -4,11 +4,12 @@ mod figures;
 
 use std::collections::BTreeMap;
 
+use asperity_results::Provenance;
 use minijinja::{Value, context};
 use serde_json::Value as Json;
 
 use crate::format::{Dimension, significant};
-use crate::page::{filled_in, in_words, length_in_words, parameter, plain, provenance};
+use crate::page::{DASH, filled_in, in_words, length_in_words, parameter, provenance};
 use crate::{Field, Figure, Report, ReportError, Table};
 
 const TEMPLATE: &str = include_str!("twin/page.html");
@@ -38,8 +39,8 @@ pub struct TwinRun {
     pub scan: Option<Field>,
     /// The first twins, in metre.
     pub twins: Vec<Field>,
-    /// Versions, hashes, timings and machine.
-    pub provenance: Json,
+    /// The content of `provenance.json`.
+    pub provenance: Option<Provenance>,
 }
 
 /// Renders the page of a scan and its twins; a pure function, as [`crate::render`].
@@ -84,7 +85,7 @@ fn page(run: &TwinRun, drawn: &[figures::Drawn]) -> Result<String, ReportError> 
         band => band_in_words(comparison),
         limits => sentences("limits"),
         assumptions => sentences("assumptions"),
-        provenance => provenance(&run.provenance),
+        provenance => provenance(run.provenance.as_ref()),
         references => REFERENCES,
     };
     filled_in(TEMPLATE, page)
@@ -184,6 +185,11 @@ fn curves_in_words(comparison: &Json) -> (String, String) {
     (format!(" and {} of the points of the curves", percent(inside / points)), detail)
 }
 
+/// A word of the comparison, or a dash.
+fn word(value: &Json) -> &str {
+    value.as_str().unwrap_or(DASH)
+}
+
 fn answers(comparison: &Json) -> Vec<Value> {
     let answer = |question: &str, answer: String, detail: String| context! { question => question, answer => answer, detail => detail };
     let mut answers = Vec::new();
@@ -208,12 +214,12 @@ fn answers(comparison: &Json) -> Vec<Value> {
         let covariance = &model["covariance"];
         let length = |key: &str| covariance[key].as_f64().map_or("–".into(), |v| Dimension::Length.show(v));
         let kind = if covariance.is_object() {
-            format!("{} covariance", in_words(&covariance["model"]))
+            format!("{} covariance", in_words(word(&covariance["model"])))
         } else {
-            in_words(&model["generator"])
+            in_words(word(&model["generator"]))
         };
         let lengths = if covariance.is_object() {
-            let to_1_e = match (covariance["decay_length_x_m"].as_f64(), length_in_words(&covariance["model"])) {
+            let to_1_e = match (covariance["decay_length_x_m"].as_f64(), length_in_words(word(&covariance["model"]))) {
                 (Some(_), parameter) if parameter != "to 1/e" => {
                     format!(
                         "; correlation lengths (to 1/e) {} and {}",
@@ -225,7 +231,7 @@ fn answers(comparison: &Json) -> Vec<Value> {
             };
             format!(
                 " Lengths ({}) {} along x and {} along y{to_1_e}.",
-                length_in_words(&covariance["model"]),
+                length_in_words(word(&covariance["model"])),
                 length("length_x_m"),
                 length("length_y_m")
             )
@@ -235,7 +241,7 @@ fn answers(comparison: &Json) -> Vec<Value> {
         let detail = format!(
             "Rms height {}, {} marginal law.{lengths}",
             model["rms_height_m"].as_f64().map_or("–".into(), |v| Dimension::Length.show(v)),
-            in_words(&model["marginal"]["name"]),
+            in_words(word(&model["marginal"]["name"])),
         );
         answers.push(answer("What are the twins made from?", kind, detail));
     }
@@ -245,7 +251,7 @@ fn answers(comparison: &Json) -> Vec<Value> {
         let side = |axis: usize, points: u64| {
             comparison["pitch_m"][axis].as_f64().map_or("–".into(), |p| Dimension::Length.show(p * points as f64))
         };
-        let detail = format!("On {} × {}. Seed {}.", side(0, nx), side(1, ny), plain(&comparison["seed"]));
+        let detail = format!("On {} × {}. Seed {}.", side(0, nx), side(1, ny), comparison["seed"]);
         answers.push(answer("What was drawn?", format!("{count} maps of {nx} × {ny} points"), detail));
     }
     answers

@@ -1,7 +1,7 @@
 //! A study: configuration, run, results. The only module that knows the whole chain, and that writes files.
 //!
-//! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`Staging`]
-//! writes the run folder, which appears complete or not at all.
+//! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`write_run`]
+//! writes the run folder through a [`Staging`], so that it appears complete or not at all.
 
 mod band_slopes;
 mod check;
@@ -22,6 +22,8 @@ mod parse;
 mod plausibility;
 mod pooled;
 mod pressure_stage;
+#[cfg(feature = "report")]
+mod report;
 pub mod result;
 mod run;
 pub mod scatter;
@@ -38,16 +40,19 @@ mod uncertain_surface;
 mod vibration_section;
 mod vibration_stage;
 mod window_friction;
+mod write_run;
 
 pub use config::Study;
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
 pub use friction_process::simulated_record;
-pub use measured::statistics;
+pub use measured::{MapStatistics, statistics};
 pub use parse::StudyFileError;
 pub use plausibility::{implausible_damping, implausible_friction, implausible_material};
 pub use pooled::PooledStatistics;
-pub use result::{Outcome, Results};
+#[cfg(feature = "report")]
+pub use report::ReportFiles;
+pub use result::{Outcome, Provenance, Results};
 pub use run::Stage;
 pub use series::{Field, Table, TableError};
 pub use specimen::{Sampler, Specimen};
@@ -58,3 +63,4 @@ pub use twin::{
 pub use vibration_stage::{
     clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
 };
+pub use write_run::{provenance, write_run};

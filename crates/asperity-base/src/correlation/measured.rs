@@ -6,7 +6,6 @@ mod taper;
 use std::f64::consts::TAU;
 
 use ndarray::Array2;
-use serde::Serialize;
 use thiserror::Error;
 
 use self::positive::{Beneath, PositiveCorrelation, Spline, made_positive};
@@ -42,7 +41,7 @@ pub enum MeasuredCovarianceError {
 }
 
 /// What was done to an autocorrelation to make it a covariance. All correlations are over the variance.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredReport {
     /// Share of the variance that went with the map's mean; lags and variance are corrected for it.
     pub mean_share: f64,

@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::monitor::Terminal;
-use crate::page::{load_failure, rendered, store_failure};
+use crate::page::{load_failure, store_failure};
 
 /// Renders report.html and figures/ again from the numbers of a finished run; computes nothing anew.
 #[derive(Debug, Args)]
@@ -19,11 +19,8 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
-        let report = rendered(&run)?;
+        let files = run.report().map_err(|e| store_failure(&e.into()))?;
         monitor.check()?;
-        let figures =
-            report.figures.iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.as_bytes()));
-        let files: Vec<(String, &[u8])> = figures.chain([("report.html".to_owned(), report.html.as_bytes())]).collect();
         StoredRun::replace(&self.dir, &files).map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", self.dir.join("report.html").display()));
         Ok(())

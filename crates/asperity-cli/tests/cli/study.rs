@@ -117,7 +117,10 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     assert_eq!(written(&run), wanted);
     assert_eq!(listing(&folder.path().join("runs")), ["study"]);
     let results: Value = serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
-    assert_eq!(keys(&results), ["assumptions", "pressure", "seed", "surface", "vibration", "warnings"]);
+    assert_eq!(
+        keys(&results),
+        ["assumptions", "pressure", "schema_version", "seed", "surface", "vibration", "warnings"]
+    );
     let methods: Vec<&str> =
         results["pressure"]["methods"].as_array().unwrap().iter().map(|m| m["name"].as_str().unwrap()).collect();
     for name in ["monte_carlo", "latin_hypercube", "sobol", "polynomial_chaos", "polynomial_chaos_log", "default"] {
@@ -158,6 +161,14 @@ fn a_report_is_rendered_again_to_the_same_bytes_and_leaves_the_numbers_alone() {
     fs::rename(run.join("results.json"), folder.path().join("aside.json")).unwrap();
     run_in(folder.path(), "report runs/study").refuses(3, &["results.json"]);
     fs::rename(folder.path().join("aside.json"), run.join("results.json")).unwrap();
+    let results = fs::read_to_string(run.join("results.json")).unwrap();
+    for (version, found) in [("\"schema_version\": 7,", "schema_version 7"), ("", "no schema_version")] {
+        fs::write(run.join("results.json"), results.replace("\"schema_version\": 1,", version)).unwrap();
+        let wanted = [found, "reads version 1", "run the study again", "runs/study/study.toml"];
+        run_in(folder.path(), "report runs/study").refuses(3, &wanted);
+    }
+    fs::write(run.join("results.json"), results.replace("\"seed\"", "\"sed\"")).unwrap();
+    run_in(folder.path(), "report runs/study").refuses(3, &["results.json", "sed"]);
     fs::remove_file(run.join("COMPLETE")).unwrap();
     run_in(folder.path(), "report runs/study").refuses(3, &["runs/study", "not a finished run", "COMPLETE"]);
     run_in(folder.path(), "report nowhere").refuses(3, &["nowhere"]);
@@ -168,7 +179,7 @@ fn only_names_a_stage_and_seed_replaces_the_study_s() {
     let folder = folder_with(STUDY);
     let run = |line: &str| run_in(folder.path(), &format!("run study.toml --quiet --json {line}"));
     let surface = run("--only surface --out a").json(0);
-    assert_eq!(keys(&surface), ["assumptions", "seed", "surface", "warnings"]);
+    assert_eq!(keys(&surface), ["assumptions", "schema_version", "seed", "surface", "warnings"]);
     let vibration = run("--only vibration --out b").json(0);
     assert!(vibration["vibration"].is_object() && vibration.get("pressure").is_none(), "{vibration}");
     let other = run("--only vibration --out c --seed 6").json(0);

@@ -8,8 +8,6 @@ mod trace;
 mod uncertainty;
 mod windows;
 
-use serde_json::Value;
-
 use super::{Plate, Stage, csv};
 use crate::chart::{Chart, Layout, figure};
 use crate::page::{law_name, leading_level};
@@ -21,9 +19,9 @@ pub(crate) const HEIGHT: f64 = 330.0;
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     levels::load_curve(run, plates)?;
     cutoff::plates(run, plates)?;
-    let lead = leading_level(&run.results["friction"]).unwrap_or(&Value::Null);
-    let first = match law_name(&lead["at_mean_load"]["marginal"]) {
-        Some(name) => format!("law ranked first ({name})"),
+    let lead = run.results.friction.as_ref().and_then(leading_level);
+    let first = match lead.and_then(|lead| lead.at_mean_load.marginal.as_ref()) {
+        Some(law) => format!("law ranked first ({})", law_name(law)),
         None => "law ranked first".to_owned(),
     };
     let alone = |chart: Option<Chart>, height: f64| chart.map(|chart| vec![(height, chart)]);

@@ -5,7 +5,7 @@ mod density;
 mod spectrum;
 mod structure;
 
-use serde_json::Value;
+use asperity_results::{SurfaceResult, SurfaceStatistics};
 
 use super::{Plate, Stage, columns, csv, map, map_of};
 use crate::raster::{Kind, Raster};
@@ -45,22 +45,19 @@ fn maps(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     Ok(())
 }
 
-/// The results of the scan that the figures show: the first of several.
-fn scan(run: &Run) -> &Value {
-    let surface = &run.results["surface"];
-    surface["scans"].get(0).unwrap_or(surface)
-}
-
-/// A number of the scan's results.
-fn number(run: &Run, key: &str) -> Option<f64> {
-    scan(run)[key].as_f64().filter(|value| value.is_finite())
+/// The statistics of the scan that the figures show: the first of several.
+fn scan(run: &Run) -> Option<&SurfaceStatistics> {
+    let surface = run.results.surface.as_ref()?;
+    surface.scan().or_else(|| Some(&surface.part()?.scans.first()?.statistics))
 }
 
 /// Which scan a figure shows, as a sentence at the end of its caption; nothing where there is but one.
 fn which(run: &Run) -> String {
-    let scans = run.results["surface"]["scans"].as_array().map_or(0, Vec::len);
-    match scan(run)["file"].as_str().filter(|_| scans > 1) {
-        Some(file) => format!(" Measured: {file}, the first of {scans} scans; the random surface is of all."),
+    let part = run.results.surface.as_ref().and_then(SurfaceResult::part);
+    match part.and_then(|part| part.scans.first().filter(|_| part.scans.len() > 1).zip(Some(part.scans.len()))) {
+        Some((first, scans)) => {
+            format!(" Measured: {}, the first of {scans} scans; the random surface is of all.", first.file)
+        }
         None => String::new(),
     }
 }

@@ -1,11 +1,9 @@
 //! What a tribologist wants to know first.
 
-use serde_json::Value;
+use asperity_results::{DampingResult, EnsembleResult, FrictionResult, KindResult, PressureResult, VibrationResult};
 
-use super::friction::{operating_point, place};
-use super::json::shown;
-use super::method_name;
-use super::tables::list;
+use super::cells::shown;
+use super::friction::place;
 use super::vibration::difference;
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
@@ -27,98 +25,88 @@ pub(super) struct Answer {
 /// The answers that the results hold.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
-    [contact(run), friction(&results["friction"]), vibrates(run), damping(run), roughness(run)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let vibration = results.vibration.as_ref();
+    [
+        contact(run),
+        results.friction.as_ref().map(friction),
+        vibration.map(vibrates),
+        vibration.and_then(damping),
+        vibration.and_then(roughness),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// At the operating point, where there is one; otherwise at the level of the pressure stage.
 fn contact(run: &Run) -> Option<Answer> {
     let question = "How likely is contact at a point?";
-    let patch = patch_contact(run);
-    let point = operating_point(&run.results["friction"]).filter(|point| point["contact_fraction"].is_number());
-    if let Some(point) = point {
-        let also = patch.map_or(String::new(), |(probability, level, _)| format!(" {level}, it is {probability}."));
+    let pressure = run.results.pressure.as_ref();
+    if let Some(friction) = &run.results.friction {
+        let point = &friction.operating_point;
+        let also = pressure
+            .map_or(String::new(), |pressure| format!(" {}, it is {}.", patch_level(run), patch_probability(pressure)));
+        let probability = shown(Dimension::None, point.contact_fraction, point.contact_fraction_interval);
         return Some(Answer {
             question,
-            answer: format!("P(contact) = {}", shown(&point, "contact_fraction")),
+            answer: format!("P(contact) = {probability}"),
             detail: format!(
                 "At the operating point ({}): contact area over nominal area of the strips; brackets hold the 95 % interval.{also}",
-                place(&point)
+                place(point)
             ),
         });
     }
-    let (probability, level, origin) = patch?;
-    let answer = format!("P(contact) = {probability}");
-    Some(Answer { question, answer, detail: format!("{level}. {origin}; ± is one standard error.") })
+    let pressure = pressure?;
+    Some(Answer {
+        question,
+        answer: format!("P(contact) = {}", patch_probability(pressure)),
+        detail: format!(
+            "{}. Reference run by Monte Carlo, {} contact solutions; ± is one standard error.",
+            patch_level(run),
+            pressure.reference_samples
+        ),
+    })
 }
 
-/// The contact probability of the pressure stage with its standard error, its level, and where it is from.
-fn patch_contact(run: &Run) -> Option<(String, String, String)> {
-    let pressure = &run.results["pressure"];
-    let known = |entry: &&Value| entry["contact_probability"].is_number();
-    let solves =
-        |entry: &Value, key: &str| entry[key].as_u64().map_or(String::new(), |n| format!(", {n} contact solutions"));
-    // The reference run stands in the stage itself; without it, the first method that has an answer.
-    let (entry, origin) = match Some(pressure).filter(known) {
-        Some(stage) => (stage, format!("Reference run by Monte Carlo{}", solves(stage, "reference_samples"))),
-        None => {
-            let methods = list(&pressure["methods"]);
-            let named = |name: &str| methods.iter().filter(known).find(|method| method["name"] == name);
-            let method = named("reference").or(named("monte_carlo")).or(methods.iter().find(known))?;
-            let name = method_name(method["name"].as_str().unwrap_or("unnamed"));
-            (method, format!("Method: {name}{}", solves(method, "fine_solves")))
-        }
-    };
-    let probability = entry["contact_probability"].as_f64()?;
-    let error = entry["contact_probability_se"].as_f64().unwrap_or(f64::NAN);
+/// The contact probability of the pressure stage with its standard error.
+fn patch_probability(pressure: &PressureResult) -> String {
+    with_error(pressure.contact_probability, pressure.contact_probability_se.unwrap_or(f64::NAN))
+}
+
+/// The level of the pressure stage.
+fn patch_level(run: &Run) -> String {
     let stated = |key: &str| {
         let input = run.inputs.iter().find(|input| input.section == "pressure" && input.key == key)?;
         Some(input.value.trim().to_owned())
     };
-    let level = match (stated("percentile"), stated("penetration"), stated("mean_pressure")) {
+    match (stated("percentile"), stated("penetration"), stated("mean_pressure")) {
         (Some(percent), ..) if percent.parse() == Ok(50.0) => "With the plane at the median height".to_owned(),
         (Some(percent), ..) => format!("With the plane below {percent} % of the heights"),
         (_, Some(depth), _) => format!("With the plane {depth} below the highest point"),
         (.., Some(pressure)) => format!("At a mean pressure of {pressure}"),
         _ => "At the level of the pressure stage".to_owned(),
-    };
-    Some((with_error(probability, error), level, origin))
+    }
 }
 
-fn friction(friction: &Value) -> Option<Answer> {
-    let point = operating_point(friction).filter(|point| point["mean"].is_number())?;
-    let window = friction["window_m"]
-        .as_f64()
-        .map_or("one window".into(), |w| format!("a window of {}", Dimension::Length.show(w)));
-    let std = |key: &str| point[key].as_f64().map(|std| significant(std, 2));
-    let scatter = match (std("std"), std("std_nominal_area")) {
-        (Some(own), Some(area)) => format!(" Standard deviation: {own} for {window}, {area} over the nominal area."),
-        (Some(own), None) => format!(" Standard deviation: {own} for {window}."),
-        _ => String::new(),
-    };
-    let brackets = if point["mean_interval"].is_array() { "; brackets hold the 95 % interval" } else { "" };
-    Some(Answer {
+fn friction(friction: &FrictionResult) -> Answer {
+    let point = &friction.operating_point;
+    let brackets = if point.mean_interval.is_some() { "; brackets hold the 95 % interval" } else { "" };
+    Answer {
         question: "Which friction coefficient follows?",
-        answer: format!("μ = {}", shown(&point, "mean")),
-        detail: format!("At the operating point ({}){brackets}.{scatter}", place(&point)),
-    })
-}
-
-/// The damping ratio of the study, from the results or its inputs.
-fn operating_damping(run: &Run) -> Option<f64> {
-    run.results["vibration"]["damping_ratio"].as_f64().or_else(|| {
-        let input = run.inputs.iter().find(|input| input.section == "vibration" && input.key == "damping_ratio")?;
-        input.value.trim().parse().ok()
-    })
+        answer: format!("μ = {}", shown(Dimension::None, point.mean, point.mean_interval)),
+        detail: format!(
+            "At the operating point ({}){brackets}. Standard deviation: {} for a window of {}, {} over the nominal area.",
+            place(point),
+            significant(point.std, 2),
+            Dimension::Length.show(friction.window_m),
+            significant(point.std_nominal_area, 2)
+        ),
+    }
 }
 
 /// Whether the machine vibrates without fluctuation of friction, and what starts the vibration.
-pub(crate) fn vibration_answer(results: &Value) -> Option<String> {
-    let vibration = &results["vibration"];
-    let exists = vibration["cycle"]["limit_cycle"].as_bool()?;
-    Some(match (exists, vibration["steady_sliding_unstable"].as_bool(), vibration["kick_m_per_s"].as_f64()) {
+pub(crate) fn vibration_answer(vibration: &VibrationResult) -> String {
+    match (vibration.cycle.limit_cycle, vibration.steady_sliding_unstable, vibration.kick_m_per_s) {
         (false, Some(_), _) => "No: every motion ends in steady sliding".into(),
         (false, None, _) => "No: no limit cycle is reached from stick".into(),
         (true, Some(true), _) => "Yes: steady sliding is unstable".into(),
@@ -127,45 +115,39 @@ pub(crate) fn vibration_answer(results: &Value) -> Option<String> {
             Dimension::Velocity.show(kick)
         ),
         (true, _, _) => "Yes: a limit cycle is reached from stick".into(),
-    })
+    }
 }
 
-fn vibrates(run: &Run) -> Option<Answer> {
-    let vibration = &run.results["vibration"];
-    let at = operating_damping(run)
-        .map_or(String::new(), |zeta| format!(" at the study’s damping ζ = {}", significant(zeta, 4)));
-    let answer = vibration_answer(&run.results)?;
-    let kind = match vibration["kind"].as_str() {
-        Some("stick_slip") => " The motion is stick–slip: the mass sticks to the belt in every period.",
-        Some("overtaking") => " The mass overtakes the belt in every period and never sticks.",
-        Some("slip_cycle") => " The mass stays slower than the belt and never sticks.",
-        _ => "",
+fn vibrates(vibration: &VibrationResult) -> Answer {
+    let kind = match vibration.kind {
+        KindResult::StickSlip => " The motion is stick–slip: the mass sticks to the belt in every period.",
+        KindResult::Overtaking => " The mass overtakes the belt in every period and never sticks.",
+        KindResult::SlipCycle => " The mass stays slower than the belt and never sticks.",
+        KindResult::None => "",
     };
-    let period = vibration["cycle"]["period"]
-        .as_f64()
-        .map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
-    let detail = format!("Without fluctuation of friction{at}.{kind}{period}");
-    Some(Answer { question: "Does it vibrate?", answer, detail })
+    let period = vibration.cycle.period.map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
+    let detail = format!(
+        "Without fluctuation of friction at the study’s damping ζ = {}.{kind}{period}",
+        significant(vibration.damping_ratio, 4)
+    );
+    Answer { question: "Does it vibrate?", answer: vibration_answer(vibration), detail }
 }
 
-fn damping(run: &Run) -> Option<Answer> {
-    let vibration = &run.results["vibration"];
-    let critical = vibration["critical_damping_ratio"].as_f64();
-    // Runs of older versions have the grazing point alone.
-    let limit = vibration["limit_damping_ratio"].as_f64().or(critical)?;
+fn damping(vibration: &VibrationResult) -> Option<Answer> {
+    let (critical, limit, zeta) =
+        (vibration.critical_damping_ratio, vibration.limit_damping_ratio?, vibration.damping_ratio);
     let grazing = critical.filter(|critical| *critical < limit).map_or(String::new(), |critical| {
         format!(
             " The mass reaches the velocity of the belt up to ζ = {} only; beyond, it vibrates slower than the belt.",
             significant(critical, 5)
         )
     });
-    let hopf = vibration["hopf_damping_ratio"].as_f64().map_or(String::new(), |hopf| {
+    let hopf = vibration.hopf_damping_ratio.map_or(String::new(), |hopf| {
         format!(" Steady sliding is unstable below ζ = {} (Hopf point).", significant(hopf, 5))
     });
-    let margin = operating_damping(run).map_or(String::new(), |zeta| {
-        let side = if zeta < limit { "below" } else { "above" };
-        format!(" The study’s ζ = {} lies {} {side} it.", significant(zeta, 4), significant((zeta - limit).abs(), 2))
-    });
+    let side = if zeta < limit { "below" } else { "above" };
+    let margin =
+        format!(" The study’s ζ = {} lies {} {side} it.", significant(zeta, 4), significant((zeta - limit).abs(), 2));
     Some(Answer {
         question: "How much damping stops it?",
         answer: format!("ζ = {}", significant(limit, 5)),
@@ -173,26 +155,20 @@ fn damping(run: &Run) -> Option<Answer> {
     })
 }
 
-/// The entry whose damping ratio is nearest to the study's, or the first.
-fn nearest(upscaling: &Value, damping: Option<f64>) -> Option<&Value> {
-    let entries = list(&upscaling["damping"]);
-    let Some(damping) = damping else { return entries.first() };
-    let away = |entry: &Value| entry["damping_ratio"].as_f64().map_or(f64::INFINITY, |zeta| (zeta - damping).abs());
-    entries.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
+/// The entry whose damping ratio is nearest.
+fn nearest(upscaling: &EnsembleResult, damping: f64) -> Option<&DampingResult> {
+    let away = |entry: &DampingResult| (entry.damping_ratio - damping).abs();
+    upscaling.damping.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
-fn roughness(run: &Run) -> Option<Answer> {
-    let vibration = &run.results["vibration"];
-    let study = operating_damping(run);
-    let entry = nearest(&vibration["area"], study)?;
-    let lost = entry["difference_mean"].as_f64()?;
-    let (limits, text) = difference(run, "area", entry);
-    let deterministic = entry["cycles_deterministic"].as_f64();
+fn roughness(vibration: &VibrationResult) -> Option<Answer> {
+    let study = vibration.damping_ratio;
+    let entry = nearest(&vibration.area, study)?;
+    let (lost, [low, high]) = (entry.difference_mean, entry.difference_interval);
     // Beyond the critical damping the deterministic count is zero, so the sweep's largest count sets the scale.
-    let counts = list(&vibration["area"]["damping"]).iter().filter_map(|entry| entry["cycles_deterministic"].as_f64());
-    let scale = counts.fold(0.0, f64::max);
-    let unresolved = limits.is_some_and(|(low, high)| low <= 0.0 && high >= 0.0);
-    let narrow = limits.is_some_and(|(low, high)| low.abs().max(high.abs()) <= NARROW * scale);
+    let scale = vibration.area.damping.iter().map(|entry| entry.cycles_deterministic).fold(0, u64::max) as f64;
+    let unresolved = low <= 0.0 && high >= 0.0;
+    let narrow = low.abs().max(high.abs()) <= NARROW * scale;
     let (answer, reason) = if unresolved && narrow {
         (VANISHES.to_owned(), " (the 95 % interval holds zero)")
     } else if unresolved {
@@ -203,121 +179,135 @@ fn roughness(run: &Run) -> Option<Answer> {
     } else if lost < 0.0 {
         (format!("It adds {} cycles", significant(-lost, 3)), "")
     } else {
-        let of = deterministic.map_or(String::new(), |m| format!(" of {}", significant(m, 4)));
-        (format!("It costs {}{of} cycles", significant(lost, 3)), "")
+        let of = significant(entry.cycles_deterministic as f64, 4);
+        (format!("It costs {} of {of} cycles", significant(lost, 3)), "")
     };
-    let at = entry["damping_ratio"].as_f64().map_or(String::new(), |zeta| {
-        let near = study.is_some_and(|study| (study - zeta).abs() > 1e-9);
-        let near = if near { ", in the sweep the nearest to the study’s" } else { "" };
-        format!(" at ζ = {}{near}", significant(zeta, 4))
-    });
-    let paper = nearest(&vibration["paper"], entry["damping_ratio"].as_f64())
-        .filter(|paper| paper["difference_mean"].is_number() && paper["damping_ratio"] == entry["damping_ratio"])
+    let near = (study - entry.damping_ratio).abs() > 1e-9;
+    let near = if near { ", in the sweep the nearest to the study’s" } else { "" };
+    let at = format!(" at ζ = {}{near}", significant(entry.damping_ratio, 4));
+    let paper = nearest(&vibration.paper, entry.damping_ratio)
+        .filter(|paper| paper.damping_ratio == entry.damping_ratio)
         .map_or(String::new(), |paper| {
-            let (_, text) = difference(run, "paper", paper);
+            let text = difference(paper);
             format!(" If one window carried the whole normal force, as in the paper, it would be {text}.")
         });
     Some(Answer {
         question: "What does roughness do to the vibration?",
         answer,
-        detail: format!("Cycles lost with μ averaged over the nominal contact area{at}: {text}{reason}.{paper}"),
+        detail: format!(
+            "Cycles lost with μ averaged over the nominal contact area{at}: {}{reason}.{paper}",
+            difference(entry)
+        ),
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use asperity_results::{CycleResult, OperatingPoint, Results};
 
-    fn run(area: Value) -> Run {
-        let results = json!({"vibration": {"damping_ratio": 0.17, "area": {"damping": area}}});
-        Run { results, ..Run::default() }
+    fn vibration(damping: Vec<DampingResult>) -> VibrationResult {
+        let area = EnsembleResult { damping, ..EnsembleResult::default() };
+        VibrationResult { damping_ratio: 0.17, area, ..VibrationResult::default() }
     }
 
-    fn answer(area: Value) -> Answer {
-        roughness(&run(area)).unwrap()
+    fn entry(damping_ratio: f64, cycles: u64, difference_mean: f64, difference_interval: [f64; 2]) -> DampingResult {
+        let cycles_deterministic = cycles;
+        DampingResult {
+            damping_ratio,
+            cycles_deterministic,
+            difference_mean,
+            difference_interval,
+            ..DampingResult::default()
+        }
+    }
+
+    fn answer(damping: Vec<DampingResult>) -> Answer {
+        roughness(&vibration(damping)).unwrap()
     }
 
     #[test]
     fn an_interval_around_zero_or_a_tiny_loss_means_that_the_effect_vanishes() {
-        let unresolved = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 3.0,
-                                 "difference_mean_interval": [-0.5, 6.5]}]);
-        assert_eq!(answer(unresolved).answer, VANISHES);
-        let tiny = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 0.4,
-                           "difference_mean_interval": [0.3, 0.5]}]);
-        assert_eq!(answer(tiny).answer, VANISHES);
-        let wide = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 15.0,
-                           "difference_mean_interval": [-20.0, 50.0]}]);
-        assert!(answer(wide).answer.starts_with("No effect is resolved"));
-        let clear = json!([{"damping_ratio": 0.17, "cycles_deterministic": 99, "difference_mean": 29.5,
-                            "difference_mean_interval": [28.9, 30.1]}]);
-        assert_eq!(answer(clear).answer, "It costs 29.5 of 99 cycles");
-        let added = json!([{"damping_ratio": 0.25, "cycles_deterministic": 0, "difference_mean": -17.2}]);
-        assert_eq!(answer(added).answer, "It adds 17.2 cycles");
+        assert_eq!(answer(vec![entry(0.17, 99, 3.0, [-0.5, 6.5])]).answer, VANISHES);
+        assert_eq!(answer(vec![entry(0.17, 99, 0.4, [0.3, 0.5])]).answer, VANISHES);
+        assert!(answer(vec![entry(0.17, 99, 15.0, [-20.0, 50.0])]).answer.starts_with("No effect is resolved"));
+        assert_eq!(answer(vec![entry(0.17, 99, 29.5, [28.9, 30.1])]).answer, "It costs 29.5 of 99 cycles");
+        assert_eq!(answer(vec![entry(0.25, 0, -17.2, [-18.0, -16.0])]).answer, "It adds 17.2 cycles");
     }
 
     #[test]
     fn the_answer_is_taken_at_the_damping_nearest_to_the_study() {
-        let sweep = json!([{"damping_ratio": 0.05, "cycles_deterministic": 90, "difference_mean": 40.0},
-                           {"damping_ratio": 0.175, "cycles_deterministic": 99, "difference_mean": 20.0},
-                           {"damping_ratio": 0.3, "cycles_deterministic": 0, "difference_mean": -5.0}]);
-        assert!(answer(sweep).detail.contains("ζ = 0.175"));
+        let sweep = [
+            entry(0.05, 90, 40.0, [39.0, 41.0]),
+            entry(0.175, 99, 20.0, [19.0, 21.0]),
+            entry(0.3, 0, -5.0, [-6.0, -4.0]),
+        ];
+        assert!(answer(sweep.into()).detail.contains("ζ = 0.175"));
     }
 
     #[test]
     fn nothing_is_answered_without_results() {
         assert!(answers(&Run::default()).is_empty());
-        let nulls = json!({"pressure": {"methods": [{"name": "sobol", "contact_probability": null}]},
-                           "vibration": {"cycle": {"limit_cycle": null}, "critical_damping_ratio": null}});
-        assert!(answers(&Run { results: nulls, ..Run::default() }).is_empty());
+        let vibration = Some(VibrationResult::default());
+        let found = answers(&Run { results: Results { vibration, ..Results::default() }, ..Run::default() });
+        assert_eq!(found.iter().map(|answer| answer.question).collect::<Vec<_>>(), ["Does it vibrate?"]);
     }
 
     #[test]
     fn the_answer_tells_vibration_once_started_from_unstable_sliding_and_from_none() {
-        let of = |limit_cycle: bool, unstable: Value, kick: Value, kind: &str| {
-            let results = json!({"vibration": {"damping_ratio": 0.11, "critical_damping_ratio": 0.1, "limit_damping_ratio": 0.12,
-                "hopf_damping_ratio": 0.09, "kind": kind, "steady_sliding_unstable": unstable, "kick_m_per_s": kick,
-                "cycle": {"limit_cycle": limit_cycle, "period": 6.3}}});
+        let of = |limit_cycle: bool, unstable: Option<bool>, kick: Option<f64>, kind: KindResult| {
+            let vibration = VibrationResult {
+                damping_ratio: 0.11,
+                critical_damping_ratio: Some(0.1),
+                limit_damping_ratio: Some(0.12),
+                hopf_damping_ratio: Some(0.09),
+                kind,
+                steady_sliding_unstable: unstable,
+                kick_m_per_s: kick,
+                cycle: CycleResult { limit_cycle, period: Some(6.3), ..CycleResult::default() },
+                ..VibrationResult::default()
+            };
+            let results = Results { vibration: Some(vibration), ..Results::default() };
             let found = answers(&Run { results, ..Run::default() });
             assert_eq!(found[0].question, "Does it vibrate?");
             assert_eq!(found[1].answer, "ζ = 0.12");
             assert!(found[1].detail.contains("up to ζ = 0.1 only"), "{}", found[1].detail);
             (found[0].answer.replace('\u{a0}', " "), found[0].detail.clone())
         };
-        let (answer, detail) = of(true, json!(false), json!(0.0032), "slip_cycle");
+        let (answer, detail) = of(true, Some(false), Some(0.0032), KindResult::SlipCycle);
         assert_eq!(
             answer,
             "Yes, once started (from standstill or by a kick of 3.2 mm/s); steady sliding alone stays quiet"
         );
         assert!(detail.contains("slower than the belt"), "{detail}");
-        assert_eq!(of(true, json!(true), Value::Null, "stick_slip").0, "Yes: steady sliding is unstable");
-        assert!(of(true, json!(true), Value::Null, "overtaking").1.contains("overtakes the belt"));
-        assert!(of(false, json!(false), Value::Null, "none").0.starts_with("No: every motion"));
-        // A machine under a force, or a run of an older version.
-        assert!(of(true, Value::Null, Value::Null, "stick_slip").0.starts_with("Yes: a limit cycle"));
-    }
-
-    #[test]
-    fn a_run_of_an_older_version_answers_with_its_leading_level() {
-        let results = json!({"friction": {"levels": [
-            {"percentile": 50.0, "mean_pressure_pa": 1e9, "mean": 0.2, "std": 0.01},
-            {"percentile": null, "mean_pressure_pa": 3e6, "mean": 0.3312, "std": 0.0123}]}});
-        let found = answers(&Run { results, ..Run::default() });
-        let plain = |text: &str| text.replace('\u{a0}', " ");
-        assert_eq!(plain(&found[0].answer), "μ = 0.3312");
-        assert!(plain(&found[0].detail).contains("3 MPa"));
+        assert_eq!(of(true, Some(true), None, KindResult::StickSlip).0, "Yes: steady sliding is unstable");
+        assert!(of(true, Some(true), None, KindResult::Overtaking).1.contains("overtakes the belt"));
+        assert!(of(false, Some(false), None, KindResult::None).0.starts_with("No: every motion"));
+        // A machine under a force.
+        assert!(of(true, None, None, KindResult::StickSlip).0.starts_with("Yes: a limit cycle"));
     }
 
     #[test]
     fn friction_and_contact_are_those_of_the_operating_point() {
-        let results = json!({
-            "pressure": {"contact_probability": 0.2202, "contact_probability_se": 0.0057},
-            "friction": {
-                "window_m": 6e-4,
-                "operating_point": {"level": "the nominal pressure", "mean_pressure_pa": 3e6, "contact_fraction": 0.0143,
-                    "contact_fraction_interval": [0.014, 0.0146], "mean": 0.204_07, "mean_interval": [0.2027, 0.2055],
-                    "std": 0.0087, "std_nominal_area": 6.4e-5},
-                "levels": [{"leading": true, "mean_pressure_pa": 3e6, "mean": 0.2173, "std": null}]}});
+        let operating_point = OperatingPoint {
+            level: "the nominal pressure".into(),
+            mean_pressure_pa: 3e6,
+            contact_fraction: 0.0143,
+            contact_fraction_interval: Some([0.014, 0.0146]),
+            mean: 0.204_07,
+            mean_interval: Some([0.2027, 0.2055]),
+            std: 0.0087,
+            std_nominal_area: 6.4e-5,
+            ..OperatingPoint::default()
+        };
+        let pressure = PressureResult {
+            contact_probability: 0.2202,
+            contact_probability_se: Some(0.0057),
+            reference_samples: 5000,
+            ..PressureResult::default()
+        };
+        let friction = FrictionResult { window_m: 6e-4, operating_point, ..FrictionResult::default() };
+        let results = Results { pressure: Some(pressure), friction: Some(friction), ..Results::default() };
         let inputs = vec![crate::Input { section: "pressure".into(), key: "percentile".into(), value: "50.0".into() }];
         let mut run = Run { results, inputs, ..Run::default() };
         let plain = |text: &str| text.replace('\u{a0}', " ");
@@ -328,7 +318,7 @@ mod tests {
         assert_eq!(plain(&found[1].answer), "μ = 0.2041 [0.2027, 0.2055]");
         assert!(plain(&found[1].detail).contains("0.0087 for a window of 600 µm"), "{:?}", found[1]);
         // Without a friction stage the level of the patches is named.
-        run.results["friction"] = Value::Null;
+        run.results.friction = None;
         let found = answers(&run);
         assert_eq!(plain(&found[0].answer), "P(contact) = 0.2202 ± 0.0057");
         assert!(plain(&found[0].detail).starts_with("With the plane at the median height."), "{:?}", found[0]);

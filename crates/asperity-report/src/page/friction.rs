@@ -1,98 +1,78 @@
 //! The tables of the friction stage, and the conditions that its numbers hold under.
 
-use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
-use super::json::{plain, shown};
-use super::tables::list;
+use asperity_results::{
+    FrictionResult, GoodnessResult, LawResult, LevelResult, OperatingPoint, Pair, Prescribed, RankedLawResult,
+    ReturnLevelResult, UncertaintyResult,
+};
+
+use super::cells::{DASH, percent, plain, shown, yes_or_no};
 use super::{DataTable, cutoff, in_words};
 use crate::format::{Dimension, significant};
 
 /// How a level is named: by percentile, or by the depth or the mean pressure that defines it.
-pub(super) fn level_name(level: &Value) -> String {
-    if let ("penetration", Some(metre)) = (level["control"].as_str().unwrap_or(""), level["penetration_m"].as_f64()) {
-        return format!("{} deep", Dimension::Length.show(metre));
-    }
-    match (level["percentile"].as_f64(), level["mean_pressure_pa"].as_f64()) {
-        (Some(percentile), _) => format!("{} %", significant(percentile, 3)),
-        (None, Some(pressure)) => format!("at {}", Dimension::Pressure.show(pressure)),
-        _ => "–".into(),
+fn level_name(level: &LevelResult) -> String {
+    match (level.control, level.percentile) {
+        (Prescribed::Penetration, _) => format!("{} deep", Dimension::Length.show(level.penetration_m)),
+        (_, Some(percentile)) => format!("{} %", significant(percentile, 3)),
+        (_, None) => format!("at {}", Dimension::Pressure.show(level.mean_pressure_pa)),
     }
 }
 
-/// The level that feeds the vibration: the one marked, else the one given by mean pressure, else the first.
-pub(crate) fn leading_level(friction: &Value) -> Option<&Value> {
-    let levels = list(&friction["levels"]);
-    levels
-        .iter()
-        .find(|level| level["leading"] == Value::Bool(true))
-        .or_else(|| levels.iter().find(|level| level["percentile"].is_null() && level["mean_pressure_pa"].is_f64()))
-        .or(levels.first())
+/// The level at the operating point.
+pub(crate) fn leading_level(friction: &FrictionResult) -> Option<&LevelResult> {
+    friction.levels.iter().find(|level| level.leading).or(friction.levels.first())
 }
 
-/// Window, strips and boundary in a sentence; empty where there is no window.
-pub(crate) fn conditions(friction: &Value) -> String {
-    let length = |key: &str| friction[key].as_f64().map(|metre| Dimension::Length.show(metre));
-    let Some(window) = length("window_m") else { return String::new() };
-    let width = length("window_width_m").map_or(String::new(), |width| format!(" × {width}"));
-    let strips = friction["realisations"].as_u64().map_or(String::new(), |count| {
-        let wide = length("strip_width_m").map_or(String::new(), |width| format!(" {width} wide"));
-        let boundary = match friction["mean_compliance_m_per_pa"].as_f64() {
-            Some(compliance) => {
-                format!("periodic, of mean compliance {} under a fixed plane", Dimension::Compliance.show(compliance))
-            }
-            None => "free".into(),
-        };
-        format!(" on {count} strips{wide} ({boundary})")
-    });
-    format!("Window of {window}{width}{strips}.")
-}
-
-/// The friction coefficient that drives the vibration. Of a run of an older version it is that of the leading level.
-pub(super) fn operating_point(friction: &Value) -> Option<Value> {
-    if friction["operating_point"].is_object() {
-        return Some(friction["operating_point"].clone());
-    }
-    let level = leading_level(friction)?;
-    let process = if level["at_mean_load"].is_object() { &level["at_mean_load"] } else { level };
-    Some(json!({
-        "level": format!("level {}", level_name(level)), "mean_pressure_pa": level["mean_pressure_pa"],
-        "contact_fraction": level["contact_fraction"], "mean": process["mean"], "mean_interval": process["mean_interval"],
-        "std": process["std"], "std_interval": process["std_interval"],
-        "std_nominal_area": level["upscaling"]["area"]["std"],
-    }))
+/// Window, strips and boundary in a sentence.
+pub(crate) fn conditions(friction: &FrictionResult) -> String {
+    let length = |metre: f64| Dimension::Length.show(metre);
+    let boundary = match friction.mean_compliance_m_per_pa {
+        Some(compliance) => {
+            format!("periodic, of mean compliance {} under a fixed plane", Dimension::Compliance.show(compliance))
+        }
+        None => "free".into(),
+    };
+    format!(
+        "Window of {} × {} on {} strips {} wide ({boundary}).",
+        length(friction.window_m),
+        length(friction.window_width_m),
+        friction.realisations,
+        length(friction.strip_width_m)
+    )
 }
 
 /// The operating point in words: its level and its mean pressure.
-pub(super) fn place(point: &Value) -> String {
-    let level = point["level"].as_str().unwrap_or("–");
-    match point["mean_pressure_pa"].as_f64() {
-        // The pressure is the name of such a level.
-        Some(_) if level.starts_with("the mean pressure") || level.starts_with("level at") => level.to_owned(),
-        Some(pascal) => format!("{level}, {}", Dimension::Pressure.show(pascal)),
-        None => level.to_owned(),
+pub(super) fn place(point: &OperatingPoint) -> String {
+    // The pressure is the name of such a level.
+    if point.level.starts_with("the mean pressure") {
+        return point.level.clone();
     }
+    format!("{}, {}", point.level, Dimension::Pressure.show(point.mean_pressure_pa))
 }
 
 /// What stands above the friction section.
-pub(super) fn lead(friction: &Value) -> String {
-    let stated = operating_point(friction).filter(|point| point["mean"].is_number()).map_or(String::new(), |point| {
-        format!(" At the operating point ({}) μ = {}.", place(&point), shown(&point, "mean"))
+pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
+    let stated = friction.map_or_else(String::new, |friction| {
+        let point = &friction.operating_point;
+        let mean = shown(Dimension::None, point.mean, point.mean_interval);
+        format!(" At the operating point ({}) μ = {mean}. {}", place(point), conditions(friction))
     });
     format!(
         "The friction coefficient of a window that slides over the surface, as a stochastic process in which a window counts by \
-         the load it carries.{stated} {}",
-        conditions(friction)
+         the load it carries.{stated}"
     )
 }
 
 /// What stands above the section of the quotient F/N: where it has no variance, and why.
-pub(super) fn quotient_lead(friction: &Value) -> String {
+pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     let mut lead =
         "The paper’s definition, friction force over load of every single window. It differs from the friction \
                     coefficient above where windows carry few contacts, and it does not drive the vibration."
             .to_owned();
-    for level in list(&friction["levels"]) {
-        if let Some(reason) = level["no_variance"].as_str() {
+    for level in friction.iter().flat_map(|friction| &friction.levels) {
+        if let Some(reason) = &level.no_variance {
             lead += &format!(
                 " Level {}: F/N has no variance, so that no standard deviation, law or return level is stated: {reason}.",
                 level_name(level)
@@ -103,95 +83,99 @@ pub(super) fn quotient_lead(friction: &Value) -> String {
 }
 
 /// `friction`: process and drifts by level; then the law and the correlation of the operating point.
-pub(super) fn tables(friction: &Value) -> Vec<DataTable> {
+pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let mut tables: Vec<DataTable> = [process, drifts].map(|table| table(friction)).into();
     if let Some(lead) = leading_level(friction) {
-        tables.extend([law(lead, &lead["at_mean_load"], "at the mean load"), correlation_models(lead)]);
+        let process = &lead.at_mean_load;
+        let found = Law {
+            of: "at the mean load",
+            marginal: process.marginal.as_ref(),
+            intervals: &process.marginal_parameter_intervals,
+            gof: process.gof.as_ref(),
+            laws: &process.laws,
+            return_levels: &[],
+        };
+        tables.extend([found.table(lead), correlation_models(lead)]);
     }
-    tables.extend(cutoff::table(friction));
-    tables.extend(uncertain(friction));
+    tables.extend(friction.cutoff.as_ref().and_then(cutoff::table));
+    tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
     tables
 }
 
 /// Moments of F/N by level, and its law at the operating point.
-pub(super) fn quotient_tables(friction: &Value) -> Vec<DataTable> {
-    let lead = leading_level(friction).map(|lead| law(lead, lead, "of the quotient F/N"));
-    std::iter::once(moments(friction)).chain(lead).collect()
+pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
+    let law = leading_level(friction).map(|lead| {
+        let found = Law {
+            of: "of the quotient F/N",
+            marginal: lead.marginal.as_ref(),
+            intervals: &lead.marginal_parameter_intervals,
+            gof: lead.gof.as_ref(),
+            laws: &[],
+            return_levels: &lead.return_levels,
+        };
+        found.table(lead)
+    });
+    std::iter::once(moments(friction)).chain(law).collect()
 }
 
 /// Moments over the uncertain parameters of the surface, level by level.
-fn uncertain(friction: &Value) -> Option<DataTable> {
-    let uncertainty = &friction["uncertainty"];
-    let own = list(&friction["levels"]);
-    let percent = |value: &Value| value.as_f64().map_or("–".into(), |v| format!("{} %", significant(100.0 * v, 2)));
+fn uncertain(friction: &FrictionResult, uncertainty: &UncertaintyResult) -> Option<DataTable> {
     let mut rows = Vec::new();
-    for (place, level) in list(&uncertainty["levels"]).iter().enumerate() {
-        rows.push(vec![level_name(own.get(place).unwrap_or(level))]);
-        for response in list(&level["at_mean_load"]) {
-            let name = response["name"].as_str().unwrap_or("–");
-            let dimension = Dimension::of_key(name).1;
-            let ends = (response["interval"][0].as_f64(), response["interval"][1].as_f64());
-            let band = match ends {
-                (Some(low), Some(high)) => format!("{} to {}", dimension.show(low), dimension.show(high)),
-                _ => "–".into(),
-            };
-            let number = |key: &str| response[key].as_f64().map_or("–".into(), |value| dimension.show(value));
-            let indices: Vec<String> = list(&response["sobol"])
-                .iter()
-                .map(|index| {
-                    let parameter = index["parameter"].as_str().unwrap_or("–").replace('_', " ");
-                    let total = index["total"].as_f64().map_or("–".into(), |v| significant(v, 2));
-                    format!("{parameter} {total}")
-                })
+    for (own, level) in friction.levels.iter().zip(&uncertainty.levels) {
+        rows.push(vec![level_name(own)]);
+        for response in &level.at_mean_load {
+            let (name, dimension) = Dimension::of_key(&response.name);
+            let number = |value| shown(dimension, value, None);
+            let band =
+                response.interval.map(|[low, high]| format!("{} to {}", dimension.show(low), dimension.show(high)));
+            let indices = response.sobol.iter();
+            let indices: Vec<String> = indices
+                .map(|index| format!("{} {}", index.parameter.replace('_', " "), significant(index.total, 2)))
                 .collect();
-            let indices = if indices.is_empty() { plain(&response["reason"]) } else { indices.join(", ") };
+            let reason = response.reason.clone().unwrap_or_else(|| DASH.into());
             rows.push(vec![
-                Dimension::of_key(name).0.replace('_', " "),
-                number("value"),
-                number("std"),
-                band,
-                percent(&response["noise_share"]),
-                percent(&response["loo_error"]),
-                indices,
+                name.replace('_', " "),
+                number(response.value),
+                number(response.std),
+                band.unwrap_or_else(|| DASH.into()),
+                percent(response.noise_share, 2),
+                percent(response.loo_error, 2),
+                if indices.is_empty() { reason } else { indices.join(", ") },
             ]);
         }
     }
     if rows.is_empty() {
         return None;
     }
-    let points = uncertainty["points"].as_u64().map_or(String::new(), |n| format!(" over {n} surfaces of"));
     let caption = format!(
-        "Moments of μ at the mean load{points} uncertain parameters; noise is the strips’, unexplained is by the expansion"
+        "Moments of μ at the mean load over {} surfaces of uncertain parameters; noise is the strips’, unexplained is by the \
+         expansion",
+        uncertainty.points
     );
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
     Some(DataTable::new(&caption, &headers, rows, "results.json"))
 }
 
 /// One row per level: its name, then the cells.
-fn by_level(friction: &Value, caption: &str, headers: &[&str], cells: impl Fn(&Value) -> Vec<String>) -> DataTable {
-    let row = |level: &Value| [vec![level_name(level)], cells(level)].concat();
-    let rows: Vec<Vec<String>> = list(&friction["levels"]).iter().map(row).collect();
-    let known = rows.iter().any(|row| row[1..].iter().any(|cell| cell != "–"));
+fn by_level(
+    friction: &FrictionResult,
+    caption: &str,
+    headers: &[&str],
+    cells: impl Fn(&LevelResult) -> Vec<String>,
+) -> DataTable {
+    let row = |level: &LevelResult| [vec![level_name(level)], cells(level)].concat();
+    let rows: Vec<Vec<String>> = friction.levels.iter().map(row).collect();
+    let known = rows.iter().any(|row| row[1..].iter().any(|cell| cell != DASH));
     let headers = [&["Level"], headers].concat();
     let rows = if known { rows } else { Vec::new() };
     DataTable::new(caption, &headers, rows, "results.json").without_empty_columns()
 }
 
-fn moments(friction: &Value) -> DataTable {
-    let keys = [
-        "penetration_m",
-        "mean_pressure_pa",
-        "contact_fraction",
-        "mean",
-        "std",
-        "coefficient_of_variation",
-        "skewness",
-        "excess_kurtosis",
-    ];
-    let window = friction["window_m"]
-        .as_f64()
-        .map_or(String::new(), |w| format!(" for a window of {}", Dimension::Length.show(w)));
-    let caption = format!("Friction coefficient F/N by level{window}; brackets hold 95 % intervals");
+fn moments(friction: &FrictionResult) -> DataTable {
+    let caption = format!(
+        "Friction coefficient F/N by level for a window of {}; brackets hold 95 % intervals",
+        Dimension::Length.show(friction.window_m)
+    );
     let headers = [
         "Penetration",
         "Mean pressure",
@@ -204,23 +188,26 @@ fn moments(friction: &Value) -> DataTable {
         "Marginal law",
     ];
     let table = by_level(friction, &caption, &headers, |level| {
-        let known = |key: &str| match key {
-            "contact_fraction" => level[key].as_f64().map_or("–".into(), |share| significant(share, 3)),
-            key => shown(level, key),
-        };
-        keys.map(known).into_iter().chain([marginal(&level["marginal"])]).collect()
+        let number = |value, interval| shown(Dimension::None, value, interval);
+        vec![
+            Dimension::Length.show_interval(level.penetration_m, None),
+            Dimension::Pressure.show_interval(level.mean_pressure_pa, None),
+            significant(level.contact_fraction, 3),
+            number(level.mean, level.mean_interval),
+            number(level.std, level.std_interval),
+            number(level.coefficient_of_variation, level.coefficient_of_variation_interval),
+            number(level.skewness, level.skewness_interval),
+            number(level.excess_kurtosis, level.excess_kurtosis_interval),
+            level.marginal.as_ref().map_or_else(|| DASH.into(), marginal),
+        ]
     });
     DataTable { source: "tables/friction_levels.csv".into(), ..table }
 }
 
-fn process(friction: &Value) -> DataTable {
-    let upscaled = list(&friction["levels"]).iter().any(|level| level["upscaling"].is_object());
-    let upscalings = "; “paper” lets one window carry the whole normal force, “area” averages μ over the nominal area";
-    let caption = format!(
-        "The process at the mean load by level, where a window counts by the load it carries; ℓ is that of e^(−s/ℓ), with the \
-         window inside and with the window taken out{}",
-        if upscaled { upscalings } else { "" }
-    );
+fn process(friction: &FrictionResult) -> DataTable {
+    let caption = "The process at the mean load by level, where a window counts by the load it carries; ℓ is that of e^(−s/ℓ), with the \
+                   window inside and with the window taken out; “paper” lets one window carry the whole normal force, “area” \
+                   averages μ over the nominal area";
     let headers = [
         "Mean μ",
         "Std",
@@ -231,87 +218,110 @@ fn process(friction: &Value) -> DataTable {
         "Variance, area over window",
         "Independent windows",
     ];
-    by_level(friction, &caption, &headers, |level| {
-        let process = &level["at_mean_load"];
-        let with_window = match process["correlation_length_m"].is_number() {
-            true => shown(process, "correlation_length_m"),
-            false => shown(level, "correlation_length_m"),
+    by_level(friction, caption, &headers, |level| {
+        let process = &level.at_mean_load;
+        let number = |value: f64, interval| shown(Dimension::None, value, interval);
+        let length = |metre, interval| shown(Dimension::Length, metre, interval);
+        let with_window = match process.correlation_length_m {
+            Some(metre) => length(Some(metre), process.correlation_length_m_interval),
+            None => length(level.correlation_length_m, level.correlation_length_m_interval),
         };
         // The length of the exponential fit contains the window; it never stands without saying so.
-        let only = if level["window_only"] == Value::Bool(true) { " (window only)" } else { "" };
-        let upscaling = &level["upscaling"];
+        let only = if level.window_only == Some(true) { " (window only)" } else { "" };
+        let (own, own_interval) =
+            (level.correlation_length_without_window_m, level.correlation_length_without_window_m_interval);
         vec![
-            shown(process, "mean"),
-            shown(process, "std"),
+            number(process.mean, process.mean_interval),
+            number(process.std, process.std_interval),
             format!("{with_window}{only}"),
-            shown(level, "correlation_length_without_window_m"),
-            shown(&upscaling["paper"], "std"),
-            shown(&upscaling["area"], "std"),
-            shown(&upscaling["area"], "variance_reduction"),
-            process["effective_windows"].as_f64().map_or("–".into(), |count| significant(count, 3)),
+            length(own, own_interval),
+            number(level.upscaling.paper.std, None),
+            number(level.upscaling.area.std, None),
+            number(level.upscaling.area.variance_reduction, None),
+            significant(process.effective_windows, 3),
         ]
     })
 }
 
-fn drifts(friction: &Value) -> DataTable {
+fn drifts(friction: &FrictionResult) -> DataTable {
     let caption = "Drifts of friction along the strips, with the probability p of at least as much where there is none, and the \
                    correlation of contact area and load of a window";
-    let keys = ["trend_p", "mean_change_p", "ends_p", "variance_change_p", "wander_p"];
     let headers = ["Slope of μ", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
     by_level(friction, caption, &headers, |level| {
-        let tests = &level["stationarity"];
-        let chance = |key: &str| tests[key].as_f64().map_or("–".into(), |p| significant(p, 2));
-        let slope = tests["trend_per_m"].as_f64().map_or("–".into(), |slope| format!("{} /m", significant(slope, 2)));
-        let together = estimated(&level["area_and_load"], "correlation");
-        [slope].into_iter().chain(keys.map(chance)).chain([together]).collect()
+        let tests = level.stationarity.clone().unwrap_or_default();
+        let slope = tests.trend_per_m.map(|slope| format!("{} /m", significant(slope, 2)));
+        let chances = [tests.trend_p, tests.mean_change_p, tests.ends_p, tests.variance_change_p, tests.wander_p];
+        let together = level.area_and_load.as_ref();
+        let together = together.map(|found| shown(Dimension::None, found.correlation, Some(found.interval)));
+        std::iter::once(slope.unwrap_or_else(|| DASH.into()))
+            .chain(chances.map(|p| plain(p, 2)))
+            .chain([together.unwrap_or_else(|| DASH.into())])
+            .collect()
     })
 }
 
-/// The law of the operating point, at the mean load or of the quotient F/N: how well it fits, and what it expects far out.
-fn law(lead: &Value, part: &Value, of: &str) -> DataTable {
-    let mut rows = Vec::new();
-    rows.extend(law_name(&part["marginal"]).map(|name| vec!["law ranked first".into(), name]));
-    for (name, value) in part["marginal"]["parameters"].as_object().into_iter().flatten() {
-        let ends = pair(&part["marginal_parameter_intervals"][name]);
-        let shown = value.as_f64().map_or_else(|| plain(value), |value| Dimension::None.show_interval(value, ends));
-        rows.push(vec![name.clone(), shown]);
-    }
-    for (key, name) in
-        [("kolmogorov_smirnov", "Kolmogorov–Smirnov distance"), ("anderson_darling", "Anderson–Darling A²")]
-    {
-        if let Some(distance) = part["gof"][key].as_f64() {
-            let chance = part["gof"][&format!("{key}_p")].as_f64();
-            let chance = chance.map_or(String::new(), |p| format!(" (p = {})", significant(p, 2)));
-            rows.push(vec![name.into(), format!("{}{chance}", significant(distance, 3))]);
-        }
-    }
-    let laws: Vec<String> = list(&part["laws"])
-        .iter()
-        .filter_map(|law| {
-            Some(format!("{} {}", in_words(&law["name"]), significant(law["aic_difference"].as_f64()?, 3)))
-        })
-        .collect();
-    if !laws.is_empty() {
-        rows.push(vec!["laws by ΔAIC".into(), laws.join(", ")]);
-    }
-    for level in list(&part["return_levels"]) {
-        let distance = level["distance_m"].as_f64().map_or("–".into(), |metre| Dimension::Length.show(metre));
-        rows.push(vec![format!("exceeded once in {distance}"), estimated(level, "mu")]);
-    }
-    let caption = format!("Law of μ at the operating point ({}), {of}; brackets hold 95 % intervals", level_name(lead));
-    DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
+/// The law at the operating point, at the mean load or of the quotient F/N: how well it fits, and what it expects far out.
+struct Law<'a> {
+    of: &'static str,
+    marginal: Option<&'a LawResult>,
+    intervals: &'a BTreeMap<String, Option<Pair>>,
+    gof: Option<&'a GoodnessResult>,
+    laws: &'a [RankedLawResult],
+    return_levels: &'a [ReturnLevelResult],
 }
 
-fn correlation_models(lead: &Value) -> DataTable {
-    let rows = list(&lead["at_mean_load"]["correlation_models"]).iter().map(|model| {
-        let number = |key: &str| model[key].as_f64().map_or("–".into(), |value| significant(value, 3));
+impl Law<'_> {
+    fn table(&self, lead: &LevelResult) -> DataTable {
+        let mut rows = Vec::new();
+        if let Some(law) = self.marginal {
+            rows.push(vec!["law ranked first".into(), law_name(law)]);
+            rows.extend(law.parameters.iter().map(|(name, value)| {
+                vec![name.clone(), shown(Dimension::None, *value, self.intervals.get(name).copied().flatten())]
+            }));
+        }
+        if let Some(gof) = self.gof {
+            let distances = [
+                ("Kolmogorov–Smirnov distance", Some(gof.kolmogorov_smirnov), Some(gof.kolmogorov_smirnov_p)),
+                ("Anderson–Darling A²", gof.anderson_darling, gof.anderson_darling_p),
+            ];
+            rows.extend(distances.into_iter().filter_map(|(name, distance, chance)| {
+                let chance = chance.map_or_else(String::new, |p| format!(" (p = {})", significant(p, 2)));
+                Some(vec![name.into(), format!("{}{chance}", significant(distance?, 3))])
+            }));
+        }
+        let laws = self.laws.iter();
+        let laws: Vec<String> =
+            laws.map(|law| format!("{} {}", in_words(&law.name), significant(law.aic_difference, 3))).collect();
+        if !laws.is_empty() {
+            rows.push(vec!["laws by ΔAIC".into(), laws.join(", ")]);
+        }
+        for level in self.return_levels {
+            let name = format!("exceeded once in {}", Dimension::Length.show(level.distance_m));
+            rows.push(vec![name, shown(Dimension::None, level.mu, level.interval)]);
+        }
+        let caption = format!(
+            "Law of μ at the operating point ({}), {}; brackets hold 95 % intervals",
+            level_name(lead),
+            self.of
+        );
+        DataTable::new(&caption, &["Property", "Value"], rows, "results.json")
+    }
+}
+
+fn correlation_models(lead: &LevelResult) -> DataTable {
+    let length = |metre: f64, interval| shown(Dimension::Length, metre, interval);
+    let curves = lead.at_mean_load.correlation_curves.iter().map(|curve| {
+        let [model, window] = [in_words(&curve.model), "inside".into()];
+        vec![model, window, length(curve.length_m, None), significant(curve.misfit, 3), DASH.into(), DASH.into()]
+    });
+    let models = lead.at_mean_load.correlation_models.iter().map(|model| {
         vec![
-            in_words(&model["model"]),
-            if model["window_taken_out"] == Value::Bool(true) { "taken out" } else { "inside" }.into(),
-            estimated(model, "length_m"),
-            number("misfit"),
-            number("aic_difference"),
-            plain(&model["worse_beyond_chance"]),
+            in_words(&model.model),
+            "taken out".into(),
+            length(model.length_m, Some(model.length_interval)),
+            DASH.into(),
+            significant(model.aic_difference, 3),
+            yes_or_no(model.worse_beyond_chance).into(),
         ]
     });
     let caption = format!(
@@ -320,30 +330,17 @@ fn correlation_models(lead: &Value) -> DataTable {
         level_name(lead)
     );
     let headers = ["Model", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
-    DataTable::new(&caption, &headers, rows.collect(), "results.json").without_empty_columns()
-}
-
-fn pair(ends: &Value) -> Option<(f64, f64)> {
-    ends[0].as_f64().zip(ends[1].as_f64())
-}
-
-/// The number of an entry that is about one number, with the interval of the entry.
-fn estimated(entry: &Value, key: &str) -> String {
-    let (_, dimension) = Dimension::of_key(key);
-    entry[key].as_f64().map_or("–".into(), |value| dimension.show_interval(value, pair(&entry["interval"])))
+    DataTable::new(&caption, &headers, curves.chain(models).collect(), "results.json").without_empty_columns()
 }
 
 /// The name of a fitted law as a reader calls it.
-pub(crate) fn law_name(law: &Value) -> Option<String> {
-    law["name"].as_str()?;
-    let shifted = law["parameters"]["shift"].as_f64().is_some_and(|shift| shift != 0.0);
-    Some(format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&law["name"])))
+pub(crate) fn law_name(law: &LawResult) -> String {
+    let shifted = law.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
+    format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&law.name))
 }
 
-fn marginal(law: &Value) -> String {
-    match law_name(law) {
-        Some(name) if law["parameters"].as_object().is_none_or(serde_json::Map::is_empty) => name,
-        Some(name) => format!("{name} ({})", plain(&law["parameters"])),
-        None => "–".into(),
-    }
+fn marginal(law: &LawResult) -> String {
+    let parameters: Vec<String> =
+        law.parameters.iter().map(|(name, value)| format!("{name} = {}", significant(*value, 5))).collect();
+    if parameters.is_empty() { law_name(law) } else { format!("{} ({})", law_name(law), parameters.join(", ")) }
 }

@@ -1,9 +1,9 @@
 //! The parameters of a measured surface, in groups, and the laws of its heights.
 
-use serde_json::Value;
+use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
 
 use super::DataTable;
-use super::json::{interval, plain};
+use super::cells::DASH;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
 use crate::{Run, Table};
@@ -96,7 +96,6 @@ const GROUPS: [(&str, &[Parameter]); 9] = [
             ("dx_m", "Δx", "pixel size along x"),
             ("dy_m", "Δy", "pixel size along y"),
             ("missing_points", "", "missing points, rejected outliers included"),
-            ("missing_fraction", "", "share of missing points"),
             ("outliers", "", "points rejected as outliers"),
         ],
     ),
@@ -116,45 +115,128 @@ pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)
         .map(|(place, (_, symbol, meaning))| (place, *symbol, *meaning))
 }
 
-/// Whether a key of the results is a parameter's, or that of its standard error, interval or scatter, or is of the scans.
-pub(super) fn belongs(key: &str) -> bool {
-    let own = |key: &str| parameter(key).is_some();
-    let companions = ["_se", "_interval", "_within_std", "_between_std"];
-    matches!(key, "scans" | "scan_count")
-        || own(key)
-        || companions.iter().any(|suffix| key.strip_suffix(suffix).is_some_and(own))
+/// A parameter of a scan or of a part.
+enum Known {
+    /// A count or a word.
+    Text(String),
+    Number {
+        value: f64,
+        interval: Option<Pair>,
+        standard_error: Option<f64>,
+        stds: [Option<f64>; 2],
+    },
+}
+
+impl Known {
+    fn of(measured: &MeasuredSurface, key: &str) -> Option<Self> {
+        match measured {
+            MeasuredSurface::Stated {} => None,
+            MeasuredSurface::Scan(scan) => Self::of_scan(scan, key),
+            MeasuredSurface::Part(part) => Self::of_part(part, key),
+        }
+    }
+
+    fn of_scan(scan: &SurfaceStatistics, key: &str) -> Option<Self> {
+        let counts = [Some(scan.nx), Some(scan.ny), Some(scan.missing_points), Some(scan.outliers)];
+        Self::text(counts, &scan.psd_upper_limit, key).or_else(|| {
+            let spread = scan.intervals.get(key);
+            let standard_error = spread.map(|spread| spread.standard_error);
+            Some(Self::Number {
+                value: scan.number(key)?,
+                interval: spread.map(|spread| spread.interval),
+                standard_error: if key == "hurst" { scan.hurst_se } else { standard_error },
+                stds: [None; 2],
+            })
+        })
+    }
+
+    fn of_part(part: &PartStatistics, key: &str) -> Option<Self> {
+        let counts = [part.nx, part.ny, Some(part.missing_points), Some(part.outliers)];
+        let pooled = part.pooled.get(key);
+        Self::text(counts, &part.psd_upper_limit, key).or_else(|| {
+            let value = match key {
+                "dx_m" => part.dx_m,
+                "dy_m" => part.dy_m,
+                "psd_reliable_low_rad_per_m" => Some(part.psd_reliable_low_rad_per_m),
+                "psd_reliable_high_rad_per_m" => Some(part.psd_reliable_high_rad_per_m),
+                "hurst_range_low_m" => part.hurst_range_low_m,
+                "hurst_range_high_m" => part.hurst_range_high_m,
+                _ => pooled.map(|pooled| pooled.value),
+            };
+            Some(Self::Number {
+                value: value?,
+                interval: pooled.map(|pooled| pooled.interval),
+                standard_error: pooled.map(|pooled| pooled.standard_error),
+                stds: pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]),
+            })
+        })
+    }
+
+    fn text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
+        const COUNTS: [&str; 4] = ["nx", "ny", "missing_points", "outliers"];
+        let word = (key == "psd_upper_limit").then(|| psd_upper_limit.replace('_', " "));
+        let place = COUNTS.iter().position(|count| *count == key);
+        word.or_else(|| counts[place?].map(|count| count.to_string())).map(Self::Text)
+    }
+
+    /// Value and interval, or dashes: three digits, more where the interval is narrower.
+    fn shown(&self, key: &str) -> (String, String) {
+        let none = || DASH.to_owned();
+        let (value, interval, standard_error) = match self {
+            Self::Text(text) => return (text.clone(), none()),
+            Self::Number { value, interval, standard_error, .. } => (*value, *interval, *standard_error),
+        };
+        let dimension = Dimension::of_key(key).1;
+        let (text, limits) = match (interval, standard_error) {
+            (Some(limits), _) => dimension.show_apart(value, limits.into()),
+            (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
+            // The pixels are known, not estimated.
+            (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), none()),
+            (None, None) => (dimension.show_short(value), none()),
+        };
+        match dimension {
+            // A wavenumber says little to the eye.
+            Dimension::Wavenumber if value > 0.0 => {
+                let wavelength = Dimension::Length.show_short(std::f64::consts::TAU / value);
+                (format!("{text} ({wavelength})"), limits)
+            }
+            _ => (text, limits),
+        }
+    }
+
+    /// Standard deviations of one scan and between scans in the unit of the parameter, or dashes.
+    fn spreads(&self, key: &str) -> [String; 2] {
+        let Self::Number { stds, .. } = self else { return [DASH, DASH].map(str::to_owned) };
+        let dimension = Dimension::of_key(key).1;
+        stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)))
+    }
 }
 
 /// The groups of parameters that the results hold: meaning, symbol, value and interval.
-pub(super) fn table(surface: &Value) -> DataTable {
+pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let mut rows = Vec::new();
     for (title, parameters) in GROUPS {
-        let present: Vec<&Parameter> = parameters.iter().filter(|(key, _, _)| !surface[*key].is_null()).collect();
+        let present = parameters.iter().filter_map(|parameter| Some((parameter, Known::of(measured, parameter.0)?)));
+        let present: Vec<_> = present.collect();
         if present.is_empty() {
             continue;
         }
         rows.push(vec![title.to_owned()]);
-        rows.extend(present.into_iter().map(|(key, symbol, meaning)| {
-            let (value, interval) = shown(surface, key);
-            let std = |of: &str| spread(&surface[&format!("{key}_{of}_std")], key);
-            vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, std("within"), std("between")]
+        rows.extend(present.into_iter().map(|((key, symbol, meaning), known)| {
+            let ((value, interval), [within, between]) = (known.shown(key), known.spreads(key));
+            vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, within, between]
         }));
     }
-    let caption = match surface["scan_count"].as_u64() {
-        Some(count) => format!("Surface parameters of the part from {count} scans"),
-        None => "Surface parameters".to_owned(),
+    let caption = match measured {
+        MeasuredSurface::Part(part) => format!("Surface parameters of the part from {} scans", part.scan_count),
+        _ => "Surface parameters".to_owned(),
     };
     let headers = ["Parameter", "Symbol", "Value", "95 % interval", "Std of one scan", "Std between scans"];
     DataTable::new(&caption, &headers, rows, "results.json").without_empty_columns()
 }
 
-/// A standard deviation of a parameter in its unit, or a dash.
-fn spread(value: &Value, key: &str) -> String {
-    value.as_f64().map_or_else(|| "–".into(), |value| Dimension::of_key(key).1.show_short(value))
-}
-
 /// Every scan of a part with the parameters that are asked for first.
-pub(super) fn scans(surface: &Value) -> Option<DataTable> {
+pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
     const KEYS: [(&str, &str); 6] = [
         ("Sq_m", "Sq"),
         ("Ssk", "Ssk"),
@@ -163,37 +245,14 @@ pub(super) fn scans(surface: &Value) -> Option<DataTable> {
         ("correlation_length_x_m", "ℓx"),
         ("correlation_length_y_m", "ℓy"),
     ];
-    let rows = surface["scans"].as_array()?.iter().map(|scan| {
-        let file = scan["file"].as_str().unwrap_or("–").to_owned();
-        std::iter::once(file).chain(KEYS.iter().map(|(key, _)| shown(scan, key).0)).collect()
+    let rows = surface.part()?.scans.iter().map(|scan| {
+        let cell = |(key, _): &(&str, &str)| {
+            Known::of_scan(&scan.statistics, key).map_or_else(|| DASH.into(), |known| known.shown(key).0)
+        };
+        std::iter::once(scan.file.clone()).chain(KEYS.iter().map(cell)).collect()
     });
     let headers: Vec<&str> = std::iter::once("Scan").chain(KEYS.iter().map(|(_, symbol)| *symbol)).collect();
     Some(DataTable::new("Scans of the part", &headers, rows.collect(), "results.json"))
-}
-
-/// A parameter's value and interval, or dashes: three digits, more where the interval is narrower.
-fn shown(surface: &Value, key: &str) -> (String, String) {
-    let none = || "–".to_owned();
-    let Some(value) = surface[key].as_f64().filter(|_| surface[key].is_f64()) else {
-        return (plain(&surface[key]).replace('_', " "), none());
-    };
-    let dimension = Dimension::of_key(key).1;
-    let standard_error = surface[&format!("{key}_se")].as_f64();
-    let (text, limits) = match (interval(surface, key), standard_error) {
-        (Some(limits), _) => dimension.show_apart(value, limits),
-        (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
-        // The pixels are known, not estimated.
-        (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), none()),
-        (None, None) => (dimension.show_short(value), none()),
-    };
-    match dimension {
-        // A wavenumber says little to the eye.
-        Dimension::Wavenumber if value > 0.0 => {
-            let wavelength = Dimension::Length.show_short(std::f64::consts::TAU / value);
-            (format!("{text} ({wavelength})"), limits)
-        }
-        _ => (text, limits),
-    }
 }
 
 /// The laws fitted to the heights, best first.
@@ -219,7 +278,8 @@ pub(super) fn laws(run: &Run) -> Option<DataTable> {
         format!("; the correlated heights are worth {} independent ones", significant(*n, 2))
     });
     // Of several scans the figures and this table show the first.
-    let of = run.results["surface"]["scans"][0]["file"].as_str().map_or(String::new(), |file| format!(" of {file}"));
+    let first = run.results.surface.as_ref().and_then(SurfaceResult::part).and_then(|part| part.scans.first());
+    let of = first.map_or(String::new(), |scan| format!(" of {}", scan.file));
     let caption = format!("Laws fitted to the heights{of}, ranked by Akaike’s criterion{worth}");
     let headers = ["Rank", "Law", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
     Some(DataTable::new(&caption, &headers, rows, "tables/height_fits.csv").without_empty_columns())
@@ -247,7 +307,7 @@ fn parameters_of(fit: &HeightFit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use asperity_results::{Companions, PooledResult, ScanOfPart, SpreadResult};
 
     #[test]
     fn every_parameter_is_listed_once() {
@@ -257,39 +317,58 @@ mod tests {
         keys.dedup();
         assert_eq!(keys.len(), count);
         assert_eq!(parameter("Sa_m").map(|p| p.0), Some(0));
-        assert!(belongs("Sq_m_interval") && belongs("Sq_m_se") && !belongs("covariance"));
-        assert!(belongs("Sq_m_within_std") && belongs("scans"));
+    }
+
+    fn scan(sq_m: f64, ssk: Option<f64>, interval: Option<Pair>) -> SurfaceStatistics {
+        let spread = interval.map(|interval| SpreadResult { interval, standard_error: 2e-8 });
+        let intervals = Companions(vec![("Sq_m".into(), spread), ("Ssk".into(), None)]);
+        SurfaceStatistics { nx: 4, Sq_m: sq_m, Ssk: ssk, intervals, ..SurfaceStatistics::default() }
     }
 
     #[test]
     fn groups_stand_above_their_parameters_and_intervals_beside_them() {
-        let surface =
-            json!({"Sq_m": 1.0234e-6, "Sq_m_interval": [9.9e-7, 1.06e-6], "Ssk": 0.5, "Ssk_interval": null, "nx": 4});
-        let table = table(&surface);
+        let table = |interval| table(&MeasuredSurface::Scan(Box::new(scan(1.0234e-6, Some(0.5), interval))));
+        let found = table(Some([9.9e-7, 1.06e-6]));
         let spaced: Vec<Vec<String>> =
-            table.rows.iter().map(|row| row.iter().map(|cell| cell.replace('\u{a0}', " ")).collect()).collect();
+            found.rows.iter().map(|row| row.iter().map(|cell| cell.replace('\u{a0}', " ")).collect()).collect();
         assert_eq!(spaced[0], ["Height"]);
-        assert_eq!(spaced[1], ["root mean square height", "Sq", "1.023 µm", "[0.990, 1.060]"].map(|t| t.to_owned()));
-        assert_eq!(spaced[2][2..], ["0.5".to_owned(), "–".to_owned()]);
-        assert_eq!(spaced[3], ["Map"]);
+        let row = |symbol: &str| spaced.iter().find(|row| row.get(1).is_some_and(|own| own == symbol)).unwrap();
+        assert_eq!(row("Sq")[2..], ["1.023 µm", "[0.990, 1.060]"].map(str::to_owned));
+        assert_eq!(row("Ssk")[2..], ["0.5".to_owned(), "–".to_owned()]);
+        assert!(spaced.contains(&vec!["Map".to_owned()]) && !spaced.contains(&vec!["Form".to_owned()]));
         // Without any interval there is no column for them.
-        assert_eq!(super::table(&json!({"Ssk": 0.5})).headers.len(), 3);
+        assert_eq!(table(None).headers.len(), 3);
     }
 
     #[test]
     fn a_part_of_several_scans_has_their_scatter_and_a_row_for_each() {
-        let scan = |file: &str, sq_m: f64| json!({"file": file, "Sq_m": sq_m, "Ssk": null});
-        let surface = json!({
-            "scan_count": 2, "Sq_m": 1.1e-6, "Sq_m_interval": [0.9e-6, 1.3e-6], "Sq_m_se": 1e-7,
-            "Sq_m_within_std": 2e-8, "Sq_m_between_std": 1.2e-7, "scans": [scan("a.x3p", 1e-6), scan("b.x3p", 1.2e-6)],
-        });
-        let table = table(&surface);
+        let pooled = PooledResult {
+            value: 1.1e-6,
+            interval: [0.9e-6, 1.3e-6],
+            standard_error: 1e-7,
+            within_std: Some(2e-8),
+            between_std: Some(1.2e-7),
+        };
+        let scans = [("a.x3p", 1e-6), ("b.x3p", 1.2e-6)];
+        let scans = scans.map(|(file, sq_m)| ScanOfPart { file: file.into(), statistics: scan(sq_m, None, None) });
+        let part = PartStatistics {
+            scan_count: 2,
+            pooled: Companions(vec![("Sq_m".into(), Some(pooled))]),
+            scans: scans.into(),
+            ..PartStatistics::default()
+        };
+        let measured = MeasuredSurface::Part(Box::new(part));
+        let table = table(&measured);
         assert!(table.caption.ends_with("from 2 scans") && table.headers.len() == 6, "{:?}", table.headers);
         let cells = table.rows[1][4..].iter().map(|cell| cell.replace('\u{a0}', " ")).collect::<Vec<_>>();
         assert_eq!(cells, ["20 nm", "120 nm"]);
-        let scans = scans(&surface).unwrap();
-        assert_eq!(scans.rows.len(), 2);
-        assert_eq!((scans.rows[1][0].as_str(), scans.rows[1][2].as_str()), ("b.x3p", "–"));
-        assert!(super::scans(&json!({"Sq_m": 1e-6})).is_none());
+        let found = scans_of(measured).unwrap();
+        assert_eq!(found.rows.len(), 2);
+        assert_eq!((found.rows[1][0].as_str(), found.rows[1][2].as_str()), ("b.x3p", "–"));
+        assert!(scans_of(MeasuredSurface::Stated {}).is_none());
+    }
+
+    fn scans_of(measured: MeasuredSurface) -> Option<DataTable> {
+        scans(&SurfaceResult { measured, ..SurfaceResult::default() })
     }
 }

@@ -1,72 +1,58 @@
 //! Tables of the page from `results.json`.
 
-use serde_json::Value;
+use asperity_results::{CoarseEntry, PressureResult, ScalarQuantile};
 
-use super::json::{interval, plain, shown};
+use super::cells::{DASH, plain, shown};
 use super::{DataTable, method_name, parameters, random_surface};
-use crate::format::{Dimension, significant, with_error};
+use crate::format::{Dimension, with_error};
 use crate::{Input, Run};
 
 /// `surface`: parameters with their meaning, the laws of the heights, then the random surface.
 pub(super) fn surface(run: &Run) -> Vec<DataTable> {
-    let surface = &run.results["surface"];
-    let mut rest = surface.clone();
-    if let Value::Object(entries) = &mut rest {
-        entries.retain(|key, _| !parameters::belongs(key));
-    }
-    let random = random_surface::table(&rest);
-    [Some(parameters::table(surface)), parameters::scans(surface), parameters::laws(run), Some(random)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let surface = run.results.surface.as_ref();
+    [
+        surface.map(|surface| parameters::table(&surface.measured)),
+        surface.and_then(parameters::scans),
+        parameters::laws(run),
+        surface.map(random_surface::table),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The methods without an estimate and their reasons as a sentence; empty where every method has one.
-pub(super) fn refused_methods(pressure: &Value) -> String {
-    let refused: Vec<String> = list(&pressure["methods"])
-        .iter()
-        .filter_map(|method| {
-            Some(format!("{} ({})", method_name(method["name"].as_str()?), method["failure"].as_str()?))
-        })
+pub(super) fn refused_methods(pressure: &PressureResult) -> String {
+    let methods = pressure.methods.iter();
+    let refused: Vec<String> = methods
+        .filter_map(|method| Some(format!("{} ({})", method_name(&method.name), method.failure.as_ref()?)))
         .collect();
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }
 
 /// `pressure`: one row per method that has an estimate, then one per scalar of the whole contact.
-pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
-    let pressure = &run.results["pressure"];
-    let cell = |value: &Value, digits| value.as_f64().map_or("–".into(), |v| significant(v, digits));
-    let rows = list(&pressure["methods"])
-        .iter()
-        .filter(|method| !method["failure"].is_string())
-        .map(|method| {
-            let probability = match (method["contact_probability"].as_f64(), method["contact_probability_se"].as_f64())
-            {
-                (Some(value), Some(error)) => with_error(value, error),
-                _ => shown(method, "contact_probability"),
-            };
-            let name = method["name"].as_str().unwrap_or("–");
-            let mean = method["mean_pa"].as_f64();
-            vec![
-                method_name(name),
-                plain(&method["fine_solves"]),
-                coarse_solves(&method["coarse_solves"]),
-                seconds(run, name).map_or("–".into(), |s| Dimension::Time.show_short(s)),
-                probability,
-                mean.map_or("–".into(), |v| Dimension::Pressure.show_interval(v, interval(method, "mean"))),
-                cell(&method["ks_distance"], 3),
-                cell(&method["wasserstein_1_over_std"], 3),
-            ]
-        })
-        .collect();
-    let reference = pressure["reference_samples"].as_u64().map_or(String::new(), |n| format!(" of {n} samples"));
-    let sites = match pressure["sites"].as_u64() {
-        Some(sites) if sites > 1 => format!(", each at {sites} sites"),
-        _ => String::new(),
-    };
+pub(super) fn pressure(run: &Run, pressure: &PressureResult) -> Vec<DataTable> {
+    let rows = pressure.methods.iter().filter(|method| method.failure.is_none()).map(|method| {
+        let probability = match (method.contact_probability, method.contact_probability_se) {
+            (Some(value), Some(error)) => with_error(value, error),
+            (value, _) => shown(Dimension::None, value, method.contact_probability_interval),
+        };
+        vec![
+            method_name(&method.name),
+            method.fine_solves.to_string(),
+            coarse_solves(&method.coarse_solves),
+            seconds(run, &method.name).map_or(DASH.into(), |s| Dimension::Time.show_short(s)),
+            probability,
+            shown(Dimension::Pressure, method.mean_pa, method.mean_interval),
+            plain(method.ks_distance, 3),
+            plain(method.wasserstein_1_over_std, 3),
+        ]
+    });
+    let sites = if pressure.sites > 1 { format!(", each at {} sites", pressure.sites) } else { String::new() };
     let caption = format!(
-        "Methods for the law of the pressure; distances are taken from the reference{reference}{sites}; brackets hold 95 % \
-         intervals"
+        "Methods for the law of the pressure; distances are taken from the reference of {} samples{sites}; brackets hold 95 % \
+         intervals",
+        pressure.reference_samples
     );
     let headers = [
         "Method",
@@ -78,17 +64,14 @@ pub(super) fn pressure(run: &Run) -> Vec<DataTable> {
         "KS distance",
         "W₁ / std",
     ];
-    let methods = DataTable::new(&caption, &headers, rows, "tables/pressure_methods.csv").without_empty_columns();
-    [methods, scalars(pressure)].into()
+    let methods = DataTable::new(&caption, &headers, rows.collect(), "tables/pressure_methods.csv");
+    [methods.without_empty_columns(), scalars(pressure)].into()
 }
 
 /// Contact solves on coarser grids.
-fn coarse_solves(coarse: &Value) -> String {
-    let each: Vec<String> = list(coarse)
-        .iter()
-        .map(|grid| format!("{} on {} × {}", plain(&grid["solves"]), plain(&grid["nx"]), plain(&grid["ny"])))
-        .collect();
-    if each.is_empty() { "–".into() } else { each.join(", ") }
+fn coarse_solves(coarse: &[CoarseEntry]) -> String {
+    let each: Vec<String> = coarse.iter().map(|grid| format!("{} on {} × {}", grid.solves, grid.nx, grid.ny)).collect();
+    if each.is_empty() { DASH.into() } else { each.join(", ") }
 }
 
 /// Wall time of a method: of the contact solutions on which it rests, which methods share, and of its estimate.
@@ -100,29 +83,26 @@ fn seconds(run: &Run, method: &str) -> Option<f64> {
         "default" => &["monte_carlo", "coarse"],
         _ => return None,
     };
-    let of = |task: &str| run.provenance["seconds"][format!("pressure/{task}")].as_f64();
+    let of = |task: &str| run.provenance.as_ref()?.seconds.get(&format!("pressure/{task}")).copied();
     let solved = samples.iter().map(|task| of(task)).sum::<Option<f64>>()?;
     Some(solved + of(&format!("law/{method}")).unwrap_or(0.0))
 }
 
 /// One row per scalar of the whole contact.
-fn scalars(pressure: &Value) -> DataTable {
-    let rows = list(&pressure["scalars"]).iter().map(|scalar| {
-        let key = scalar["name"].as_str().unwrap_or("–");
-        let (name, dimension) = Dimension::of_key(key);
-        let value = |entry: &Value, key: &str| {
-            entry[key].as_f64().map_or("–".into(), |v| dimension.show_interval(v, interval(entry, key)))
-        };
+fn scalars(pressure: &PressureResult) -> DataTable {
+    let rows = pressure.scalars.iter().map(|scalar| {
+        let (name, dimension) = Dimension::of_key(&scalar.name);
         let quantile = |probability: f64| {
-            let found = list(&scalar["quantiles"]).iter().find(|q| q["probability"].as_f64() == Some(probability));
-            found.map_or("–".into(), |q| value(q, "value"))
+            let found = scalar.quantiles.iter().find(|q| q.probability == probability);
+            let value = |q: &ScalarQuantile| shown(dimension, q.value, Some(q.value_interval));
+            found.map_or_else(|| DASH.into(), value)
         };
-        let std = scalar["std"].as_f64().map_or("–".into(), |v| dimension.show(v));
         let name = match name {
             "contact_fraction" => "contact area over nominal area".into(),
             other => other.replace('_', " "),
         };
-        vec![name, value(scalar, "mean"), std, quantile(0.1), quantile(0.5), quantile(0.9)]
+        let mean = shown(dimension, scalar.mean, Some(scalar.mean_interval));
+        vec![name, mean, dimension.show(scalar.std), quantile(0.1), quantile(0.5), quantile(0.9)]
     });
     let headers = ["Property of the contact", "Mean", "Std", "10 % quantile", "Median", "90 % quantile"];
     let caption = "Laws of what belongs to the whole contact; brackets hold 95 % intervals";
@@ -140,9 +120,4 @@ pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
         }
     }
     tables
-}
-
-/// The items of an array; none when it is absent.
-pub(super) fn list(value: &Value) -> &[Value] {
-    value.as_array().map_or(&[], Vec::as_slice)
 }

@@ -1,93 +1,134 @@
 //! The tables of the vibration stage.
 
-use serde_json::Value;
+use asperity_results::{DampingResult, EnsembleResult, KindResult, MotionResult, Pair, PointsResult, VibrationResult};
 
 use super::DataTable;
-use super::json::{flattened, interval, plain, shown};
-use super::tables::list;
-use crate::Run;
+use super::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, show_range, significant, with_error};
 
-/// `vibration`: limits and cycle, cycles against damping, re-attachment law.
-pub(super) fn tables(run: &Run) -> Vec<DataTable> {
-    let vibration = &run.results["vibration"];
-    let mut tables = Vec::new();
-    let mut scalars = vibration.clone();
-    if let Value::Object(entries) = &mut scalars {
-        entries.remove("paper");
-        entries.remove("area");
-        entries.remove("map");
-    }
-    let rows = flattened(&scalars).into_iter().map(|(key, value)| vec![key, value]).collect();
-    tables.push(DataTable::new("Without roughness", &["Property", "Value"], rows, "results.json"));
+/// Limits and cycle, cycles against damping, laws of points.
+pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
+    vec![
+        scalars(vibration),
+        counts(vibration),
+        crossings(vibration),
+        motion(vibration),
+        points(vibration, |part| &part.reattachment, "Re-attachment points by upscaling"),
+        points(vibration, |part| &part.release, "Points of detachment by upscaling"),
+    ]
+}
 
+/// Everything that holds without fluctuation, in the order of the names.
+fn scalars(vibration: &VibrationResult) -> DataTable {
+    let cycle = &vibration.cycle;
+    let number = |value: Option<f64>| plain(value, 5);
+    let in_unit = |dimension: Dimension, value: Option<f64>| shown(dimension, value, None);
+    let mut rows = vec![
+        ("belt velocity", number(Some(vibration.belt_velocity))),
+        ("correlation length", number(Some(vibration.correlation_length))),
+        ("critical damping ratio", number(vibration.critical_damping_ratio)),
+        ("cycle · damping ratio", number(Some(cycle.damping_ratio))),
+        ("cycle · displacement max", number(cycle.displacement_max)),
+        ("cycle · displacement min", number(cycle.displacement_min)),
+        ("cycle · limit cycle", yes_or_no(cycle.limit_cycle).into()),
+        ("cycle · period", number(cycle.period)),
+        ("cycle · reattachment displacement", number(cycle.reattachment_displacement)),
+        ("cycle · slip duration", number(cycle.slip_duration)),
+        ("cycle · velocity min", number(cycle.velocity_min)),
+        ("damping ratio", number(Some(vibration.damping_ratio))),
+        ("friction correlation length", in_unit(Dimension::Length, Some(vibration.friction_correlation_length_m))),
+        ("Hopf damping ratio", number(vibration.hopf_damping_ratio)),
+        ("kick", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
+        ("kind", vibration.kind.name().into()),
+        ("level mean pressure", in_unit(Dimension::Pressure, vibration.level_mean_pressure_pa)),
+        ("level percentile", number(vibration.level_percentile)),
+        ("limit damping ratio", number(vibration.limit_damping_ratio)),
+    ]
+    .into_iter()
+    .map(|(name, value)| vec![name.to_owned(), value])
+    .collect::<Vec<_>>();
+    match &vibration.marginal {
+        None => rows.push(vec!["marginal".into(), DASH.into()]),
+        Some(law) => {
+            rows.push(vec!["marginal · name".into(), law.name.clone()]);
+            let parameters = law.parameters.iter();
+            rows.extend(parameters.map(|(name, v)| vec![format!("marginal · parameters · {name}"), plain(*v, 5)]));
+        }
+    }
+    rows.extend([
+        vec!["static friction".into(), plain(vibration.static_friction, 5)],
+        vec!["steady sliding unstable".into(), yes_or_no(vibration.steady_sliding_unstable).into()],
+        vec!["upscaling".into(), vibration.upscaling.clone()],
+        vec!["variance reduction".into(), plain(vibration.variance_reduction, 5)],
+    ]);
+    DataTable::new("Without roughness", &["Property", "Value"], rows, "results.json")
+}
+
+/// Cycles by damping ratio and upscaling.
+fn counts(vibration: &VibrationResult) -> DataTable {
     let mut counts: Vec<Vec<String>> = Vec::new();
-    for entry in list(&vibration["area"]["damping"]).iter().chain(list(&vibration["paper"]["damping"])) {
-        let damping = entry["damping_ratio"].as_f64().map_or("–".into(), |v| significant(v, 4));
+    for entry in vibration.area.damping.iter().chain(&vibration.paper.damping) {
+        let damping = significant(entry.damping_ratio, 4);
         if counts.iter().any(|row| row[0] == damping) {
             continue;
         }
-        let kind = entry["kind"].as_str().map_or("–".into(), |kind| kind.replace('_', "-"));
-        let mut row = vec![damping, kind, shown(entry, "cycles_deterministic")];
-        for upscaling in ["area", "paper"] {
-            let found = at_damping(&vibration[upscaling], entry["damping_ratio"].as_f64());
-            row.push(found.map_or("–".into(), |entry| shown(entry, "cycles_mean")));
-            row.push(found.map_or("–".into(), |entry| difference(run, upscaling, entry).1));
+        let deterministic = shown(Dimension::None, entry.cycles_deterministic as f64, None);
+        let mut row = vec![damping, entry.kind.name().replace('_', "-"), deterministic];
+        for (_, part) in upscalings(vibration) {
+            let found = part.damping.iter().find(|other| other.damping_ratio == entry.damping_ratio);
+            row.push(found.map_or_else(|| DASH.into(), |found| shown(Dimension::None, found.cycles_mean, None)));
+            row.push(found.map_or_else(|| DASH.into(), difference));
         }
         counts.push(row);
     }
     let headers = ["ζ", "Deterministic", "M deterministic", "M, “area”", "lost, “area”", "M, “paper”", "lost, “paper”"];
     let caption =
         "Cycles M and cycles lost, M(det) − mean M, by damping ratio and upscaling; brackets hold 95 % intervals";
-    tables.push(DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns());
-
-    tables.extend([crossings(vibration), motion(vibration)]);
-    tables.push(points(vibration, "reattachment", "Re-attachment points by upscaling"));
-    tables.push(points(vibration, "release", "Points of detachment by upscaling"));
-    tables
+    DataTable::new(caption, &headers, counts, "tables/cycles_over_damping.csv").without_empty_columns()
 }
 
 /// What stands in the column of an upscaling.
-type Cell = Box<dyn Fn(&Value) -> String>;
+type Cell = Box<dyn Fn(&EnsembleResult) -> String>;
 
-/// Upscalings that the results hold, with their name.
-fn upscalings(vibration: &Value) -> impl Iterator<Item = (&'static str, &Value)> {
-    ["area", "paper"].into_iter().map(|name| (name, &vibration[name])).filter(|(_, part)| part.is_object())
+/// Both upscalings with their names.
+fn upscalings(vibration: &VibrationResult) -> [(&'static str, &EnsembleResult); 2] {
+    [("area", &vibration.area), ("paper", &vibration.paper)]
 }
 
 /// A column for each upscaling behind a first one; only rows of which something is known.
 fn by_upscaling(
-    vibration: &Value,
+    vibration: &VibrationResult,
     caption: &str,
     first: &str,
     rows: impl Iterator<Item = (String, Cell)>,
 ) -> DataTable {
-    let names: Vec<String> = upscalings(vibration).map(|(name, _)| format!("“{name}”")).collect();
+    let upscalings = upscalings(vibration);
+    let names = upscalings.map(|(name, _)| format!("“{name}”"));
     let headers: Vec<&str> = std::iter::once(first).chain(names.iter().map(String::as_str)).collect();
     let rows = rows
-        .map(|(title, cell)| std::iter::once(title).chain(upscalings(vibration).map(|(_, part)| cell(part))).collect())
-        .filter(|row: &Vec<String>| row[1..].iter().any(|cell| cell != "–"));
+        .map(|(title, cell)| std::iter::once(title).chain(upscalings.map(|(_, part)| cell(part))).collect())
+        .filter(|row: &Vec<String>| row[1..].iter().any(|cell| cell != DASH));
     DataTable::new(caption, &headers, rows.collect(), "results.json")
 }
 
 /// Where vibration falls through levels of the time.
-fn crossings(vibration: &Value) -> DataTable {
+fn crossings(vibration: &VibrationResult) -> DataTable {
     let mut shares: Vec<f64> = upscalings(vibration)
-        .flat_map(|(_, part)| list(&part["crossings"]).iter().filter_map(|crossing| crossing["share"].as_f64()))
+        .iter()
+        .flat_map(|(_, part)| part.crossings.iter().map(|crossing| crossing.share))
         .collect();
     shares.sort_by(|a, b| b.total_cmp(a));
     shares.dedup();
     let rows = shares.into_iter().map(|share| -> (String, Cell) {
-        let cell = move |part: &Value| {
-            let found = list(&part["crossings"]).iter().find(|crossing| crossing["share"].as_f64() == Some(share));
-            match found.map(|crossing| (&crossing["damping_ratio"], interval(crossing, "damping_ratio"))) {
+        let cell = move |part: &EnsembleResult| {
+            let Some(found) = part.crossings.iter().find(|crossing| crossing.share == share) else {
+                return DASH.into();
+            };
+            match (found.damping_ratio, found.damping_ratio_interval) {
                 // Trajectories that all agree have no interval.
-                Some((value, Some((low, high)))) if low == high => plain(value),
-                Some((Value::Null, _)) => found
-                    .and_then(|crossing| crossing["reason"].as_str())
-                    .map_or("–".into(), |reason| format!("none: {reason}")),
-                Some(_) => found.map_or("–".into(), |crossing| shown(crossing, "damping_ratio")),
-                None => "–".into(),
+                (ratio, Some([low, high])) if low == high => plain(ratio, 5),
+                (None, _) => found.reason.as_ref().map_or_else(|| DASH.into(), |reason| format!("none: {reason}")),
+                (ratio, interval) => shown(Dimension::None, ratio, interval),
             }
         };
         (format!("{} %", significant(100.0 * share, 3)), Box::new(cell))
@@ -98,85 +139,64 @@ fn crossings(vibration: &Value) -> DataTable {
 }
 
 /// The motion under roughness at the damping of the study.
-fn motion(vibration: &Value) -> DataTable {
-    let number = |key: &'static str| move |part: &Value| shown(&part["motion"], key);
-    let percent = |key: &'static str| {
-        move |part: &Value| {
-            let motion = &part["motion"];
-            let share = |value: f64| significant(100.0 * value, 4);
-            match (motion[key].as_f64(), interval(motion, key), motion[&format!("{key}_se")].as_f64()) {
-                (Some(value), Some((low, high)), _) => {
-                    format!("{} % {}", share(value), show_range(100.0 * low, 100.0 * high))
-                }
-                (Some(value), None, Some(error)) => format!("{} %", with_error(100.0 * value, 100.0 * error)),
-                (Some(value), None, None) => format!("{} %", share(value)),
-                (None, _, _) => "–".into(),
-            }
-        }
-    };
-    let kind = |key: &'static str| {
-        move |part: &Value| {
-            let share = part["motion"]["kind_shares"][key].as_f64().filter(|share| *share > 0.0);
-            share.map_or("–".into(), |share| format!("{} %", significant(100.0 * share, 4)))
-        }
-    };
+fn motion(vibration: &VibrationResult) -> DataTable {
+    fn cell(text: impl Fn(&MotionResult) -> String + 'static) -> Cell {
+        Box::new(move |part| part.motion.as_ref().map_or_else(|| DASH.into(), &text))
+    }
+    fn kind(kind: KindResult) -> Cell {
+        cell(move |motion| percent(motion.kind_shares.get(&kind).copied().filter(|share| *share > 0.0), 4))
+    }
+    let number = |value: Option<f64>, interval: Option<Pair>| shown(Dimension::None, value, interval);
     let rows: [(&str, Cell); 10] = [
-        ("Period τ between detachments", Box::new(number("period_mean"))),
-        ("Its jitter (standard deviation)", Box::new(number("period_std"))),
-        ("Time in stick", Box::new(percent("stick_share"))),
-        ("Time in vibration", Box::new(percent("share_in_cycle"))),
-        ("of it stick-slip", Box::new(kind("stick_slip"))),
-        ("overtaking the belt without stick", Box::new(kind("overtaking"))),
-        ("slower than the belt throughout", Box::new(kind("slip_cycle"))),
-        ("Ways out of vibration per τ in it", Box::new(number("exit_rate"))),
-        ("Ways back per τ out of it", Box::new(number("entry_rate"))),
-        ("Trajectories that leave vibration", Box::new(percent("left_share"))),
+        ("Period τ between detachments", cell(move |motion| number(motion.period_mean, None))),
+        ("Its jitter (standard deviation)", cell(move |motion| number(motion.period_std, None))),
+        (
+            "Time in stick",
+            cell(|motion| format!("{} %", with_error(100.0 * motion.stick_share, 100.0 * motion.stick_share_se))),
+        ),
+        ("Time in vibration", cell(|motion| percent(motion.share_in_cycle, 4))),
+        ("of it stick-slip", kind(KindResult::StickSlip)),
+        ("overtaking the belt without stick", kind(KindResult::Overtaking)),
+        ("slower than the belt throughout", kind(KindResult::SlipCycle)),
+        ("Ways out of vibration per τ in it", cell(move |motion| number(motion.exit_rate, motion.exit_rate_interval))),
+        ("Ways back per τ out of it", cell(move |motion| number(motion.entry_rate, motion.entry_rate_interval))),
+        (
+            "Trajectories that leave vibration",
+            cell(|motion| {
+                let [low, high] = motion.left_share_interval.map(|end| 100.0 * end);
+                format!("{} {}", percent(motion.left_share, 4), show_range(low, high))
+            }),
+        ),
     ];
-    let at =
-        vibration["damping_ratio"].as_f64().map_or(String::new(), |zeta| format!(" at ζ = {}", significant(zeta, 4)));
-    let caption =
-        format!("The motion under fluctuating friction{at}; brackets hold 95 % intervals, ± is a standard error");
+    let caption = format!(
+        "The motion under fluctuating friction at ζ = {}; brackets hold 95 % intervals, ± is a standard error",
+        significant(vibration.damping_ratio, 4)
+    );
     by_upscaling(vibration, &caption, "Property", rows.into_iter().map(|(title, cell)| (title.to_owned(), cell)))
 }
 
 /// The law of points of the motion.
-fn points(vibration: &Value, key: &str, caption: &str) -> DataTable {
-    let rows = upscalings(vibration).filter(|(_, part)| part[key].is_object()).map(|(name, part)| {
-        let law = &part[key];
+fn points(vibration: &VibrationResult, of: fn(&EnsembleResult) -> &PointsResult, caption: &str) -> DataTable {
+    let rows = upscalings(vibration).map(|(name, part)| {
+        let law = of(part);
+        let number = |value| shown(Dimension::None, value, None);
         vec![
             format!("“{name}”"),
-            shown(part, "friction_std"),
-            match (law["mean"].as_f64(), law["std"].as_f64()) {
+            number(Some(part.friction_std)),
+            match (law.mean, law.std) {
                 (Some(mean), Some(std)) => with_error(mean, std),
-                _ => shown(law, "mean"),
+                (mean, _) => number(mean),
             },
-            shown(law, "skewness"),
-            shown(law, "excess_kurtosis"),
-            shown(law, "normality_p"),
+            number(law.skewness),
+            number(law.excess_kurtosis),
+            number(law.normality_p),
         ]
     });
     let headers = ["Upscaling", "Std of μ", "X: mean ± std", "Skewness", "Excess kurtosis", "p (normality)"];
-    DataTable::new(caption, &headers, rows.collect(), "results.json").without_empty_columns()
+    DataTable::new(caption, &headers, rows.into(), "results.json").without_empty_columns()
 }
 
-/// The entry of an upscaling at a damping ratio.
-fn at_damping(upscaling: &Value, damping: Option<f64>) -> Option<&Value> {
-    let damping = damping?;
-    list(&upscaling["damping"]).iter().find(|entry| entry["damping_ratio"].as_f64() == Some(damping))
-}
-
-/// The interval of the lost cycles, from the results or from the table of the sweep, and the number as text.
-pub(super) fn difference(run: &Run, upscaling: &str, entry: &Value) -> (Option<(f64, f64)>, String) {
-    let limits = interval(entry, "difference_mean").or_else(|| interval(entry, "difference")).or_else(|| {
-        let table = run.tables.get("cycles_over_damping")?;
-        let damping = entry["damping_ratio"].as_f64()?;
-        let row = table.column("damping_ratio")?.iter().position(|v| (v - damping).abs() <= 1e-9 * damping.abs())?;
-        let end = |end: &str| table.column(&format!("{upscaling}_difference_{end}")).map(|values| values[row]);
-        Some((end("low")?, end("high")?)).filter(|(low, high)| low.is_finite() && high.is_finite())
-    });
-    let text = match entry["difference_mean"].as_f64() {
-        Some(value) => Dimension::None.show_interval(value, limits),
-        None => "–".into(),
-    };
-    (limits, text)
+/// The lost cycles with their interval.
+pub(super) fn difference(entry: &DampingResult) -> String {
+    shown(Dimension::None, entry.difference_mean, Some(entry.difference_interval))
 }

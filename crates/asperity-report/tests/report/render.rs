@@ -1,9 +1,12 @@
 //! The report of complete, partial and hostile runs.
 
 use crate::documents::{elements, resources, text};
-use crate::synthetic::{full_run, surface_run};
+use crate::synthetic::{example, full_run, surface_run};
 use asperity_report::{Field, Input, ReportError, Run, Table, render};
-use serde_json::{Value, json};
+use asperity_results::{
+    FrictionResult, KindResult, LevelResult, MeasuredSurface, MethodEntry, PressureResult, Results, ScanOfPart,
+    SurfaceResult, SurfaceStatistics, VibrationResult,
+};
 
 #[test]
 fn a_complete_run_has_every_figure_and_every_section() {
@@ -76,6 +79,18 @@ fn a_complete_run_has_every_figure_and_every_section() {
     }
 }
 
+fn surface(run: &mut Run) -> &mut SurfaceResult {
+    run.results.surface.as_mut().unwrap()
+}
+
+fn pressure(run: &mut Run) -> &mut PressureResult {
+    run.results.pressure.as_mut().unwrap()
+}
+
+fn friction(run: &mut Run) -> &mut FrictionResult {
+    run.results.friction.as_mut().unwrap()
+}
+
 /// What is written in a figure, piece by piece.
 fn words(run: &Run, name: &str) -> Vec<String> {
     let svg = render(run).unwrap().figures.into_iter().find(|figure| figure.name == name).unwrap().svg;
@@ -109,14 +124,13 @@ fn the_vibration_says_where_cycles_are_lost_and_how_it_moves() {
     assert!(
         lost.contains(&"Sustained vibration, share".to_owned()) && lost.contains(&"Cycles per period 2π".to_owned())
     );
-    // Runs from before there were these keys, and without the length of the trajectories.
+    // Constant friction has no motion; and a run without the length of the trajectories.
     let mut run = full_run();
     run.tables.remove("phase_cloud");
     run.inputs.retain(|input| input.key != "duration");
-    let paper = run.results["vibration"]["paper"].as_object_mut().unwrap();
-    paper.retain(|key, _| !["crossings", "motion", "release"].contains(&key.as_str()));
+    run.results.vibration.as_mut().unwrap().paper.motion = None;
     let html = text(&render(&run).unwrap().html);
-    assert!(!html.contains("Ways out of vibration") && !html.contains("Points of detachment"));
+    assert!(!html.contains("Ways out of vibration"));
     assert!(!words(&run, "limit_cycle").contains(&"many trajectories".to_owned()));
     assert!(!words(&run, "sustained_over_damping").contains(&"Cycles per period 2π".to_owned()));
 }
@@ -132,8 +146,9 @@ fn parameters_stand_in_groups_with_their_intervals() {
     assert!(html.contains("63 rad/mm (99.7 µm)") && html.contains("roll off") && !html.contains("Sq m se"));
     // Without intervals there is no column for them.
     let mut run = full_run();
-    let surface = run.results["surface"].as_object_mut().unwrap();
-    surface.retain(|key, _| !key.ends_with("_interval") && !key.ends_with("_se"));
+    let mut scan = example::scan();
+    scan.intervals.0.clear();
+    surface(&mut run).measured = MeasuredSurface::Scan(Box::new(scan));
     assert!(!text(&render(&run).unwrap().html).contains(">95 % interval<"));
 }
 
@@ -161,8 +176,12 @@ fn correlation_is_shown_up_to_six_lengths_with_its_bands() {
         assert!(wide.iter().any(|word| word == wanted), "{wanted} in {wide:?}");
     }
     // Lengths that differ tenfold have a chart each, up to six of them.
-    run.results["surface"]["correlation_length_x_m"] = json!(1.1e-6);
-    run.results["surface"]["correlation_length_y_m"] = json!(1.1e-5);
+    let scan = SurfaceStatistics {
+        correlation_length_x_m: Some(1.1e-6),
+        correlation_length_y_m: Some(1.1e-5),
+        ..example::scan()
+    };
+    surface(&mut run).measured = MeasuredSurface::Scan(Box::new(scan));
     let apart = words(&run, "height_acf");
     assert_eq!(apart.iter().filter(|word| *word == "Lag (µm)").count(), 2);
     assert!(!apart.contains(&"80".to_owned()));
@@ -310,20 +329,16 @@ fn every_column_of_every_table_may_be_undefined() {
     }
 }
 
-/// Every number of the results replaced by null.
-fn nulled(value: &Value) -> Value {
-    match value {
-        Value::Object(entries) => entries.iter().map(|(key, value)| (key.clone(), nulled(value))).collect(),
-        Value::Array(items) => items.iter().map(nulled).collect(),
-        Value::Number(_) | Value::Bool(_) => Value::Null,
-        other => other.clone(),
-    }
-}
-
 #[test]
 fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     let mut run = full_run();
-    run.provenance["seconds"] = json!({"pressure/monte_carlo": 1.25, "pressure/coarse": 2.5, "pressure/law/default": 0.25, "pressure/sobol": 3.0});
+    let seconds = [
+        ("pressure/monte_carlo", 1.25),
+        ("pressure/coarse", 2.5),
+        ("pressure/law/default", 0.25),
+        ("pressure/sobol", 3.0),
+    ];
+    run.provenance.as_mut().unwrap().seconds = seconds.map(|(task, time)| (task.to_owned(), time)).into();
     let drawn = words(&run, "pressure_cdf");
     for wanted in ["default: 95 %, all pressures at once", "default: 95 %, at one pressure", "default of asperity"] {
         assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
@@ -341,17 +356,17 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     }
     // A refused method is named with its reason, not as a row of dashes.
     let mut refused = run.clone();
-    let methods = refused.results["pressure"]["methods"].as_array_mut().unwrap();
-    let method = methods.iter_mut().find(|method| method["name"] == "polynomial_chaos").unwrap();
-    *method = json!({"name": "polynomial_chaos", "fine_solves": 60, "failure": "20 samples for 165 coefficients"});
+    let methods = &mut pressure(&mut refused).methods;
+    let method = methods.iter_mut().find(|method| method.name == "polynomial_chaos").unwrap();
+    let (name, failure) = ("polynomial_chaos".to_owned(), Some("20 samples for 165 coefficients".to_owned()));
+    *method = MethodEntry { name, fine_solves: 60, failure, ..MethodEntry::default() };
     let html = text(&render(&refused).unwrap().html).replace('\u{a0}', " ");
     assert!(html.contains("Methods without an estimate: polynomial chaos (20 samples for 165 coefficients)."));
     assert!(!html.contains("<th scope=\"row\">polynomial chaos</th>"));
     assert!(!text(&render(&run).unwrap().html).contains("Methods without an estimate"));
     // A law that has nothing to do with the reference leaves the frames of the others alone.
-    let methods = run.results["pressure"]["methods"].as_array_mut().unwrap();
-    methods[5]["mean_pa"] = json!(1e20);
-    methods[5]["wasserstein_1_over_std"] = json!(1e12);
+    let method = pressure(&mut run).methods.iter_mut().find(|method| method.name == "polynomial_chaos_log").unwrap();
+    (method.mean_pa, method.wasserstein_1_over_std) = (Some(1e20), Some(1e12));
     for (name, largest) in [("pressure_intervals", "165"), ("pressure_accuracy", "5·10⁻²")] {
         let drawn = words(&run, name);
         assert!(drawn.iter().any(|word| word == largest), "{largest} in {drawn:?}");
@@ -394,10 +409,9 @@ fn maps_of_all_cells_say_how_well_they_are_known() {
     }
     // Without numbers beside them the maps are still there.
     let mut bare = full_run();
-    let pressure = bare.results["pressure"].as_object_mut().unwrap();
-    for key in ["maps", "homogeneity", "global_expansion", "sensitivities"] {
-        pressure.remove(key);
-    }
+    let found = pressure(&mut bare);
+    (found.maps, found.homogeneity, found.global_expansion) = (None, None, None);
+    found.sensitivities.clear();
     let names = |run: &Run| render(run).unwrap().figures.into_iter().map(|figure| figure.name).collect::<Vec<_>>();
     assert!(names(&bare).contains(&"expansion_error".to_owned()));
     assert!(!names(&bare).contains(&"pressure_sensitivities".to_owned()));
@@ -433,11 +447,9 @@ fn sensitivities_name_every_variable_and_say_what_is_explained() {
         "a failed expansion has no panel"
     );
     // An expansion that predicts worse than the mean explains nothing.
-    run.results["pressure"]["sensitivities"][0]["cross_validated_error"] = json!(1.2);
+    pressure(&mut run).sensitivities[0].cross_validated_error = Some(1.2);
     assert!(words(&run, "pressure_sensitivities").contains(&"explained: 0 % of the variance".to_owned()));
-    run.results["pressure"]["sensitivities"][0]["indices"][1]["total"] = Value::Null;
-    assert!(!words(&run, "pressure_sensitivities").contains(&"ring 1".to_owned()));
-    run.results["pressure"]["sensitivities"] = json!([]);
+    pressure(&mut run).sensitivities.clear();
     assert!(render(&run).unwrap().figures.iter().all(|figure| figure.name != "pressure_sensitivities"));
 }
 
@@ -471,7 +483,8 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
         "<td>0.061</td>",
         "exceeded once in 100 mm",
         "0.2310 [0.2280, 0.2360]",
-        "0.0 µm [0.0, 8.5]",
+        "<td>inside</td><td>600.0 µm</td><td>0.012</td>",
+        "<td>taken out</td><td>0.0 µm [0.0, 8.5]</td>",
         "0.021 (p = 0.41)",
         "Std, “area”",
     ] {
@@ -479,13 +492,20 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     }
     // A level without a variance has neither moments nor a law of the quotient, and says why.
     let mut heavy = run.clone();
-    let lead = heavy.results["friction"]["levels"][5].as_object_mut().unwrap();
-    for key in ["std", "std_interval", "coefficient_of_variation", "skewness", "excess_kurtosis", "marginal", "gof"] {
-        lead.insert(key.into(), Value::Null);
-    }
-    lead.insert("marginal_parameter_intervals".into(), json!({}));
-    lead.insert("return_levels".into(), json!([]));
-    lead.insert("no_variance".into(), json!("58 % of the windows hold fewer than 30 contact cells"));
+    let lead = &mut friction(&mut heavy).levels[5];
+    *lead = LevelResult {
+        std: None,
+        std_interval: None,
+        coefficient_of_variation: None,
+        skewness: None,
+        excess_kurtosis: None,
+        marginal: None,
+        gof: None,
+        marginal_parameter_intervals: Default::default(),
+        return_levels: Vec::new(),
+        no_variance: Some("58 % of the windows hold fewer than 30 contact cells".into()),
+        ..lead.clone()
+    };
     for column in &mut heavy.tables.get_mut("friction_levels").unwrap().columns {
         if column.0.starts_with("std") && !column.0.contains("load") {
             column.1[5] = f64::NAN;
@@ -496,7 +516,7 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     assert!(!said.contains("exceeded once") && !said.contains("empirical ()"));
     assert_eq!(words(&heavy, "friction_levels").iter().filter(|text| *text == "at load").count(), 1);
     // What equals the quotient is not drawn twice, and free strips are called so.
-    run.results["friction"]["mean_compliance_m_per_pa"] = Value::Null;
+    friction(&mut run).mean_compliance_m_per_pa = None;
     assert!(page(&run).contains("75 µm wide (free)."));
     let levels = run.tables.get_mut("friction_levels").unwrap();
     levels.columns.retain(|(name, _)| !name.contains("at_mean_load"));
@@ -524,35 +544,34 @@ fn friction_is_drawn_against_the_cutoff_with_its_floor_and_the_ends_of_the_band(
         assert!(html.contains(wanted), "the page says {wanted:?}");
     }
     // An elastic study without a scan has neither a floor nor a band.
-    let cutoff = &mut run.results["friction"]["cutoff"];
-    (cutoff["plastic_floor"], cutoff["band_end_m"], cutoff["halved_pitch"]) = (Value::Null, Value::Null, Value::Null);
+    let cutoff = friction(&mut run).cutoff.as_mut().unwrap();
+    (cutoff.plastic_floor, cutoff.band_end_m, cutoff.halved_pitch) = (None, None, None);
     let drawn = words(&run, "friction_cutoff");
     assert!(!drawn.iter().any(|word| word.contains("floor") || word.contains("scan") || word.contains("half")));
 }
 
 #[test]
 fn undefined_results_are_dashes_and_never_errors() {
-    let full = full_run();
-    let report = render(&Run { results: nulled(&full.results), ..Run::default() }).unwrap();
+    let kind = KindResult::None;
+    let results = Results {
+        surface: Some(SurfaceResult::default()),
+        pressure: Some(PressureResult::default()),
+        friction: Some(FrictionResult { levels: vec![LevelResult::default()], ..FrictionResult::default() }),
+        vibration: Some(VibrationResult { kind, ..VibrationResult::default() }),
+        ..Results::default()
+    };
+    let report = render(&Run { results, ..Run::default() }).unwrap();
     assert!(report.html.contains("<td>–</td>"));
-    for odd in
-        [json!([]), json!("text"), json!({"surface": 3, "pressure": [], "friction": {"levels": {}}, "vibration": "no"})]
-    {
-        render(&Run { results: odd, ..Run::default() }).unwrap();
-    }
 }
 
 #[test]
 fn figures_of_several_scans_say_which_one_they_show_and_mark_its_lengths() {
     let mut run = full_run();
-    let own = run.results["surface"].clone();
-    let scan = |file: &str, length_m: f64| {
-        let mut scan = own.clone();
-        (scan["file"], scan["correlation_length_x_m"]) = (json!(file), json!(length_m));
-        scan
-    };
-    run.results["surface"]["scans"] = json!([scan("left.x3p", 1.5e-5), scan("right.x3p", 2.5e-5)]);
-    run.results["surface"]["scan_count"] = json!(2);
+    let scans = [("left.x3p", 1.5e-5), ("right.x3p", 2.5e-5)].map(|(file, length_m)| ScanOfPart {
+        file: file.into(),
+        statistics: SurfaceStatistics { correlation_length_x_m: Some(length_m), ..example::scan() },
+    });
+    surface(&mut run).measured = example::part(scans.into());
     let report = render(&run).unwrap();
     let said = "Measured: left.x3p, the first of 2 scans";
     let saying =
@@ -583,15 +602,15 @@ fn hostile_strings_are_escaped_everywhere() {
     let mut run = full_run();
     run.name = EVIL.into();
     run.inputs.push(Input { section: EVIL.into(), key: EVIL.into(), value: EVIL.into() });
-    run.assumptions.push(EVIL.into());
-    run.provenance[EVIL] = json!(EVIL);
-    run.results["surface"][EVIL] = json!(EVIL);
-    run.results["pressure"]["methods"][0]["name"] = json!(EVIL);
-    run.results["friction"]["levels"][0]["marginal"] = json!({"name": EVIL, "parameters": {EVIL: EVIL}});
-    run.results["warnings"] = json!([EVIL]);
-    run.results["surface"]["scans"] = json!([{"file": EVIL, "Sq_m": 1e-6}, {"file": EVIL}]);
-    run.results["surface"]["marginal"] = json!({"name": EVIL, "parameters": {EVIL: EVIL}});
-    run.results["surface"]["covariance"]["model"] = json!(EVIL);
+    run.results.assumptions.push(EVIL.into());
+    run.results.warnings.push(EVIL.into());
+    run.provenance.as_mut().unwrap().inputs.insert(EVIL.into(), EVIL.into());
+    pressure(&mut run).methods[0].name = EVIL.into();
+    friction(&mut run).levels[0].marginal = Some(example::law(EVIL, &[(EVIL, 1.0)]));
+    let scan = || ScanOfPart { file: EVIL.into(), statistics: example::scan() };
+    surface(&mut run).measured = example::part(vec![scan(), scan()]);
+    surface(&mut run).marginal = example::law(EVIL, &[(EVIL, 1.0)]);
+    surface(&mut run).covariance.as_mut().unwrap().model = EVIL.into();
     let cdf = run.tables.get_mut("pressure_cdf").unwrap();
     cdf.columns[2].0 = EVIL.into();
     run.tables.get_mut("friction_trace").unwrap().columns[1].0 = format!("mu_{EVIL}");
@@ -620,16 +639,8 @@ fn a_ragged_table_and_a_field_of_the_wrong_size_are_refused() {
 #[test]
 fn uncertain_parameters_have_a_band_and_their_indices() {
     let mut run = full_run();
-    let index = |name: &str, total: f64| {
-        json!({"parameter": name, "first": total - 0.02, "first_interval": [total - 0.05, total], "total": total,
-               "total_interval": [total - 0.03, total + 0.03]})
-    };
-    let sobol = json!([index("rms_height", 0.3), index("correlation_length", 0.74)]);
-    let response = |name: &str| json!({"name": name, "value": 0.2, "std": 0.01, "loo_error": 0.02, "sobol": sobol});
-    let constant = json!({"name": "std", "value": 0.0, "std": 0.0, "loo_error": 0.0, "sobol": []});
-    let level = json!({"at_mean_load": [response("mean"), constant, response("correlation_length_m")]});
-    let levels = run.results["friction"]["levels"].as_array().unwrap().len();
-    run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": vec![level; levels]});
+    let levels = friction(&mut run).levels.len();
+    friction(&mut run).uncertainty = Some(example::uncertainty(levels));
     let columns = [
         ("penetration_m", vec![1.72e-6, 1.35e-6, f64::NAN]),
         ("mean_low", vec![0.19, 0.195, 0.0]),
@@ -644,7 +655,8 @@ fn uncertain_parameters_have_a_band_and_their_indices() {
     assert!(!said.iter().any(|text| text == "Std of μ"));
     assert!(words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
     // Without indices there is no figure, and without the table no band.
-    run.results["friction"]["uncertainty"] = json!({"points": 32, "levels": [{"at_mean_load": [constant]}]});
+    let uncertainty = friction(&mut run).uncertainty.as_mut().unwrap();
+    uncertainty.levels.iter_mut().flat_map(|level| &mut level.at_mean_load).for_each(|response| response.sobol.clear());
     run.tables.remove("friction_uncertainty");
     let report = render(&run).unwrap();
     assert!(report.figures.iter().all(|figure| figure.name != "friction_sensitivity"));

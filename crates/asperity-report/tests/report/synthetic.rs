@@ -1,11 +1,14 @@
 //! A complete run made of analytic functions: every table and field that a study can hold.
 
+#[path = "../../../asperity-results/tests/example/mod.rs"]
+pub(crate) mod example;
+
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use asperity_report::{Field, Input, Run, Table};
-use serde_json::{Value, json};
+use asperity_results::{Machine, Provenance, Results};
 
 /// A reproducible number in [0, 1) for texture (a hash of the index, no statistics are drawn from it).
 fn noise(index: u64) -> f64 {
@@ -224,9 +227,9 @@ fn pressure(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
 fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, Field>) {
     let strip = |x: f64, y: f64| (2.2e9 * (rough(x, y, 8e-5, 1.5e-5, 3) - 0.7)).clamp(0.0, 2e9);
     fields.insert("pressure_strip".into(), field(1024, 16, 6e-3, 7.5e-5, strip));
-    let penetration = vec![1.35e-6, 1.72e-6, 2.33e-6, 3.0e-6, 3.68e-6, 0.62e-6];
-    let mean = map(&penetration, |d| 0.19 + 0.06 * (-(d / 1.2e-6)).exp());
-    let std = map(&penetration, |d| 0.012 * (-(d / 1.5e-6)).exp() + 0.0004);
+    let penetration = example::PENETRATIONS_M.to_vec();
+    let mean = map(&penetration, example::level_mean);
+    let std = map(&penetration, example::level_std);
     let around = |values: &[f64], share: f64| map(values, |v| v * (1.0 + share));
     tables.insert(
         "friction_levels".into(),
@@ -251,8 +254,8 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
     );
     let depth = grid(0.6e-6, 3.7e-6, 6);
     let pressure = |share: f64| map(&depth, move |d| share * 3e6 * (d / 0.6e-6).powf(2.5));
-    let cutoff = vec![2.9e-6, 5.9e-6, 11.7e-6, 23.4e-6];
-    let kept = map(&cutoff, |metre| 0.19 + 0.03 * (metre / 2.9e-6).ln() / 8_f64.ln());
+    let cutoff = example::CUTOFFS_M.to_vec();
+    let kept = map(&cutoff, example::cutoff_mean);
     tables.insert(
         "friction_cutoff".into(),
         table(&[
@@ -260,8 +263,8 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
             ("mean_low", around(&kept, -0.02)),
             ("mean_high", around(&kept, 0.02)),
             ("mean", kept),
-            ("rms_slope", vec![0.21, 0.17, 0.13, 0.09]),
-            ("plastic_fraction", vec![0.31, 0.24, 0.15, 0.06]),
+            ("rms_slope", example::RMS_SLOPES.into()),
+            ("plastic_fraction", example::PLASTIC_FRACTIONS.into()),
         ]),
     );
     tables.insert(
@@ -427,10 +430,8 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
             ]),
         );
     }
-    let zeta = grid(0.05, 0.30, 11);
-    let deterministic = map(&zeta, |z| if z < 0.2048 { (95.0 + 30.0 * z).round() } else { 0.0 });
-    let paper = map(&zeta, |z| 99.0 * normal_cdf((0.205 - z) / 0.045));
-    let area = map(&zeta, |z| if z < 0.2048 { (95.0 + 30.0 * z).round() - 0.04 } else { 0.02 });
+    let zeta = example::damping_ratios();
+    let [deterministic, paper, area] = [0, 1, 2].map(|column| map(&zeta, |z| example::cycles(z)[column]));
     let difference =
         |mean: &[f64], shift: f64| -> Vec<f64> { deterministic.iter().zip(mean).map(|(d, m)| d - m + shift).collect() };
     tables.insert(
@@ -453,156 +454,6 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
     );
 }
 
-/// Sobol' indices of two quantities with respect to variables about the cell and leading ones; one expansion failed.
-fn sensitivities() -> Value {
-    let entry = |quantity: &str, variables: &str, names: &[&str], unexplained: f64| {
-        let index = |(k, name): (usize, &&str)| {
-            let first = 0.55 * 0.4f64.powi(k as i32);
-            let total = first + 0.1 * 0.7f64.powi(k as i32);
-            json!({"name": name, "first_order": first, "first_order_se": 0.02, "first_order_interval": [(first - 0.04).max(0.0), first + 0.04],
-                   "total": total, "total_se": 0.03, "total_interval": [(total - 0.06).max(0.0), total + 0.06]})
-        };
-        json!({"quantity": quantity, "variables": variables, "terms": 12, "cross_validated_error": unexplained, "failure": null,
-               "indices": names.iter().enumerate().map(index).collect::<Vec<_>>()})
-    };
-    let rings = ["height of the cell", "ring 1", "ring 2", "ring 3", "ring 4", "ring 5"];
-    let modes = ["mode 1", "mode 2", "mode 3", "mode 4", "mode 5", "mode 6", "mode 7", "mode 8"];
-    json!([
-        entry("pressure_pa", "local", &rings, 0.17),
-        entry("pressure_pa", "global", &modes, 0.98),
-        {"quantity": "contact_fraction", "variables": "local", "indices": [], "terms": null, "cross_validated_error": null,
-         "failure": "the germ is too long for variables around the cell"},
-        entry("contact_fraction", "global", &modes, 0.61),
-    ])
-}
-
-fn results(tables: &BTreeMap<String, Table>) -> Value {
-    let column = |table: &str, name: &str| {
-        tables[table].columns.iter().find(|c| c.0 == name).map_or_else(Vec::new, |c| c.1.clone())
-    };
-    let level = |row: usize| {
-        let value = |name: &str| column("friction_levels", name)[row];
-        let percentile = value("percentile");
-        json!({
-            "percentile": if percentile.is_finite() { json!(percentile) } else { Value::Null },
-            "penetration_m": value("penetration_m"),
-            "mean_pressure_pa": if percentile.is_finite() { 4e6 * percentile } else { 3e6 },
-            "mean": value("mean"), "mean_interval": [value("mean_low"), value("mean_high")],
-            "std": value("std"), "std_interval": [value("std_low"), value("std_high")],
-            "coefficient_of_variation": value("coefficient_of_variation"),
-            "skewness": 0.54, "excess_kurtosis": -0.12, "contact_fraction": 0.02,
-            "correlation_length_m": 2.4e-4, "correlation_length_m_interval": [1.9e-4, 3.1e-4],
-            "correlation_length_without_window_m": 2.5e-5, "correlation_length_without_window_m_interval": [2.1e-5, 2.9e-5],
-            "window_only": row == 5, "effective_windows": 120.0,
-            "marginal_parameter_intervals": {"a": [1.8, 2.6], "b": null},
-            "gof": {"kolmogorov_smirnov": 0.021, "kolmogorov_smirnov_p": 0.41, "anderson_darling": null, "anderson_darling_p": null},
-            "return_levels": [{"distance_m": 0.1, "mu": 0.231, "interval": [0.228, 0.236]}, {"distance_m": 1.0, "mu": 0.24, "interval": null}],
-            "at_mean_load": {
-                "mean": value("at_mean_load"), "std": value("std_at_mean_load"), "std_interval": null, "effective_windows": 118.0,
-                "correlation_length_m": 2.5e-4, "correlation_length_m_interval": [2e-4, 3.2e-4],
-                "marginal": {"name": "lognormal", "parameters": {"mu": -4.2, "sigma": 0.3, "shift": 0.18}},
-                "correlation_models": [
-                    {"model": "triangle", "window_taken_out": false, "length_m": 6e-4, "interval": null, "misfit": 0.012,
-                     "aic_difference": null, "worse_beyond_chance": null},
-                    {"model": "exponential", "window_taken_out": true, "length_m": 0.0, "interval": [0.0, 8.5e-6], "misfit": null,
-                     "aic_difference": 0.0, "worse_beyond_chance": false}],
-            },
-            "stationarity": {"trend_per_m": 0.0087, "trend_p": 0.69, "mean_change_p": 0.78, "ends_p": 0.061, "variance_change_p": 0.67, "wander_p": null},
-            "area_and_load": {"correlation": 0.98, "interval": [0.97, 0.985]},
-            "upscaling": {"paper": {"std": 0.0055}, "area": {"nominal_area_m2": 8.33e-4, "windows": 18500.0, "variance_reduction": 6.1e-5, "std": 4.3e-5}},
-            "marginal": {"name": "beta", "parameters": {"a": 2.13, "b": 4.9, "low": 0.1851, "high": 0.2303}},
-        })
-    };
-    let sweep = |upscaling: &str| -> Vec<Value> {
-        (0..11)
-            .map(|row| {
-                let value = |name: &str| column("cycles_over_damping", name)[row];
-                json!({
-                    "damping_ratio": value("damping_ratio"),
-                    "cycles_deterministic": value("cycles_deterministic") as u64,
-                    "cycles_mean": value(&format!("{upscaling}_cycles_mean")),
-                    "difference_mean": value(&format!("{upscaling}_difference_mean")),
-                })
-            })
-            .collect()
-    };
-    let reattachment =
-        |std: f64| json!({"mean": 0.2, "std": std, "skewness": 0.11, "excess_kurtosis": -0.03, "normality_p": 0.41});
-    let motion = json!({"period_mean": 9.114, "period_std": 6.5, "stick_share": 0.1137, "stick_share_se": 0.0007,
-        "share_in_cycle": 0.7997, "kind_shares": {"stick_slip": 0.7, "overtaking": 0.0997, "slip_cycle": 0.0, "none": 0.2003}, "exit_rate": 0.00826, "exit_rate_interval": [0.00787, 0.00867], "entry_rate": 0.0325,
-        "entry_rate_interval": [0.0309, 0.0341], "left_share": 0.995, "left_share_interval": [0.982, 0.999]});
-    let crossings = json!([{"share": 0.95, "damping_ratio": 0.1516, "damping_ratio_interval": [0.1514, 0.1518]},
-        {"share": 0.5, "damping_ratio": 0.2106, "damping_ratio_interval": [0.2104, 0.2108]},
-        {"share": 0.05, "damping_ratio": null, "damping_ratio_interval": null,
-         "reason": "vibration takes more than 5 % of the time up to the damping ratio 0.41, where the search ends"}]);
-    let cutoffs = || column("friction_cutoff", "cutoff_m").into_iter().enumerate();
-    let of_cutoff = |name: &str, row: usize| column("friction_cutoff", name)[row];
-    let cutoff = json!({
-        "mean_pressure_pa": 3e6, "strips": 4, "strip_length_m": 3e-3, "pitch_m": 1.45e-6, "cutoff_m": 2.9e-6, "band_end_m": 4e-6,
-        "plastic_floor": 0.17, "known": "The friction coefficient is known only as far as the shortest waves are.",
-        "points": cutoffs().map(|(row, metre)| json!({"cutoff_m": metre, "mean": of_cutoff("mean", row),
-            "mean_interval": [of_cutoff("mean_low", row), of_cutoff("mean_high", row)], "rms_slope": of_cutoff("rms_slope", row),
-            "plastic_fraction": of_cutoff("plastic_fraction", row)})).collect::<Vec<_>>(),
-        "halved_pitch": {"pitch_m": 7.25e-7, "mean": 0.1834, "mean_interval": [0.179, 0.187], "change": -0.0066,
-            "change_interval": [-0.008, -0.005]},
-    });
-    json!({
-        "surface": {
-            "nx": 256, "ny": 256, "dx_m": 7.8125e-7, "dy_m": 7.8125e-7, "missing_points": 457, "missing_fraction": 0.00697,
-            "Sa_m": 7.9e-7, "Sq_m": 1.0012e-6, "Ssk": -0.214, "Sku": 3.31, "Sp_m": 3.2e-6, "Sv_m": 4.1e-6, "Sz_m": 7.3e-6,
-            "Sdq": 0.183, "Sdr": 0.0161, "Sal_m": 1.4e-5, "Str": 0.71, "Sk_m": 2.5e-6, "Spk_m": 9.6e-7, "Svk_m": 1.2e-6,
-            "Smrk1": 0.102, "Smrk2": 0.889, "correlation_length_x_m": 2e-5, "correlation_length_y_m": 1.4e-5,
-            "hurst": 0.78, "fractal_dimension": 2.22,
-            "Sq_m_interval": [9.41e-7, 1.0614e-6], "Sq_m_se": 3.1e-8, "Ssk_interval": [-0.4, -0.03], "hurst_interval": null,
-            "psd_reliable_low_rad_per_m": 6.3e4, "psd_reliable_high_rad_per_m": 2e6, "psd_upper_limit": "roll_off",
-            "covariance": {"model": "squared_exponential", "length_x_m": 2e-5, "length_y_m": 1.4e-5},
-            "karhunen_loeve": {"modes": 101, "captured_variance": 0.9401},
-        },
-        "pressure": {
-            "maps": {"samples": 500, "kept_samples": 500, "contact_probability_largest_half_width": 0.0437, "mean_largest_se_pa": 2.9e7},
-            "homogeneity": {"cells": 16, "samples": 500, "contact_p_value": 0.02, "mean_p_value": 0.0031, "p_value": 0.0062,
-                            "plausible": false, "failure": null},
-            "global_expansion": {"variables": 8, "degree": 1, "coefficients": 9, "leave_one_out_error": 0.93, "failure": null},
-            "sensitivities": sensitivities(),
-            "reference_samples": 5000, "contact_probability": 0.32, "contact_probability_se": 0.0066, "ks_resolution": 0.0192,
-            "contact_probability_interval": [0.3072, 0.3331], "mean_pa": 1.64e8, "mean_interval": [1.6e8, 1.68e8],
-            "scalars": [{"name": "mean_gap_m", "mean": 4e-7, "mean_se": 1e-9, "mean_interval": [3.98e-7, 4.02e-7],
-                         "std": 5e-8, "quantiles": [{"probability": 0.5, "value": 4e-7, "value_interval": [3.9e-7, 4.1e-7]}]}],
-            "methods": [
-                {"name": "reference", "fine_solves": 5000, "contact_probability": 0.32, "contact_probability_se": 0.0066, "ks_distance": null, "wasserstein_1_over_std": null},
-                {"name": "monte_carlo", "fine_solves": 500, "contact_probability": 0.3121, "contact_probability_se": 0.0207, "ks_distance": 0.0512, "wasserstein_1_over_std": 0.061},
-                {"name": "latin_hypercube", "fine_solves": 500, "contact_probability": 0.3262, "contact_probability_se": 0.0152, "ks_distance": 0.0301, "wasserstein_1_over_std": 0.0402},
-                {"name": "sobol", "fine_solves": 512, "contact_probability": 0.3184, "contact_probability_se": null, "ks_distance": 0.0149, "wasserstein_1_over_std": 0.0181},
-                {"name": "polynomial_chaos", "fine_solves": 500, "contact_probability": 0.34, "contact_probability_se": 0.0212, "ks_distance": 0.0402, "wasserstein_1_over_std": 0.0711},
-                {"name": "polynomial_chaos_log", "fine_solves": 500, "contact_probability": 0.32, "contact_probability_se": 0.0209, "ks_distance": 0.0333, "wasserstein_1_over_std": 0.0502},
-                {"name": "polynomial_chaos_local", "fine_solves": 500, "contact_probability": 0.317, "contact_probability_se": 0.0212, "ks_distance": 0.0212, "wasserstein_1_over_std": 0.0311},
-                {"name": "default", "fine_solves": 500, "work_in_fine_solves": 1490.5, "contact_probability": 0.325,
-                 "coarse_solves": [{"nx": 16, "ny": 16, "solves": 9000}, {"nx": 32, "ny": 32, "solves": 1712}],
-                 "contact_probability_se": 0.011, "contact_probability_interval": [0.3034, 0.3466], "mean_pa": 1.62e8,
-                 "mean_se_pa": 2.1e6, "mean_interval": [1.579e8, 1.661e8], "ks_distance": 0.0051,
-                 "wasserstein_1_over_std": 0.0072},
-            ],
-        },
-        "friction": {"window_m": 6e-4, "window_width_m": 7.5e-5, "strip_width_m": 7.5e-5, "mean_compliance_m_per_pa": 8.28e-15,
-                     "realisations": 60, "levels": (0..6).map(level).collect::<Vec<_>>(),
-                     "operating_point": {"level": "the nominal pressure", "percentile": null, "penetration_m": 6.2e-7,
-                         "mean_pressure_pa": 3e6, "contact_fraction": 0.02, "contact_fraction_interval": [0.019, 0.021],
-                         "mean": 0.2249, "mean_interval": [0.2227, 0.2271], "std": 0.0058, "std_interval": null,
-                         "std_nominal_area": 4.3e-5},
-                     "cutoff": cutoff},
-        "vibration": {
-            "critical_damping_ratio": 0.204_830_150_5, "hopf_damping_ratio": 0.204_805_7,
-            "limit_damping_ratio": 0.204_830_150_5, "kind": "stick_slip", "steady_sliding_unstable": true, "kick_m_per_s": null,
-            "cycle": {"limit_cycle": true, "period": 8.068_887_87, "slip_duration": 4.068_887_87, "reattachment_displacement": 0.2,
-                      "displacement_min": 0.188_196_6, "displacement_max": 0.411_803_4, "velocity_min": -0.111_803_4},
-            "paper": {"friction_std": 0.001, "damping": sweep("paper"), "reattachment": reattachment(9e-3),
-                      "release": reattachment(8e-3), "crossings": crossings, "motion": motion},
-            "area": {"friction_std": 7.1e-6, "damping": sweep("area"), "reattachment": reattachment(4e-4)},
-        },
-        "warnings": ["At the level of 3 MPa the windows hold 21 contact cells on average; about 30 are needed."],
-    })
-}
-
 /// The full run.
 pub(crate) fn full_run() -> Run {
     static RUN: OnceLock<Run> = OnceLock::new();
@@ -615,12 +466,11 @@ fn build() -> Run {
     pressure(&mut tables, &mut fields);
     friction(&mut tables, &mut fields);
     vibration(&mut tables);
-    let results = results(&tables);
     let input =
         |section: &str, key: &str, value: &str| Input { section: section.into(), key: key.into(), value: value.into() };
     Run {
         name: "Ground steel against a rigid flat".into(),
-        results,
+        results: example::results(),
         tables,
         fields,
         inputs: vec![
@@ -635,19 +485,21 @@ fn build() -> Run {
             input("vibration", "duration", "637.2"),
             input("vibration", "nominal_area", "833 mm²"),
         ],
-        assumptions: vec![
-            "The boundary of the pressure patches is free.".into(),
-            "Shear strength: hardness divided by 3√3 (von Mises, Tabor).".into(),
-        ],
-        provenance: json!({"asperity": "0.1.0", "seed": 2016, "inputs": {"brake_disc.x3p": "sha256:9f86d081884c7d65"},
-                           "machine": {"threads": 2, "instruction_set": "x86_64 avx2"}, "timings": {"pressure_s": 41.2}}),
+        provenance: Some(Provenance {
+            asperity: "0.1.0".into(),
+            study: "brake".into(),
+            seed: 2016,
+            inputs: BTreeMap::from([("brake_disc.x3p".into(), "sha256:9f86d081884c7d65".into())]),
+            machine: Machine { threads: 2, instruction_sets: vec!["avx2".into()], ..Machine::default() },
+            ..Provenance::default()
+        }),
     }
 }
 
 /// The same run after `--only surface`.
 pub(crate) fn surface_run() -> Run {
     let mut run = full_run();
-    run.results = json!({"surface": run.results["surface"]});
+    run.results = Results { surface: run.results.surface, ..Results::default() };
     run.tables.retain(|name, _| name.starts_with("height_"));
     run.fields.retain(|name, _| name.starts_with("height_") || name == "surface_sample");
     run

@@ -2,6 +2,7 @@
 
 use crate::documents::{elements, resources, text};
 use asperity_report::{Field, ReportError, Table, TwinRun, render_twins};
+use asperity_results::Provenance;
 use serde_json::{Value, json};
 
 fn field(nx: usize, ny: usize, phase: f64) -> Field {
@@ -58,7 +59,7 @@ fn run(nx: usize, ny: usize) -> TwinRun {
         .into(),
         scan: Some(scan),
         twins: vec![field(nx, ny, 1.0), field(nx, ny, 2.0)],
-        provenance: json!({"asperity": "0.1.0", "seed": 4}),
+        provenance: Some(Provenance { asperity: "0.1.0".into(), seed: 4, ..Provenance::default() }),
     }
 }
 
@@ -183,7 +184,7 @@ fn hostile_strings_are_escaped_and_bad_fields_refused() {
     run.comparison["model"]["covariance"]["model"] = json!(EVIL);
     run.comparison["model"]["marginal"]["name"] = json!(EVIL);
     run.comparison["twins"][EVIL] = statistic(1.0, 5.0, 0.1);
-    run.provenance[EVIL] = json!(EVIL);
+    run.provenance.as_mut().unwrap().inputs.insert(EVIL.into(), EVIL.into());
     let report = render_twins(&run).unwrap();
     assert!(!report.html.contains("<script") && !report.html.contains("<img"));
     for figure in &report.figures {

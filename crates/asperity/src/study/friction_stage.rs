@@ -26,8 +26,8 @@ use crate::study::level_control::{Lead, LevelControl};
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
 use crate::study::pressure_stage::half_space;
-use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, SurfaceResult, UpscalingResult};
-use crate::study::surface_model::SurfaceModel;
+use crate::study::result::{AreaScatter, FrictionResult, LevelResult, PaperScatter, UpscalingResult};
+use crate::study::surface_stage::SurfaceStage;
 use crate::study::{Field, StudyError};
 use crate::surface::RandomSurface;
 
@@ -209,7 +209,7 @@ impl Setup {
 pub(super) fn run(
     section: &FrictionSection,
     material: &MaterialSection,
-    (model, surface): (&SurfaceModel, &SurfaceResult),
+    surface: &SurfaceStage,
     lead: Lead,
     nominal_area_m2: f64,
     seed: u64,
@@ -217,10 +217,10 @@ pub(super) fn run(
 ) -> Result<FrictionStage, StudyError> {
     let setup = Setup::new(section, material)?;
     let &Setup { grid, periodic, mean_compliance_m_per_pa, .. } = &setup;
-    let generated = model.strip(grid, periodic)?;
+    let generated = surface.model.strip(grid, periodic)?;
     let strips = setup.strips(generated.surface.as_ref(), section.realisations, seed);
     let stated = LevelControl::of(section, lead);
-    let controls: Vec<Control> = stated.iter().map(|level| level.contact(&model.marginal)).collect();
+    let controls: Vec<Control> = stated.iter().map(|level| level.contact(&surface.model.marginal)).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
     let mut levels = Vec::new();
     for (control, level) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
@@ -231,8 +231,8 @@ pub(super) fn run(
     }
     let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.level.mean_pressure_pa)).collect();
     let lead = lead.among(&pressures);
-    let uncertain = friction_uncertainty::run(section, &setup, (model, surface), &levels, seed, monitor)?;
-    let (cutoff, of_cutoff) = cutoff::run(section, material, (model, surface), (&levels, lead), seed, monitor)?;
+    let uncertain = friction_uncertainty::run(section, &setup, surface, &levels, seed, monitor)?;
+    let (cutoff, of_cutoff) = cutoff::run(section, material, surface, (&levels, lead), seed, monitor)?;
     let window = &setup.window;
     let mut result = FrictionResult {
         window_m: window.length_m(),

@@ -10,11 +10,10 @@ use crate::study::friction_stage::{Setup, SolvedLevel, no_variance};
 use crate::study::level_control::LevelControl;
 use crate::study::output::StageOutput;
 use crate::study::result::{
-    FailedPoint, ParameterIndexResult, SurfaceResult, UncertainLevel, UncertainParameter, UncertainResponse,
-    UncertaintyResult, pair,
+    FailedPoint, ParameterIndexResult, Prescribed, UncertainLevel, UncertainParameter, UncertainResponse,
+    UncertaintyResult, law_result, pair,
 };
-use crate::study::surface_model::SurfaceModel;
-use crate::study::surface_stage::law_result;
+use crate::study::surface_stage::SurfaceStage;
 use crate::study::uncertain_surface::UncertainSurface;
 use crate::study::{StudyError, Table, sentence};
 
@@ -56,13 +55,13 @@ struct Found {
 pub(super) fn run(
     section: &FrictionSection,
     setup: &Setup,
-    (model, surface): (&SurfaceModel, &SurfaceResult),
+    surface: &SurfaceStage,
     levels: &[SolvedLevel],
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<(UncertaintyResult, StageOutput)>, StudyError> {
     let Some(stated) = &section.uncertainty else { return Ok(None) };
-    let uncertain = UncertainSurface::new(stated, model, surface)?;
+    let uncertain = UncertainSurface::new(stated, surface)?;
     let realisations = section.uncertainty_realisations();
     let propagation = Propagation::new(uncertain.parameters.clone(), stated.points, seed)?;
     let controls: Vec<LevelControl> = levels.iter().map(|level| level.control).collect();
@@ -82,13 +81,16 @@ pub(super) fn run(
         if let Some(tail) = &levels[place].heavy_tail {
             let reason = Some(format!("F/N has no variance: {}", no_variance(tail)));
             quotient.iter_mut().filter(|response| response.name != "mean" || !tail.has_mean()).for_each(|response| {
-                *response =
-                    UncertainResponse { name: response.name, reason: reason.clone(), ..UncertainResponse::default() };
+                *response = UncertainResponse {
+                    name: response.name.clone(),
+                    reason: reason.clone(),
+                    ..UncertainResponse::default()
+                };
             });
         }
         let failures = found.failures[place].clone();
         output.warnings.extend(warnings(*control, &quotient, &failures));
-        let prescribed = control.contact(&model.marginal);
+        let prescribed = control.contact(&surface.model.marginal);
         results.push(UncertainLevel {
             control: control.key(),
             percentile: control.percentile(),
@@ -175,14 +177,16 @@ fn responses(
             let undefined = values.iter().filter(|value| !value.is_finite()).count();
             if undefined == values.len() {
                 let reason = Some("it is undefined for every surface".to_owned());
-                return Ok(UncertainResponse { name, reason, ..UncertainResponse::default() });
+                return Ok(UncertainResponse { name: name.into(), reason, ..UncertainResponse::default() });
             }
             let observed = Observed { values: &values, without: &without, resolution: resolutions[moment] };
             match propagation.respond(&observed, &Resamples::new(seed)) {
                 Ok(propagated) => Ok(response(name, propagation, &propagated)),
-                Err(error @ crate::chaos::PropagationError::TooFewValid { .. }) => {
-                    Ok(UncertainResponse { name, reason: Some(error.to_string()), ..UncertainResponse::default() })
-                }
+                Err(error @ crate::chaos::PropagationError::TooFewValid { .. }) => Ok(UncertainResponse {
+                    name: name.into(),
+                    reason: Some(error.to_string()),
+                    ..UncertainResponse::default()
+                }),
                 Err(error) => Err(error.into()),
             }
         })
@@ -205,7 +209,7 @@ fn response(name: &'static str, propagation: &Propagation, found: &Propagated) -
         },
     );
     UncertainResponse {
-        name,
+        name: name.into(),
         value: Some(found.mean.value),
         value_interval: Some(pair(found.mean.interval)),
         std: Some(found.std.value),
@@ -231,7 +235,7 @@ fn warnings(control: LevelControl, responses: &[UncertainResponse], failures: &[
     let above = |share: fn(&UncertainResponse) -> Option<f64>| -> Vec<String> {
         let of = |r: &UncertainResponse| {
             let share = share(r).filter(|share| *share > UNEXPLAINED_SHARE)?;
-            Some(format!("{} {} %", words_of(r.name), sentence::digits(100.0 * share.min(1.0))))
+            Some(format!("{} {} %", words_of(&r.name), sentence::digits(100.0 * share.min(1.0))))
         };
         responses.iter().filter_map(of).collect()
     };
@@ -282,14 +286,14 @@ fn words(
         })
         .collect();
     let mut held = Vec::new();
-    let any = |key: &str| controls.iter().any(|control| control.key() == key);
-    if any("percentile") {
+    let any = |key: Prescribed| controls.iter().any(|control| control.key() == key);
+    if any(Prescribed::Percentile) {
         held.push("a percentile is of each surface's own heights, so that its plane moves with them");
     }
-    if any("mean_pressure") {
+    if any(Prescribed::MeanPressure) {
         held.push("a mean pressure is the same for all surfaces");
     }
-    if any("penetration") {
+    if any(Prescribed::Penetration) {
         held.push("a penetration is the same for all surfaces");
     }
     let law = if uncertain.has_skewness() {

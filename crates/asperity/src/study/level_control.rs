@@ -4,6 +4,7 @@ use crate::contact::Control;
 use crate::law::Marginal;
 use crate::study::config::FrictionSection;
 use crate::study::pressure_stage::plane;
+use crate::study::result::Prescribed;
 use crate::study::sentence;
 
 /// What is prescribed at a level.
@@ -63,11 +64,11 @@ impl LevelControl {
     }
 
     /// Its name in results.
-    pub(super) fn key(self) -> &'static str {
+    pub(super) fn key(self) -> Prescribed {
         match self {
-            Self::Percentile(_) => "percentile",
-            Self::MeanPressure(_) | Self::Nominal(_) => "mean_pressure",
-            Self::Penetration(_) => "penetration",
+            Self::Percentile(_) => Prescribed::Percentile,
+            Self::MeanPressure(_) | Self::Nominal(_) => Prescribed::MeanPressure,
+            Self::Penetration(_) => Prescribed::Penetration,
         }
     }
 

@@ -9,30 +9,66 @@ use crate::stats::Interval;
 use crate::study::band_slopes::Roughness;
 use crate::study::height_fits::{HeightFits, effective_heights};
 use crate::study::pooled::Part;
-use crate::study::result::{StatisticsIntervals, SurfaceStatistics};
+use crate::study::result::{Companions, SpreadResult, SurfaceStatistics, finite, pair};
 use crate::study::spectra::{binned_tables, structure_table};
 use crate::study::surface_model::SurfaceCovariance;
 use crate::study::{StudyError, Table};
 use crate::surface::areal::{Analysis, ArealError};
 use crate::surface::fractal::Scaling;
 use crate::surface::level::Level;
+use crate::surface::pooling::Mean;
 use crate::surface::preparation::Prepared;
-use crate::surface::uncertainty::{Estimates, Uncertainty, Values, removed_terms};
+use crate::surface::uncertainty::{Estimate, Estimates, Uncertainty, Values, removed_terms};
 use crate::surface::{areal, fractal};
 
 /// Steps between lags at which limits of the correlation are computed.
 const BAND_LAGS: usize = 40;
 
+/// Statistics of one map, and how well they are known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapStatistics {
+    /// The statistics as `results.json` holds them.
+    pub results: SurfaceStatistics,
+    /// Estimates of the statistics of the surface.
+    pub estimates: Estimates,
+}
+
+impl MapStatistics {
+    /// The statistics that mean something for a part of which the map is one scan, with what is averaged over scans.
+    pub(super) fn poolable(&self) -> Vec<(&'static str, Option<f64>, Mean)> {
+        // Their squares are means over the surface.
+        const SQUARES: [&str; 3] = ["Sq_m", "Sdq", "Sdq_7point"];
+        let of_map = ["dx_m", "dy_m", "form_radius_m", "Std_rad", "hurst_se"];
+        let is_poolable = |name: &str| {
+            !of_map.contains(&name) && !["psd_reliable", "hurst_range"].iter().any(|group| name.starts_with(group))
+        };
+        let all = self.results.numbers().into_iter().filter(|(name, _)| is_poolable(name));
+        let (squares, others): (Vec<_>, Vec<_>) = all.partition(|(name, _)| SQUARES.contains(name));
+        let of = |mean: Mean| move |(name, value)| (name, value, mean);
+        squares.into_iter().map(of(Mean::RootMeanSquare)).chain(others.into_iter().map(of(Mean::Arithmetic))).collect()
+    }
+
+    /// Area of the points that are present in m².
+    pub(super) fn present_area_m2(&self) -> f64 {
+        let own = &self.results;
+        (own.nx * own.ny - own.missing_points) as f64 * own.dx_m * own.dy_m
+    }
+}
+
+fn spread(estimate: Estimate) -> SpreadResult {
+    SpreadResult { interval: pair(estimate.interval), standard_error: estimate.standard_error }
+}
+
 /// Statistics of a map that was levelled and filtered.
 ///
 /// # Errors
 /// The map is flat.
-pub fn statistics(prepared: &Prepared) -> Result<SurfaceStatistics, StudyError> {
+pub fn statistics(prepared: &Prepared) -> Result<MapStatistics, StudyError> {
     Ok(analysed(prepared, true)?.0)
 }
 
 /// Statistics, on request with their intervals, and what they were read off.
-fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, Values, Autocorrelation), StudyError> {
+fn analysed(prepared: &Prepared, intervals: bool) -> Result<(MapStatistics, Values, Autocorrelation), StudyError> {
     let map = &prepared.map;
     let Analysis { parameters, correlation, spectrum } = areal::analyse(map).map_err(|error| match error {
         // What was removed may have been all there was.
@@ -60,8 +96,8 @@ fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, 
         form_radius_m: prepared.radius_m,
         Sa_m: parameters.sa_m,
         Sq_m: parameters.sq_m,
-        Ssk: parameters.ssk,
-        Sku: parameters.sku,
+        Ssk: finite(parameters.ssk),
+        Sku: finite(parameters.sku),
         Sp_m: parameters.sp_m,
         Sv_m: parameters.sv_m,
         Sz_m: parameters.sz_m,
@@ -91,7 +127,7 @@ fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, 
         Vvv_m: parameters.vvv_m,
         psd_reliable_low_rad_per_m: spectrum.reliable.low_rad_per_m,
         psd_reliable_high_rad_per_m: spectrum.reliable.high_rad_per_m,
-        psd_upper_limit: spectrum.reliable.upper_limit.name(),
+        psd_upper_limit: spectrum.reliable.upper_limit.name().into(),
         correlation_length_x_m: correlation_length_m(Axis::X)?,
         correlation_length_y_m: correlation_length_m(Axis::Y)?,
         hurst: scaling.map(|s| s.hurst),
@@ -99,9 +135,9 @@ fn analysed(prepared: &Prepared, intervals: bool) -> Result<(SurfaceStatistics, 
         hurst_range_low_m: fit_end_m(scaling, |range_m| range_m.0, f64::min),
         hurst_range_high_m: fit_end_m(scaling, |range_m| range_m.1, f64::max),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
-        intervals: StatisticsIntervals(estimates),
+        intervals: Companions(estimates.named().map(|(name, found)| (name.to_owned(), found.map(spread))).into()),
     };
-    Ok((statistics, values, correlation))
+    Ok((MapStatistics { results: statistics, estimates }, values, correlation))
 }
 
 /// An end of the lags, over the axes that scale.
@@ -117,7 +153,7 @@ fn uncertainty_of(level: Level) -> Uncertainty {
 /// A levelled scan and what was estimated from it.
 pub(super) struct Measured {
     pub(super) map: HeightMap,
-    pub(super) statistics: SurfaceStatistics,
+    pub(super) statistics: MapStatistics,
     pub(super) correlation: Autocorrelation,
     pub(super) values: Values,
     /// Form that was removed.
@@ -146,15 +182,37 @@ impl Measured {
 
     /// Root mean square height of the scan, or of the part.
     pub(super) fn sq_m(&self) -> f64 {
-        self.part.as_ref().and_then(|part| part.statistics.value("Sq_m")).unwrap_or(self.statistics.Sq_m)
+        self.part.as_ref().and_then(|part| part.statistics.value("Sq_m")).unwrap_or(self.statistics.results.Sq_m)
     }
 
     /// Fractal dimension of the scan, or of the part.
     pub(super) fn fractal_dimension(&self) -> Option<f64> {
         match &self.part {
             Some(part) => part.statistics.value("fractal_dimension"),
-            None => self.statistics.fractal_dimension,
+            None => self.statistics.results.fractal_dimension,
         }
+    }
+
+    /// A statistic of the scan, or of the part, with its 95 % interval.
+    pub(super) fn estimate(&self, name: &str) -> Option<(f64, Interval)> {
+        if let Some(part) = &self.part {
+            let found = part.statistics.statistics.iter().find(|(own, _)| *own == name)?.1?;
+            return Some((found.value, found.interval));
+        }
+        let found = self.statistics.estimates.named().into_iter().find(|(own, _)| *own == name)?.1?;
+        Some((found.value, found.interval))
+    }
+
+    /// Shortest wavelength at which the spectra of all scans are reliable; `None` where none is reliable anywhere.
+    pub(super) fn band_end_m(&self) -> Option<f64> {
+        let of_part = self.part.iter().flat_map(|part| part.statistics.scans.iter().map(|(_, scan)| scan));
+        let own = if self.part.is_some() { None } else { Some(&self.statistics) };
+        own.into_iter()
+            .chain(of_part)
+            .map(|scan| &scan.results)
+            .filter(|scan| scan.psd_reliable_high_rad_per_m > scan.psd_reliable_low_rad_per_m)
+            .map(|scan| std::f64::consts::TAU / scan.psd_reliable_high_rad_per_m)
+            .reduce(f64::max)
     }
 
     /// Spectra and slopes of the scan, or of the scans of the part.

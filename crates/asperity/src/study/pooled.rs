@@ -1,14 +1,11 @@
 //! A part from several scans of it.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
-
 use crate::correlation::{Autocorrelation, EstimateError};
 use crate::map::HeightMap;
 use crate::study::StudyError;
 use crate::study::band_slopes::Roughness;
-use crate::study::measured::Measured;
-use crate::study::result::{SurfaceStatistics, pair};
+use crate::study::measured::{MapStatistics, Measured};
+use crate::study::result::{Companions, PartStatistics, PooledResult, ScanOfPart, SurfaceStatistics, pair};
 use crate::surface::pooling::{Pooled, PoolingError, Reading, pool, pooled_heights_m};
 
 /// Confidence level of the intervals.
@@ -26,19 +23,12 @@ fn range(name: &str) -> (f64, f64) {
 }
 
 /// Statistics of a part, and those of its scans.
-///
-/// As JSON, for each statistic x: `x` (the weighted mean of the scans' own), `x_interval` = [low, high] at 95 % and `x_se` of
-/// the part's, `x_within_std` (the standard error of one scan) and `x_between_std` (the standard deviation between places);
-/// `scan_count`, and the scans as `scans`, each with its `file` and all that is said of a single map. A statistic that is
-/// undefined on a scan is null. Points and pitches stand beside them where all scans have the same, missing points and
-/// outliers are those of all scans, wavenumbers are reliable where they are so in every scan, and the lags of the Hurst exponent are the
-/// outermost of all scans.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PooledStatistics {
-    /// Names as in [`SurfaceStatistics`], and pooled statistics.
+    /// Names as in `results.json`, and pooled statistics; `None` where a statistic is undefined on a scan.
     pub statistics: Vec<(&'static str, Option<Pooled>)>,
     /// Names and statistics of the scans.
-    pub scans: Vec<(String, SurfaceStatistics)>,
+    pub scans: Vec<(String, MapStatistics)>,
 }
 
 impl PooledStatistics {
@@ -47,12 +37,12 @@ impl PooledStatistics {
     ///
     /// # Errors
     /// Fewer than two scans.
-    pub fn of(scans: Vec<(String, SurfaceStatistics)>) -> Result<Self, PoolingError> {
+    pub fn of(scans: Vec<(String, MapStatistics)>) -> Result<Self, PoolingError> {
         let Some((_, first)) = scans.first() else { return Err(PoolingError::TooFew { scans: 0 }) };
         let mut statistics = vec![];
         for (place, (name, _, mean)) in first.poolable().into_iter().enumerate() {
-            let reading = |scan: &SurfaceStatistics| {
-                let estimates = scan.intervals.0.named();
+            let reading = |scan: &MapStatistics| {
+                let estimates = scan.estimates.named();
                 Some(Reading {
                     value: scan.poolable()[place].1?,
                     estimate: estimates.into_iter().find(|(estimated, _)| *estimated == name).and_then(|(_, e)| e),
@@ -76,67 +66,61 @@ impl PooledStatistics {
         self.statistics.iter().find(|(own, _)| *own == name).and_then(|(_, pooled)| Some((*pooled)?.value))
     }
 
+    /// Returns the statistics as `results.json` holds them: points and pitches where all scans have the same, the missing points and
+    /// outliers of all scans, the wavenumbers at which every spectrum is reliable, and the outermost lags of the Hurst exponents.
+    pub fn results(&self) -> PartStatistics {
+        let narrowest = self
+            .scans
+            .iter()
+            .map(|(_, scan)| &scan.results)
+            .min_by(|a, b| a.psd_reliable_high_rad_per_m.total_cmp(&b.psd_reliable_high_rad_per_m));
+        let named = |(name, pooled): &(&str, Option<Pooled>)| ((*name).to_owned(), pooled.as_ref().map(pooled_result));
+        let scan = |(file, scan): &(String, MapStatistics)| ScanOfPart {
+            file: file.clone(),
+            statistics: scan.results.clone(),
+        };
+        PartStatistics {
+            scan_count: self.scans.len(),
+            nx: self.common(|s| s.nx),
+            ny: self.common(|s| s.ny),
+            dx_m: self.common(|s| s.dx_m),
+            dy_m: self.common(|s| s.dy_m),
+            missing_points: self.total(|s| s.missing_points),
+            outliers: self.total(|s| s.outliers),
+            pooled: Companions(self.statistics.iter().map(named).collect()),
+            psd_reliable_low_rad_per_m: self.extreme(|s| s.psd_reliable_low_rad_per_m, f64::max),
+            psd_reliable_high_rad_per_m: self.extreme(|s| s.psd_reliable_high_rad_per_m, f64::min),
+            psd_upper_limit: narrowest.map_or_else(String::new, |scan| scan.psd_upper_limit.clone()),
+            hurst_range_low_m: self.ends(|s| s.hurst_range_low_m, f64::min),
+            hurst_range_high_m: self.ends(|s| s.hurst_range_high_m, f64::max),
+            scans: self.scans.iter().map(scan).collect(),
+        }
+    }
+
     /// What all scans agree on.
     fn common<T: PartialEq>(&self, of: impl Fn(&SurfaceStatistics) -> T) -> Option<T> {
-        let mut values = self.scans.iter().map(|(_, scan)| of(scan));
+        let mut values = self.scans.iter().map(|(_, scan)| of(&scan.results));
         let first = values.next()?;
         values.all(|value| value == first).then_some(first)
     }
 
     fn total(&self, of: impl Fn(&SurfaceStatistics) -> usize) -> usize {
-        self.scans.iter().map(|(_, scan)| of(scan)).sum()
+        self.scans.iter().map(|(_, scan)| of(&scan.results)).sum()
     }
 
     /// The outermost of what is defined.
     fn ends(&self, of: fn(&SurfaceStatistics) -> Option<f64>, outer: fn(f64, f64) -> f64) -> Option<f64> {
-        self.scans.iter().filter_map(|(_, scan)| of(scan)).reduce(outer)
+        self.scans.iter().filter_map(|(_, scan)| of(&scan.results)).reduce(outer)
     }
 
-    fn extreme(&self, of: impl Fn(&SurfaceStatistics) -> f64, further: fn(f64, f64) -> f64) -> Option<f64> {
-        self.scans.iter().map(|(_, scan)| of(scan)).reduce(further)
+    fn extreme(&self, of: impl Fn(&SurfaceStatistics) -> f64, further: fn(f64, f64) -> f64) -> f64 {
+        self.scans.iter().map(|(_, scan)| of(&scan.results)).fold(f64::NAN, further)
     }
 }
 
-impl Serialize for PooledStatistics {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        /// A scan with its name.
-        #[derive(Serialize)]
-        struct Scan<'a> {
-            file: &'a str,
-            #[serde(flatten)]
-            statistics: &'a SurfaceStatistics,
-        }
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("scan_count", &self.scans.len())?;
-        map.serialize_entry("nx", &self.common(|s| s.nx))?;
-        map.serialize_entry("ny", &self.common(|s| s.ny))?;
-        map.serialize_entry("dx_m", &self.common(|s| s.dx_m))?;
-        map.serialize_entry("dy_m", &self.common(|s| s.dy_m))?;
-        map.serialize_entry("missing_points", &self.total(|s| s.missing_points))?;
-        map.serialize_entry("outliers", &self.total(|s| s.outliers))?;
-        for (name, pooled) in &self.statistics {
-            map.serialize_entry(name, &pooled.map(|p| p.value))?;
-            map.serialize_entry(&format!("{name}_interval"), &pooled.map(|p| pair(p.interval)))?;
-            map.serialize_entry(&format!("{name}_se"), &pooled.map(|p| p.standard_error))?;
-            map.serialize_entry(&format!("{name}_within_std"), &pooled.and_then(|p| p.within_std))?;
-            map.serialize_entry(&format!("{name}_between_std"), &pooled.and_then(|p| p.between_std))?;
-        }
-        let low = self.extreme(|s| s.psd_reliable_low_rad_per_m, f64::max);
-        let high = self.extreme(|s| s.psd_reliable_high_rad_per_m, f64::min);
-        let narrowest = self
-            .scans
-            .iter()
-            .map(|(_, scan)| scan)
-            .min_by(|a, b| a.psd_reliable_high_rad_per_m.total_cmp(&b.psd_reliable_high_rad_per_m));
-        map.serialize_entry("psd_reliable_low_rad_per_m", &low)?;
-        map.serialize_entry("psd_reliable_high_rad_per_m", &high)?;
-        map.serialize_entry("psd_upper_limit", &narrowest.map(|scan| scan.psd_upper_limit))?;
-        map.serialize_entry("hurst_range_low_m", &self.ends(|s| s.hurst_range_low_m, f64::min))?;
-        map.serialize_entry("hurst_range_high_m", &self.ends(|s| s.hurst_range_high_m, f64::max))?;
-        let scans: Vec<Scan> = self.scans.iter().map(|(file, statistics)| Scan { file, statistics }).collect();
-        map.serialize_entry("scans", &scans)?;
-        map.end()
-    }
+fn pooled_result(pooled: &Pooled) -> PooledResult {
+    let Pooled { value, standard_error, within_std, between_std, .. } = *pooled;
+    PooledResult { value, interval: pair(pooled.interval), standard_error, within_std, between_std }
 }
 
 /// What several scans say together.
@@ -180,7 +164,7 @@ mod tests {
     use crate::surface::preparation::Preparation;
 
     /// Statistics of a map whose heights are a function of standard normal numbers.
-    fn scan(seed: u64, height_m: impl Fn(f64) -> f64) -> SurfaceStatistics {
+    fn scan(seed: u64, height_m: impl Fn(f64) -> f64) -> MapStatistics {
         let grid = Grid::new(48, 40, 1e-6, 1e-6).unwrap();
         let noise = random::standard_normal(&mut random::stream(seed, "pooled", 0), grid.points());
         let heights = ndarray::Array2::from_shape_fn(grid.shape(), |(row, column)| height_m(noise[row * 48 + column]));
@@ -195,9 +179,9 @@ mod tests {
         let one = scan(1, |g| -1e-6 * (2.0 * g).exp());
         let other = scan(2, |g| 1e-7 * g);
         let mut statistics = [one, other];
-        (statistics[0].hurst, statistics[1].hurst) = (Some(0.2), Some(0.9));
-        (statistics[0].fractal_dimension, statistics[1].fractal_dimension) = (Some(2.8), Some(2.1));
-        (statistics[0].Str, statistics[1].Str) = (Some(0.1), Some(0.95));
+        (statistics[0].results.hurst, statistics[1].results.hurst) = (Some(0.2), Some(0.9));
+        (statistics[0].results.fractal_dimension, statistics[1].results.fractal_dimension) = (Some(2.8), Some(2.1));
+        (statistics[0].results.Str, statistics[1].results.Str) = (Some(0.1), Some(0.95));
         let named = ["a", "b"].map(str::to_owned).into_iter().zip(statistics.clone()).collect();
         let pooled = PooledStatistics::of(named).unwrap();
         let interval = |name: &str| {

@@ -1,5 +1,6 @@
 //! Runs a study, stage by stage.
 
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -130,33 +131,31 @@ impl Study {
         gathered.results.seed = self.seed;
         let mut known = if wants(Stage::Vibration) { self.known_friction(folder)? } else { None };
         gathered.results.warnings = self.foreseen(known.as_mut())?;
-        let mut surface = None;
+        let (mut surface, mut karhunen_loeve) = (None, None);
         if let Some(section) = &self.surface {
             monitor.progress("surface", 0, 1);
             let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let scans = section.files().iter().map(name).zip(section.read_scans(folder)?).collect();
-            let stage = surface_stage::run(section, scans)?;
+            let mut stage = surface_stage::run(section, scans)?;
             monitor.progress("surface", 1, 1);
-            gathered.add(stage.output);
-            gathered.results.surface = Some(stage.result);
-            surface = Some(stage.model);
+            gathered.add(mem::take(&mut stage.output));
+            surface = Some(stage);
         }
         if let (Some(section), Some(material), Some(surface), true) =
             (&self.pressure, &self.material, &surface, wants(Stage::Pressure))
         {
             let grid = Grid::covering(section.points[0], section.points[1], section.size[0].0, section.size[1].0)
                 .map_err(|error| StudyError::Grid { section: "pressure", error })?;
-            let generated = surface.patch(grid, section.boundary == BoundaryChoice::Periodic)?;
-            if let Some(result) = &mut gathered.results.surface {
-                result.karhunen_loeve = generated.karhunen_loeve.clone();
-            }
-            let stage = pressure_stage::run(section, material, &surface.marginal, &generated, self.seed, monitor)?;
+            let generated = surface.model.patch(grid, section.boundary == BoundaryChoice::Periodic)?;
+            karhunen_loeve = generated.karhunen_loeve.clone();
+            let stage =
+                pressure_stage::run(section, material, &surface.model.marginal, &generated, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.pressure = Some(stage.result);
         }
         let mut friction = None;
-        if let (Some(section), Some(material), Some(surface), Some(found), true) =
-            (&self.friction, &self.material, &surface, gathered.results.surface.as_ref(), wants_friction)
+        if let (Some(section), Some(material), Some(surface), true) =
+            (&self.friction, &self.material, &surface, wants_friction)
         {
             let lead = match self.vibration.as_ref().map(|v| (v.level, v.normal_force.0 / v.nominal_area.0)) {
                 None => Lead::Deepest,
@@ -171,7 +170,6 @@ impl Study {
                     format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
                 gathered.results.assumptions.push(assumed);
             }
-            let surface = (surface, found);
             let stage = friction_stage::run(section, material, surface, lead, nominal_area_m2, self.seed, monitor)?;
             gathered.add(stage.output);
             gathered.results.friction = Some(stage.result);
@@ -195,6 +193,7 @@ impl Study {
             gathered.add(stage.output);
             gathered.results.vibration = Some(stage.result);
         }
+        gathered.results.surface = surface.map(|stage| stage.result(karhunen_loeve));
         Ok(gathered.outcome())
     }
 }

@@ -16,6 +16,7 @@ use asperity_formats::{refusal, remove_abandoned_files, replace_file};
 use thiserror::Error;
 
 use crate::friction::process::ProcessError;
+use crate::study::result::{Provenance, Results, SCHEMA_VERSION};
 use crate::study::{Table, TableError};
 use manifest::{MANIFEST, Manifest};
 pub use staging::Staging;
@@ -23,9 +24,13 @@ pub use staging::Staging;
 /// Last file of a run folder.
 const COMPLETE: &str = "COMPLETE";
 /// The process that the friction stage hands on.
-const FRICTION_PROCESS: &str = "friction_process.json";
+pub(super) const FRICTION_PROCESS: &str = "friction_process.json";
+/// Numbers of the run.
+const RESULTS: &str = "results.json";
+/// Origin of the run.
+const PROVENANCE: &str = "provenance.json";
 /// Grids and units of the fields.
-const FIELD_INDEX: &str = "fields/index.json";
+pub(super) const FIELD_INDEX: &str = "fields/index.json";
 
 /// Why a folder could not be written or read.
 #[derive(Debug, Error)]
@@ -119,9 +124,29 @@ pub enum StoreError {
     /// The friction process is invalid.
     #[error("friction process: {0}")]
     Process(#[from] ProcessError),
+    /// The results have keys of another version.
+    #[error(
+        "{}: {}, but this program reads version {SCHEMA_VERSION}; run the study again with `asperity run {}`",
+        path.display(),
+        found.map_or_else(|| "the results state no schema_version".to_owned(), |found| format!("the results have schema_version {found}")),
+        path.with_file_name("study.toml").display()
+    )]
+    SchemaVersion {
+        /// The file.
+        path: PathBuf,
+        /// Version found, if there is one.
+        found: Option<u64>,
+    },
     /// A value could not be written as JSON.
     #[error("cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// The study could not be written.
+    #[error("the study cannot be written as TOML: {0}")]
+    Toml(#[from] toml::ser::Error),
+    /// The report could not be rendered.
+    #[cfg(feature = "report")]
+    #[error("the report could not be rendered: {0}")]
+    Report(#[from] asperity_report::ReportError),
 }
 
 fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
@@ -139,10 +164,21 @@ fn first_of(names: &[String]) -> String {
 }
 
 #[derive(serde::Serialize, serde::Deserialize)]
-struct FieldEntry {
-    dx_m: f64,
-    dy_m: f64,
-    unit: String,
+pub(super) struct FieldEntry {
+    pub(super) dx_m: f64,
+    pub(super) dy_m: f64,
+    pub(super) unit: String,
+}
+
+/// The part of `results.json` that says which version its other keys have.
+#[derive(serde::Deserialize)]
+struct Version {
+    schema_version: Option<u64>,
+}
+
+/// SHA-256 of a file, as lower-case hexadecimal digits.
+pub(super) fn file_hash(file: &Path) -> Result<String, StoreError> {
+    manifest::hash(file).map_err(at(file))
 }
 
 /// A map read back from a run folder.
@@ -164,9 +200,9 @@ pub struct StoredRun {
     /// Text of the resolved study.
     pub study: String,
     /// `results.json`.
-    pub results: serde_json::Value,
+    pub results: Results,
     /// `provenance.json`.
-    pub provenance: serde_json::Value,
+    pub provenance: Provenance,
     /// Tables by name.
     pub tables: BTreeMap<String, Table>,
     /// Fields by name.
@@ -187,9 +223,14 @@ impl StoredRun {
             fs::read(&path).map_err(at(&path))
         };
         let corrupt = |relative: &str, reason: String| StoreError::Corrupt { path: dir.join(relative), reason };
-        let json = |relative: &str| -> Result<serde_json::Value, StoreError> {
-            serde_json::from_slice(&read(relative)?).map_err(|error| corrupt(relative, error.to_string()))
-        };
+        let results = read(RESULTS)?;
+        let version: Version = serde_json::from_slice(&results).map_err(|error| corrupt(RESULTS, error.to_string()))?;
+        if version.schema_version != Some(SCHEMA_VERSION) {
+            return Err(StoreError::SchemaVersion { path: dir.join(RESULTS), found: version.schema_version });
+        }
+        let results = serde_json::from_slice(&results).map_err(|error| corrupt(RESULTS, error.to_string()))?;
+        let provenance =
+            serde_json::from_slice(&read(PROVENANCE)?).map_err(|error| corrupt(PROVENANCE, error.to_string()))?;
         let mut tables = BTreeMap::new();
         let folder = dir.join("tables");
         if folder.is_dir() {
@@ -214,14 +255,14 @@ impl StoredRun {
             fields.insert(name, StoredField { dx_m, dy_m, unit, values: scan.heights_m });
         }
         let study = String::from_utf8_lossy(&read("study.toml")?).into_owned();
-        Ok(Self { study, results: json("results.json")?, provenance: json("provenance.json")?, tables, fields })
+        Ok(Self { study, results, provenance, tables, fields })
     }
 
     /// Replaces files of a finished run, each in one step, and lists them as written by asperity.
     ///
     /// # Errors
     /// The operating system refused; a file is either replaced or as before.
-    pub fn replace(dir: &Path, files: &[(String, &[u8])]) -> Result<(), StoreError> {
+    pub fn replace(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<(), StoreError> {
         let write = |path: &Path, bytes: &[u8]| {
             let folder = path.parent().unwrap_or(dir);
             fs::create_dir_all(folder).map_err(at(folder))?;

@@ -48,6 +48,14 @@ pub(super) enum SurfaceCovariance {
 }
 
 impl SurfaceCovariance {
+    /// Length along x of the model, or the lag at which a measured correlation is 1/e, in metre.
+    pub(super) fn length_x_m(&self) -> f64 {
+        match self {
+            Self::Model(covariance) => covariance.length_x_m(),
+            Self::Empirical(covariance) => decay_lengths_m(covariance)[0],
+        }
+    }
+
     /// Power spectral density of profiles along x in m³, at q in rad/m.
     pub(super) fn profile_psd_x_m3(&self, q_rad_per_m: f64) -> f64 {
         match self {
@@ -407,6 +415,25 @@ impl SurfaceModel {
             clipped_variance: 0.0,
         })
     }
+}
+
+/// Lags along x and y at which a measured correlation is 1/e, in metre.
+pub(super) fn decay_lengths_m(own: &MeasuredCovariance) -> [f64; 2] {
+    let (x_m, y_m) = own.support_m();
+    [decay_length_m(x_m, |lag_m| own.correlation(lag_m, 0.0)), decay_length_m(y_m, |lag_m| own.correlation(0.0, lag_m))]
+}
+
+/// The first lag at which a correlation that ends at `end_m` is 1/e.
+pub(super) fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: usize = 4096;
+    let (level, step_m) = ((-1.0_f64).exp(), end_m / STEPS as f64);
+    let after = (1..=STEPS).find(|&step| correlation(step as f64 * step_m) <= level).unwrap_or(STEPS);
+    let (mut low_m, mut high_m) = ((after - 1) as f64 * step_m, after as f64 * step_m);
+    while high_m - low_m > 1e-12 * end_m {
+        let middle_m = 0.5 * (low_m + high_m);
+        if correlation(middle_m) > level { low_m = middle_m } else { high_m = middle_m }
+    }
+    0.5 * (low_m + high_m)
 }
 
 #[cfg(test)]

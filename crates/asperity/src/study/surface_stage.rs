@@ -1,10 +1,8 @@
 //! From a scan, or a stated model, to statistics and to random surfaces.
 
-use std::collections::BTreeMap;
-
 use asperity_formats::Scan;
 
-use crate::correlation::{CorrelationFamily, CorrelationModel, StationaryCovariance};
+use crate::correlation::{CorrelationFamily, CorrelationModel, MeasuredReport, StationaryCovariance};
 use crate::law::Marginal;
 use crate::map::HeightMap;
 use crate::study::config::{CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
@@ -13,51 +11,63 @@ use crate::study::covariance_choice::{Chosen, choose, stated};
 use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
 use crate::study::pooled::Part;
-use crate::study::result::{CovarianceCandidate, CovarianceResult, LawResult, SurfaceResult};
-use crate::study::surface_model::{Expansion, GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture};
-use crate::study::trial::Trial;
+use crate::study::result::{
+    CovarianceCandidate, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface, SurfaceResult,
+    law_result,
+};
+use crate::study::surface_model::{
+    Expansion, GAMMA, RIDGES, SurfaceCovariance, SurfaceModel, Texture, decay_length_m, decay_lengths_m,
+};
 use crate::study::{Field, StudyError, sentence};
 use crate::surface::level::Level;
 use crate::surface::preparation::{Preparation, Prepared};
 
-/// A law with its parameters by name.
-pub(super) fn law_result(law: &Marginal) -> LawResult {
-    let parameters: BTreeMap<String, f64> =
-        law.parameters().into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    LawResult { name: law.name().into(), parameters }
-}
-
-/// What the surface stage hands on.
+/// Random surfaces, and the measurement that they rest on.
 pub(super) struct SurfaceStage {
     pub(super) model: SurfaceModel,
-    pub(super) result: SurfaceResult,
+    pub(super) measured: Option<Measured>,
+    covariance: Option<CovarianceResult>,
     pub(super) output: StageOutput,
+}
+
+impl SurfaceStage {
+    /// Returns the entry of `results.json`; `karhunen_loeve` is the expansion on the patches of the pressure stage.
+    pub(super) fn result(&self, karhunen_loeve: Option<KarhunenLoeveResult>) -> SurfaceResult {
+        let measured = match &self.measured {
+            None => MeasuredSurface::Stated {},
+            Some(Measured { part: Some(part), .. }) => MeasuredSurface::Part(Box::new(part.statistics.results())),
+            Some(scan) => MeasuredSurface::Scan(Box::new(scan.statistics.results.clone())),
+        };
+        let (covariance, marginal) = (self.covariance.clone(), law_result(&self.model.marginal));
+        SurfaceResult { measured, covariance, marginal, karhunen_loeve }
+    }
 }
 
 /// Runs the stage; `scans` are the files of the study, already read, with their names.
 pub(super) fn run(section: &SurfaceSection, scans: Vec<(String, Scan)>) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
     let measured = measure_all(section, scans, &mut output)?;
-    let (model, result, trial) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
+    let (model, chosen) = model_of(section, measured.as_ref(), &CorrelationFamily::ALL, &mut output)?;
+    let covariance = chosen.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
         output.tables.extend(measured.tables(model.covariance(), &model.marginal)?);
         let is_like_the_scan =
             section.covariance.is_of_the_scan() && section.marginal == "measured" && section.rms_height.is_none();
-        if let Some(trial) = trial.filter(|_| is_like_the_scan) {
+        if let Some(trial) = chosen.and_then(|chosen| chosen.trial).filter(|_| is_like_the_scan) {
             output.warnings.extend(contact_warning(&measured.map, &trial.maps));
         }
     }
-    Ok(SurfaceStage { model, result, output })
+    Ok(SurfaceStage { model, measured, covariance, output })
 }
 
-/// The random surfaces of a section, with maps that were drawn to judge a covariance like the scan's; a measured covariance is the
-/// best fit of `families`.
+/// The random surfaces of a section and, where they are made from a covariance, how it was chosen; a measured covariance is the best
+/// fit of `families`.
 pub(super) fn model_of(
     section: &SurfaceSection,
     measured: Option<&Measured>,
     families: &[CorrelationFamily],
     output: &mut StageOutput,
-) -> Result<(SurfaceModel, SurfaceResult, Option<Trial>), StudyError> {
+) -> Result<(SurfaceModel, Option<Chosen>), StudyError> {
     let (model, chosen) = if section.generator == GeneratorChoice::WeierstrassMandelbrot {
         (fractal_model(section, measured)?, None)
     } else {
@@ -70,14 +80,7 @@ pub(super) fn model_of(
         output.assumptions.extend(chosen.reason.clone());
         output.warnings.extend(chosen.warnings.iter().cloned());
     }
-    let result = SurfaceResult {
-        statistics: measured.filter(|_| part.is_none()).map(|m| m.statistics.clone()),
-        part: part.map(|part| part.statistics.clone()),
-        covariance: chosen.as_ref().map(covariance_result),
-        marginal: law_result(&model.marginal),
-        karhunen_loeve: None,
-    };
-    Ok((model, result, chosen.and_then(|chosen| chosen.trial)))
+    Ok((model, chosen))
 }
 
 /// The first scan with what all say together; maps and series show the first.
@@ -288,7 +291,7 @@ fn marginal_of(section: &SurfaceSection, measured: Option<&Measured>, std_m: f64
     Ok(law.standardised(0.0, std_m)?)
 }
 
-fn covariance_result(chosen: &Chosen) -> CovarianceResult {
+pub(super) fn covariance_result(chosen: &Chosen) -> CovarianceResult {
     let candidates = chosen.candidates.iter().map(|(model, misfit, slope_ratio)| CovarianceCandidate {
         model: model.clone(),
         misfit: *misfit,
@@ -299,9 +302,7 @@ fn covariance_result(chosen: &Chosen) -> CovarianceResult {
     let model = match &chosen.covariance {
         SurfaceCovariance::Model(model) => model,
         SurfaceCovariance::Empirical(own) => {
-            let (x_m, y_m) = own.support_m();
-            let length_x_m = decay_length_m(x_m, |lag_m| own.correlation(lag_m, 0.0));
-            let length_y_m = decay_length_m(y_m, |lag_m| own.correlation(0.0, lag_m));
+            let [length_x_m, length_y_m] = decay_lengths_m(own);
             return CovarianceResult {
                 model: "empirical".into(),
                 std_m: own.std_m(),
@@ -315,7 +316,7 @@ fn covariance_result(chosen: &Chosen) -> CovarianceResult {
                 slope_ratio,
                 slope_cutoff_m,
                 candidates,
-                empirical: Some(own.report()),
+                empirical: Some(empirical_result(own.report())),
             };
         }
     };
@@ -341,22 +342,23 @@ fn covariance_result(chosen: &Chosen) -> CovarianceResult {
     }
 }
 
+fn empirical_result(report: MeasuredReport) -> EmpiricalCovariance {
+    EmpiricalCovariance {
+        mean_share: report.mean_share,
+        standard_error: report.standard_error,
+        reliable_x_m: report.reliable_x_m,
+        reliable_y_m: report.reliable_y_m,
+        decayed_x: report.decayed_x,
+        decayed_y: report.decayed_y,
+        taper_change: report.taper_change,
+        clipped_variance: report.clipped_variance,
+        clipping_change: report.clipping_change,
+    }
+}
+
 /// Every model has fallen to 1/e within so many of its lengths ℓ: the smoothest Matérn model, e^{−r²/2}, at √2 of them, the
 /// self-affine one of H = 1 at 1.7.
 const FARTHEST_DECAY: f64 = 2.0;
-
-/// The first lag at which a correlation that ends at `end_m` is 1/e.
-fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
-    const STEPS: usize = 4096;
-    let (level, step_m) = ((-1.0_f64).exp(), end_m / STEPS as f64);
-    let after = (1..=STEPS).find(|&step| correlation(step as f64 * step_m) <= level).unwrap_or(STEPS);
-    let (mut low_m, mut high_m) = ((after - 1) as f64 * step_m, after as f64 * step_m);
-    while high_m - low_m > 1e-12 * end_m {
-        let middle_m = 0.5 * (low_m + high_m);
-        if correlation(middle_m) > level { low_m = middle_m } else { high_m = middle_m }
-    }
-    0.5 * (low_m + high_m)
-}
 
 #[cfg(test)]
 mod tests {

@@ -21,7 +21,8 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::random;
 use crate::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection};
 use crate::study::output::StageOutput;
-use crate::study::surface_stage::{law_result, measure, model_of};
+use crate::study::result::law_result;
+use crate::study::surface_stage::{covariance_result, measure, model_of};
 use crate::study::{StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
@@ -86,7 +87,7 @@ impl Twins {
         let measured = measure(&section, file, scan, &mut output)?;
         output.warnings.extend(section.idle_keys());
         let model = model_of(&section, Some(&measured), &options.families, &mut output);
-        let (model, result, _) = match model {
+        let (model, chosen) = match model {
             Err(StudyError::Empirical(error)) if options.model_in_need => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceChoice::Measured;
@@ -112,11 +113,11 @@ impl Twins {
             model: TwinModel {
                 generator: section.generator,
                 boundary: options.boundary,
-                translation: result.covariance.is_some().then_some(section.translation),
+                translation: chosen.is_some().then_some(section.translation),
                 rms_height_m: model.marginal.std(),
                 form_share: None,
-                covariance: result.covariance,
-                marginal: result.marginal,
+                covariance: chosen.as_ref().map(covariance_result),
+                marginal: law_result(&model.marginal),
             },
             limits: limits(section),
             assumptions: output.assumptions,
@@ -189,7 +190,7 @@ impl Twins {
                     .into(),
             );
         }
-        let kurtosis = self.target.statistics.Sku;
+        let kurtosis = self.target.statistics.results.Sku.unwrap_or(f64::NAN);
         if kurtosis > SPIKY && section.outliers.is_none() {
             self.warnings.push(format!(
                 "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
@@ -320,7 +321,7 @@ impl Twins {
             curves_inside: curves.iter().map(|(_, curve)| curve.inside).sum(),
             curves_compared: curves.iter().map(|(_, curve)| curve.points).sum(),
             model: self.model.clone(),
-            target: self.target.statistics.clone(),
+            target: self.target.statistics.results.clone(),
             twins,
             curves,
             limits: self.limits.clone(),

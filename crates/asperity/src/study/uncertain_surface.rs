@@ -6,10 +6,9 @@ use crate::law::Marginal;
 use crate::stats::Interval;
 use crate::study::StudyError;
 use crate::study::config::UncertaintySection;
-use crate::study::result::SurfaceResult;
 use crate::study::scatter::{LengthScatter, NumberScatter};
 use crate::study::surface_model::{SurfaceCovariance, SurfaceModel, Texture};
-use crate::surface::uncertainty::Estimates;
+use crate::study::surface_stage::SurfaceStage;
 
 /// Which parameter of the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,24 +21,21 @@ enum Kind {
 /// A random surface some of whose parameters are uncertain.
 pub(super) struct UncertainSurface<'a> {
     model: &'a SurfaceModel,
-    /// Correlation length along x of the model.
-    length_x_m: f64,
+    /// Correlation length along x of the model; `None` without a covariance.
+    length_x_m: Option<f64>,
     kinds: Vec<Kind>,
     pub(super) parameters: Vec<Parameter>,
 }
 
 impl<'a> UncertainSurface<'a> {
-    /// `surface` is what the surface stage found.
-    pub(super) fn new(
-        section: &UncertaintySection,
-        model: &'a SurfaceModel,
-        surface: &SurfaceResult,
-    ) -> Result<Self, StudyError> {
-        let length_x_m = surface.covariance.as_ref().map_or(f64::NAN, |covariance| covariance.length_x_m);
+    pub(super) fn new(section: &UncertaintySection, surface: &'a SurfaceStage) -> Result<Self, StudyError> {
+        let model = &surface.model;
+        let measured = |statistic: &str| surface.measured.as_ref()?.estimate(statistic);
+        let length_x_m = model.covariance().map(SurfaceCovariance::length_x_m);
         let (mut kinds, mut parameters) = (Vec::new(), Vec::new());
         let absent = |key, statistic| StudyError::NoInterval { key, statistic };
         let lengths = [
-            (Kind::RmsHeight, "rms_height", section.rms_height, model.marginal.std(), "Sq_m"),
+            (Kind::RmsHeight, "rms_height", section.rms_height, Some(model.marginal.std()), "Sq_m"),
             (
                 Kind::CorrelationLength,
                 "correlation_length",
@@ -49,13 +45,14 @@ impl<'a> UncertainSurface<'a> {
             ),
         ];
         for (kind, key, scatter, nominal_m, statistic) in lengths {
+            // Without a covariance the check of the study refuses an uncertain length.
+            let (Some(scatter), Some(nominal_m)) = (scatter, nominal_m) else { continue };
             let parameter = match scatter {
-                None => continue,
-                Some(LengthScatter::Relative(share)) => Parameter::lognormal(key, nominal_m, share * nominal_m)?,
-                Some(LengthScatter::Absolute(std)) => Parameter::lognormal(key, nominal_m, std.0)?,
-                Some(LengthScatter::Measured) => {
+                LengthScatter::Relative(share) => Parameter::lognormal(key, nominal_m, share * nominal_m)?,
+                LengthScatter::Absolute(std) => Parameter::lognormal(key, nominal_m, std.0)?,
+                LengthScatter::Measured => {
                     let (value_m, Interval { low, high }) =
-                        measured(surface, statistic).filter(|(_, i)| i.low > 0.0).ok_or(absent(key, statistic))?;
+                        measured(statistic).filter(|(_, i)| i.low > 0.0).ok_or(absent(key, statistic))?;
                     // A model's length need not be the lag at which the scan's correlation is 1/e.
                     let scale = nominal_m / value_m;
                     Parameter::lognormal_within(key, Interval { low: scale * low, high: scale * high })?
@@ -68,7 +65,7 @@ impl<'a> UncertainSurface<'a> {
             let parameter = match scatter {
                 NumberScatter::Absolute(std) => Parameter::normal("skewness", model.marginal.skewness(), std)?,
                 NumberScatter::Measured => {
-                    let (_, interval) = measured(surface, "Ssk").ok_or(absent("skewness", "Ssk"))?;
+                    let (_, interval) = measured("Ssk").ok_or(absent("skewness", "Ssk"))?;
                     Parameter::normal_within("skewness", interval)?
                 }
             };
@@ -98,7 +95,8 @@ impl<'a> UncertainSurface<'a> {
                 Marginal::johnson_with_moments(0.0, std_m, skewness, excess_kurtosis)?
             }
         };
-        let stretch = value(Kind::CorrelationLength).map_or(1.0, |length_m| length_m / self.length_x_m);
+        let lengths = value(Kind::CorrelationLength).zip(self.length_x_m);
+        let stretch = lengths.map_or(1.0, |(length_m, own_m)| length_m / own_m);
         let texture = match &self.model.texture {
             Texture::Translated { covariance, translation, expansion } => Texture::Translated {
                 covariance: stretched(covariance, std_m, stretch)?,
@@ -123,17 +121,6 @@ fn stretched(covariance: &SurfaceCovariance, std_m: f64, factor: f64) -> Result<
     })
 }
 
-/// A statistic of the scan, or of the part, with its 95 % interval.
-fn measured(surface: &SurfaceResult, name: &str) -> Option<(f64, Interval)> {
-    if let Some(part) = &surface.part {
-        let found = part.statistics.iter().find(|(own, _)| *own == name)?.1?;
-        return Some((found.value, found.interval));
-    }
-    let estimates: &Estimates = &surface.statistics.as_ref()?.intervals.0;
-    let found = estimates.named().into_iter().find(|(own, _)| *own == name)?.1?;
-    Some((found.value, found.interval))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,7 +138,7 @@ mod tests {
         };
         let model = SurfaceModel { marginal: beta.clone(), texture };
         let kinds = vec![Kind::RmsHeight, Kind::CorrelationLength, Kind::Skewness];
-        let surface = UncertainSurface { model: &model, length_x_m: 20e-6, kinds, parameters: Vec::new() };
+        let surface = UncertainSurface { model: &model, length_x_m: Some(20e-6), kinds, parameters: Vec::new() };
         for skewness in [beta.skewness(), 0.0, 0.9, -1.5] {
             let found = surface.at(&[1.1e-6, 30e-6, skewness]).unwrap();
             assert!((found.marginal.std() / 1.1e-6 - 1.0).abs() < 1e-9);

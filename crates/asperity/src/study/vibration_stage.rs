@@ -7,7 +7,9 @@ mod tables;
 
 pub use self::clipping::clipping_warning;
 pub(super) use self::clipping::refuse_clipping;
-use self::entries::{crossing_result, cycle_result, damping_result, law_in_words, motion_result, points_result};
+use self::entries::{
+    crossing_result, cycle_result, damping_result, kind_result, law_in_words, motion_result, points_result,
+};
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
@@ -17,14 +19,15 @@ use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
 use crate::study::output::StageOutput;
-use crate::study::result::{DampingResult, EnsembleResult, MapResult, PointsResult, VibrationResult};
-use crate::study::surface_stage::law_result;
+use crate::study::result::{
+    DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
+};
 use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    DampingSweep, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError, critical_damping,
-    crossings_without_fluctuation, cycle_portrait, deterministic_slips, kept_positive, limit_cycle, limit_damping,
-    smallest_kick, trajectory_portrait,
+    DampingSweep, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
+    critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips, kept_positive, limit_cycle,
+    limit_damping, smallest_kick, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -103,7 +106,9 @@ pub(super) fn run(
         let found = ensembles.map(section, lead, monitor)?;
         let [x, y] = section.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
-        map = Some(MapResult { x: x.into(), y: y.into(), resolution: found.resolution });
+        let MapResolution { x: width, y: height, unresolved_share } = found.resolution;
+        let resolution = MapResolutionResult { x: width, y: height, unresolved_share };
+        map = Some(MapResult { x: x.into(), y: y.into(), resolution });
     }
     let assumptions = ensembles.sentences(area_std);
     let result = VibrationResult {
@@ -119,7 +124,7 @@ pub(super) fn run(
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
         limit_damping_ratio: if_found(limit_damping(&oscillator))?,
-        kind: regime.kind(),
+        kind: kind_result(regime.kind()),
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
         kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
@@ -297,7 +302,7 @@ impl Ensembles<'_> {
             let share = if kind.is_vibration() { 1.0 } else { 0.0 };
             damping.push(DampingResult {
                 damping_ratio,
-                kind,
+                kind: kind_result(kind),
                 cycles_deterministic: cycles,
                 cycles_mean: cycles as f64,
                 cycles_se: 0.0,

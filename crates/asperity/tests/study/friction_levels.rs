@@ -10,6 +10,7 @@ use asperity::friction::strip::{Level, Strips};
 use asperity::friction::window::Window;
 use asperity::map::Grid;
 use asperity::monitor::Silent;
+use asperity::study::result::Prescribed;
 use asperity::study::{Outcome, Stage, Study};
 use asperity::surface::SpectralField;
 
@@ -103,8 +104,11 @@ fn a_study_presses_by_percentile_pressure_and_penetration_and_scales_up_both_way
     let outcome = run("mean_pressures = [\"50 MPa\", \"500 MPa\"]\npenetrations = [\"1.2 um\"]\n\
                                   nominal_area = \"833 mm^2\"\n");
     let friction = outcome.results.friction.unwrap();
-    let kinds: Vec<&str> = friction.levels.iter().map(|level| level.control).collect();
-    assert_eq!(kinds, ["percentile", "mean_pressure", "mean_pressure", "penetration"]);
+    let kinds: Vec<Prescribed> = friction.levels.iter().map(|level| level.control).collect();
+    assert_eq!(
+        kinds,
+        [Prescribed::Percentile, Prescribed::MeanPressure, Prescribed::MeanPressure, Prescribed::Penetration]
+    );
     assert_eq!(friction.levels.iter().map(|l| l.percentile).collect::<Vec<_>>(), [Some(20.0), None, None, None]);
     for (level, wanted) in friction.levels[1..3].iter().zip([50e6, 500e6]) {
         assert!((level.mean_pressure_pa / wanted - 1.0).abs() < 1e-4);

@@ -8,7 +8,7 @@ use asperity::friction::upscaling::{exponential, variance_reduction};
 use asperity::map::Grid;
 use asperity::monitor::Silent;
 use asperity::random;
-use asperity::study::{FailureKind, Outcome, Stage, Study, StudyError, json_bytes};
+use asperity::study::{FailureKind, Outcome, Results, Stage, Study, StudyError, json_bytes};
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
 use ndarray::Array2;
@@ -141,7 +141,9 @@ fn interval_of_friction(path: &str) -> bool {
 
 /// No number is null but those that may be undefined.
 fn assert_numbers(outcome: &Outcome, undefined: &[&str]) {
-    let json: Value = serde_json::from_slice(&json_bytes(&outcome.results).unwrap()).unwrap();
+    let bytes = json_bytes(&outcome.results).unwrap();
+    assert_eq!(serde_json::from_slice::<Results>(&bytes).unwrap(), outcome.results, "results are read back as written");
+    let json: Value = serde_json::from_slice(&bytes).unwrap();
     let mut found = Vec::new();
     nulls(&json, "", &mut found);
     // A small map holds too few correlation lengths for intervals, and a statistic with one null has two.
@@ -302,7 +304,7 @@ fn weierstrass_mandelbrot_needs_a_dimension_and_says_so() {
         assert_eq!(error.kind(), FailureKind::Configuration);
     } else {
         let surface = outcome.unwrap().results.surface.unwrap();
-        assert!(surface.statistics.unwrap().fractal_dimension.is_some());
+        assert!(surface.scan().unwrap().fractal_dimension.is_some());
     }
     // A stated one will do, and no covariance is made up.
     let stated = changed(&text, &[("generator", "fractal_dimension = 2.5\ngenerator")]);
@@ -330,10 +332,10 @@ fn a_scan_may_come_with_stated_covariance_rms_height_law_and_form() {
     let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
     assert_numbers(&outcome, USUAL);
     let surface = outcome.results.surface.unwrap();
-    let covariance = surface.covariance.unwrap();
+    let covariance = surface.covariance.as_ref().unwrap();
     assert_eq!((covariance.model.as_str(), covariance.std_m, covariance.length_y_m), ("exponential", 2e-6, 8e-6));
     // The scan's own statistics stay what they are.
-    assert!(surface.statistics.unwrap().Sq_m < 1e-6);
+    assert!(surface.scan().unwrap().Sq_m < 1e-6);
 }
 
 #[test]
@@ -348,14 +350,14 @@ fn the_scan_s_own_covariance_serves_every_stage_and_says_what_was_changed() {
         let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
         assert_numbers(&outcome, USUAL);
         let surface = outcome.results.surface.unwrap();
-        let covariance = surface.covariance.unwrap();
+        let covariance = surface.covariance.as_ref().unwrap();
         assert_eq!(covariance.model, "empirical");
         // The same standard deviation, by way of the standardised distribution of the heights.
-        assert!((covariance.std_m / surface.statistics.as_ref().unwrap().Sq_m - 1.0).abs() < 1e-12);
+        assert!((covariance.std_m / surface.scan().unwrap().Sq_m - 1.0).abs() < 1e-12);
         // Its length is that at which the scan's own correlation falls to 1/e, but for the mean that was put back.
-        let length_m = surface.statistics.unwrap().correlation_length_x_m.unwrap();
+        let length_m = surface.scan().unwrap().correlation_length_x_m.unwrap();
         assert!((covariance.length_x_m / length_m - 1.0).abs() < 0.1, "{} {length_m}", covariance.length_x_m);
-        let report = covariance.empirical.unwrap();
+        let report = covariance.empirical.as_ref().unwrap();
         assert!(report.clipping_change < 0.1 && report.mean_share < 0.2, "{report:?}");
         assert!(
             outcome.results.assumptions.iter().any(|sentence| sentence.contains("the covariance of the scan itself"))
@@ -378,7 +380,7 @@ fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
     asperity_formats::write(&scan, &folder.path().join("scan.x3p")).unwrap();
     let text = changed(&measured(), &[("scan.npy", "scan.x3p"), ("[\"2 um\", \"2 um\"]", "[\"4 um\", \"2 um\"]")]);
     let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
-    assert_eq!(outcome.results.surface.unwrap().statistics.unwrap().dx_m, 4e-6);
+    assert_eq!(outcome.results.surface.unwrap().scan().unwrap().dx_m, 4e-6);
     let warning = outcome.results.warnings.iter().find(|warning| warning.contains("pixel size")).unwrap();
     assert!(warning.contains("2 µm × 2 µm") && warning.contains("4 µm × 2 µm"), "{warning}");
     // An array file states none.
@@ -396,7 +398,7 @@ fn the_unit_of_the_heights_of_a_scan_without_one_is_the_study_s() {
         let folder = folder_with(rough(64, 64, 16e-6) * factor);
         let text = changed(&measured(), &[("scan.npy\"", &format!("scan.npy\"\n{unit}"))]);
         let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
-        (outcome.results.surface.unwrap().statistics.unwrap().Sq_m, outcome.results.warnings.join("\n"))
+        (outcome.results.surface.unwrap().scan().unwrap().Sq_m, outcome.results.warnings.join("\n"))
     };
     // Without the unit the heights span metres on a field of 128 µm.
     let ((metre, _), (_, doubt)) = (of(1.0, ""), of(1e6, ""));
@@ -414,7 +416,7 @@ fn a_scan_without_any_complete_profile_has_everything() {
     let outcome = run_in(folder.path(), &measured(), Some(Stage::Surface)).unwrap();
     assert_numbers(&outcome, USUAL);
     assert!(outcome.tables.contains_key("height_psd") && outcome.tables.contains_key("height_acf"));
-    assert_eq!(outcome.results.surface.unwrap().statistics.unwrap().missing_points, 96);
+    assert_eq!(outcome.results.surface.unwrap().scan().unwrap().missing_points, 96);
 }
 
 #[test]
@@ -442,7 +444,7 @@ fn tiny_noisy_or_still_correlated_scans_are_unusable_input_or_warned_about() {
             &[("[surface]", "[surface]\ncovariance = \"exponential\"\ncorrelation_length = [\"9 um\", \"8 um\"]")],
         );
         match run_in(folder.path(), &text, Some(Stage::Surface)) {
-            Ok(outcome) => assert!(outcome.results.surface.unwrap().statistics.unwrap().Sq_m > 0.0),
+            Ok(outcome) => assert!(outcome.results.surface.unwrap().scan().unwrap().Sq_m > 0.0),
             Err(error) => assert_eq!(error.kind(), FailureKind::Input, "{size}: {error}"),
         }
     }

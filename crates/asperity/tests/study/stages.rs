@@ -7,7 +7,9 @@ use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
 use asperity::monitor::{Monitor, Silent};
 use asperity::random;
-use asperity::study::{FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes};
+use asperity::study::{
+    FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes, provenance, write_run,
+};
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
 
@@ -352,18 +354,18 @@ fn a_run_folder_appears_whole_and_reads_back() {
     write_scan(folder.path(), 0.5e-6, 20e-6);
     let study = Study::parse(STUDY, "study.toml").unwrap();
     let outcome = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap();
+    let origin = provenance("small", study.seed, &study.scan_paths(folder.path())).unwrap();
     let out = folder.path().join("runs").join("small");
     {
         let abandoned = Staging::open(&out, false, &[]).unwrap();
-        abandoned.write_outcome(&outcome).unwrap();
+        write_run(&abandoned, &study, folder.path(), &outcome, &origin).unwrap();
     }
     assert!(!folder.path().join("runs").exists(), "an abandoned run leaves something behind");
     let staging = Staging::open(&out, false, &[]).unwrap();
-    staging.write_outcome(&outcome).unwrap();
-    staging.write("study.toml", STUDY.as_bytes()).unwrap();
-    staging.write("provenance.json", b"{}").unwrap();
+    write_run(&staging, &study, folder.path(), &outcome, &origin).unwrap();
     staging.commit().unwrap();
     let stored = StoredRun::load(&out).unwrap();
+    assert_eq!((&stored.results, &stored.provenance), (&outcome.results, &origin));
     assert_eq!(stored.tables["height_acf"].column("lag_m"), outcome.tables["height_acf"].column("lag_m"));
     let (back, field) = (&stored.fields["height_levelled"], &outcome.fields["height_levelled"]);
     assert_eq!((back.dx_m, back.unit.as_str()), (2e-6, "m"));

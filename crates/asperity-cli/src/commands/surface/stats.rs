@@ -3,8 +3,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use asperity::study::result::SurfaceStatistics;
-use asperity::study::{PooledStatistics, statistics};
+use asperity::study::{MapStatistics, PooledStatistics, statistics};
 use asperity::surface::preparation::PreparationError;
 use clap::Args;
 
@@ -49,7 +48,7 @@ impl Stats {
             sources.push(source);
         }
         if let ([(_, statistics)], [source]) = (scans.as_slice(), sources.as_slice()) {
-            let answer = Answer::of(statistics)?;
+            let answer = Answer::of(&statistics.results)?;
             return if self.json { answer.and(source.clone()).print(true) } else { answer.print(false) };
         }
         for (place, file) in self.files.iter().enumerate() {
@@ -61,12 +60,12 @@ impl Stats {
             }
         }
         let pooled = PooledStatistics::of(scans).map_err(|e| Failure::data("the scans", &e))?;
-        let answer = Answer::of(&pooled)?;
+        let answer = Answer::of(&pooled.results())?;
         if self.json { answer.and(Answer::lists(&sources)).print(true) } else { answer.without("scans").print(false) }
     }
 
     /// The statistics of a file, with its format and channel.
-    fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<(SurfaceStatistics, Answer), Failure> {
+    fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<(MapStatistics, Answer), Failure> {
         let scan = input::scan(file, &self.options, monitor)?;
         let source = input::source(&scan);
         let map = input::height_map(scan, file)?;

@@ -8,6 +8,7 @@ use asperity::law::Marginal;
 use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;
 use asperity::quantity::Length;
+use asperity::study::Provenance;
 use asperity::study::config::{BoundaryChoice, CovarianceChoice, GeneratorChoice, SurfaceSection, TranslationChoice};
 use asperity::study::{
     Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, Twins, json_bytes,
@@ -25,7 +26,7 @@ use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::{self, Answer, columns};
 use crate::page::{begin_folder, store_failure};
-use crate::provenance::Provenance;
+use crate::provenance;
 use crate::resources::{require_disk, require_memory};
 
 /// Draws random maps that are statistically like a measured one, and compares them with it on one page.
@@ -250,9 +251,8 @@ impl Twin {
         // Before anything is computed: may the folder be written? Nothing of this attempt stays.
         begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut provenance = Provenance::begin(name.clone(), self.seed, None);
         let scan = input::scan(&self.file, &self.options, monitor)?;
-        provenance.input(&self.file)?;
+        let mut provenance = provenance::begin(&name, self.seed, std::slice::from_ref(&self.file))?;
         let at_once = rayon::current_num_threads().min(self.count);
         require_memory(
             options.memory_bytes(scan.heights_m.len(), scan.pitch_m, at_once),
@@ -274,7 +274,7 @@ impl Twin {
             },
         )?;
         comparison.warnings.iter().skip(twins.warnings().len()).for_each(|warning| monitor.warn(warning));
-        provenance.end(monitor.seconds());
+        provenance.seconds = monitor.seconds();
         let report = page(&name, &twins, &comparison, &provenance)?;
         self.write(&staging, &comparison, &report, &provenance)?;
         monitor.check()?;
@@ -365,7 +365,7 @@ fn page(name: &str, twins: &Twins, comparison: &Comparison, provenance: &Provena
         tables: tables.collect::<BTreeMap<_, _>>(),
         scan: Some(field(twins.scan())),
         twins: shown.collect(),
-        provenance: serde_json::to_value(provenance).map_err(failed)?,
+        provenance: Some(provenance.clone()),
     })
     .map_err(|e| Failure::new(Kind::Runtime, format!("the page could not be rendered: {}", chain(&e))))
 }

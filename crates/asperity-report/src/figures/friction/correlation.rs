@@ -34,7 +34,7 @@ pub(crate) fn autocorrelation(table: &Table, seen: &'static str) -> Option<Chart
             "fit" => ("exponential".into(), Pen::new(VERMILION, 1.8, Dash::Dashed)),
             "windowed_fit" => ("window and exponential".into(), Pen::new(GREEN, 1.8, Dash::Alternating)),
             "window_only" => ("window alone (triangle)".into(), Pen::new(BLACK, 1.5, Dash::Dotted)),
-            other => (in_words(&other.trim_start_matches("fit_").into()), others.next().unwrap_or(pen(first))),
+            other => (in_words(other.trim_start_matches("fit_")), others.next().unwrap_or(pen(first))),
         };
         chart.add_named(label, Mark::Line { x: lag.to_vec(), y: values.to_vec(), pen });
     }

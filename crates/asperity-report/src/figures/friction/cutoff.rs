@@ -1,6 +1,6 @@
 //! Mean friction against the shortest waves that the surface keeps.
 
-use serde_json::Value;
+use asperity_results::CutoffResult;
 
 use super::{HEIGHT, plate, positive};
 use crate::axis::{Axis, range};
@@ -15,25 +15,24 @@ use crate::{ReportError, Run, Table};
 const NAME: &str = "friction_cutoff";
 
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let cutoff = &run.results["friction"]["cutoff"];
+    let cutoff = run.results.friction.as_ref().and_then(|friction| friction.cutoff.as_ref());
     let Some(chart) = run.tables.get(NAME).and_then(|table| chart(table, cutoff)) else { return Ok(()) };
     let title = "The friction coefficient against the shortest waves";
     let caption = format!(
         "Mean μ at the mean pressure of the leading level without the waves below a cut-off, taken out of the same strips by a Gaussian \
          filter; shaded: 95 % intervals. {}",
-        cutoff["known"].as_str().unwrap_or("")
+        cutoff.map_or("", |cutoff| &cutoff.known)
     );
     plates.push(plate(NAME, NAME, title, caption.trim_end().to_owned(), &[(HEIGHT, chart)])?);
     Ok(())
 }
 
-fn chart(table: &Table, cutoff: &Value) -> Option<Chart> {
+fn chart(table: &Table, cutoff: Option<&CutoffResult>) -> Option<Chart> {
     let [x, mean] = columns(table, ["cutoff_m", "mean"])?;
-    let number = |value: &Value| value.as_f64().filter(|value| value.is_finite());
-    let own = number(&cutoff["cutoff_m"]);
-    let band_end = number(&cutoff["band_end_m"]);
-    let floor = number(&cutoff["plastic_floor"]);
-    let halved = number(&cutoff["halved_pitch"]["mean"]);
+    let own = cutoff.map(|cutoff| cutoff.cutoff_m);
+    let band_end = cutoff.and_then(|cutoff| cutoff.band_end_m);
+    let floor = cutoff.and_then(|cutoff| cutoff.plastic_floor);
+    let halved = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()).map(|halved| halved.mean);
     let limits = columns(table, ["mean_low", "mean_high"]);
     let (first, last) = range(positive(x).chain(own.as_slice()).chain(band_end.as_slice()))?;
     let shown = mean.iter().chain(floor.as_slice()).chain(halved.as_slice());

@@ -48,7 +48,7 @@ pub(crate) fn histogram(table: &Table, seen: &'static str, chosen: &str) -> Opti
             "beta" => ("Beta".to_owned(), Pen::new(BLACK, 1.8, Dash::Dashed)),
             other => {
                 let (colour, dash) = others.next().unwrap_or((GREEN, Dash::Solid));
-                (in_words(&other.into()), Pen::new(colour, 1.3, dash))
+                (in_words(other), Pen::new(colour, 1.3, dash))
             }
         };
         chart.add_named(label, Mark::Line { x: mu.to_vec(), y: values.to_vec(), pen });

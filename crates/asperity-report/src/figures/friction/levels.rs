@@ -71,7 +71,7 @@ pub(super) fn quotient(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportE
                 for one.";
     let labels = "The numbers at the points are the percentile of heights above the plane; “at load” is the level at the mean \
                   pressure of the machine.";
-    let conditions = conditions(&run.results["friction"]);
+    let conditions = run.results.friction.as_ref().map_or_else(String::new, conditions);
     let uncertain = run.tables.get("friction_uncertainty");
     let mean = [("Mean of μ", "mean", "at_mean_load"), ("Std of μ", "std", "std_at_mean_load")];
     let shape = [("CoV of μ", "coefficient_of_variation", ""), ("Skewness of μ", "skewness", "")];

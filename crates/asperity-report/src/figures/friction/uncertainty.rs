@@ -1,6 +1,6 @@
 //! Which uncertain parameter of the surface matters for which moment of friction.
 
-use serde_json::{Value, json};
+use asperity_results::{IndexEntry, ParameterIndexResult};
 
 use crate::canvas::{Rect, draw};
 use crate::figures::pressure::sensitivities::{FOOT, HEAD, ROW, legend, panel};
@@ -17,16 +17,19 @@ const MOMENTS: [(&str, &str); 4] = [
 ];
 
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let friction = &run.results["friction"];
-    let levels = friction["levels"].as_array().map_or(&[][..], Vec::as_slice);
-    let lead = levels.iter().position(|level| level["leading"] == true).unwrap_or(0);
-    let responses = friction["uncertainty"]["levels"][lead]["at_mean_load"].as_array().map_or(&[][..], Vec::as_slice);
-    let entry = |name: &str| responses.iter().find(|response| response["name"] == name).and_then(entry);
-    let shown: Vec<(&str, Value)> =
-        MOMENTS.into_iter().filter_map(|(name, title)| Some((title, entry(name)?))).collect();
-    let Some(most) = shown.iter().filter_map(|(_, entry)| entry["indices"].as_array().map(Vec::len)).max() else {
-        return Ok(());
-    };
+    let Some(friction) = &run.results.friction else { return Ok(()) };
+    let lead = friction.levels.iter().position(|level| level.leading).unwrap_or(0);
+    let level = friction.uncertainty.as_ref().and_then(|uncertainty| uncertainty.levels.get(lead));
+    let responses = level.map_or(&[][..], |level| &level.at_mean_load);
+    let entry = |name: &str| responses.iter().find(|response| response.name == name && !response.sobol.is_empty());
+    let shown: Vec<(&str, Vec<IndexEntry>, Option<f64>)> = MOMENTS
+        .into_iter()
+        .filter_map(|(name, title)| {
+            let response = entry(name)?;
+            Some((title, response.sobol.iter().map(index).collect(), response.loo_error))
+        })
+        .collect();
+    let Some(most) = shown.iter().map(|(_, indices, _)| indices.len()).max() else { return Ok(()) };
     let title = "Which parameter of the surface matters for friction";
     let caption = "Sobol’ indices of the moments of μ at the operating point, taken at the mean load, with 95 % intervals: the share of their variance over \
                    the uncertain surfaces that a parameter explains alone (first order), and together with all others (total). How \
@@ -36,10 +39,10 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let rows = shown.len().div_ceil(2);
     let svg = draw((640.0, 48.0 + each * rows as f64), title, caption, |canvas| {
         legend(canvas)?;
-        for (place, (label, entry)) in shown.iter().enumerate() {
+        for (place, (label, indices, unexplained)) in shown.iter().enumerate() {
             let (row, column) = (place / 2, place % 2);
             let outer = Rect::new(320.0 * column as f64, 24.0 + each * row as f64, 320.0, each);
-            panel(canvas, outer, entry, label, place + 2 >= shown.len())?;
+            panel(canvas, outer, (indices, *unexplained), label, place + 2 >= shown.len())?;
         }
         Ok(())
     })?;
@@ -55,19 +58,14 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     Ok(())
 }
 
-/// A moment with its indices as the figure of the pressure has them.
-fn entry(response: &Value) -> Option<Value> {
-    let indices: Vec<Value> = response["sobol"]
-        .as_array()?
-        .iter()
-        .map(|index| {
-            json!({
-                "name": index["parameter"].as_str().unwrap_or("–").replace('_', " "),
-                "first_order": index["first"], "first_order_interval": index["first_interval"],
-                "total": index["total"], "total_interval": index["total_interval"],
-            })
-        })
-        .filter(|index| index["first_order"].is_number() && index["total"].is_number())
-        .collect();
-    (!indices.is_empty()).then(|| json!({ "indices": indices, "cross_validated_error": response["loo_error"] }))
+/// An index as the figure of the pressure has it.
+fn index(of: &ParameterIndexResult) -> IndexEntry {
+    IndexEntry {
+        name: of.parameter.replace('_', " "),
+        first_order: of.first,
+        first_order_interval: of.first_interval,
+        total: of.total,
+        total_interval: of.total_interval,
+        ..IndexEntry::default()
+    }
 }

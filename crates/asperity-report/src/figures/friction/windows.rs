@@ -1,6 +1,6 @@
 //! What of the correlation of friction is the window's: lengths and scatter under several windows.
 
-use serde_json::Value;
+use asperity_results::LevelResult;
 
 use super::positive;
 use crate::Table;
@@ -25,7 +25,7 @@ pub(super) const CAPTION: &str = "Every point is a window of length W over the s
      W^(−1/2).";
 
 /// Two charts over the length of the window.
-pub(super) fn lengths_and_scatter(table: &Table, lead: &Value) -> Option<Vec<(f64, Chart)>> {
+pub(super) fn lengths_and_scatter(table: &Table, lead: Option<&LevelResult>) -> Option<Vec<(f64, Chart)>> {
     let [window] = columns(table, ["window_m"])?;
     let (first, last) = range(positive(window))?;
     let axis = || Axis::logarithmic("Window W", Dimension::Length.unit(last), (first / 1.2, last * 1.2));
@@ -34,12 +34,12 @@ pub(super) fn lengths_and_scatter(table: &Table, lead: &Value) -> Option<Vec<(f6
     (!charts.is_empty()).then(|| stacked(charts, 230.0))
 }
 
-fn lengths(table: &Table, window: &[f64], x_axis: Axis, lead: &Value) -> Option<Chart> {
+fn lengths(table: &Table, window: &[f64], x_axis: Axis, lead: Option<&LevelResult>) -> Option<Chart> {
     let (first, last) = x_axis.ends();
     let fitted = table.column("correlation_length_m");
     let own = table.column("own_length_m");
     let band = columns(table, ["own_length_low_m", "own_length_high_m"]);
-    let joint = lead["correlation_length_without_window_m"].as_f64().unwrap_or(f64::NAN);
+    let joint = lead.and_then(|lead| lead.correlation_length_without_window_m).unwrap_or(f64::NAN);
     let lowest = SHORTEST * first;
     let drawn = [fitted, own].into_iter().chain(band.into_iter().flatten().map(Some)).flatten();
     let (low, high) = range(drawn.flatten().chain([&joint]).filter(|length| length.is_finite()))?;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, PI};
 
-use serde_json::Value;
+use asperity_results::{MethodEntry, PressureResult};
 
 use super::style;
 use crate::axis::{Axis, range};
@@ -33,9 +33,8 @@ struct Measure {
 }
 
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let pressure = &run.results["pressure"];
-    let methods = pressure["methods"].as_array().map_or(&[][..], Vec::as_slice);
-    let measures = measures(run, pressure, methods);
+    let Some(pressure) = &run.results.pressure else { return Ok(()) };
+    let measures = measures(run, pressure);
     let works = || measures.iter().flat_map(|m| m.points.iter().map(|(_, work, _)| work));
     let Some((low, high)) = range(works()) else { return Ok(()) };
     let ends = (low / 2.0, high * 2.0);
@@ -56,7 +55,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
             chart.add("resolution of the reference", Mark::Horizontal { y, pen: Pen::new(BLACK, 1.0, Dash::Dotted) });
         }
         for (&(index, _, y), x) in measure.points.iter().zip(side_by_side(&measure.points)) {
-            let name = methods[index]["name"].as_str().unwrap_or("–");
+            let name = &pressure.methods[index].name;
             let (pen, shape) = style(name, index);
             chart.add_named(method_name(name), Mark::Symbol { x, y, shape, colour: pen.colour });
         }
@@ -98,34 +97,32 @@ fn side_by_side(points: &[(usize, f64, f64)]) -> Vec<f64> {
     (0..points.len()).map(place).collect()
 }
 
-fn measures(run: &Run, pressure: &Value, methods: &[Value]) -> [Measure; 3] {
-    let points = |error: &dyn Fn(&Value) -> Option<f64>| -> Vec<(usize, f64, f64)> {
-        let each = methods.iter().enumerate().filter_map(|(index, method)| {
-            let work = method["work_in_fine_solves"].as_f64().or_else(|| method["fine_solves"].as_f64())?;
-            Some((index, work, error(method)?))
-        });
+fn measures(run: &Run, pressure: &PressureResult) -> [Measure; 3] {
+    let points = |error: &dyn Fn(&MethodEntry) -> Option<f64>| -> Vec<(usize, f64, f64)> {
+        let each = pressure.methods.iter().enumerate();
+        let each = each.filter_map(|(index, method)| Some((index, method.work_in_fine_solves, error(method)?)));
         each.filter(|(_, work, error)| *work > 0.0 && *error > 0.0 && *error < LARGEST).collect()
     };
-    let truth = pressure["contact_probability"].as_f64();
-    let resolution = pressure["contact_probability_se"].as_f64().map(|se| 1.96 * se).filter(|r| *r > 0.0);
+    let truth = pressure.contact_probability;
+    let resolution = pressure.contact_probability_se.map(|se| 1.96 * se).filter(|r| *r > 0.0);
     [
         Measure {
             label: "KS distance",
-            points: points(&|method| method["ks_distance"].as_f64()),
+            points: points(&|method| method.ks_distance),
             // The mean of Kolmogorov's law.
             monte_carlo: Some((PI / 2.0).sqrt() * LN_2),
-            resolution: pressure["ks_resolution"].as_f64().filter(|r| *r > 0.0),
+            resolution: Some(pressure.ks_resolution).filter(|r| *r > 0.0),
         },
         Measure {
             label: "W₁ / std",
-            points: points(&|method| method["wasserstein_1_over_std"].as_f64()),
+            points: points(&|method| method.wasserstein_1_over_std),
             monte_carlo: run.tables.get("pressure_cdf").and_then(wasserstein_of_one),
             resolution: None,
         },
         Measure {
             label: "|Δ P(contact)|",
-            points: points(&|method| Some((method["contact_probability"].as_f64()? - truth?).abs())),
-            monte_carlo: truth.map(|p| (FRAC_2_PI * p * (1.0 - p)).sqrt()).filter(|e| *e > 0.0),
+            points: points(&|method| Some((method.contact_probability? - truth).abs())),
+            monte_carlo: Some((FRAC_2_PI * truth * (1.0 - truth)).sqrt()).filter(|e| *e > 0.0),
             resolution,
         },
     ]

@@ -1,7 +1,7 @@
 //! Contact probability and mean pressure with their intervals, method by method.
 
+use asperity_results::{MethodEntry, Pair};
 use plotters::prelude::RGBColor;
-use serde_json::Value;
 
 use super::style;
 use crate::axis::{Axis, range};
@@ -9,7 +9,7 @@ use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw
 use crate::chart::fitting_ticks;
 use crate::figures::{Plate, Stage, csv};
 use crate::format::{Dimension, Unit};
-use crate::page::{interval, method_name};
+use crate::page::method_name;
 use crate::palette::{BLACK, GREY};
 use crate::{ReportError, Run};
 
@@ -22,28 +22,30 @@ const NAMES: f64 = 190.0;
 /// A value with its interval.
 type Known = (f64, Option<(f64, f64)>);
 
+/// An estimate of a method.
+type Read = fn(&MethodEntry) -> Option<Known>;
+
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let pressure = &run.results["pressure"];
-    let all = pressure["methods"].as_array().map_or(&[][..], Vec::as_slice);
-    let known = |entry: &Value, value: &str, name: &str| -> Option<Known> {
-        Some((entry[value].as_f64()?, interval(entry, name)))
-    };
+    let Some(pressure) = &run.results.pressure else { return Ok(()) };
+    let known = |value, interval: Option<Pair>| -> Known { (value, interval.map(Into::into)) };
+    let contact: Read =
+        |method| Some((method.contact_probability?, method.contact_probability_interval.map(Into::into)));
+    let mean: Read = |method| Some((method.mean_pa?, method.mean_interval.map(Into::into)));
     let panels = [
-        ("P(contact)", "contact_probability", "contact_probability", None),
-        ("Mean pressure", "mean_pa", "mean", Some(Dimension::Pressure)),
+        ("P(contact)", contact, known(pressure.contact_probability, pressure.contact_probability_interval), None),
+        ("Mean pressure", mean, known(pressure.mean_pa, pressure.mean_interval), Some(Dimension::Pressure)),
     ];
-    let methods: Vec<(usize, &Value)> =
-        all.iter().enumerate().filter(|(_, method)| method["contact_probability"].is_number()).collect();
+    let all = pressure.methods.iter().enumerate();
+    let methods: Vec<(usize, &MethodEntry)> = all.filter(|(_, method)| method.contact_probability.is_some()).collect();
     let panels: Vec<_> = panels
         .into_iter()
-        .filter_map(|(label, value, name, dimension)| {
-            let rows: Vec<Option<Known>> = methods.iter().map(|(_, method)| known(method, value, name)).collect();
-            let reference = known(pressure, value, name);
+        .filter_map(|(label, of, reference, dimension)| {
+            let rows: Vec<Option<Known>> = methods.iter().map(|(_, method)| of(method)).collect();
             let ends =
                 |known: &Known| known.1.map_or([known.0; 2], |(low, high)| [low.min(known.0), high.max(known.0)]);
             // Estimates without an interval do not press the others flat.
             let with_interval = rows.iter().flatten().filter(|known| known.1.is_some());
-            let values: Vec<f64> = with_interval.chain(&reference).flat_map(ends).collect();
+            let values: Vec<f64> = with_interval.chain([&reference]).flat_map(ends).collect();
             rows.iter().flatten().find(|known| known.1.is_some())?;
             let (low, high) = range(&values)?;
             let unit = dimension.map_or_else(Unit::none, |dimension| dimension.unit(high.abs()));
@@ -61,7 +63,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let svg = draw((640.0, height + 62.0), title, caption, |canvas| {
         for (row, (_, method)) in methods.iter().enumerate() {
             let y = 8.0 + 6.0 + ROW * (row as f64 + 0.5);
-            let name = method_name(method["name"].as_str().unwrap_or("–"));
+            let name = method_name(&method.name);
             canvas.text((NAMES - 10.0, y), &name, TEXT, Align::End)?;
         }
         for (number, (axis, rows, reference)) in panels.iter().enumerate() {
@@ -70,7 +72,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
             bar(canvas, plot, axis, *reference)?;
             for (row, ((index, method), known)) in methods.iter().zip(rows).enumerate() {
                 let Some((value, limits)) = *known else { continue };
-                let (pen, shape) = style(method["name"].as_str().unwrap_or("–"), *index);
+                let (pen, shape) = style(&method.name, *index);
                 let y = plot.top + 6.0 + ROW * (row as f64 + 0.5);
                 let place = |value: f64| axis.position(value).map(|share| plot.left + share * plot.width());
                 if let Some((Some(low), Some(high))) = limits.map(|(low, high)| (place(low), place(high))) {
@@ -129,8 +131,7 @@ fn frame(canvas: &mut Canvas<'_>, plot: Rect, axis: &Axis) -> Result<(), ReportE
 }
 
 /// The reference with its interval, over all rows.
-fn bar(canvas: &mut Canvas<'_>, plot: Rect, axis: &Axis, reference: Option<Known>) -> Result<(), ReportError> {
-    let Some((value, limits)) = reference else { return Ok(()) };
+fn bar(canvas: &mut Canvas<'_>, plot: Rect, axis: &Axis, (value, limits): Known) -> Result<(), ReportError> {
     let place = |value: f64| axis.position(value).map(|share| plot.left + share * plot.width());
     if let Some((Some(low), Some(high))) = limits.map(|(low, high)| (place(low), place(high))) {
         let corners = [(low, plot.top), (high, plot.top), (high, plot.bottom), (low, plot.bottom)];

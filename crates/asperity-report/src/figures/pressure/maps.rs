@@ -1,6 +1,6 @@
 //! The laws of the pressures of all cells: contact probability, mean, quantiles, and the error of an expansion.
 
-use serde_json::Value;
+use asperity_results::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry};
 
 use crate::canvas::{Align, LABEL, Rect, draw};
 use crate::figures::{Plate, Stage, map};
@@ -31,24 +31,25 @@ pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErr
     Ok(())
 }
 
+/// What the maps rest on.
+fn maps_of(run: &Run) -> Option<&MapsEntry> {
+    run.results.pressure.as_ref()?.maps.as_ref()
+}
+
 /// How many samples, how well the probabilities are known, and whether the cells differ.
 fn contact_words(run: &Run) -> String {
-    let pressure = &run.results["pressure"];
     let mut words = String::new();
-    let maps = &pressure["maps"];
-    if let (Some(samples), Some(half)) =
-        (maps["samples"].as_u64(), maps["contact_probability_largest_half_width"].as_f64())
-    {
+    if let Some(&MapsEntry { samples, contact_probability_largest_half_width: Some(half), .. }) = maps_of(run) {
         let half = significant(half, 2);
         words += &format!(
             " {samples} realisations: each value is known to ± {half} or better, with 95 %; neighbouring \
              cells share their errors."
         );
     }
-    let found = &pressure["homogeneity"];
-    if let (Some(p_value), Some(cells)) = (found["p_value"].as_f64(), found["cells"].as_u64()) {
+    let found = run.results.pressure.as_ref().and_then(|pressure| pressure.homogeneity.as_ref());
+    if let Some(&HomogeneityEntry { p_value: Some(p_value), cells: Some(cells), plausible, .. }) = found {
         let p_value = if p_value < 1e-3 { "below 0.001".to_owned() } else { format!("= {}", significant(p_value, 2)) };
-        words += &match found["plausible"].as_bool() {
+        words += &match plausible {
             Some(true) => format!(" {cells} cells apart do not differ in law more than by chance (p {p_value})."),
             _ => format!(" {cells} cells apart differ in law by more than chance (p {p_value})."),
         };
@@ -58,9 +59,14 @@ fn contact_words(run: &Run) -> String {
 
 /// What was expanded in what, and what its errors mean.
 fn expansion_words(run: &Run) -> String {
-    let found = &run.results["pressure"]["global_expansion"];
-    let of = match (found["variables"].as_u64(), found["degree"].as_u64(), found["leave_one_out_error"].as_f64()) {
-        (Some(variables), Some(degree), Some(mean)) => {
+    let found = run.results.pressure.as_ref().and_then(|pressure| pressure.global_expansion.as_ref());
+    let of = match found {
+        Some(&GlobalExpansionEntry {
+            variables: Some(variables),
+            degree: Some(degree),
+            leave_one_out_error: Some(mean),
+            ..
+        }) => {
             format!(
                 " of total degree {degree} in the {variables} leading variables, {} on average",
                 significant(mean, 3)
@@ -120,16 +126,15 @@ fn laws(run: &Run) -> Result<Option<Plate>, ReportError> {
 }
 
 fn caption(run: &Run, unseen: &[(&str, &str, &Field)]) -> String {
-    let maps: &Value = &run.results["pressure"]["maps"];
     let mut words =
         "Mean and quantiles over the realisations, zeros out of contact counted, on one colour scale.".to_owned();
-    if let (Some(samples), Some(kept)) = (maps["samples"].as_u64(), maps["kept_samples"].as_u64()) {
+    if let Some(&MapsEntry { samples, kept_samples: kept, .. }) = maps_of(run) {
         words += &match samples == kept {
             true => format!(" {samples} realisations."),
             false => format!(" Means of {samples} realisations, quantiles of {kept} of them."),
         };
     }
-    if let Some(se) = maps["mean_largest_se_pa"].as_f64() {
+    if let Some(se) = maps_of(run).and_then(|maps| maps.mean_largest_se_pa) {
         words += &format!(" Standard errors of the means are {} at most.", Dimension::Pressure.show_short(se));
     }
     let of = |(_, title, field): &(&str, &str, &Field)| {

@@ -1,13 +1,12 @@
 //! The laws of what belongs to the whole contact: area, load, gap and stiffness.
 
-use serde_json::Value;
+use asperity_results::ScalarQuantile;
 
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
 use crate::figures::{Plate, Stage, columns, csv};
 use crate::format::{Dimension, Unit};
-use crate::page::interval;
 use crate::palette::{BLACK, BLUE, VERMILION};
 use crate::symbol::Shape;
 use crate::{ReportError, Run};
@@ -37,14 +36,11 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
             Chart::new(Axis::padded(label, unit, (low, high), 0.05), Axis::linear(y, Unit::none(), (0.0, 1.0)));
         let pen = Pen::new(BLUE, 1.8, Dash::Solid);
         chart.add("law by the default", Mark::Line { x: values.to_vec(), y: probability.to_vec(), pen });
-        for quantile in quantiles(&run.results["pressure"], name) {
-            let (Some(x), Some(y)) = (quantile["value"].as_f64(), quantile["probability"].as_f64()) else { continue };
+        for &ScalarQuantile { value: x, probability: y, value_interval: [from, to] } in quantiles(run, name) {
             let ring = Mark::Symbol { x, y, shape: Shape::Ring, colour: BLACK };
             chart.add("10, 50 and 90 % quantiles", ring);
-            if let Some((from, to)) = interval(quantile, "value") {
-                let pen = Pen::new(VERMILION, 2.6, Dash::Solid);
-                chart.add("95 % interval", Mark::Span { from, to, y, pen });
-            }
+            let pen = Pen::new(VERMILION, 2.6, Dash::Solid);
+            chart.add("95 % interval", Mark::Span { from, to, y, pen });
         }
         charts.push((1.0, chart));
     }
@@ -69,8 +65,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
 }
 
 /// The quantiles of a scalar.
-fn quantiles<'a>(pressure: &'a Value, name: &str) -> &'a [Value] {
-    let scalars = pressure["scalars"].as_array().map_or(&[][..], Vec::as_slice);
-    let found = scalars.iter().find(|scalar| scalar["name"] == name).and_then(|scalar| scalar["quantiles"].as_array());
-    found.map_or(&[], Vec::as_slice)
+fn quantiles<'a>(run: &'a Run, name: &str) -> &'a [ScalarQuantile] {
+    let mut scalars = run.results.pressure.iter().flat_map(|pressure| &pressure.scalars);
+    scalars.find(|scalar| scalar.name == name).map_or(&[], |scalar| &scalar.quantiles)
 }

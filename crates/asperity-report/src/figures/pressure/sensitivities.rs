@@ -1,12 +1,11 @@
 //! Sobol' indices: which variables matter for which quantity.
 
-use serde_json::Value;
+use asperity_results::{IndexEntry, Pair, SensitivityEntry};
 
 use crate::axis::Axis;
 use crate::canvas::{Align, Canvas, Dash, GRID, INK, LABEL, Pen, Rect, TEXT, draw, text_width};
 use crate::figures::{Plate, Stage, csv};
 use crate::format::{Unit, fixed};
-use crate::page::interval;
 use crate::palette::{BLACK, BLUE, ORANGE};
 use crate::{ReportError, Run};
 
@@ -24,15 +23,19 @@ const QUANTITIES: [(&str, &str); 3] = [
 ];
 const SETS: [(&str, &str); 2] = [("local", "heights about the cell"), ("global", "leading modes")];
 /// The two indices of each variable.
-const INDICES: [(&str, &str, plotters::prelude::RGBColor); 2] =
-    [("first_order", "first order: alone", BLUE), ("total", "total: with all others", ORANGE)];
+const INDICES: [(Index, &str, plotters::prelude::RGBColor); 2] = [
+    (|index| (index.first_order, index.first_order_interval), "first order: alone", BLUE),
+    (|index| (index.total, index.total_interval), "total: with all others", ORANGE),
+];
+
+/// An index with its interval.
+type Index = fn(&IndexEntry) -> (f64, Pair);
 
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let entries = run.results["pressure"]["sensitivities"].as_array().map_or(&[][..], Vec::as_slice);
+    let entries = run.results.pressure.as_ref().map_or(&[][..], |pressure| &pressure.sensitivities);
     let found = |quantity: &str, set: &str| {
-        entries
-            .iter()
-            .find(|entry| entry["quantity"] == quantity && entry["variables"] == set && !indices(entry).is_empty())
+        let is_wanted = |entry: &&SensitivityEntry| entry.quantity == quantity && entry.variables == set;
+        entries.iter().filter(is_wanted).find(|entry| !entry.indices.is_empty())
     };
     let sets: Vec<_> =
         SETS.into_iter().filter(|(set, _)| QUANTITIES.iter().any(|(name, _)| found(name, set).is_some())).collect();
@@ -40,7 +43,7 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
         .into_iter()
         .filter(|(name, _)| sets.iter().any(|(set, _)| found(name, set).is_some()))
         .map(|(name, title)| {
-            let most = sets.iter().filter_map(|(set, _)| found(name, set)).map(|entry| indices(entry).len()).max();
+            let most = sets.iter().filter_map(|(set, _)| found(name, set)).map(|entry| entry.indices.len()).max();
             (name, title, ROW * most.unwrap_or(0) as f64)
         })
         .collect();
@@ -58,7 +61,13 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
             for (column, (set, variables)) in sets.iter().enumerate() {
                 let Some(entry) = found(name, set) else { continue };
                 let outer = Rect::new(width * column as f64, top, width, HEAD + room + FOOT);
-                panel(canvas, outer, entry, &format!("{label}: {variables}"), row + 1 == rows.len())?;
+                panel(
+                    canvas,
+                    outer,
+                    (&entry.indices, entry.cross_validated_error),
+                    &format!("{label}: {variables}"),
+                    row + 1 == rows.len(),
+                )?;
             }
             top += HEAD + room + FOOT;
         }
@@ -67,12 +76,6 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
     let sources = vec![csv(NAME)];
     plates.push(Plate { name: NAME, stage: Stage::Pressure, title: title.into(), caption, sources, svg });
     Ok(())
-}
-
-/// The indices of an entry that are numbers.
-fn indices(entry: &Value) -> Vec<&Value> {
-    let all = entry["indices"].as_array().map_or(&[][..], Vec::as_slice);
-    all.iter().filter(|index| index["first_order"].is_number() && index["total"].is_number()).collect()
 }
 
 fn caption(local: bool) -> String {
@@ -98,17 +101,15 @@ pub(in crate::figures) fn legend(canvas: &mut Canvas<'_>) -> Result<(), ReportEr
     Ok(())
 }
 
-/// The bars of `indices` of an entry: `name`, `first_order`, `total` and their intervals.
+/// The bars of indices, and how much of the variance they are of.
 pub(in crate::figures) fn panel(
     canvas: &mut Canvas<'_>,
     outer: Rect,
-    entry: &Value,
+    (indices, unexplained): (&[IndexEntry], Option<f64>),
     title: &str,
     last: bool,
 ) -> Result<(), ReportError> {
-    let indices = indices(entry);
-    let names: Vec<&str> = indices.iter().map(|index| index["name"].as_str().unwrap_or("–")).collect();
-    let room = names.iter().map(|name| text_width(name, TEXT)).fold(40.0, f64::max) + 20.0;
+    let room = indices.iter().map(|index| text_width(&index.name, TEXT)).fold(40.0, f64::max) + 20.0;
     let plot = Rect {
         left: outer.left + room.min(0.5 * outer.width()),
         top: outer.top + HEAD,
@@ -116,7 +117,7 @@ pub(in crate::figures) fn panel(
         bottom: outer.top + HEAD + ROW * indices.len() as f64,
     };
     canvas.text((outer.left + 12.0, outer.top + 14.0), title, LABEL, Align::Start)?;
-    if let Some(error) = entry["cross_validated_error"].as_f64() {
+    if let Some(error) = unexplained {
         let explained = format!("explained: {} % of the variance", fixed((100.0 * (1.0 - error)).max(0.0), 0));
         canvas.text((outer.left + 12.0, outer.top + 33.0), &explained, TEXT, Align::Start)?;
     }
@@ -131,20 +132,19 @@ pub(in crate::figures) fn panel(
         canvas.text((0.5 * (plot.left + plot.right), plot.bottom + 36.0), &axis.label(), LABEL, Align::Middle)?;
     }
     let place = |value: f64| plot.left + value.clamp(0.0, 1.0) * plot.width();
-    for (row, (index, name)) in indices.iter().zip(&names).enumerate() {
+    for (row, index) in indices.iter().enumerate() {
         let middle = plot.top + ROW * (row as f64 + 0.5);
-        canvas.text((plot.left - 8.0, middle), name, TEXT, Align::End)?;
-        for ((key, _, colour), y) in INDICES.into_iter().zip([middle - 0.5 * BAR, middle + 0.5 * BAR]) {
-            let end = place(index[key].as_f64().unwrap_or(0.0));
+        canvas.text((plot.left - 8.0, middle), &index.name, TEXT, Align::End)?;
+        for ((of, _, colour), y) in INDICES.into_iter().zip([middle - 0.5 * BAR, middle + 0.5 * BAR]) {
+            let (value, [low, high]) = of(index);
+            let end = place(value);
             if end > plot.left {
                 canvas.fill(Rect::new(plot.left, y - 0.5 * BAR, end - plot.left, BAR), colour)?;
             }
-            if let Some((low, high)) = interval(index, key) {
-                let (low, high) = (place(low), place(high));
-                canvas.line(&[(low, y), (high, y)], Pen::new(BLACK, 1.2, Dash::Solid))?;
-                for x in [low, high] {
-                    canvas.line(&[(x, y - 3.0), (x, y + 3.0)], Pen::new(BLACK, 1.2, Dash::Solid))?;
-                }
+            let (low, high) = (place(low), place(high));
+            canvas.line(&[(low, y), (high, y)], Pen::new(BLACK, 1.2, Dash::Solid))?;
+            for x in [low, high] {
+                canvas.line(&[(x, y - 3.0), (x, y + 3.0)], Pen::new(BLACK, 1.2, Dash::Solid))?;
             }
         }
     }

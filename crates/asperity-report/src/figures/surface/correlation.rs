@@ -1,6 +1,6 @@
 //! Autocorrelation along x and y with its bands, the model, and the correlation lengths.
 
-use super::{Plate, Stage, columns, csv, number, which};
+use super::{Plate, Stage, columns, csv, scan, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -37,7 +37,9 @@ impl<'a> Side<'a> {
                 .zip(table.column(&format!("acf_{axis}_high")))
                 .map(Into::into),
             model: table.column(&format!("fit_{axis}")),
-            length_m: number(run, &format!("correlation_length_{axis}_m")).filter(|length| *length > 0.0),
+            length_m: scan(run)
+                .and_then(|scan| scan.number(&format!("correlation_length_{axis}_m")))
+                .filter(|length| *length > 0.0),
             pens,
             aside: 0.12,
         })

@@ -1,6 +1,6 @@
 //! Power spectral density: the radial mean, and profiles along x and y.
 
-use super::{Plate, Stage, columns, csv, number, scan, which};
+use super::{Plate, Stage, columns, csv, scan, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -76,14 +76,14 @@ struct Reliable {
 
 impl Reliable {
     fn of(run: &Run) -> Option<Self> {
-        let [low, high] = ["low", "high"].map(|end| number(run, &format!("psd_reliable_{end}_rad_per_m")));
-        let limit = match scan(run)["psd_upper_limit"].as_str() {
-            Some("pixel") => Some(("pixels", "half of the pixels’ Nyquist wavenumber")),
-            Some("roll_off") => Some(("roll-off", "the roll-off of the instrument, a filter or a smooth surface")),
-            Some("noise_floor") => Some(("noise", "the noise floor")),
+        let scan = scan(run)?;
+        let limit = match scan.psd_upper_limit.as_str() {
+            "pixel" => Some(("pixels", "half of the pixels’ Nyquist wavenumber")),
+            "roll_off" => Some(("roll-off", "the roll-off of the instrument, a filter or a smooth surface")),
+            "noise_floor" => Some(("noise", "the noise floor")),
             _ => None,
         };
-        Some(Self { low: low?, high: high?, limit })
+        Some(Self { low: scan.psd_reliable_low_rad_per_m, high: scan.psd_reliable_high_rad_per_m, limit })
     }
 
     /// Names of the regions, where no falling spectrum is in the way: at the lower left and the upper right.

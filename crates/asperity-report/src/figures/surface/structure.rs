@@ -1,6 +1,6 @@
 //! Structure functions along x and y with the power laws that give the Hurst exponent.
 
-use super::{Plate, Stage, columns, csv, number, which};
+use super::{Plate, Stage, columns, csv, scan, which};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
 use crate::chart::{Chart, Layout, Mark, figure};
@@ -21,7 +21,7 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         Axis::logarithmic("Lag τ", Dimension::Length.unit((lags.0 * lags.1).sqrt()), lags),
         Axis::logarithmic("Structure function S(τ)", unit, (0.7 * low, 2.0 * high)),
     );
-    if let Some(sq_m) = number(run, "Sq_m") {
+    if let Some(sq_m) = scan(run).map(|scan| scan.Sq_m) {
         let level = Mark::Horizontal { y: 2.0 * sq_m * sq_m, pen: Pen::new(GREY, 1.2, Dash::Dashed) };
         chart.add("2 Sq²", level);
     }
@@ -45,8 +45,8 @@ pub(super) fn plate(run: &Run) -> Result<Option<Plate>, ReportError> {
         }
     }
     let title = "Structure functions of heights";
-    let found = match (number(run, "hurst"), number(run, "fractal_dimension")) {
-        (Some(hurst), Some(dimension)) => format!(
+    let found = match scan(run).and_then(|scan| scan.hurst.zip(scan.fractal_dimension)) {
+        Some((hurst, dimension)) => format!(
             "Slopes of 2H over the lags of the fit give the Hurst exponent H = {}, the fractal dimension D = 3 − H = {}.",
             significant(hurst, 3),
             significant(dimension, 3)

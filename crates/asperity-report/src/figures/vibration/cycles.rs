@@ -1,6 +1,6 @@
 //! Cycles and vibration lost to roughness against damping.
 
-use serde_json::Value;
+use asperity_results::VibrationResult;
 
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
@@ -19,17 +19,15 @@ const UPSCALINGS: [(&str, &str, plotters::prelude::RGBColor, Dash); 2] =
 pub(super) fn plates(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
     let Some(table) = run.tables.get(NAME) else { return Ok(()) };
     let Some([damping]) = columns(table, ["damping_ratio"]) else { return Ok(()) };
-    let Some(sweep) = Sweep::new(table, damping, &run.results["vibration"]) else { return Ok(()) };
+    let Some(sweep) = Sweep::new(table, damping, run.results.vibration.as_ref()) else { return Ok(()) };
     cycles(&sweep, plates)?;
     lost(&sweep, duration(run), plates)
 }
 
-/// Length τ of the trajectories, from the results or the inputs.
+/// Length τ of the trajectories.
 fn duration(run: &Run) -> Option<f64> {
-    run.results["vibration"]["duration"].as_f64().or_else(|| {
-        let input = run.inputs.iter().find(|input| input.section == "vibration" && input.key == "duration")?;
-        input.value.trim().parse().ok()
-    })
+    let input = run.inputs.iter().find(|input| input.section == "vibration" && input.key == "duration")?;
+    input.value.trim().parse().ok()
 }
 
 /// What was counted at several damping ratios, and the limits of the deterministic motion.
@@ -41,15 +39,19 @@ struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(table: &'a Table, damping: &'a [f64], vibration: &Value) -> Option<Self> {
+    fn new(table: &'a Table, damping: &'a [f64], vibration: Option<&VibrationResult>) -> Option<Self> {
         let limits = [
-            ("hopf_damping_ratio", "Hopf point ζ", Pen::new(GREY, 1.6, Dash::Dotted)),
-            ("critical_damping_ratio", "cycle ends at ζ", Pen::new(BLACK, 1.6, Dash::Alternating)),
+            (vibration.and_then(|v| v.hopf_damping_ratio), "Hopf point ζ", Pen::new(GREY, 1.6, Dash::Dotted)),
+            (
+                vibration.and_then(|v| v.critical_damping_ratio),
+                "cycle ends at ζ",
+                Pen::new(BLACK, 1.6, Dash::Alternating),
+            ),
         ];
         let limits: Vec<(f64, String, Pen)> = limits
             .iter()
-            .filter_map(|(key, label, pen)| {
-                let value = vibration[*key].as_f64()?;
+            .filter_map(|(value, label, pen)| {
+                let value = (*value)?;
                 Some((value, format!("{label} = {}", significant(value, 5)), *pen))
             })
             .collect();

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::Value;
-
 use super::{Words, columns, parted};
 use crate::axis::{Axis, range};
 use crate::canvas::{Dash, Pen};
@@ -20,7 +18,7 @@ const DENSE: f64 = 0.3;
 const MANY: f64 = 1500.0;
 
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let settled = run.results["vibration"]["cycle"]["limit_cycle"] == Value::Bool(false);
+    let settled = run.results.vibration.as_ref().is_some_and(|vibration| !vibration.cycle.limit_cycle);
     let deterministic = if settled { "deterministic motion (no cycle)" } else { "deterministic limit cycle" };
     let Some((chart, drawn)) = portrait(&run.tables, deterministic) else { return Ok(()) };
     let title = "Phase portrait";

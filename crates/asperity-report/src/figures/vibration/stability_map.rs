@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use asperity_results::{MapResolutionResult, MapResult};
 use serde_json::Value;
 
 use super::{columns, in_words, outlined, parted};
@@ -30,14 +31,14 @@ const DESCRIPTION: &str = "Colours: share of the trajectories that vibrate for a
 
 /// The map of a study.
 pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportError> {
-    let map = &run.results["vibration"]["map"];
-    let Some(Figure { svg, .. }) = figure(map, &run.tables)? else { return Ok(()) };
+    let Some(map) = run.results.vibration.as_ref().and_then(|vibration| vibration.map.as_ref()) else { return Ok(()) };
+    let Some(Figure { svg, .. }) = drawn(map, &run.tables)? else { return Ok(()) };
     let sources = ["map_cells", "map_contours", "map_limit"].into_iter().filter(|name| run.tables.contains_key(*name));
     plates.push(Plate {
         name: "stability_map",
         stage: Stage::Vibration,
         title: TITLE.into(),
-        caption: description(map),
+        caption: description(&map.resolution),
         sources: sources.map(csv).collect(),
         svg,
     });
@@ -45,12 +46,8 @@ pub(super) fn plate(run: &Run, plates: &mut Vec<Plate>) -> Result<(), ReportErro
 }
 
 /// What the map shows, and where its cells are too wide for the transition.
-fn description(map: &Value) -> String {
-    let resolution = &map["resolution"];
-    let unresolved = resolution["unresolved_share"].as_f64().unwrap_or(0.0);
-    let (Some(width), Some(height)) = (resolution["x"].as_f64(), resolution["y"].as_f64()) else {
-        return DESCRIPTION.into();
-    };
+fn description(resolution: &MapResolutionResult) -> String {
+    let &MapResolutionResult { x: width, y: height, unresolved_share: unresolved } = resolution;
     if unresolved <= 0.0 {
         return DESCRIPTION.into();
     }
@@ -69,6 +66,14 @@ fn description(map: &Value) -> String {
 
 pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
     let (Some(x), Some(y)) = (answer["x"].as_str(), answer["y"].as_str()) else { return Ok(None) };
+    let number = |key: &str| answer["resolution"][key].as_f64().unwrap_or(0.0);
+    let resolution =
+        MapResolutionResult { x: number("x"), y: number("y"), unresolved_share: number("unresolved_share") };
+    drawn(&MapResult { x: x.into(), y: y.into(), resolution }, tables)
+}
+
+fn drawn(map: &MapResult, tables: &BTreeMap<String, Table>) -> Result<Option<Figure>, ReportError> {
+    let MapResult { x, y, resolution } = map;
     let Some(cells) = tables.get("map_cells").and_then(|table| Cells::of(table, x, y)) else { return Ok(None) };
     let axis = |name: &str, ends| Axis::linear(&in_words(name), Unit::none(), ends);
     let mut chart = Chart::new(axis(x, cells.x), axis(y, cells.y));
@@ -90,7 +95,7 @@ pub(super) fn figure(answer: &Value, tables: &BTreeMap<String, Table>) -> Result
         outlined(&mut chart, "end of vibration without fluctuation", line, Pen::new(VERMILION, 2.6, Dash::Solid));
     }
     let bar = Axis::linear(TITLE, Unit::none(), (0.0, 1.0));
-    let svg = with_bar(&chart, &bar, TITLE, &description(answer))?;
+    let svg = with_bar(&chart, &bar, TITLE, &description(resolution))?;
     Ok(Some(Figure { name: "stability_map".into(), svg }))
 }
 
@@ -152,12 +157,11 @@ impl<'a> Cells<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
     fn a_transition_within_a_cell_is_not_shown_as_if_the_cell_were_its_width() {
-        let at = |share: f64| description(&json!({"resolution": {"x": 0.0125, "y": 0.001, "unresolved_share": share}}));
-        assert_eq!((at(0.0), description(&json!({}))), (DESCRIPTION.to_owned(), DESCRIPTION.to_owned()));
+        let at = |unresolved_share| description(&MapResolutionResult { x: 0.0125, y: 0.001, unresolved_share });
+        assert_eq!(at(0.0), DESCRIPTION);
         assert!(at(1.0).contains("Along the whole front") && at(0.4).contains("Along 40 % of the front"));
         assert!(at(0.4).contains("0.013 × 0.001)") && at(0.4).contains("not resolved"), "{}", at(0.4));
     }

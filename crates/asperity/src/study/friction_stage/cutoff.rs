@@ -13,9 +13,11 @@ use crate::stats::{Interval, student_quantile};
 use crate::study::config::{FrictionSection, LawChoice, MaterialSection, WindowShape};
 use crate::study::friction_stage::{Setup, SolvedLevel};
 use crate::study::friction_uncertainty::PartOf;
+use crate::study::measured::Measured;
 use crate::study::output::StageOutput;
-use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, SurfaceResult, pair};
-use crate::study::surface_model::{SurfaceModel, Texture};
+use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
+use crate::study::surface_model::Texture;
+use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::filter::{Edges, Respaced};
@@ -157,7 +159,7 @@ impl Anchor {
 pub(super) fn run(
     section: &FrictionSection,
     material: &MaterialSection,
-    (model, surface): (&SurfaceModel, &SurfaceResult),
+    surface: &SurfaceStage,
     (levels, lead): (&[SolvedLevel], usize),
     seed: u64,
     monitor: &dyn Monitor,
@@ -166,10 +168,10 @@ pub(super) fn run(
     let Some(plan) = Plan::new(section, levels.len()) else { return Ok((None, output)) };
     let lead = &levels[lead];
     let own = Setup::new(&plan.section(section, false), material)?;
-    let generated = model.strip(own.grid, own.periodic)?;
+    let generated = surface.model.strip(own.grid, own.periodic)?;
     let strips = generated.surface.as_ref();
     // The sum of cosines of arbitrary directions does not close at the edges of a strip.
-    let closes = own.periodic && !matches!(model.texture, Texture::WeierstrassMandelbrot { .. });
+    let closes = own.periodic && !matches!(surface.model.texture, Texture::WeierstrassMandelbrot { .. });
     let edges = if closes { Edges::Periodic } else { Edges::Mirrored };
     let pitch_m = own.grid.dx_m().max(own.grid.dy_m());
     let control = Control::MeanPressure { pascal: lead.level.mean_pressure_pa };
@@ -231,7 +233,7 @@ pub(super) fn run(
         strip_length_m: plan.length_m,
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
-        band_end_m: band_end_m(surface),
+        band_end_m: surface.measured.as_ref().and_then(Measured::band_end_m),
         plastic_floor: plastic_floor(section, material),
         points,
         halved_pitch,
@@ -268,18 +270,6 @@ fn solved(
     });
     let rms_slope = (squares.sum::<f64>() / STRIPS as f64).sqrt();
     Ok(Ok(Solved { means, plastic_fraction: level.plastic_share, rms_slope }))
-}
-
-/// Shortest wavelength at which the spectra of all scans are reliable.
-fn band_end_m(surface: &SurfaceResult) -> Option<f64> {
-    let of_part = surface.part.iter().flat_map(|part| part.scans.iter().map(|(_, scan)| scan));
-    surface
-        .statistics
-        .iter()
-        .chain(of_part)
-        .filter(|scan| scan.psd_reliable_high_rad_per_m > scan.psd_reliable_low_rad_per_m)
-        .map(|scan| std::f64::consts::TAU / scan.psd_reliable_high_rad_per_m)
-        .reduce(f64::max)
 }
 
 /// Friction of contacts that all have the hardness: τ_max/H, and α of a pressure-dependent shear strength.

@@ -13,9 +13,8 @@ use crate::study::friction_stage::{SolvedLevel, no_variance};
 use crate::study::result::{
     AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
     OperatingPoint, Pair, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite,
-    pair,
+    law_result, pair,
 };
-use crate::study::surface_stage::law_result;
 
 pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelResult {
     let (level, statistics) = (&solved.level, &solved.statistics);
@@ -49,7 +48,7 @@ pub(super) fn level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> 
         correlation_length_m_interval: correlation.and_then(|c| c.length_interval).map(pair),
         correlation_length_without_window_m: study.map(|s| s.length_m),
         correlation_length_without_window_m_interval: study.map(|s| pair(s.interval)),
-        correlation_without_window_model: study.map(|s| s.model.name()),
+        correlation_without_window_model: study.map(|s| s.model.name().into()),
         correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
         correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
         window_only: study.map(WindowStudy::window_only),
@@ -145,7 +144,7 @@ fn laws(ranking: &Ranking) -> Vec<RankedLawResult> {
     let criterion = |fit: &Fit| fit.aic_correlated(ranking.effective_size);
     let least = ranking.fits.first().map_or(f64::NAN, criterion);
     let of = |(place, fit): (usize, &Fit)| RankedLawResult {
-        name: fit.family.key(),
+        name: fit.family.key().into(),
         aic_difference: criterion(fit) - least,
         gof: distance(ranking, place),
     };
@@ -169,7 +168,11 @@ fn return_level(level: &ReturnLevel) -> ReturnLevelResult {
 fn correlation_curves(process: &FrictionStatistics) -> Vec<CorrelationCurveResult> {
     let curves = process.correlation.iter().flat_map(|found| &found.models);
     curves
-        .map(|fit| CorrelationCurveResult { model: fit.model.name(), length_m: fit.length_m, misfit: fit.misfit })
+        .map(|fit| CorrelationCurveResult {
+            model: fit.model.name().into(),
+            length_m: fit.length_m,
+            misfit: fit.misfit,
+        })
         .collect()
 }
 
@@ -177,7 +180,7 @@ fn correlation_models(analysis: &ProcessAnalysis) -> Vec<CorrelationModelResult>
     let models = analysis.models.iter().flatten();
     models
         .map(|ranked| CorrelationModelResult {
-            model: ranked.fit.model.name(),
+            model: ranked.fit.model.name().into(),
             length_m: ranked.fit.length_m,
             length_interval: pair(ranked.fit.interval),
             aic_difference: ranked.aic_difference,

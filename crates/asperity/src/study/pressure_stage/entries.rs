@@ -19,17 +19,16 @@ pub(super) struct Posed {
 pub(super) fn summary(results: &Results, posed: &Posed) -> PressureResult {
     let reference = &results.reference;
     let estimate = &reference.estimate;
-    let mean = estimate.mean_interval_pa();
     PressureResult {
         cell: [posed.cell.0, posed.cell.1],
         reference_samples: reference.samples,
         sites: reference.sites,
         contact_probability: estimate.contact_probability,
-        contact_probability_se: estimate.contact_probability_se,
-        contact_probability_interval: estimate.contact_probability_interval.map_or([f64::NAN; 2], pair),
+        contact_probability_se: finite(estimate.contact_probability_se),
+        contact_probability_interval: estimate.contact_probability_interval.map(pair),
         mean_pa: estimate.mean_pa,
-        mean_se_pa: estimate.mean_se_pa,
-        mean_interval: mean.map_or([f64::NAN; 2], pair),
+        mean_se_pa: finite(estimate.mean_se_pa),
+        mean_interval: estimate.mean_interval_pa().map(pair),
         std_pa: estimate.law.std(),
         quantiles: quantiles(estimate),
         ks_resolution: reference.ks_resolution,

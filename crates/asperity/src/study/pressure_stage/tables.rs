@@ -85,44 +85,45 @@ fn methods(summary: &PressureResult) -> Table {
     let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
     let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.clone()));
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut add = |name: &str, reference: f64, values: Vec<Option<f64>>| {
+    let mut add = |name: &str, reference: Option<f64>, values: Vec<Option<f64>>| {
         let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN));
-        columns.push((name.to_owned(), std::iter::once(reference).chain(values).collect()));
+        columns.push((name.to_owned(), std::iter::once(reference.unwrap_or(f64::NAN)).chain(values).collect()));
     };
     let of = |value: &dyn Fn(&MethodEntry) -> Option<f64>| -> Vec<Option<f64>> {
         methods.iter().map(|method| value(method)).collect()
     };
-    let samples = summary.reference_samples as f64;
+    let samples = Some(summary.reference_samples as f64);
     add("fine_solves", samples, of(&|m| Some(m.fine_solves as f64)));
     add("work_in_fine_solves", samples, of(&|m| Some(m.work_in_fine_solves)));
-    add("contact_probability", summary.contact_probability, of(&|m| m.contact_probability));
-    add("contact_probability_bias", f64::NAN, of(&|m| m.contact_probability_bias));
+    add("contact_probability", Some(summary.contact_probability), of(&|m| m.contact_probability));
+    add("contact_probability_bias", None, of(&|m| m.contact_probability_bias));
     add("contact_probability_se", summary.contact_probability_se, of(&|m| m.contact_probability_se));
     for (i, side) in ["low", "high"].into_iter().enumerate() {
-        let own = summary.contact_probability_interval[i];
+        let own = summary.contact_probability_interval.map(|interval| interval[i]);
         add(&format!("contact_probability_{side}"), own, of(&|m| Some(end(m.contact_probability_interval, i))));
     }
-    add("mean_pa", summary.mean_pa, of(&|m| m.mean_pa));
-    add("mean_bias_pa", f64::NAN, of(&|m| m.mean_bias_pa));
+    add("mean_pa", Some(summary.mean_pa), of(&|m| m.mean_pa));
+    add("mean_bias_pa", None, of(&|m| m.mean_bias_pa));
     add("mean_se_pa", summary.mean_se_pa, of(&|m| m.mean_se_pa));
     for (i, side) in ["low", "high"].into_iter().enumerate() {
-        add(&format!("mean_{side}_pa"), summary.mean_interval[i], of(&|m| Some(end(m.mean_interval, i))));
+        let own = summary.mean_interval.map(|interval| interval[i]);
+        add(&format!("mean_{side}_pa"), own, of(&|m| Some(end(m.mean_interval, i))));
     }
-    add("std_pa", summary.std_pa, of(&|m| m.std_pa));
+    add("std_pa", Some(summary.std_pa), of(&|m| m.std_pa));
     for (k, quantile) in summary.quantiles.iter().enumerate() {
         let percent = (100.0 * quantile.probability).round();
         add(
             &format!("quantile_{percent}_pa"),
-            quantile.pressure_pa,
+            Some(quantile.pressure_pa),
             of(&|m| m.quantiles.get(k).map(|q| q.pressure_pa)),
         );
         for (i, side) in ["low", "high"].into_iter().enumerate() {
             let found = of(&|m| m.quantiles.get(k).map(|q| end(q.pressure_pa_interval, i)));
-            add(&format!("quantile_{percent}_{side}_pa"), end(quantile.pressure_pa_interval, i), found);
+            add(&format!("quantile_{percent}_{side}_pa"), Some(end(quantile.pressure_pa_interval, i)), found);
         }
     }
-    add("ks_distance", f64::NAN, of(&|m| m.ks_distance));
-    add("wasserstein_1_over_std", f64::NAN, of(&|m| m.wasserstein_1_over_std));
+    add("ks_distance", None, of(&|m| m.ks_distance));
+    add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
     Table::named(names.collect(), columns)
 }
 

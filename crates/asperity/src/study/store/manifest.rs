@@ -132,7 +132,7 @@ fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
     Ok(found)
 }
 
-fn hash(file: &Path) -> io::Result<String> {
+pub(super) fn hash(file: &Path) -> io::Result<String> {
     let (mut file, mut digest, mut piece) = (File::open(file)?, Sha256::new(), vec![0; PIECE_BYTES]);
     loop {
         match file.read(&mut piece) {

@@ -5,19 +5,15 @@
 //! process ends: hidden folders whose list can be locked were left behind, and the next [`Staging::open`] beside them removes
 //! them.
 
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use asperity_formats::{
-    Scan, check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, temporary_suffix, write_npy,
-};
+use asperity_formats::{check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, temporary_suffix};
 
 use super::manifest::{MANIFEST, Manifest, UNFINISHED};
-use super::{COMPLETE, FIELD_INDEX, FRICTION_PROCESS, FieldEntry, StoreError, at, json_bytes};
-use crate::study::Outcome;
+use super::{COMPLETE, StoreError, at};
 
 /// Hidden names of a folder that is being written, and of one that is being replaced.
 const PARTIAL: &str = ".partial-";
@@ -86,27 +82,6 @@ impl Staging {
             fs::write(&path, bytes)
         };
         write().map_err(at(&self.destination.join(relative)))
-    }
-
-    /// Writes results, tables, fields, and the process of the friction stage.
-    ///
-    /// # Errors
-    /// The operating system refused.
-    pub fn write_outcome(&self, outcome: &Outcome) -> Result<(), StoreError> {
-        self.write("results.json", &json_bytes(&outcome.results)?)?;
-        for (name, table) in &outcome.tables {
-            self.write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
-        }
-        if let Some(process) = &outcome.friction_process {
-            self.write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
-        }
-        let mut index = BTreeMap::new();
-        for (name, field) in &outcome.fields {
-            let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
-            index.insert(name.clone(), entry);
-            self.write(&format!("fields/{name}.npy"), &write_npy(&Scan::new(field.values.clone(), None)))?;
-        }
-        self.write(FIELD_INDEX, &json_bytes(&index)?)
     }
 
     /// Marks the run complete and moves it to its destination.

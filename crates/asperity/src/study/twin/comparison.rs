@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 use crate::map::HeightMap;
 use crate::study::config::{BoundaryChoice, GeneratorChoice, TranslationChoice};
-use crate::study::measured::Measured;
+use crate::study::measured::{MapStatistics, Measured};
 use crate::study::result::{CovarianceResult, LawResult, Pair, SurfaceStatistics, finite, pair};
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::preparation::Prepared;
@@ -22,8 +22,8 @@ const POSITIVE: Scale = Above(0.0);
 const STATISTICS: [(&str, Scale, Reading); 24] = [
     ("Sa_m", POSITIVE, |s| Some(s.Sa_m)),
     ("Sq_m", POSITIVE, |s| Some(s.Sq_m)),
-    ("Ssk", Linear, |s| Some(s.Ssk)),
-    ("Sku", Above(1.0), |s| Some(s.Sku)),
+    ("Ssk", Linear, |s| s.Ssk),
+    ("Sku", Above(1.0), |s| s.Sku),
     ("Sp_m", POSITIVE, |s| Some(s.Sp_m)),
     ("Sv_m", POSITIVE, |s| Some(s.Sv_m)),
     ("Sz_m", POSITIVE, |s| Some(s.Sz_m)),
@@ -158,7 +158,7 @@ impl Comparison {
 
 /// What is known of the scan before its twins are drawn.
 pub(super) struct Target {
-    pub(super) statistics: SurfaceStatistics,
+    pub(super) statistics: MapStatistics,
     pub(super) curves: Vec<Curve>,
 }
 
@@ -178,7 +178,7 @@ impl Target {
     /// Reads off a twin what was read off the scan.
     pub(super) fn read_off(&self, twin: Prepared) -> Result<TwinTraits, StudyError> {
         let Measured { map, statistics, correlation, .. } = Measured::point_values_of(twin)?;
-        let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics).unwrap_or(f64::NAN)).collect();
+        let statistics = STATISTICS.iter().map(|(_, _, read)| read(&statistics.results).unwrap_or(f64::NAN)).collect();
         let curves = self.curves.iter().map(|curve| curve.of_another(&map, &correlation)).collect();
         Ok(TwinTraits { statistics, curves })
     }
@@ -187,7 +187,7 @@ impl Target {
     pub(super) fn compare_statistics(&self, twins: &[TwinTraits]) -> Vec<(&'static str, StatisticComparison)> {
         let entries = STATISTICS.iter().enumerate().map(|(i, (name, scale, read))| {
             let spread = Spread::of(twins.iter().map(|twin| twin.statistics[i]), *scale);
-            let target = read(&self.statistics).and_then(finite);
+            let target = read(&self.statistics.results).and_then(finite);
             let inside = target.zip(spread.band).map(|(value, band)| band.contains(value));
             let comparison = StatisticComparison {
                 target,

@@ -257,7 +257,7 @@ fn twins_are_not_filtered_a_second_time() {
     let twice: Vec<f64> = (0..10)
         .map(|index| {
             let prepared = again.apply(&twins.draw(index)).unwrap();
-            crate::study::statistics(&prepared).unwrap().Sdq.unwrap()
+            crate::study::statistics(&prepared).unwrap().results.Sdq.unwrap()
         })
         .collect();
     let slope = statistic(&comparison, "Sdq");

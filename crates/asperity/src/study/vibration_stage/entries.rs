@@ -1,8 +1,20 @@
 //! Results of the vibration stage as `results.json` has them.
 
-use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
+use crate::study::result::{
+    CrossingResult, CycleResult, DampingResult, KindResult, MotionResult, PointsResult, finite,
+};
 use crate::study::sentence;
 use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleLaw};
+
+/// Returns a kind of motion as `results.json` names it.
+pub(super) fn kind_result(kind: MotionKind) -> KindResult {
+    match kind {
+        MotionKind::StickSlip => KindResult::StickSlip,
+        MotionKind::Overtaking => KindResult::Overtaking,
+        MotionKind::SlipCycle => KindResult::SlipCycle,
+        MotionKind::None => KindResult::None,
+    }
+}
 
 pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     let cycle = regime.cycle();
@@ -21,7 +33,7 @@ pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
 pub(super) fn damping_result(damping_ratio: f64, kind: MotionKind, ensemble: &Ensemble) -> DampingResult {
     DampingResult {
         damping_ratio,
-        kind,
+        kind: kind_result(kind),
         cycles_deterministic: ensemble.cycles_deterministic,
         cycles_mean: ensemble.cycles.mean,
         cycles_se: ensemble.cycles.se,
@@ -60,7 +72,7 @@ pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
         stick_share: ensemble.stick_share.mean,
         stick_share_se: ensemble.stick_share.se,
         share_in_cycle: passages.share_in_cycle,
-        kind_shares: passages.kinds.clone(),
+        kind_shares: passages.kinds.iter().map(|(kind, share)| (kind_result(*kind), *share)).collect(),
         exit_rate: passages.exit_rate.map(|rate| rate.value),
         exit_rate_interval: passages.exit_rate.map(|rate| rate.interval),
         entry_rate: passages.entry_rate.map(|rate| rate.value),

@@ -1,42 +1,44 @@
 //! Friction against the shortest waves kept, in `results.json`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::study::result::Pair;
+use crate::Pair;
 
 /// How far the mean friction coefficient depends on the shortest waves that the random surface keeps.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CutoffResult {
-    /// Mean pressure on every strip, that of the leading level.
+    /// Mean pressure on every strip: the mean pressure at the operating point.
     pub mean_pressure_pa: f64,
-    /// Strips solved for each entry, all of the same random numbers.
+    /// Strips solved for each entry, with the same random numbers.
     pub strips: usize,
-    /// Their length.
+    /// Length of these strips.
     pub strip_length_m: f64,
-    /// Pitch of the strips, the larger one where the two differ.
+    /// Pitch of these strips, the larger one where the two differ.
     pub pitch_m: f64,
-    /// Shortest wavelength that the study's own strips hold: twice the pitch.
+    /// Shortest wavelength on the study's own strips: twice the pitch.
     pub cutoff_m: f64,
     /// Shortest wavelength at which the spectrum of the scan is reliable; `null` without a scan, or where nothing is.
     pub band_end_m: Option<f64>,
-    /// Least coefficient, that of contacts which all have the hardness; `null` without a hardness.
+    /// Least friction coefficient, reached where all contacts have the hardness; `null` without a hardness.
     pub plastic_floor: Option<f64>,
-    /// From the study's own cut-off upwards, in octaves.
+    /// One entry per cut-off, from the study's own upwards, in octaves.
     pub points: Vec<CutoffPoint>,
-    /// The same surface at the study's own cut-off, solved with half the pitch; `null` where that has no solution.
+    /// The same surface at the study's own cut-off, solved with half the pitch; `null` if there is no solution.
     pub halved_pitch: Option<HalvedPitch>,
-    /// What is known, in a sentence.
+    /// How far the friction coefficient depends on the shortest waves, in a sentence.
     pub known: String,
 }
 
 /// Mean friction without the waves that are shorter than a cut-off.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CutoffPoint {
-    /// Cut-off wavelength of the Gaussian filter; the first is that of the pitch, without a filter.
+    /// Cut-off wavelength of the Gaussian filter; the first entry is twice the pitch, without a filter.
     pub cutoff_m: f64,
     /// μ = ΣF/ΣN.
     pub mean: f64,
-    /// Its interval: the interval of the study's own mean, and that of the ratio to it.
+    /// Interval of the mean: it contains the error of the study's own mean and of the ratio to it.
     pub mean_interval: Option<Pair>,
     /// Root mean square gradient of the heights, by differences over the pitch.
     pub rms_slope: f64,
@@ -45,7 +47,8 @@ pub struct CutoffPoint {
 }
 
 /// Mean friction of the same surface on cells of half the pitch.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HalvedPitch {
     /// The pitch.
     pub pitch_m: f64,

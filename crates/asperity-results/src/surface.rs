@@ -1,34 +1,57 @@
 //! The surface stage in `results.json`.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
-use crate::correlation::MeasuredReport;
-use crate::study::PooledStatistics;
-use crate::study::result::{LawResult, finite, pair};
-use crate::surface::pooling::Mean;
-use crate::surface::uncertainty::Estimates;
+use crate::LawResult;
+use crate::companions::{Companions, PooledResult, SpreadResult};
 
-/// The surface stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The surface stage. The statistics stand beside the other keys.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceResult {
-    /// Statistics of the scan; absent without one.
+    /// Statistics of the scan or scans.
     #[serde(flatten)]
-    pub statistics: Option<SurfaceStatistics>,
-    /// Statistics of the part, where there are several scans of it, in place of those of one.
-    #[serde(flatten)]
-    pub part: Option<PooledStatistics>,
+    pub measured: MeasuredSurface,
     /// Covariance of the random surfaces; absent for Weierstrass–Mandelbrot surfaces, which are not made from one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariance: Option<CovarianceResult>,
-    /// Marginal law of the random surfaces.
+    /// Marginal distribution of the random surfaces.
     pub marginal: LawResult,
     /// Karhunen–Loève expansion on the patches of the pressure stage.
     pub karhunen_loeve: Option<KarhunenLoeveResult>,
 }
 
+impl SurfaceResult {
+    /// Returns the statistics of the scan if the study has exactly one.
+    pub fn scan(&self) -> Option<&SurfaceStatistics> {
+        if let MeasuredSurface::Scan(scan) = &self.measured { Some(scan) } else { None }
+    }
+
+    /// Returns the statistics of the part if the study has several scans of it.
+    pub fn part(&self) -> Option<&PartStatistics> {
+        if let MeasuredSurface::Part(part) = &self.measured { Some(part) } else { None }
+    }
+}
+
+/// Statistics of the scans of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum MeasuredSurface {
+    /// Pooled statistics of several scans of a part.
+    Part(Box<PartStatistics>),
+    /// Statistics of one scan.
+    Scan(Box<SurfaceStatistics>),
+    /// The study states its surface.
+    Stated {},
+}
+
+impl Default for MeasuredSurface {
+    fn default() -> Self {
+        Self::Stated {}
+    }
+}
+
 /// Statistics of a map after levelling; keys as in `asperity surface stats`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[expect(non_snake_case, reason = "the names of ISO 25178-2 parameters are case-sensitive")]
 pub struct SurfaceStatistics {
     /// Points along x.
@@ -51,9 +74,9 @@ pub struct SurfaceStatistics {
     /// Root mean square height.
     pub Sq_m: f64,
     /// Skewness.
-    pub Ssk: f64,
+    pub Ssk: Option<f64>,
     /// Kurtosis.
-    pub Sku: f64,
+    pub Sku: Option<f64>,
     /// Highest peak.
     pub Sp_m: f64,
     /// Deepest pit.
@@ -112,8 +135,8 @@ pub struct SurfaceStatistics {
     pub psd_reliable_low_rad_per_m: f64,
     /// Their upper end; nothing is reliable when it is not above the lower.
     pub psd_reliable_high_rad_per_m: f64,
-    /// What sets the upper end: `pixel`, `roll_off` or `noise_floor`.
-    pub psd_upper_limit: &'static str,
+    /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    pub psd_upper_limit: String,
     /// 1/e correlation length along x.
     pub correlation_length_x_m: Option<f64>,
     /// 1/e correlation length along y.
@@ -130,22 +153,29 @@ pub struct SurfaceStatistics {
     pub fractal_dimension: Option<f64>,
     /// Intervals and standard errors beside them.
     #[serde(flatten)]
-    pub intervals: StatisticsIntervals,
+    pub intervals: Companions<SpreadResult>,
 }
 
 impl SurfaceStatistics {
-    /// The statistics that mean something for a part of which the map is one scan, with what is averaged over scans.
-    pub fn poolable(&self) -> Vec<(&'static str, Option<f64>, Mean)> {
-        let plain = [
+    /// Returns all statistics but counts and words, with their names, in the order of the fields; `None` where undefined.
+    pub fn numbers(&self) -> [(&'static str, Option<f64>); 43] {
+        [
+            ("dx_m", Some(self.dx_m)),
+            ("dy_m", Some(self.dy_m)),
+            ("form_radius_m", self.form_radius_m),
             ("Sa_m", Some(self.Sa_m)),
-            ("Ssk", finite(self.Ssk)),
-            ("Sku", finite(self.Sku)),
+            ("Sq_m", Some(self.Sq_m)),
+            ("Ssk", self.Ssk),
+            ("Sku", self.Sku),
             ("Sp_m", Some(self.Sp_m)),
             ("Sv_m", Some(self.Sv_m)),
             ("Sz_m", Some(self.Sz_m)),
+            ("Sdq", self.Sdq),
+            ("Sdq_7point", self.Sdq_7point),
             ("Sdr", self.Sdr),
             ("Sal_m", self.Sal_m),
             ("Str", self.Str),
+            ("Std_rad", self.Std_rad),
             ("Ssw_m", self.Ssw_m),
             ("Sk_m", Some(self.Sk_m)),
             ("Spk_m", Some(self.Spk_m)),
@@ -164,54 +194,87 @@ impl SurfaceStatistics {
             ("Vmc_m", Some(self.Vmc_m)),
             ("Vvc_m", Some(self.Vvc_m)),
             ("Vvv_m", Some(self.Vvv_m)),
+            ("psd_reliable_low_rad_per_m", Some(self.psd_reliable_low_rad_per_m)),
+            ("psd_reliable_high_rad_per_m", Some(self.psd_reliable_high_rad_per_m)),
             ("correlation_length_x_m", self.correlation_length_x_m),
             ("correlation_length_y_m", self.correlation_length_y_m),
             ("hurst", self.hurst),
+            ("hurst_se", self.hurst_se),
+            ("hurst_range_low_m", self.hurst_range_low_m),
+            ("hurst_range_high_m", self.hurst_range_high_m),
             ("fractal_dimension", self.fractal_dimension),
-        ];
-        // Their squares are means over the surface.
-        let square = [("Sq_m", Some(self.Sq_m)), ("Sdq", self.Sdq), ("Sdq_7point", self.Sdq_7point)];
-        let of = |mean: Mean| move |(name, value)| (name, value, mean);
-        square.into_iter().map(of(Mean::RootMeanSquare)).chain(plain.into_iter().map(of(Mean::Arithmetic))).collect()
+        ]
     }
 
-    /// Area of the points that are present in m².
-    pub fn present_area_m2(&self) -> f64 {
-        (self.nx * self.ny - self.missing_points) as f64 * self.dx_m * self.dy_m
+    /// Returns the statistic of a name; `None` if it is undefined, or a count or a word.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers().into_iter().find(|(own, _)| *own == name)?.1
     }
 }
 
-/// For each statistic x that is estimated, `x_interval` = [low, high] at 95 % and `x_se`; null where the map holds too few
-/// correlation lengths.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct StatisticsIntervals(pub Estimates);
+/// Pooled statistics of several scans of a part, and those of the scans.
+///
+/// Each pooled statistic `x` is the weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the
+/// standard error of one scan) and `x_between_std` (the standard deviation between places). All are `null` if `x` is undefined on a
+/// scan.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartStatistics {
+    /// Number of scans.
+    pub scan_count: usize,
+    /// Points along x; `null` where the scans differ, as for the next three.
+    pub nx: Option<usize>,
+    /// Points along y.
+    pub ny: Option<usize>,
+    /// Pitch along x.
+    pub dx_m: Option<f64>,
+    /// Pitch along y.
+    pub dy_m: Option<f64>,
+    /// Missing points of all scans.
+    pub missing_points: usize,
+    /// Points of all scans rejected as outliers.
+    pub outliers: usize,
+    /// Pooled statistics by name.
+    #[serde(flatten)]
+    pub pooled: Companions<PooledResult>,
+    /// Lower end of the wavenumbers at which the spectra of all scans are reliable.
+    pub psd_reliable_low_rad_per_m: f64,
+    /// Their upper end.
+    pub psd_reliable_high_rad_per_m: f64,
+    /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    pub psd_upper_limit: String,
+    /// Shortest lag from which the Hurst exponent of a scan was fitted.
+    pub hurst_range_low_m: Option<f64>,
+    /// Longest lag of these.
+    pub hurst_range_high_m: Option<f64>,
+    /// The scans.
+    pub scans: Vec<ScanOfPart>,
+}
 
-impl Serialize for StatisticsIntervals {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let named = self.0.named();
-        let mut map = serializer.serialize_map(Some(2 * named.len()))?;
-        for (name, estimate) in named {
-            map.serialize_entry(&format!("{name}_interval"), &estimate.map(|e| pair(e.interval)))?;
-            map.serialize_entry(&format!("{name}_se"), &estimate.map(|e| e.standard_error))?;
-        }
-        map.end()
-    }
+/// One scan of a part.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ScanOfPart {
+    /// Name of its file.
+    pub file: String,
+    /// Its statistics.
+    #[serde(flatten)]
+    pub statistics: SurfaceStatistics,
 }
 
 /// Covariance of the random surfaces.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CovarianceResult {
     /// Name of the model; `empirical` is the scan's own.
     pub model: String,
     /// Standard deviation.
     pub std_m: f64,
-    /// Length ℓ along x of the model ([`crate::correlation::CorrelationModel`]): where the correlation falls to 1/e, except
+    /// Length ℓ along x of the model : where the correlation falls to 1/e, except
     /// that it is the scale of the Matérn model and the roll-off length of the self-affine one. Without a model where the
     /// correlation falls to 1/e.
     pub length_x_m: f64,
     /// The same along y.
     pub length_y_m: f64,
-    /// Lag along x at which the correlation is 1/e, whatever the model: what `correlation_length_x_m` is of the scan.
+    /// Lag along x at which the correlation is 1/e, for every model; compares with `correlation_length_x_m` of the scan.
     pub decay_length_x_m: f64,
     /// The same along y.
     pub decay_length_y_m: f64,
@@ -228,13 +291,14 @@ pub struct CovarianceResult {
     pub slope_cutoff_m: Option<f64>,
     /// The covariances that were tried, the most likely model first.
     pub candidates: Vec<CovarianceCandidate>,
-    /// What was done to the scan's own autocorrelation to make it a covariance.
+    /// Changes that made the scan's own autocorrelation a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub empirical: Option<MeasuredReport>,
+    pub empirical: Option<EmpiricalCovariance>,
 }
 
 /// A covariance that was tried.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CovarianceCandidate {
     /// Name of the model; `empirical` is the scan's own.
     pub model: String,
@@ -245,12 +309,37 @@ pub struct CovarianceCandidate {
 }
 
 /// A Karhunen–Loève expansion.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct KarhunenLoeveResult {
     /// Number of terms.
     pub modes: usize,
-    /// Fraction of the variance that they hold.
+    /// Fraction of the variance in these terms.
     pub captured_variance: f64,
-    /// Fraction of the mean squared slope on the patch's grid that they hold.
+    /// Fraction of the mean squared slope on the patch's grid in these terms.
     pub captured_slope_variance: f64,
+}
+
+/// Changes that made the scan's own autocorrelation a covariance. All correlations are relative to the variance.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EmpiricalCovariance {
+    /// Fraction of the variance removed with the map's mean; lags and variance are corrected for it.
+    pub mean_share: f64,
+    /// Standard error of a lag near zero in a field without correlation there, √(Σρ²/N).
+    pub standard_error: f64,
+    /// Largest lag along x, over all directions, up to which the estimate is used as it stands, in metre.
+    pub reliable_x_m: f64,
+    /// Largest lag along y up to which the estimate is used as it stands, in metre.
+    pub reliable_y_m: f64,
+    /// Whether the correlation decays along x within the map. Otherwise the taper shortened it.
+    pub decayed_x: bool,
+    /// Whether the correlation decays along y within the map.
+    pub decayed_y: bool,
+    /// Largest change of a lag by the taper.
+    pub taper_change: f64,
+    /// Fraction of the variance in negative values of the tapered spectrum, which were set to zero.
+    pub clipped_variance: f64,
+    /// Largest change of a lag by the balancing of the spectrum and the end of its factor.
+    pub clipping_change: f64,
 }

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::study::result::{CutoffResult, LawResult, Pair, UncertaintyResult};
+use crate::{CutoffResult, LawResult, Pair, Prescribed, UncertaintyResult};
 
 /// The friction stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FrictionResult {
     /// Length of the window.
     pub window_m: f64,
@@ -23,10 +24,10 @@ pub struct FrictionResult {
     pub operating_point: OperatingPoint,
     /// Levels of contact.
     pub levels: Vec<LevelResult>,
-    /// Mean friction against the shortest waves kept; absent for Coulomb's law, and where it could not be solved.
+    /// Mean friction against the shortest waves kept; absent for Coulomb's law, and if there is no solution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutoff: Option<CutoffResult>,
-    /// What uncertain parameters of the surface do; absent where none is stated.
+    /// Friction over uncertain parameters of the surface; absent if the study states none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyResult>,
 }
@@ -34,7 +35,8 @@ pub struct FrictionResult {
 /// The friction coefficient at the operating point: of the level at the nominal pressure, of the percentile that the study
 /// names or, without a vibration stage, of the level pressed hardest. Windows count by the load they carry, as in
 /// [`AtMeanLoad`].
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OperatingPoint {
     /// The level in words.
     pub level: String,
@@ -61,12 +63,13 @@ pub struct OperatingPoint {
 }
 
 /// One level of the friction stage: the quotient F/N of each window, and under `at_mean_load` the process.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LevelResult {
-    /// Whether this is the level that is shown in full and handed to the vibration stage.
+    /// Whether this level is the operating point.
     pub leading: bool,
-    /// What is prescribed: `percentile`, `mean_pressure` or `penetration`.
-    pub control: &'static str,
+    /// Prescribed quantity.
+    pub control: Prescribed,
     /// Percentage of the heights above the plane; `null` where that is not prescribed.
     pub percentile: Option<f64>,
     /// Mean depth of the plane below the highest point of each strip.
@@ -75,12 +78,11 @@ pub struct LevelResult {
     pub mean_pressure_pa: f64,
     /// Contact area over nominal area, corrected.
     pub contact_fraction: f64,
-    /// Share of the contact cells at the hardness.
+    /// Fraction of the contact cells at the hardness.
     pub plastic_share: f64,
     /// Mean of F/N; `null` where it does not exist (tail index of at most 1).
     pub mean: Option<f64>,
-    /// Its interval, which as all of μ knows the correlation along the strips; `null` where they hold too few correlation
-    /// lengths.
+    /// Its interval, which allows for the correlation along the strips; `null` where they hold too few correlation lengths.
     pub mean_interval: Option<Pair>,
     /// Standard deviation of F/N; with all that needs a variance `null` where [`LevelResult::no_variance`] says why.
     pub std: Option<f64>,
@@ -102,36 +104,36 @@ pub struct LevelResult {
     pub correlation_length_m: Option<f64>,
     /// Its interval.
     pub correlation_length_m_interval: Option<Pair>,
-    /// Length that is left when the window is taken out, fitted jointly over windows of W to W/8; 0 where they explain
-    /// everything.
+    /// Correlation length without the window, fitted jointly over windows of W to W/8; 0 if the windows explain the whole
+    /// correlation.
     pub correlation_length_without_window_m: Option<f64>,
     /// Its interval.
     pub correlation_length_without_window_m_interval: Option<Pair>,
-    /// Model that it is the length of.
-    pub correlation_without_window_model: Option<&'static str>,
-    /// Probability of a spectrum at least as far from that model's where it holds.
+    /// Correlation model with this length.
+    pub correlation_without_window_model: Option<String>,
+    /// p-value of the fit of that model to the spectrum.
     pub correlation_without_window_fit_p: Option<f64>,
-    /// Probability that the windows one by one give lengths as different where one length holds under all.
+    /// p-value of the agreement between the lengths under each window alone.
     pub correlation_without_window_agreement_p: Option<f64>,
-    /// Whether that interval includes what cannot be told from 0, less than a step: the correlation is the window's.
+    /// Whether that interval includes lengths below one step, so that the correlation is due to the window alone.
     pub window_only: Option<bool>,
-    /// Marginal law ranked first by Akaike's criterion.
+    /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// How well it fits.
+    /// Goodness of fit.
     pub gof: Option<GoodnessResult>,
     /// Values that μ of a window exceeds once in a sliding distance; empty where the strips hold too few separate peaks.
     pub return_levels: Vec<ReturnLevelResult>,
-    /// How μ of a window is distributed far above the others; `null` where the strips hold too few separate peaks.
+    /// Upper tail of μ of a window; `null` where the strips hold too few separate peaks.
     pub tail: Option<TailResult>,
-    /// The Beta law with bounds fitted by likelihood.
+    /// The beta distribution with bounds fitted by likelihood.
     pub beta: Option<LawResult>,
-    /// Why F/N has no variance, and so no standard deviation, marginal law or return levels; `null` where it has one.
+    /// Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if it has one.
     pub no_variance: Option<String>,
     /// Windows without contact, left out.
     pub empty_windows: usize,
-    /// The process that a body feels which rests on many windows.
+    /// Friction of a body that rests on many windows.
     pub at_mean_load: AtMeanLoad,
     /// Whether friction drifts along the strips; `null` where it does not vary.
     pub stationarity: Option<StationarityResult>,
@@ -141,16 +143,17 @@ pub struct LevelResult {
     pub upscaling: UpscalingResult,
     /// Mean number of contact cells in a window.
     pub contact_cells_per_window: f64,
-    /// Share of windows with fewer than 30 contact cells.
+    /// Fraction of the windows with fewer than 30 contact cells.
     pub sparse_window_share: f64,
-    /// Independent windows that the correlated ones are worth.
+    /// Effective number of independent windows.
     pub effective_windows: f64,
     /// Strips that failed.
     pub failed_samples: usize,
 }
 
-/// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; what the vibration stage takes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; it drives the vibration stage.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AtMeanLoad {
     /// μ̄ = ΣF/ΣN.
     pub mean: f64,
@@ -172,48 +175,50 @@ pub struct AtMeanLoad {
     pub correlation_curves: Vec<CorrelationCurveResult>,
     /// Models of the correlation that is left when the window is taken out, the most likely first.
     pub correlation_models: Vec<CorrelationModelResult>,
-    /// Marginal law ranked first by Akaike's criterion.
+    /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<LawResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// How well it fits; `null` for the windows' own law.
+    /// Goodness of fit; `null` for the empirical distribution.
     pub gof: Option<GoodnessResult>,
-    /// All laws that were fitted, the first by Akaike's criterion first. `marginal` is the first whose ends the windows see.
+    /// All fitted distributions, ordered by Akaike's criterion. `marginal` is the first whose ends lie within the data.
     pub laws: Vec<RankedLawResult>,
-    /// Independent windows that the correlated ones are worth.
+    /// Effective number of independent windows.
     pub effective_windows: f64,
 }
 
-/// A law among others.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A fitted distribution in the ranking.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RankedLawResult {
-    /// Name; `shifted_` where a shift was fitted, `empirical` for the windows' own law.
-    pub name: &'static str,
-    /// Akaike's criterion, of as many independent windows as the correlated ones are worth, less that of the first law.
+    /// Name; it begins with `shifted_` if a shift was fitted, and is `empirical` for the windows' own distribution.
+    pub name: String,
+    /// Difference of Akaike's criterion from the first distribution, for the effective number of independent windows.
     pub aic_difference: f64,
-    /// How well it fits; `null` for the windows' own law.
+    /// Goodness of fit; `null` for the empirical distribution.
     pub gof: Option<GoodnessResult>,
 }
 
-/// Distances between the windows and the marginal law, with p-values that know that the law was fitted and how the windows are
-/// correlated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Distances between the windows and the marginal distribution. The p-values allow for the fit and for the correlation of the windows.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GoodnessResult {
     /// Largest difference of the distribution functions.
     pub kolmogorov_smirnov: f64,
-    /// Probability of a larger one if the law is right.
+    /// Its p-value.
     pub kolmogorov_smirnov_p: f64,
-    /// A², which weighs the tails and grows with the number of windows; `null` where a window lies at an end of the law.
+    /// Anderson–Darling statistic A²; `null` if a window lies at an end of the distribution.
     pub anderson_darling: Option<f64>,
-    /// Probability of a larger one if the law is right.
+    /// Its p-value.
     pub anderson_darling_p: Option<f64>,
 }
 
 /// A curve fitted to the estimated correlation by least squares.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CorrelationCurveResult {
     /// Its name.
-    pub model: &'static str,
+    pub model: String,
     /// ℓ, which contains the window.
     pub length_m: f64,
     /// Root mean square difference from the estimated correlation.
@@ -221,22 +226,24 @@ pub struct CorrelationCurveResult {
 }
 
 /// A model of the correlation without the window, fitted by likelihood.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CorrelationModelResult {
     /// Its name.
-    pub model: &'static str,
+    pub model: String,
     /// ℓ; 0 where the window explains everything.
     pub length_m: f64,
     /// Its interval.
     pub length_interval: Pair,
-    /// Akaike's criterion less that of the best.
+    /// Difference of Akaike's criterion from the best model.
     pub aic_difference: f64,
-    /// Whether the best is better beyond chance.
+    /// Whether the best model is better by more than chance.
     pub worse_beyond_chance: bool,
 }
 
 /// Tests of friction against drifts along the strips, at the mean load: probabilities of at least as much if there is none.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StationarityResult {
     /// Slope of μ along the strip.
     pub trend_per_m: Option<f64>,
@@ -253,7 +260,8 @@ pub struct StationarityResult {
 }
 
 /// A correlation coefficient of two quantities of the same windows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CrossResult {
     /// The coefficient.
     pub correlation: f64,
@@ -261,8 +269,9 @@ pub struct CrossResult {
     pub interval: Pair,
 }
 
-/// The upper tail of μ: peaks over a threshold follow a generalised Pareto law.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Upper tail of μ: a generalised Pareto distribution of the peaks over a threshold.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TailResult {
     /// Largest value.
     pub largest: f64,
@@ -277,7 +286,8 @@ pub struct TailResult {
 }
 
 /// A value that μ exceeds once in a distance on average.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ReturnLevelResult {
     /// Sliding distance.
     pub distance_m: f64,
@@ -287,8 +297,9 @@ pub struct ReturnLevelResult {
     pub interval: Option<Pair>,
 }
 
-/// The scatter of friction at the mean load under both upscalings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Standard deviation of friction at the mean load under both upscalings.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct UpscalingResult {
     /// One window carries the whole normal force (the paper).
     pub paper: PaperScatter,
@@ -297,20 +308,22 @@ pub struct UpscalingResult {
 }
 
 /// Friction of one window.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PaperScatter {
     /// Standard deviation of μ.
     pub std: f64,
 }
 
 /// Friction of the nominal area.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AreaScatter {
     /// The nominal area.
     pub nominal_area_m2: f64,
-    /// Windows that it holds.
+    /// Number of windows in the nominal area.
     pub windows: f64,
-    /// Variance of μ over the nominal area over that of one window.
+    /// Variance of μ over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Standard deviation of μ.
     pub std: f64,

@@ -1,30 +1,31 @@
 //! The pressure stage in `results.json`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::study::result::Pair;
+use crate::Pair;
 
 /// The pressure stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PressureResult {
     /// Cell [row, column] whose pressure is studied.
     pub cell: [usize; 2],
     /// Contact solves of the reference run.
     pub reference_samples: usize,
-    /// Cells of each whose pressures are pooled: more than one where the surface is stationary on a periodic patch.
+    /// Cells of each sample whose pressures are pooled: more than one if the surface is stationary on a periodic patch.
     pub sites: usize,
     /// P(contact) of the reference run.
     pub contact_probability: f64,
     /// Its standard error.
-    pub contact_probability_se: f64,
+    pub contact_probability_se: Option<f64>,
     /// Its interval.
-    pub contact_probability_interval: Pair,
+    pub contact_probability_interval: Option<Pair>,
     /// Mean pressure of the reference run, zeros out of contact counted.
     pub mean_pa: f64,
     /// Its standard error.
-    pub mean_se_pa: f64,
+    pub mean_se_pa: Option<f64>,
     /// Its interval.
-    pub mean_interval: Pair,
+    pub mean_interval: Option<Pair>,
     /// Standard deviation of the pressure in the reference run, zeros out of contact counted.
     pub std_pa: f64,
     /// Quantiles of the reference run.
@@ -39,20 +40,21 @@ pub struct PressureResult {
     pub separation_m: Option<f64>,
     /// One entry per method.
     pub methods: Vec<MethodEntry>,
-    /// Scalars of the whole contact.
+    /// Quantities of the whole contact.
     pub scalars: Vec<ScalarEntry>,
-    /// What the maps of all cells rest on; absent without maps.
+    /// Samples and accuracy of the maps of all cells; `null` without maps.
     pub maps: Option<MapsEntry>,
-    /// Whether cells differ in law; absent without maps.
+    /// Test of equal distributions in all cells; `null` without maps.
     pub homogeneity: Option<HomogeneityEntry>,
-    /// The expansion of all cells; absent without maps.
+    /// The expansion of all cells; `null` without maps.
     pub global_expansion: Option<GlobalExpansionEntry>,
     /// Sobol' indices, one entry for each quantity and set of variables.
     pub sensitivities: Vec<SensitivityEntry>,
 }
 
 /// One method of the pressure stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MethodEntry {
     /// Name.
     pub name: String,
@@ -60,7 +62,7 @@ pub struct MethodEntry {
     pub fine_solves: usize,
     /// Contact solves on coarser grids.
     pub coarse_solves: Vec<CoarseEntry>,
-    /// Their work, that of coarse ones by cells and iterations, in fine solves.
+    /// Work of all solves in fine solves; coarse solves count by cells and iterations.
     pub work_in_fine_solves: f64,
     /// Contact solves that failed.
     pub failed_samples: usize,
@@ -70,22 +72,22 @@ pub struct MethodEntry {
     pub contact_probability_bias: Option<f64>,
     /// The standard error of P(contact) less its bias.
     pub contact_probability_se: Option<f64>,
-    /// Its interval, which holds bias and error.
+    /// Its interval, which allows for bias and error.
     pub contact_probability_interval: Option<Pair>,
     /// Mean pressure, zeros out of contact counted.
     pub mean_pa: Option<f64>,
-    /// Its bias, as that of P(contact).
+    /// Its bias, estimated likewise.
     pub mean_bias_pa: Option<f64>,
     /// The standard error of the mean less its bias.
     pub mean_se_pa: Option<f64>,
-    /// Its interval, which holds bias and error.
+    /// Its interval, which allows for bias and error.
     pub mean_interval: Option<Pair>,
     /// Standard deviation of the pressure, zeros out of contact counted.
     pub std_pa: Option<f64>,
     /// Quantiles.
     pub quantiles: Vec<PressureQuantile>,
-    /// So many standard errors to either side of the distribution function less its bias hold it everywhere at once with 95 %; biases
-    /// and standard errors stand in the table `pressure_bands`.
+    /// Half width of the simultaneous 95 % band of the distribution function in standard errors, around the estimate less its
+    /// bias; the table `pressure_bands` lists biases and standard errors.
     pub simultaneous_band_factor: Option<f64>,
     /// Kolmogorov–Smirnov distance from the reference.
     pub ks_distance: Option<f64>,
@@ -95,14 +97,15 @@ pub struct MethodEntry {
     pub coefficients: Option<usize>,
     /// Relative leave-one-out error of the expansion.
     pub leave_one_out_error: Option<f64>,
-    /// Why there are no intervals.
+    /// Reason why there are no intervals.
     pub interval_failure: Option<String>,
-    /// Why there is no estimate.
+    /// Reason why there is no estimate.
     pub failure: Option<String>,
 }
 
 /// Contact solves on one coarser grid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CoarseEntry {
     /// Points along x.
     pub nx: usize,
@@ -115,7 +118,8 @@ pub struct CoarseEntry {
 }
 
 /// A quantile of the pressure.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PressureQuantile {
     /// Probability.
     pub probability: f64,
@@ -125,8 +129,9 @@ pub struct PressureQuantile {
     pub pressure_pa_interval: Option<Pair>,
 }
 
-/// A scalar of the whole contact, estimated as by the default method.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A quantity of the whole contact, estimated by the default method.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ScalarEntry {
     /// Name with the unit of all values.
     pub name: String,
@@ -143,7 +148,8 @@ pub struct ScalarEntry {
 }
 
 /// A quantile of a scalar.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ScalarQuantile {
     /// Probability.
     pub probability: f64,
@@ -153,9 +159,10 @@ pub struct ScalarQuantile {
     pub value_interval: Pair,
 }
 
-/// What the maps of all cells rest on. They are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50`
+/// Samples and accuracy of the maps of all cells. The maps are fields: `contact_probability`, `pressure_mean`, `pressure_quantile_10`, `_50`
 /// and `_90`, and `expansion_error`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MapsEntry {
     /// Samples of contact probabilities and means.
     pub samples: usize,
@@ -168,7 +175,8 @@ pub struct MapsEntry {
 }
 
 /// Whether cells differ in contact probability or mean pressure.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HomogeneityEntry {
     /// Cells compared.
     pub cells: Option<usize>,
@@ -182,14 +190,15 @@ pub struct HomogeneityEntry {
     pub p_value: Option<f64>,
     /// Whether the samples do not show that cells differ, at 5 %.
     pub plausible: Option<bool>,
-    /// Why it is not known.
+    /// Reason why there is no result.
     pub failure: Option<String>,
 }
 
-/// An expansion of the pressures of all cells in the leading germ variables.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+/// An expansion of the pressures of all cells in the leading standard normal variables.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GlobalExpansionEntry {
-    /// Leading germ variables.
+    /// Number of leading standard normal variables.
     pub variables: Option<usize>,
     /// Total degree.
     pub degree: Option<usize>,
@@ -197,29 +206,31 @@ pub struct GlobalExpansionEntry {
     pub coefficients: Option<usize>,
     /// Relative leave-one-out error, mean over the cells that vary.
     pub leave_one_out_error: Option<f64>,
-    /// Why there is none.
+    /// Reason why there is none.
     pub failure: Option<String>,
 }
 
-/// Sobol' indices of one quantity with respect to one set of variables: shares of what an expansion explains.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+/// Sobol' indices of one quantity with respect to one set of variables: fractions of the variance that an expansion explains.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SensitivityEntry {
     /// Name of the quantity with its unit.
     pub quantity: String,
-    /// `local`: the height of the cell and of rings around it; `global`: the leading germ variables.
+    /// `local`: the height of the cell and of rings around it; `global`: the leading standard normal variables.
     pub variables: String,
     /// One entry for each variable.
     pub indices: Vec<IndexEntry>,
     /// Terms of the expansion.
     pub terms: Option<usize>,
-    /// Share of the variance that the expansion does not predict, by cross-validation.
+    /// Fraction of the variance that the expansion does not predict, by cross-validation.
     pub cross_validated_error: Option<f64>,
-    /// Why there are no indices.
+    /// Reason why there are no indices.
     pub failure: Option<String>,
 }
 
 /// Sobol' indices of one variable.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct IndexEntry {
     /// Name of the variable.
     pub name: String,

@@ -2,13 +2,40 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::study::result::{LawResult, Pair};
-use crate::vibration::{MapResolution, MotionKind};
+use crate::{LawResult, Pair};
+
+/// Kind of motion that the machine settles into.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum KindResult {
+    /// The mass sticks to the belt in every period.
+    StickSlip,
+    /// The mass passes the belt's velocity and never sticks.
+    Overtaking,
+    /// The mass stays slower than the belt throughout the period.
+    SlipCycle,
+    /// Steady sliding.
+    #[default]
+    None,
+}
+
+impl KindResult {
+    /// Returns the name in `results.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StickSlip => "stick_slip",
+            Self::Overtaking => "overtaking",
+            Self::SlipCycle => "slip_cycle",
+            Self::None => "none",
+        }
+    }
+}
 
 /// The vibration stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct VibrationResult {
     /// The study's own damping ratio ζ.
     pub damping_ratio: f64,
@@ -16,7 +43,7 @@ pub struct VibrationResult {
     pub belt_velocity: f64,
     /// Mean friction coefficient μ_st.
     pub static_friction: f64,
-    /// Level of the friction stage that is used; `null` where it is the one at N/nominal_area, or friction is stated.
+    /// Percentile of the level of the friction stage that is used; `null` if the level is at N/nominal_area or friction is stated.
     pub level_percentile: Option<f64>,
     /// Mean pressure of that level.
     pub level_mean_pressure_pa: Option<f64>,
@@ -24,9 +51,9 @@ pub struct VibrationResult {
     pub friction_correlation_length_m: f64,
     /// The same as sliding distance over N/c.
     pub correlation_length: f64,
-    /// Marginal law of μ; `null` where friction is constant.
+    /// Marginal distribution of μ; `null` if friction is constant.
     pub marginal: Option<LawResult>,
-    /// Variance of μ over the nominal area over that of one window.
+    /// Variance of μ over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Damping ratio ζ_c above which no cycle reaches the belt velocity; `null` if the search failed.
     pub critical_damping_ratio: Option<f64>,
@@ -35,7 +62,7 @@ pub struct VibrationResult {
     /// Damping ratio ζ_v above which no vibration persists; `null` if the search failed.
     pub limit_damping_ratio: Option<f64>,
     /// Kind of motion without fluctuation, started in stick, at the study's damping ratio.
-    pub kind: MotionKind,
+    pub kind: KindResult,
     /// Whether steady sliding is unstable there; `null` under forcing.
     pub steady_sliding_unstable: Option<bool>,
     /// Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if none is
@@ -43,7 +70,7 @@ pub struct VibrationResult {
     pub kick_m_per_s: Option<f64>,
     /// The deterministic motion at the study's damping ratio.
     pub cycle: CycleResult,
-    /// Which upscaling leads.
+    /// Upscaling that the study uses: `area` or `paper`; both are computed.
     pub upscaling: String,
     /// The stability map, if one is asked for; its numbers are tables.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -54,19 +81,34 @@ pub struct VibrationResult {
     pub area: EnsembleResult,
 }
 
-/// What a stability map is drawn over.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Parameters and resolution of a stability map.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MapResult {
     /// First parameter: `damping_ratio` or `belt_velocity`.
     pub x: String,
     /// Second parameter: `belt_velocity`, `friction_std` or `load_ratio`.
     pub y: String,
     /// Widths of the smallest cells, and whether they resolve the transition.
-    pub resolution: MapResolution,
+    pub resolution: MapResolutionResult,
+}
+
+/// How finely a map resolves the fall of the probability.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapResolutionResult {
+    /// Width of the smallest cells along x.
+    pub x: f64,
+    /// Width of the smallest cells along y.
+    pub y: f64,
+    /// Fraction of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %, so that the width of the
+    /// transition is less than a cell and not known.
+    pub unresolved_share: f64,
 }
 
 /// A deterministic limit cycle of any kind; keys as in `asperity vibration cycle`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CycleResult {
     /// Damping ratio.
     pub damping_ratio: f64,
@@ -87,7 +129,8 @@ pub struct CycleResult {
 }
 
 /// Ensembles over the damping sweep for one upscaling.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct EnsembleResult {
     /// Standard deviation of μ.
     pub friction_std: f64,
@@ -97,17 +140,18 @@ pub struct EnsembleResult {
     pub damping: Vec<DampingResult>,
     /// Where vibration falls through 95, 50 and 5 % of the second half of the duration.
     pub crossings: Vec<CrossingResult>,
-    /// The law of the re-attachment points at the study's damping ratio.
+    /// Distribution of the re-attachment points at the study's damping ratio.
     pub reattachment: PointsResult,
-    /// The law of the points at which the mass leaves the belt there.
+    /// Distribution of the points at which the mass leaves the belt there.
     pub release: PointsResult,
-    /// The cycle there; absent where friction is constant.
+    /// Motion in time at the study's damping ratio; `null` if friction is constant.
     pub motion: Option<MotionResult>,
 }
 
 /// Damping ratio at which the mean fraction of the second half of the duration spent in vibration, started in stick, falls through a
 /// level.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CrossingResult {
     /// The level.
     pub share: f64,
@@ -115,26 +159,27 @@ pub struct CrossingResult {
     pub damping_ratio: Option<f64>,
     /// Its interval.
     pub damping_ratio_interval: Option<Pair>,
-    /// Why there is none.
+    /// Reason why there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
-/// Vibration in time: how regular it is, and how surely it goes on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Regularity and persistence of vibration.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MotionResult {
     /// Mean time τ from one cycle to the next, as long as vibration is not lost.
     pub period_mean: Option<f64>,
     /// Its standard deviation.
     pub period_std: Option<f64>,
-    /// Share of the time in stick.
+    /// Fraction of the time in stick.
     pub stick_share: f64,
     /// Its standard error over trajectories.
     pub stick_share_se: f64,
-    /// Share of the time in vibration.
+    /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
-    /// Share of the time in each kind of motion.
-    pub kind_shares: BTreeMap<MotionKind, f64>,
+    /// Fraction of the time in each kind of motion.
+    pub kind_shares: BTreeMap<KindResult, f64>,
     /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,
     /// Its interval.
@@ -143,19 +188,20 @@ pub struct MotionResult {
     pub entry_rate: Option<f64>,
     /// Its interval.
     pub entry_rate_interval: Option<Pair>,
-    /// Share of the trajectories that leave vibration at all.
+    /// Fraction of the trajectories that leave vibration at all.
     pub left_share: f64,
     /// Its interval.
     pub left_share_interval: Pair,
 }
 
 /// Cycle counts at one damping ratio.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DampingResult {
     /// Damping ratio.
     pub damping_ratio: f64,
     /// Kind of motion without noise.
-    pub kind: MotionKind,
+    pub kind: KindResult,
     /// Slips that reach a negative velocity, without noise.
     pub cycles_deterministic: u64,
     /// Their mean number with noise.
@@ -166,13 +212,13 @@ pub struct DampingResult {
     pub difference_mean: f64,
     /// Its interval.
     pub difference_interval: Pair,
-    /// Share of the time in vibration.
+    /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
     /// Mean fraction of the second half of the time in vibration.
     pub vibration_share: f64,
     /// Its standard error.
     pub vibration_share_se: f64,
-    /// Share of the trajectories that sustain vibration: it takes half of the second half of their time at least.
+    /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
     pub sustained_share: f64,
     /// Its interval.
     pub sustained_share_interval: Pair,
@@ -180,8 +226,9 @@ pub struct DampingResult {
     pub failed_samples: usize,
 }
 
-/// The law of points met along the trajectories.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+/// Distribution of points along the trajectories.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PointsResult {
     /// Number of points.
     pub count: u64,

@@ -1,0 +1,116 @@
+//! The results of an asperity study: the content of `results.json` and of `provenance.json` as plain types.
+//!
+//! A program that reads a run folder needs this crate alone; it computes nothing. Numbers are SI with the unit in the name, an
+//! undefined number is `None` (`null` in the file), and an interval is [low, high] at 95 %. Results hold no clock, host or number of
+//! threads, so equal studies give equal bytes.
+
+mod companions;
+mod cutoff;
+mod friction;
+mod pressure;
+mod provenance;
+mod surface;
+mod uncertainty;
+mod vibration;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+pub use companions::{Companions, PooledResult, SpreadResult};
+pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
+pub use friction::{
+    AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
+    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, StationarityResult,
+    TailResult, UpscalingResult,
+};
+pub use pressure::{
+    CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
+    PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
+};
+pub use provenance::{Machine, Provenance};
+pub use surface::{
+    CovarianceCandidate, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface, PartStatistics,
+    ScanOfPart, SurfaceResult, SurfaceStatistics,
+};
+pub use uncertainty::{
+    FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
+};
+pub use vibration::{
+    CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,
+    MotionResult, PointsResult, VibrationResult,
+};
+
+/// Version of the keys of `results.json` that this crate reads and writes.
+pub const SCHEMA_VERSION: u64 = 1;
+
+/// The content of `results.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Results {
+    /// Version of the keys; [`SCHEMA_VERSION`].
+    pub schema_version: u64,
+    /// Seed of the study.
+    pub seed: u64,
+    /// The surface stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceResult>,
+    /// The pressure stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<PressureResult>,
+    /// The friction stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionResult>,
+    /// The vibration stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationResult>,
+    /// Assumptions, in sentences.
+    pub assumptions: Vec<String>,
+    /// Warnings, in sentences.
+    pub warnings: Vec<String>,
+}
+
+impl Default for Results {
+    fn default() -> Self {
+        Self {
+            schema_version: SCHEMA_VERSION,
+            seed: 0,
+            surface: None,
+            pressure: None,
+            friction: None,
+            vibration: None,
+            assumptions: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// A fitted or stated distribution.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LawResult {
+    /// Name of the distribution.
+    pub name: String,
+    /// Parameters by name; empty for an empirical distribution.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// Quantity that a level of the friction stage prescribes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Prescribed {
+    /// Percentage of the heights above the plane.
+    #[default]
+    Percentile,
+    /// Mean pressure.
+    MeanPressure,
+    /// Depth of the plane below the highest point.
+    Penetration,
+}
+
+/// An interval as [low, high].
+pub type Pair = [f64; 2];
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

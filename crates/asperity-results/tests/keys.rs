@@ -1,0 +1,108 @@
+//! The keys of `results.json` and what reads them back.
+#![expect(clippy::unwrap_used, reason = "a test stops where results are not what they must be")]
+
+mod example;
+
+use std::collections::BTreeSet;
+
+use asperity_results::{MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart};
+use serde_json::Value;
+
+/// Results of one scan, and those of a part of two scans with uncertain parameters.
+fn both() -> [Results; 2] {
+    let one = example::results();
+    let mut two = one.clone();
+    let scans = ["left.x3p", "right.x3p"].map(|file| ScanOfPart { file: file.into(), statistics: example::scan() });
+    two.surface.as_mut().unwrap().measured = example::part(scans.into());
+    two.friction.as_mut().unwrap().uncertainty = Some(example::uncertainty(6));
+    [one, two]
+}
+
+/// Paths of all keys, those of list items without their place.
+fn keys(value: &Value, path: &str, found: &mut BTreeSet<String>) {
+    match value {
+        Value::Array(items) => items.iter().for_each(|item| keys(item, path, found)),
+        Value::Object(entries) => {
+            for (key, entry) in entries {
+                let path = format!("{path}/{key}");
+                keys(entry, &path, found);
+                found.insert(path);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn results_are_read_back_as_they_were_written() {
+    for results in both() {
+        let text = serde_json::to_string(&results).unwrap();
+        assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), results);
+        assert_eq!(serde_json::from_value::<Results>(serde_json::to_value(&results).unwrap()).unwrap(), {
+            // A map sorts its keys, and with them the statistics.
+            let mut sorted = results.clone();
+            match &mut sorted.surface.as_mut().unwrap().measured {
+                MeasuredSurface::Scan(scan) => scan.intervals.0.sort_by(|a, b| a.0.cmp(&b.0)),
+                MeasuredSurface::Part(part) => {
+                    part.pooled.0.sort_by(|a, b| a.0.cmp(&b.0));
+                    part.scans.iter_mut().for_each(|scan| scan.statistics.intervals.0.sort_by(|a, b| a.0.cmp(&b.0)));
+                }
+                MeasuredSurface::Stated {} => {}
+            }
+            sorted
+        });
+    }
+}
+
+#[test]
+fn every_key_is_in_the_list_and_every_listed_key_is_written() {
+    let mut found = BTreeSet::new();
+    for results in both() {
+        keys(&serde_json::to_value(&results).unwrap(), "", &mut found);
+    }
+    let listed: BTreeSet<String> = include_str!("keys.txt").lines().map(str::to_owned).collect();
+    let added: Vec<_> = found.difference(&listed).collect();
+    let removed: Vec<_> = listed.difference(&found).collect();
+    assert!(
+        added.is_empty() && removed.is_empty(),
+        "keys of results.json changed: state it in CHANGELOG.md, and raise SCHEMA_VERSION if a key was renamed or removed. \
+         added: {added:#?}, removed: {removed:#?}"
+    );
+}
+
+#[test]
+fn the_version_of_the_keys_comes_first() {
+    let text = serde_json::to_string(&Results::default()).unwrap();
+    assert!(text.starts_with(&format!("{{\"schema_version\":{SCHEMA_VERSION},\"seed\":")), "{text}");
+}
+
+#[test]
+fn an_unknown_or_incomplete_key_is_an_error() {
+    let value = serde_json::to_value(example::results()).unwrap();
+    assert!(serde_json::from_value::<Results>(value.clone()).is_ok());
+    for place in
+        ["", "/surface", "/surface/covariance", "/pressure", "/pressure/methods/0", "/friction/levels/0", "/vibration"]
+    {
+        let mut changed = value.clone();
+        changed.pointer_mut(place).unwrap()["colour"] = "red".into();
+        assert!(serde_json::from_value::<Results>(changed).is_err(), "{place}");
+    }
+    for (place, key) in [("/surface", "Sq_m"), ("/surface", "Sq_m_se"), ("/vibration", "area"), ("/friction", "levels")]
+    {
+        let mut changed = value.clone();
+        changed.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(key);
+        assert!(serde_json::from_value::<Results>(changed).is_err(), "{place}/{key}");
+    }
+}
+
+#[test]
+fn a_study_without_a_scan_has_no_statistics_and_no_key_of_them() {
+    let mut results = example::results();
+    results.surface.as_mut().unwrap().measured = MeasuredSurface::Stated {};
+    let text = serde_json::to_string(&results).unwrap();
+    assert!(text.contains("\"surface\":{\"covariance\""), "{text:.200}");
+    let read: Results = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, results);
+    let surface = read.surface.unwrap();
+    assert!(surface.scan().is_none() && surface.part().is_none());
+}

@@ -1,0 +1,99 @@
+//! From a run to its report.
+
+use std::collections::BTreeMap;
+
+use asperity_report::{Field, Input, Report, ReportError, Run, render};
+use asperity_results::Provenance;
+
+use crate::study::{Outcome, StoredRun, Table};
+
+/// Files of a report by their path in the run folder.
+pub type ReportFiles = Vec<(String, Vec<u8>)>;
+
+/// Renders the report of a run that was just computed; `study` is the text of the resolved study.
+pub(super) fn of_outcome(study: &str, outcome: &Outcome, provenance: &Provenance) -> Result<ReportFiles, ReportError> {
+    let fields = outcome.fields.iter().map(|(name, field)| {
+        let ((dx_m, dy_m), values) = ((field.grid.dx_m(), field.grid.dy_m()), &field.values);
+        (name.clone(), of_field(dx_m, dy_m, values))
+    });
+    rendered(Run {
+        name: provenance.study.clone(),
+        results: outcome.results.clone(),
+        tables: of_tables(&outcome.tables),
+        fields: fields.collect(),
+        inputs: inputs(study),
+        provenance: Some(provenance.clone()),
+    })
+}
+
+impl StoredRun {
+    /// Renders the report again: `report.html` and the figures, by their path in the run folder.
+    ///
+    /// # Errors
+    /// A figure or the page could not be drawn.
+    pub fn report(&self) -> Result<ReportFiles, ReportError> {
+        let fields = self.fields.iter();
+        rendered(Run {
+            name: self.provenance.study.clone(),
+            results: self.results.clone(),
+            tables: of_tables(&self.tables),
+            fields: fields
+                .map(|(name, field)| (name.clone(), of_field(field.dx_m, field.dy_m, &field.values)))
+                .collect(),
+            inputs: inputs(&self.study),
+            provenance: Some(self.provenance.clone()),
+        })
+    }
+}
+
+fn rendered(run: Run) -> Result<ReportFiles, ReportError> {
+    let Report { html, figures } = render(&run)?;
+    let figures = figures.into_iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.into_bytes()));
+    Ok(figures.chain([("report.html".to_owned(), html.into_bytes())]).collect())
+}
+
+fn of_tables(tables: &BTreeMap<String, Table>) -> BTreeMap<String, asperity_report::Table> {
+    let columns = |table: &Table| asperity_report::Table { columns: table.columns().to_vec() };
+    tables.iter().map(|(name, table)| (name.clone(), columns(table))).collect()
+}
+
+fn of_field(dx_m: f64, dy_m: f64, values: &ndarray::Array2<f64>) -> Field {
+    let (ny, nx) = values.dim();
+    Field { nx, ny, dx_m, dy_m, values: values.iter().copied().collect() }
+}
+
+/// Every key of a study with its value as it stands in the file, by section.
+fn inputs(study: &str) -> Vec<Input> {
+    let Ok(document) = study.parse::<toml::Table>() else { return Vec::new() };
+    let input = |section: &str, key: &str, value: &toml::Value| Input {
+        section: section.to_owned(),
+        key: key.to_owned(),
+        value: in_words(value),
+    };
+    let (sections, plain): (Vec<_>, Vec<_>) = document.iter().partition(|(_, value)| value.is_table());
+    let top = plain.into_iter().map(|(key, value)| input("study", key, value));
+    let below = sections.into_iter().flat_map(|(section, value)| {
+        value.as_table().into_iter().flatten().map(move |(key, value)| input(section, key, value))
+    });
+    top.chain(below).collect()
+}
+
+fn in_words(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        toml::Value::Array(items) => items.iter().map(in_words).collect::<Vec<_>>().join(", "),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_keep_their_section_and_unit() {
+        let found = inputs("seed = 7\n[pressure]\nsize = [\"200 um\", \"100 um\"]\npercentile = 50.0\n");
+        let as_text: Vec<String> = found.iter().map(|i| format!("{}.{} = {}", i.section, i.key, i.value)).collect();
+        assert_eq!(as_text, ["study.seed = 7", "pressure.percentile = 50.0", "pressure.size = 200 um, 100 um"]);
+    }
+}

@@ -1,0 +1,120 @@
+//! Run folders: everything that a run computed, and where it comes from.
+
+use std::collections::BTreeMap;
+use std::path::{self, Path, PathBuf};
+
+use asperity_results::Provenance;
+
+use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, file_hash};
+use crate::study::{Outcome, Staging, StoreError, Study, json_bytes};
+
+/// Returns the origin of a computation from the files `inputs`: version, name, seed and the hash of every file.
+///
+/// The library reads neither clock nor host, so the start, the times and the machine are left for the caller to fill in.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenance, StoreError> {
+    let mut provenance =
+        Provenance { asperity: env!("CARGO_PKG_VERSION").into(), study: name.into(), seed, ..Provenance::default() };
+    for file in inputs {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        // A file of the same name may be in another folder.
+        let name = if provenance.inputs.contains_key(&name) { file.display().to_string() } else { name };
+        provenance.inputs.insert(name, file_hash(file)?);
+    }
+    Ok(provenance)
+}
+
+/// Writes the complete run folder: the study, results, tables, fields, friction process and provenance; with the feature `report`
+/// also the report and its figures.
+///
+/// `folder` is that of the study file. The run folder appears at its destination with [`Staging::commit`].
+///
+/// ```
+/// use std::path::Path;
+/// use asperity::monitor::Silent;
+/// use asperity::study::{Staging, StoredRun, Study, provenance, write_run};
+///
+/// let text = "seed = 7\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\n\
+///             rms_height = \"1 um\"\ncorrelation_length = [\"20 um\", \"20 um\"]\n";
+/// let study = Study::parse(text, "study.toml")?;
+/// # let temporary = tempfile::tempdir()?;
+/// # let runs = temporary.path();
+/// let staging = Staging::open(&runs.join("first"), false, &[])?;
+/// let outcome = study.run(Path::new("."), None, &Silent)?;
+/// let mut origin = provenance("first", study.seed, &[])?;
+/// origin.machine.threads = 1;
+/// write_run(&staging, &study, Path::new("."), &outcome, &origin)?;
+/// let folder = staging.commit()?;
+/// assert_eq!(StoredRun::load(&folder)?.results, outcome.results);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The operating system refused, or the report could not be rendered.
+pub fn write_run(
+    staging: &Staging,
+    study: &Study,
+    folder: &Path,
+    outcome: &Outcome,
+    provenance: &Provenance,
+) -> Result<(), StoreError> {
+    let study = toml::to_string(&study.with_absolute_paths(folder))?;
+    staging.write("study.toml", study.as_bytes())?;
+    staging.write("provenance.json", &json_bytes(provenance)?)?;
+    staging.write("results.json", &json_bytes(&outcome.results)?)?;
+    for (name, table) in &outcome.tables {
+        staging.write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
+    }
+    if let Some(process) = &outcome.friction_process {
+        staging.write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
+    }
+    let mut index = BTreeMap::new();
+    for (name, field) in &outcome.fields {
+        let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
+        index.insert(name.clone(), entry);
+        let heights = asperity_formats::Scan::new(field.values.clone(), None);
+        staging.write(&format!("fields/{name}.npy"), &asperity_formats::write_npy(&heights))?;
+    }
+    staging.write(FIELD_INDEX, &json_bytes(&index)?)?;
+    #[cfg(feature = "report")]
+    for (relative, bytes) in super::report::of_outcome(&study, outcome, provenance)? {
+        staging.write(&relative, &bytes)?;
+    }
+    Ok(())
+}
+
+impl Study {
+    /// The study with the files it reads named so that they are found from every folder, that of the run included.
+    fn with_absolute_paths(&self, folder: &Path) -> Self {
+        let mut study = self.clone();
+        // TOML holds no path that is not Unicode; such a one stays as it was given.
+        let absolute = |file: &Path| path::absolute(folder.join(file)).ok().filter(|path| path.to_str().is_some());
+        if let Some(files) = study.surface.as_mut().and_then(|surface| surface.file.as_mut()) {
+            *files = files.map(|scan| absolute(scan).unwrap_or_else(|| scan.to_path_buf()));
+        }
+        if let Some(file) = study.vibration.as_mut().and_then(|vibration| vibration.friction_process.as_mut()) {
+            *file = absolute(file).unwrap_or_else(|| file.clone());
+        }
+        study
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_of_an_input_is_its_sha_256() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("abc.txt");
+        std::fs::write(&file, "abc").unwrap();
+        let found = provenance("abc", 1, &[file.clone(), file.clone()]).unwrap();
+        // FIPS 180-2, appendix B.1.
+        let wanted = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(found.inputs["abc.txt"], wanted);
+        assert_eq!(found.inputs[&file.display().to_string()], wanted);
+        assert!(matches!(provenance("abc", 1, &[folder.path().join("gone")]), Err(StoreError::Io { .. })));
+    }
+}
