@@ -1,4 +1,4 @@
-//! Many machines without fluctuation at once.
+//! Many oscillators without fluctuation, simulated in lockstep.
 
 use rayon::prelude::*;
 
@@ -7,11 +7,12 @@ use super::trajectory::NoObserver;
 use super::{Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_process::Steady;
 
-/// Machines that one thread takes at a time.
+/// Number of oscillators per work item of a thread.
 const CHUNK: usize = 64;
 
-/// The slips of many oscillators without fluctuation, followed in lockstep on all threads; see
-/// [`super::Trajectory::simulate`] for one.
+/// Returns the slip counts of many oscillators without fluctuation, simulated in lockstep on all threads.
+///
+/// See [`super::Trajectory::simulate`] for a single oscillator.
 pub fn deterministic_slips(
     oscillators: &[Oscillator],
     settings: &TrajectorySettings,

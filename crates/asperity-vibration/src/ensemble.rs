@@ -1,4 +1,4 @@
-//! Many trajectories, and the law of what they count.
+//! Ensembles of trajectories and their statistics.
 
 mod passage;
 mod rate;
@@ -20,39 +20,41 @@ use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
 use asperity_process::{FrictionProcess, Steady, Watched};
 
-/// Trajectories computed before their results are added up, and the time τ of all of them beyond which they are fewer: both bound
-/// the memory.
+/// Number of trajectories per block, and largest total time τ of a block. Results are added up after each block; both
+/// limits bound the memory.
 const BLOCK: usize = 1024;
 const BLOCK_TIME: f64 = 1e7;
-/// Trajectories that one thread takes at a time.
+/// Number of trajectories per work item of a thread.
 const CHUNK: usize = 32;
 
-/// How an ensemble is computed.
+/// Settings of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnsembleSettings {
     /// Number of trajectories, at least 2.
     pub trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     pub duration: f64,
     /// Seed; trajectory i reads realisation i of the process.
     pub seed: u64,
-    /// Displacement X at τ = 0; none: [`Oscillator::default_start`].
+    /// Displacement X at τ = 0; [`Oscillator::default_start`] if none.
     pub start: Option<f64>,
-    /// What the friction process is a function of.
+    /// Independent variable of the friction process.
     pub drive: Drive,
-    /// How slip is integrated. Taylor series follow many trajectories at once; the others are for comparison.
+    /// Integration method of slip. Only Taylor series integrate many trajectories in lockstep; the others are for
+    /// comparison.
     #[serde(default)]
     pub method: Method,
-    /// Values of each law that are kept for histograms and tests; 8 bytes each at the end, 24 on the way, and as many of each
-    /// trajectory that is followed, if it has them.
+    /// Number of values of each distribution that are kept for histograms and tests. Each kept value takes 24 bytes
+    /// during the computation and 8 in the result; each trajectory in progress keeps at most as many.
     pub sample_capacity: usize,
-    /// Least share of valid trajectories.
+    /// Least fraction of valid trajectories.
     pub least_valid_share: f64,
 }
 
 impl EnsembleSettings {
-    /// Settings with the sliding distance as drive, the default start, up to 65,536 kept points, and 95 % to be valid.
+    /// Creates settings with the sliding distance as drive, the default start, up to 65,536 kept values and at least 95
+    /// % valid trajectories.
     pub fn new(trajectories: usize, duration: f64, seed: u64) -> Self {
         Self {
             trajectories,
@@ -67,26 +69,26 @@ impl EnsembleSettings {
     }
 }
 
-/// Memory of a kept value, and the laws of which values are kept: re-attachments, releases, periods.
+/// Bytes per kept value, and number of distributions with kept values: re-attachments, releases, periods.
 const VALUE_BYTES: f64 = 24.0;
 const LAWS: f64 = 3.0;
 
 impl EnsembleSettings {
-    /// Trajectories computed before their results are added up.
+    /// Returns the number of trajectories per block.
     fn block(&self, threads: usize) -> usize {
         let least = CHUNK * threads.clamp(1, BLOCK / CHUNK);
         ((BLOCK_TIME / self.duration) as usize).clamp(least, BLOCK)
     }
 
-    /// Memory in byte that an ensemble takes at most, roughly: a slip takes a natural period or so, and of no trajectory more
-    /// values are kept than of all.
+    /// Returns an approximate upper bound of the memory of an ensemble in bytes. It assumes one slip per natural
+    /// period; each trajectory keeps at most `sample_capacity` values.
     pub fn memory_bytes(&self, threads: usize) -> f64 {
         let values = (self.duration / TAU).min(self.sample_capacity as f64);
         VALUE_BYTES * LAWS * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
     }
 }
 
-/// Mean and spread of a count over trajectories.
+/// Mean, standard deviation and standard error of a number over trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Count {
     /// Mean.
@@ -103,59 +105,61 @@ impl Count {
     }
 }
 
-/// A trajectory that was left out.
+/// Trajectory that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Its index.
+    /// Index of the trajectory.
     pub trajectory: usize,
-    /// Why.
+    /// Reason of the failure.
     pub reason: String,
 }
 
-/// The law of many trajectories.
+/// Statistics of many trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
-    /// Trajectories asked for.
+    /// Number of requested trajectories.
     pub trajectories: usize,
-    /// Finished slips that reached ẋ < 0, per trajectory; see [`Slips`].
+    /// Finished slips per trajectory that reached ẋ < 0; see [`Slips`].
     pub cycles: Count,
-    /// Finished slips that did not, per trajectory.
+    /// Finished slips per trajectory that did not reach ẋ < 0.
     pub micro_slips: Count,
-    /// Cycles of the same oscillator without fluctuation in the same time.
+    /// Number of cycles of the same oscillator without fluctuation in the same time.
     pub cycles_deterministic: u64,
-    /// M_diff = M_det − E\[M\] of the cycles.
+    /// M_diff = M_det − E\[M\], the difference of the numbers of cycles without and with fluctuation.
     pub difference_mean: f64,
     /// 95 % interval of M_diff.
     pub difference_interval: [f64; 2],
     /// Displacements X at which cycles stick again.
     pub reattachments: SampleLaw,
-    /// Displacements X at which the mass leaves the belt, but for the first time.
+    /// Displacements X at which the mass leaves the belt, except the first one of each trajectory.
     pub releases: SampleLaw,
-    /// Times τ from the beginning of a cycle to that of the next, as long as vibration is not lost between: their mean is the
-    /// period and their standard deviation its jitter. A cycle begins with a detachment, or where over-slip ends without stick.
+    /// Times τ from the start of a cycle to the start of the next, unless vibration is lost in between. The mean is the
+    /// period, the standard deviation its jitter. A cycle starts with a detachment or where over-slip ends without
+    /// stick.
     pub periods: SampleLaw,
-    /// Share of the time in stick, per trajectory.
+    /// Fraction of the time in stick, per trajectory.
     pub stick_share: Count,
-    /// Vibration over time, and the ways out of it and back.
+    /// Vibration over time: exits, entries and fractions of the time.
     pub passages: Passages,
-    /// Trajectories without a valid end.
+    /// Trajectories that failed.
     pub failures: Vec<Failure>,
 }
 
-/// What one trajectory leaves.
+/// Result of one trajectory.
 struct Outcome {
     slips: Slips,
     passage: Passage,
 }
 
 impl Ensemble {
-    /// Follows many trajectories in parallel.
+    /// Simulates many trajectories in parallel.
     ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks of up to 1,024 and added up in
-    /// their order. Memory is bounded by the points of one block, and of one trajectory by `sample_capacity`.
+    /// The result does not depend on the number of threads: trajectories are computed in blocks of up to 1,024 and
+    /// added up in order. The values of one block bound the memory; `sample_capacity` bounds the values of each
+    /// trajectory.
     ///
-    /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are valid,
-    /// and when cancelled.
+    /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are
+    /// valid, or when cancelled.
     pub fn simulate(
         oscillator: &Oscillator,
         process: &FrictionProcess,
@@ -225,7 +229,7 @@ impl Ensemble {
                         releases.merge(outcome.passage.releases);
                         periods.merge(outcome.passage.periods);
                     }
-                    // Whatever a path ended in then, it was not followed to its end.
+                    // A cancelled trajectory may end in any error, because it was not followed to its end.
                     Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
                     Err(error) => failures.push(Failure { trajectory, reason: error.to_string() }),
                 }
@@ -274,7 +278,8 @@ mod tests {
 
     #[test]
     fn cycle_counts_are_the_published_ones() {
-        // Means and standard errors of 4,000 paths; ours of 200 have √20 times that.
+        // Means and standard errors of 4,000 trajectories; the standard errors of 200 trajectories are √20 times
+        // larger.
         let published =
             [(0.17, 68.99, 0.10, 99), (0.2048301, 45.21, 0.11, 101), (0.22, 34.31, 0.11, 0), (0.25, 17.18, 0.08, 0)];
         let process = paper_process(0.001);
@@ -305,7 +310,7 @@ mod tests {
 
     #[test]
     fn friction_that_loses_its_sign_is_recorded_and_too_much_of_it_refused() {
-        // The least m is −1.844 σ, below the law at the speeds of this noise in some trajectories.
+        // The least m is −1.844 σ; in some trajectories friction falls below zero at the speeds of this noise.
         let process = paper_process(0.05);
         let settings = EnsembleSettings { least_valid_share: 0.0, ..EnsembleSettings::new(60, 50.0, 3) };
         let found = Ensemble::simulate(&oscillator(0.17), &process, &settings, &Silent).unwrap();
@@ -314,7 +319,7 @@ mod tests {
         let strict = EnsembleSettings { least_valid_share: 1.0, ..settings };
         let refused = Ensemble::simulate(&oscillator(0.17), &process, &strict, &Silent);
         assert!(matches!(refused, Err(VibrationError::TooFewValid { total: 60, .. })));
-        // With a stated clamp all are valid.
+        // With a clipping limit all trajectories are valid.
         let model = ProcessModel { least: Some(-0.04), ..process.model().clone() };
         let clamped = FrictionProcess::new(model).unwrap();
         let found = Ensemble::simulate(&oscillator(0.17), &clamped, &strict, &Silent).unwrap();
@@ -323,7 +328,7 @@ mod tests {
 
     #[test]
     fn rough_noise_and_strong_forcing_neither_stall_nor_fail() {
-        // Slopes dm/ds far beyond one make many short slips; a clamp keeps friction positive.
+        // Slopes dm/ds far above 1 cause many short slips; a clipping limit keeps friction positive.
         let model =
             ProcessModel { least: Some(-0.01), ..ProcessModel::new("beta:0.6,2".parse().unwrap(), 0.02, 0.002) };
         let process = FrictionProcess::new(model).unwrap();
@@ -349,7 +354,7 @@ mod tests {
                     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(6, 60.0, 4) };
                     let found = Ensemble::simulate(&oscillator, &process, &settings, &Silent).unwrap();
                     assert!(found.failures.is_empty(), "{parameters:?}: {:?}", found.failures[0]);
-                    // A strong force carries the mass through the belt velocity without stick: no slip ends.
+                    // A strong force carries the mass through the belt velocity without stick, so no slip ends.
                     assert!(found.cycles.mean > 3.0 || amplitude > 0.1, "{parameters:?}: {:?}", found.cycles);
                 }
             }

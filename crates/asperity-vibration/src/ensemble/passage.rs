@@ -1,4 +1,4 @@
-//! What one trajectory tells of its vibration: where it sticks and slides, and when vibration is lost and found.
+//! Vibration of one trajectory: times of stick, of loss of vibration and of its return.
 
 use std::f64::consts::TAU;
 
@@ -6,60 +6,61 @@ use super::super::sample_law::Gathering;
 use super::super::trajectory::{Observer, Slipped};
 use super::super::{Event, EventKind, MotionKind};
 
-/// Time of slip without a swing after which vibration counts as lost: three natural periods. A slip of a cycle is shorter than one,
-/// whatever the time in stick.
+/// Time of slip without a swing after which vibration counts as lost: three natural periods. A slip of a cycle is
+/// shorter than one natural period; the time in stick does not count.
 const PATIENCE: f64 = 3.0 * TAU;
 
-/// Kinds of vibration, in the order of [`Passage::kinds`].
+/// Kinds of vibration in the order of [`Passage::kinds`].
 pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Overtaking, MotionKind::SlipCycle];
 
 /// The vibration of one trajectory.
 ///
-/// A mass vibrates as long as swing follows swing. A swing is a slip that reached ẋ < 0 and ended in stick, the same with a passage
-/// of the velocity of the belt instead of stick, or a swing of the velocity past the level of a slip cycle; see
-/// [`super::super::swing_level`].
+/// A mass vibrates while swings follow each other. A swing is one of three motions: a slip that reaches ẋ < 0 and ends
+/// in stick; a slip that reaches ẋ < 0 and then passes the velocity of the belt without stick; or a slip slower than
+/// the belt whose velocity exceeds the level of a slip cycle, see [`super::super::swing_level`].
 #[derive(Debug, Clone)]
 pub(super) struct Passage {
     duration: f64,
     /// Displacements at the ends of the slips of cycles.
     pub(super) reattachments: Gathering,
-    /// Displacements at detachments after a stick that is not the first.
+    /// Displacements at detachments, except the detachment from the first stick.
     pub(super) releases: Gathering,
-    /// Times from the beginning of a swing to that of the next, where vibration was not lost between.
+    /// Times from the start of a swing to the start of the next, unless vibration was lost in between.
     pub(super) periods: Gathering,
     /// Time in stick.
     pub(super) stick: f64,
-    /// Times in vibration and out of it, and the former in the second half.
+    /// Times in vibration and out of it, and the time in vibration in the second half.
     pub(super) inside: f64,
     pub(super) outside: f64,
     pub(super) late_inside: f64,
     /// Time in each of the [`KINDS`] of vibration.
     pub(super) kinds: [f64; 3],
-    /// Number of ways out of vibration and back.
+    /// Numbers of exits from vibration and of returns.
     pub(super) exits: u64,
     pub(super) entries: u64,
-    /// When vibration was lost first.
+    /// Time of the first loss of vibration.
     pub(super) first_exit: Option<f64>,
     stuck_since: Option<f64>,
     /// Whether the mass has left the belt.
     detached: bool,
-    /// Beginning of the present slip; slips slower than the belt begin with a detachment or with the end of over-slip.
+    /// Start of the present slip. A slip slower than the belt starts with a detachment or with the end of over-slip.
     start: f64,
-    /// Beginning of the last swing, and its kind.
+    /// Start of the last swing, and its kind.
     last_start: Option<(f64, usize)>,
-    /// End of the last swing, or the start.
+    /// End of the last swing, or the start of the trajectory.
     last_end: f64,
-    /// When the mass came into vibration.
+    /// Time at which vibration started.
     entered: f64,
     /// Time of slip since the end of the last swing, up to `slides_from`.
     slipped: f64,
     slides_from: f64,
-    /// End of a swing slower than the belt, which may yet end in stick or over-slip.
+    /// End of a swing slower than the belt that may still end in stick or over-slip.
     pending: Option<f64>,
 }
 
 impl Passage {
-    /// The trajectory of an index, which begins in stick, vibrating; of each law at most `capacity` values are kept.
+    /// Creates the record of a trajectory that starts in stick, vibrating; each distribution keeps at most `capacity`
+    /// values.
     pub(super) fn new(trajectory: usize, duration: f64, capacity: usize) -> Self {
         let [reattachments, releases, periods] = [(); 3].map(|()| Gathering::new(trajectory as u64, capacity));
         Self {
@@ -87,7 +88,7 @@ impl Passage {
         }
     }
 
-    /// The end: what is open is closed.
+    /// Closes the open intervals at the end of the trajectory.
     pub(super) fn finish(&mut self) {
         self.settle();
         match self.stuck_since {
@@ -104,25 +105,25 @@ impl Passage {
         }
     }
 
-    /// Share of the second half of the time in vibration.
+    /// Returns the fraction of the second half of the time in vibration.
     pub(super) fn late_share(&self) -> f64 {
         (self.late_inside / (0.5 * self.duration)).min(1.0)
     }
 
-    /// Adds the time in vibration, up to its end.
+    /// Adds the time in vibration up to its end.
     fn stay(&mut self, end: f64) {
         self.inside += end - self.entered;
         self.late_inside += (end - self.entered.max(0.5 * self.duration)).max(0.0);
     }
 
-    /// Vibration was lost with the end of the last swing.
+    /// Records that vibration was lost at the end of the last swing.
     fn lose(&mut self) {
         self.stay(self.last_end);
         self.exits += 1;
         self.first_exit.get_or_insert(self.last_end);
     }
 
-    /// Counts a swing slower than the belt after which the mass did not reach the belt.
+    /// Counts a swing slower than the belt after which the mass did not reach the belt velocity.
     fn settle(&mut self) {
         if let Some(tau) = self.pending.take() {
             self.slipped += tau - self.slides_from;
@@ -130,9 +131,9 @@ impl Passage {
         }
     }
 
-    /// A slip that ended in stick or over-slip.
+    /// Records a slip that ended in stick or over-slip.
     fn contact(&mut self, tau: f64) {
-        // From X′ = 0 to the velocity of the belt it takes less than a natural period.
+        // Reaching the belt velocity from X′ = 0 takes less than a natural period.
         if self.pending.is_some_and(|swung| tau - swung < TAU) {
             self.pending = None;
         }
@@ -140,7 +141,7 @@ impl Passage {
         self.slipped += tau - self.slides_from;
     }
 
-    /// A swing of one of the [`KINDS`].
+    /// Records a swing of one of the [`KINDS`].
     fn swing(&mut self, kind: usize, start: f64, end: f64) {
         if self.slipped > PATIENCE {
             self.lose();
@@ -149,7 +150,7 @@ impl Passage {
             self.entered = end;
         } else {
             self.kinds[kind] += end - self.last_end;
-            // Swings of slip cycles begin elsewhere in the period.
+            // Swings of slip cycles start at another phase of the period.
             if let Some((before, _)) = self.last_start.filter(|(_, last)| (*last == 2) == (kind == 2)) {
                 self.periods.add(start - before);
             }
@@ -202,8 +203,8 @@ mod tests {
         Event { kind, tau, displacement: tau, sliding_distance: 0.0 }
     }
 
-    /// The passage of events: detachments (D), ends of cycles (C) and of micro-slips (M), over-slips that end without stick (O) and
-    /// swings slower than the belt (S).
+    /// Returns the record of a list of events: detachments (D), ends of cycles (C) and of micro-slips (M), over-slips
+    /// that end without stick (O) and swings slower than the belt (S).
     fn told(duration: f64, events: &[(char, f64)]) -> Passage {
         let mut passage = Passage::new(0, duration, 100);
         for &(kind, tau) in events {
@@ -225,7 +226,7 @@ mod tests {
         assert_eq!(passage.periods.clone().values(), [7.0, 7.0]);
         assert_eq!(passage.reattachments.clone().values().len(), 3);
         assert_eq!(passage.releases.clone().values(), [8.0, 15.0]);
-        // However long the last stick lasts, it is a stick of the cycle.
+        // A long last stick belongs to the cycle.
         assert_eq!((passage.stick, passage.inside, passage.outside), (85.0, 100.0, 0.0));
         assert_eq!((passage.exits, passage.entries, passage.first_exit, passage.late_inside), (0, 0, None, 50.0));
     }
@@ -246,7 +247,7 @@ mod tests {
         let passage = told(100.0, &events);
         assert_eq!(passage.periods.clone().values(), [35.0]);
         assert_eq!((passage.exits, passage.entries, passage.first_exit), (2, 1, Some(6.0)));
-        // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and from 46 on.
+        // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and after 46.
         assert_eq!((passage.inside, passage.outside, passage.late_inside), (12.0, 88.0, 0.0));
         assert_eq!(passage.stick, 1.0 + 2.0 + 1.0 + 1.0 + 1.0);
     }

@@ -1,4 +1,4 @@
-//! How often vibration is lost and found.
+//! Rates of losing and regaining vibration.
 
 use std::collections::BTreeMap;
 
@@ -11,25 +11,25 @@ use super::passage::{KINDS, Passage};
 use asperity_base::law::Marginal;
 use asperity_base::stats::wilson_interval;
 
-/// Least fraction of the second half of the time that sustained vibration takes.
+/// Least fraction of the second half of the time in vibration at which vibration counts as sustained.
 const SUSTAINED: f64 = 0.5;
 
-/// Events per unit of τ.
+/// Rate of events per unit of τ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rate {
-    /// Events per time.
+    /// Events per unit of τ.
     pub value: f64,
     /// 95 % interval of a Poisson count, exact (Garwood 1936).
     pub interval: [f64; 2],
 }
 
 impl Rate {
-    /// The rate of `events` in the time `exposure`; none without exposure.
+    /// Returns the rate of `events` in the time `exposure`; none without exposure.
     pub(super) fn of(events: u64, exposure: f64) -> Option<Self> {
         if exposure.is_nan() || exposure <= 0.0 {
             return None;
         }
-        // Half the quantiles of χ² with twice the count of degrees of freedom.
+        // Half the quantiles of χ², with degrees of freedom of twice the count.
         let quantile =
             |shape: f64, probability| Marginal::Gamma { shape, scale: 1.0, shift: 0.0 }.quantile(probability);
         let count = events as f64;
@@ -38,10 +38,10 @@ impl Rate {
     }
 }
 
-/// A share of the trajectories.
+/// Fraction of the trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Share {
-    /// The share.
+    /// Value, 0 … 1.
     pub value: f64,
     /// 95 % interval (Wilson).
     pub interval: [f64; 2],
@@ -54,35 +54,36 @@ impl Share {
     }
 }
 
-/// First passages between vibration and steady sliding, over all trajectories, which begin in stick, vibrating.
+/// Passages between vibration and steady sliding over all trajectories, which start in stick, vibrating.
 ///
-/// All kinds of vibration count: slips that reach ẋ < 0 and end in stick (the cycles of stick-slip) or pass the velocity of the belt
-/// without stick (overtaking), and swings slower than the belt of an oscillator with an attracting slip cycle that reach midway
-/// between this cycle and the border of its basin. Vibration is lost when the mass slips for three natural periods without
-/// finishing one of them; it was left with the end of the last one. It is found again with the end of the next.
+/// All kinds of vibration count: slips that reach ẋ < 0 and end in stick (cycles of stick-slip) or pass the velocity of
+/// the belt without stick (overtaking). If a slip cycle attracts the motion, swings slower than the belt also count if
+/// they exceed the level midway between this cycle and the border of its basin. Vibration is lost when the mass slips
+/// for three natural periods without finishing a swing; the loss is dated to the end of the last swing. Vibration
+/// returns at the end of the next swing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Passages {
-    /// Trajectories that are counted.
+    /// Number of trajectories.
     pub trajectories: u64,
-    /// Ways out of vibration.
+    /// Number of exits from vibration.
     pub exits: u64,
-    /// Ways back.
+    /// Number of returns to vibration.
     pub entries: u64,
-    /// Share of the time in vibration.
+    /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
-    /// Share of the time in each kind of motion.
+    /// Fraction of the time in each kind of motion.
     pub kinds: BTreeMap<MotionKind, f64>,
-    /// Fraction of the second half of the time in vibration, over the trajectories; its mean is φ.
+    /// Fraction of the second half of the time in vibration, over the trajectories. Its mean is φ.
     pub late_share: Count,
-    /// Exits per time in vibration.
+    /// Exits per unit of τ in vibration.
     pub exit_rate: Option<Rate>,
-    /// Entries per time out of it.
+    /// Entries per unit of τ out of vibration.
     pub entry_rate: Option<Rate>,
-    /// Share of the trajectories that leave vibration at all.
+    /// Fraction of the trajectories that leave vibration at least once.
     pub left: Share,
-    /// Share of the trajectories that vibrate for at least half of the second half of their time.
+    /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
     pub sustained: Share,
-    /// Times τ at which trajectories leave vibration first, rising; those that do not are no part.
+    /// Times τ of the first exit, rising, of the trajectories that leave vibration.
     pub first_exits: Vec<f64>,
     #[serde(skip)]
     sums: Sums,
@@ -126,7 +127,7 @@ impl Passages {
         sums.late.add(passage.late_share());
     }
 
-    /// Draws the conclusions after the last trajectory.
+    /// Computes the results after the last trajectory.
     pub(super) fn conclude(&mut self) {
         let Sums { sustained, inside, outside, kinds, late } = self.sums;
         self.share_in_cycle = inside / (inside + outside);
@@ -142,7 +143,7 @@ impl Passages {
         self.first_exits.sort_by(f64::total_cmp);
     }
 
-    /// Share of the trajectories that have not left vibration up to τ, at most their duration.
+    /// Returns the fraction of the trajectories that have not left vibration up to τ, at most their duration.
     pub fn survival(&self, tau: f64) -> Share {
         let gone = self.first_exits.partition_point(|exit| *exit <= tau) as u64;
         Share::of(self.trajectories - gone, self.trajectories)
