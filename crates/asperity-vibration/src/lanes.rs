@@ -1,9 +1,10 @@
-//! Many trajectories in lockstep: sixteen lanes of one instruction stream.
+//! Batches of trajectories in lockstep: sixteen lanes of one instruction stream.
 //!
-//! All lanes slip all the time: a stick without forcing, under friction that is frozen in it, lasts exactly −e and is left at
-//! once. A lane that has ended takes the next trajectory. Arithmetic is lane by lane, so a trajectory has the same bits in
-//! whatever company it travels. What lanes cannot judge, which is rare, is judged by the polynomials of one lane, and what
-//! they do not know at all (forcing, friction read in time, tabulated laws, slip cycles) by [`follow`].
+//! All lanes are always in slip. A stick without forcing, under friction that stays constant during stick, lasts
+//! exactly −e and is skipped in one operation. A lane whose trajectory has ended takes the next one. The arithmetic of
+//! each lane is independent of the others, so a trajectory has the same bits in any batch. The rare steps that the
+//! vector code cannot decide are decided by the polynomials of one lane. Trajectories that batches do not support
+//! (forcing, friction as a function of time, tabulated laws, slip cycles) are simulated one by one with [`follow`].
 
 mod kernel;
 
@@ -17,42 +18,42 @@ use asperity_base::monitor::Silent;
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::{Cell, Fluctuation};
 
-/// Coefficients and relative tolerance of a step between knots, which are close, and without knots.
+/// Numbers of coefficients and relative tolerances of a step: with grid points, which are close together, and without.
 const NOISY: usize = 12;
 const NOISY_TOLERANCE: f64 = 1e-13;
 const STEADY: usize = 22;
 const STEADY_TOLERANCE: f64 = 1e-12;
 
-/// One trajectory to follow.
+/// Trajectory to simulate.
 pub(super) struct Task<F, W> {
     oscillator: Oscillator,
     fluctuation: F,
     observer: W,
-    /// See [`follow`].
+    /// Level of the observed swings; see [`follow`].
     swing_level: f64,
 }
 
 impl<F, W> Task<F, W> {
-    /// A trajectory whose swings below the velocity of the belt are not observed.
+    /// Creates a trajectory whose swings below the velocity of the belt are not observed.
     pub(super) fn new(oscillator: Oscillator, fluctuation: F, observer: W) -> Self {
         Self { oscillator, fluctuation, observer, swing_level: f64::INFINITY }
     }
 
-    /// The same trajectory with observed swings; see [`follow`].
+    /// Returns the same trajectory with observed swings; see [`follow`].
     pub(super) fn with_swing_level(self, swing_level: f64) -> Self {
         Self { swing_level, ..self }
     }
 }
 
-/// What is left of a trajectory at its end.
+/// Result of a finished trajectory.
 pub(super) struct Followed<W> {
     pub(super) slips: Slips,
     pub(super) observer: W,
 }
 
-/// Follows the trajectories `indices`, made by `make`, and hands over each as it ends, in any order.
+/// Simulates the trajectories `indices`, created by `make`, and passes each result to `done`, in any order.
 ///
-/// `make` may be called twice for one trajectory and then has to give the same.
+/// `make` may be called twice for one trajectory and must then return the same task.
 pub(super) fn follow_many<F: Fluctuation, W: Observer>(
     settings: &TrajectorySettings,
     indices: Range<usize>,
@@ -72,7 +73,7 @@ pub(super) fn follow_many<F: Fluctuation, W: Observer>(
         waiting.for_each(|index| done(index, alone(index)));
         return;
     }
-    // Machines of one kind travel together: with knots or without, under an exponential law or another.
+    // Four batches: with or without grid points, and with an exponential law or another one.
     let mut companies: [Option<Box<dyn Company<F, W>>>; 4] = [const { None }; 4];
     for index in &mut waiting {
         match make(index).and_then(|task| Rider::mount(index, task, settings)) {
@@ -85,7 +86,7 @@ pub(super) fn follow_many<F: Fluctuation, W: Observer>(
                     (true, true) => Box::new(Lanes::<NOISY, true, F, W>::new(settings)),
                     (false, true) => Box::new(Lanes::<STEADY, true, F, W>::new(settings)),
                 });
-                // Few wait at a time, so that memory stays small.
+                // Few trajectories wait at a time, so that memory stays small.
                 if company.join(rider) >= LANES {
                     company.run(false, &mut |index, followed| done(index, followed.map_or_else(|| alone(index), Ok)));
                 }
@@ -99,15 +100,15 @@ pub(super) fn follow_many<F: Fluctuation, W: Observer>(
     }
 }
 
-/// Takes what a trajectory left at its end, and nothing of one that has to go alone.
+/// Receives the result of a trajectory, or none if the trajectory must be simulated alone.
 type Done<'a, W> = &'a mut dyn FnMut(usize, Option<Followed<W>>);
 
-/// Lanes of one kind.
+/// Batch of trajectories of one kind of process and law.
 trait Company<F, W> {
-    /// Lets a trajectory wait for a lane; returns how many wait.
+    /// Queues a trajectory for a free lane; returns the length of the queue.
     fn join(&mut self, rider: Rider<F, W>) -> usize;
 
-    /// Rides until nobody waits, or until all have ended.
+    /// Advances until the queue is empty or, with `to_the_end`, until all trajectories have ended.
     fn run(&mut self, to_the_end: bool, done: Done<'_, W>);
 }
 
@@ -124,7 +125,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Compa
     }
 }
 
-/// The trajectory of one lane, all but its state.
+/// Trajectory of one lane, without the state in [`States`].
 struct Rider<F, W> {
     index: usize,
     fluctuation: F,
@@ -135,26 +136,26 @@ struct Rider<F, W> {
     static_friction: f64,
     /// 2ζV.
     drag: f64,
-    /// Where this cell of the process begins, and the cell.
+    /// Distance at the start of the current cell of the process, and the cell.
     start: f64,
     cell: Cell,
-    /// e at the start.
+    /// Excess force e at the start.
     excess: f64,
-    /// Whether the mass moved backwards since its last slip was finished.
+    /// Whether the mass has moved backwards since its last slip was finished.
     reached_backward: bool,
     idle_steps: usize,
 }
 
-/// What becomes of a lane.
+/// Outcome of a step of one lane.
 enum Fate {
     Rides,
     Ended,
-    /// Lanes do not know how to go on; the trajectory is followed alone, from its beginning.
+    /// Not supported in a batch: the trajectory is simulated alone, from its beginning.
     Leaves,
 }
 
 impl<F: Fluctuation, W: Observer> Rider<F, W> {
-    /// A mass at its start; none if lanes cannot follow it.
+    /// Creates a trajectory at its start; returns none if batches do not support it.
     fn mount(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
         let Task { oscillator, mut fluctuation, observer, swing_level } = task;
         if matches!(oscillator.law(), FrictionLaw::Tabulated(_))
@@ -182,18 +183,18 @@ impl<F: Fluctuation, W: Observer> Rider<F, W> {
         };
         let start = start_of(&oscillator, settings)?;
         rider.excess = ((start - rider.static_friction) + rider.drag - cell.left) / velocity;
-        // Whatever does not begin in stick begins alone.
+        // A trajectory that does not start in stick is simulated alone.
         let limit = rider.static_friction + cell.left;
         let sticks = rider.excess <= 0.0 && -rider.excess - 2.0 * limit / velocity <= 0.0 && limit > 0.0;
         Ok(sticks.then_some(rider))
     }
 
-    /// Whether the law has an exponential, which one without a fall has not.
+    /// Returns whether the law has an exponential part; an exponential law without weakening has none.
     fn is_exponential(&self) -> bool {
         matches!(self.oscillator.law(), FrictionLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
     }
 
-    /// m at the scaled distance `passed` since the beginning of the cell.
+    /// Returns m at the scaled distance `passed` since the start of the cell.
     fn fluctuation_at(&self, passed: f64) -> f64 {
         if self.cell.length.is_finite() {
             self.cell.left + self.cell.slope() * (passed * self.velocity)
@@ -202,7 +203,7 @@ impl<F: Fluctuation, W: Observer> Rider<F, W> {
         }
     }
 
-    /// Passes an event on that may finish a slip.
+    /// Reports an event that may finish a slip.
     fn finish(&mut self, kind: EventKind, tau: f64, passed: f64, e: f64, direction: f64) {
         let slipped = Slipped::new(kind, direction < 0.0, self.reached_backward);
         if slipped != Slipped::Not {
@@ -220,7 +221,7 @@ impl<F: Fluctuation, W: Observer> Rider<F, W> {
     }
 }
 
-/// The lanes and who waits for one.
+/// Lanes of a batch, and the queue of trajectories that wait for a free lane.
 struct Lanes<const N: usize, const EXPONENTIAL: bool, F, W> {
     duration: f64,
     plants: Plants,
@@ -291,7 +292,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         self.states.park(lane);
     }
 
-    /// Puts a trajectory, which sticks, into a lane.
+    /// Assigns a trajectory, which starts in stick, to a lane.
     fn seat(&mut self, lane: usize, rider: Rider<F, W>) -> Fate {
         self.plants.set(lane, &rider.oscillator);
         let excess = rider.excess;
@@ -301,7 +302,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         self.stick(lane, excess)
     }
 
-    /// Stays on the belt until the force reaches its limit, e = 0, and leaves it.
+    /// Advances through stick to the release, where the force reaches its limit, e = 0.
     fn stick(&mut self, lane: usize, excess: f64) -> Fate {
         let states = &mut self.states;
         let Some(rider) = &mut self.riders[lane] else { return Fate::Rides };
@@ -317,7 +318,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         if rider.idle_steps > MAX_IDLE_STEPS { Fate::Leaves } else { Fate::Rides }
     }
 
-    /// What a step means for a lane.
+    /// Handles the end of a step in one lane.
     #[inline(always)]
     fn attend(&mut self, lane: usize) -> Fate {
         if self.cuts.plain[lane] > 0.5 {
@@ -329,14 +330,15 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         }
     }
 
-    /// Moves into the next cell of the friction process.
+    /// Enters the next cell of the friction process.
     #[inline(always)]
     fn cross(&mut self, lane: usize) -> Fate {
         let states = &mut self.states;
         let Some(rider) = &mut self.riders[lane] else { return Fate::Rides };
         let Some(cell) = rider.fluctuation.next_cell() else { return Fate::Leaves };
         let jump = cell.left - rider.cell.right;
-        // The displacement is continuous where m jumps; at rest there, the mass has to decide.
+        // The displacement is continuous where m jumps. A mass at relative rest there may stick or slip, which lanes do
+        // not decide.
         states.e[lane] -= jump / rider.velocity;
         if jump != 0.0 && states.w[lane] == 0.0 {
             return Fate::Leaves;
@@ -348,7 +350,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         Fate::Rides
     }
 
-    /// Everything that is not a plain crossing.
+    /// Handles every end of a step other than a plain crossing of a grid point.
     #[inline(never)]
     fn judge(&mut self, lane: usize) -> Fate {
         if self.riders[lane].is_none() {
@@ -379,7 +381,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Lanes
         if !arrived {
             return if states.tau[lane] < self.duration { Fate::Rides } else { Fate::Ended };
         }
-        // An arrival has W′ = e + jump ≤ 0; anything else is rounding at a grazing arrival.
+        // An arrival has W′ = e + jump ≤ 0; any other value is rounding at a grazing arrival.
         let opposite = |e: f64, m: f64, rider: &Rider<F, W>| -e - 2.0 * (rider.static_friction + m) / rider.velocity;
         let m = rider.fluctuation_at(states.passed[lane]);
         let mut e = states.e[lane].min(-self.plants.jump[lane]);
@@ -437,7 +439,7 @@ mod tests {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
     }
 
-    /// Events and counts, or what went wrong, in order.
+    /// Returns events and counts, or the error, of each trajectory in order.
     fn followed(
         oscillator: &Oscillator,
         process: &FrictionProcess,
@@ -481,10 +483,10 @@ mod tests {
             of(0.4, FrictionLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
             of(0.4, exponential(0.4, 0.3, 0.4), 0.05, 0.05, 0.005),
             of(0.3, exponential(0.25, 0.1, 0.03), 0.05, 0.1, 0.005),
-            // The law falls within a small share of the belt's velocity, and hardly at all.
+            // Laws that fall within a small fraction of the velocity of the belt, and one that hardly falls.
             of(0.3, exponential(0.3, 0.2, 0.001), 0.05, 0.05, 0.004),
             of(0.3, exponential(0.3, 0.2, 300.0), 0.01, 0.05, 0.004),
-            // Violent: the mass overtakes the belt.
+            // Strong motion: the mass overtakes the belt.
             of(0.17, FrictionLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
         ]
     }
@@ -508,7 +510,7 @@ mod tests {
                         (event.displacement - wanted.displacement) / scale,
                         (event.sliding_distance - wanted.sliding_distance) / scale,
                     ];
-                    // Noise amplifies what rounding leaves, slip by slip.
+                    // Noise amplifies rounding differences from slip to slip.
                     assert!(differences.iter().all(|d| d.abs() < 1e-9), "{oscillator:?}: {event:?} and {wanted:?}");
                 }
             }
