@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use self::passage::Passage;
 pub use self::rate::{Passages, Rate, Share};
-use super::lanes::{Task, follow_many};
+use super::batch::{Task, simulate_many};
 use super::sample_law::{Gathering, RunningMoments, SampleLaw};
 use super::trajectory::{NoObserver, follow};
 use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
@@ -196,7 +196,7 @@ impl Ensemble {
                 .into_par_iter()
                 .flat_map_iter(|chunk| {
                     let mut outcomes: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
-                    follow_many(
+                    simulate_many(
                         &followed,
                         chunk.clone(),
                         |index| {

@@ -29,10 +29,10 @@ mod batch;
 mod clipping;
 mod critical;
 mod cycle;
+mod deterministic;
 mod ensemble;
 mod events;
 mod kind;
-mod lanes;
 mod law;
 mod locked;
 pub mod mode_coupling;
@@ -62,10 +62,10 @@ mod weakening;
 
 use thiserror::Error;
 
-pub use batch::deterministic_slips;
 pub use clipping::{LARGEST_CLIPPED_FRACTION, kept_positive};
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
+pub use deterministic::deterministic_slips;
 pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
@@ -155,7 +155,9 @@ pub enum VibrationError {
     #[error(transparent)]
     Law(#[from] asperity_base::law::LawError),
     /// Too few trajectories are valid for statistics.
-    #[error("{valid} of {total} trajectories are valid, at least the fraction {wanted} must be; first failure: {first}")]
+    #[error(
+        "{valid} of {total} trajectories are valid, at least the fraction {wanted} must be; first failure: {first}"
+    )]
     TooFewValid {
         /// Number of valid trajectories.
         valid: usize,

@@ -18,7 +18,7 @@ const LONG: usize = 24;
 const TOLERANCE: f64 = 1e-13;
 
 /// Exponent cW at which e^{−cW} is no part of the force, also of one a million times the scale.
-const NO_WALL: f64 = 50.0;
+const NO_EXPONENTIAL: f64 = 50.0;
 /// Distance of extrema, relative to the step, below which they count as one.
 const RESOLVED: f64 = 1e-12;
 
@@ -77,11 +77,11 @@ pub(super) fn root(x: f64, n: usize) -> f64 {
 /// The terms of e^x grow up to the order x, so the last kept one bounds the dropped ones only if x is a third of it. Where
 /// e^{−cW} stays below rounding the law is a constant.
 #[inline]
-pub(super) fn before_the_wall(w: &[f64], decay: f64, mut h: f64) -> f64 {
+pub(super) fn exponential_step(w: &[f64], decay: f64, mut h: f64) -> f64 {
     let steepest = w.len() as f64 / 3.0;
     let too_steep = |h: f64| {
         let lowest = decay * polynomial::lower_bound(w, h);
-        lowest <= NO_WALL && decay * w[0] - lowest > steepest
+        lowest <= NO_EXPONENTIAL && decay * w[0] - lowest > steepest
     };
     while decay > 0.0 && too_steep(h) {
         h *= 0.5;
@@ -339,12 +339,12 @@ impl Series {
         if wanted < 1.0 {
             let power = power(wanted, n);
             if last * power <= allowed && before * power * wanted <= allowed {
-                return before_the_wall(self.w(), self.decay, wanted);
+                return exponential_step(self.w(), self.decay, wanted);
             }
         }
         let h = wanted.min(root(allowed / last, n));
         let h = if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) };
-        before_the_wall(self.w(), self.decay, h)
+        exponential_step(self.w(), self.decay, h)
     }
 
     /// First extremum of W in (0, h]: a maximum if W rises at 0, else a minimum.

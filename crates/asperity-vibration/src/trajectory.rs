@@ -81,24 +81,24 @@ const STEPS: u32 = 16_384;
 /// Receives the events of one trajectory.
 pub(super) trait Observer {
     /// Receives an event and the kind of slip that it finished.
-    fn see(&mut self, event: Event, slipped: Slipped);
+    fn on_event(&mut self, event: Event, slipped: Slipped);
 
     /// Receives the time at which a swing of the velocity past the swing level ended, X′ = 0.
-    fn see_swing(&mut self, _tau: f64) {}
+    fn on_swing(&mut self, _tau: f64) {}
 }
 
 /// Ignores all events.
 pub(super) struct NoObserver;
 
 impl Observer for NoObserver {
-    fn see(&mut self, _: Event, _: Slipped) {}
+    fn on_event(&mut self, _: Event, _: Slipped) {}
 }
 
 /// Stores all events.
 struct Events(Vec<Event>);
 
 impl Observer for Events {
-    fn see(&mut self, event: Event, _: Slipped) {
+    fn on_event(&mut self, event: Event, _: Slipped) {
         self.0.push(event);
     }
 }
@@ -118,7 +118,7 @@ pub(super) fn follow(
     let mut motion = started(oscillator, fluctuation, settings)?;
     let mut slips = Slips::default();
     if let Some(event) = motion.first_event() {
-        observer.see(event, Slipped::Not);
+        observer.on_event(event, Slipped::Not);
     }
     let mut swings = false;
     let mut steps = 0_u32;
@@ -133,12 +133,12 @@ pub(super) fn follow(
                 motion.reached_backward = false;
             }
             slips.add(slipped);
-            observer.see(event, slipped);
+            observer.on_event(event, slipped);
             swings = false;
         } else if swing_level.is_finite() {
             swings |= motion.exceeds(swing_level);
             if swings && let Some(tau) = motion.turned_forward() {
-                observer.see_swing(tau);
+                observer.on_swing(tau);
                 swings = false;
             }
         }

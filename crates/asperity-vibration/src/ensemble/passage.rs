@@ -160,7 +160,7 @@ impl Passage {
 }
 
 impl Observer for Passage {
-    fn see(&mut self, event: Event, slipped: Slipped) {
+    fn on_event(&mut self, event: Event, slipped: Slipped) {
         let tau = event.tau;
         match event.kind {
             EventKind::Detach => {
@@ -189,7 +189,7 @@ impl Observer for Passage {
         }
     }
 
-    fn see_swing(&mut self, tau: f64) {
+    fn on_swing(&mut self, tau: f64) {
         self.settle();
         self.pending = Some(tau);
     }
@@ -209,11 +209,11 @@ mod tests {
         let mut passage = Passage::new(0, duration, 100);
         for &(kind, tau) in events {
             match kind {
-                'D' => passage.see(event(EventKind::Detach, tau), Slipped::Not),
-                'C' => passage.see(event(EventKind::Restick, tau), Slipped::Cycle),
-                'O' => passage.see(event(EventKind::Reverse, tau), Slipped::Cycle),
-                'S' => passage.see_swing(tau),
-                _ => passage.see(event(EventKind::Restick, tau), Slipped::Micro),
+                'D' => passage.on_event(event(EventKind::Detach, tau), Slipped::Not),
+                'C' => passage.on_event(event(EventKind::Restick, tau), Slipped::Cycle),
+                'O' => passage.on_event(event(EventKind::Reverse, tau), Slipped::Cycle),
+                'S' => passage.on_swing(tau),
+                _ => passage.on_event(event(EventKind::Restick, tau), Slipped::Micro),
             }
         }
         passage.finish();
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn a_mass_that_never_sticks_has_lost_the_cycle_from_the_beginning() {
         let mut passage = Passage::new(0, 50.0, 100);
-        passage.see(event(EventKind::Detach, 0.0), Slipped::Not);
+        passage.on_event(event(EventKind::Detach, 0.0), Slipped::Not);
         passage.finish();
         assert_eq!((passage.exits, passage.first_exit, passage.outside), (1, Some(0.0), 50.0));
     }

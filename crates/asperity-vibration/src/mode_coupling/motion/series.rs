@@ -2,7 +2,7 @@
 
 use super::super::super::FrictionLaw;
 use super::super::super::polynomial::{self, CAPACITY};
-use super::super::super::series::before_the_wall;
+use super::super::super::series::exponential_step;
 use super::super::Model;
 use super::{Contact, Now};
 
@@ -115,7 +115,7 @@ impl Series {
                 h = h.min((allowed / size(k)).powf(1.0 / k as f64));
             }
         }
-        before_the_wall(&self.w[..self.len], self.decay, h)
+        exponential_step(&self.w[..self.len], self.decay, h)
     }
 
     /// x, x′, y, y′ after the time t.

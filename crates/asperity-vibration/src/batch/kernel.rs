@@ -3,7 +3,7 @@
 use std::f64::consts::{LOG2_E, PI};
 
 use super::super::polynomial;
-use super::super::series::{RECIPROCAL, before_the_wall};
+use super::super::series::{RECIPROCAL, exponential_step};
 use super::super::weakening::{Curve, Weakening};
 use super::super::{FrictionLaw, Oscillator};
 use asperity_process::Cell;
@@ -27,7 +27,7 @@ const REACH: f64 = 0.98;
 
 /// Constants of the slip equations, per lane; see [`super::super::series`].
 #[derive(Debug, Clone)]
-pub(super) struct Plants {
+pub(super) struct Constants {
     pub(super) jump: Lane,
     linear: Lane,
     gain: Lane,
@@ -88,7 +88,7 @@ pub(super) struct Cuts {
     excess: Lane,
 }
 
-impl Plants {
+impl Constants {
     pub(super) const NONE: Self = Self {
         jump: [0.0; LANES],
         linear: [0.0; LANES],
@@ -145,7 +145,7 @@ impl States {
     }
 
     /// Puts an empty lane into steady sliding.
-    pub(super) fn park(&mut self, lane: usize) {
+    pub(super) fn clear(&mut self, lane: usize) {
         (self.w[lane], self.e[lane], self.tau[lane]) = (1.0, 0.0, 0.0);
         (self.span[lane], self.passed[lane]) = (f64::INFINITY, 0.0);
         (self.direction[lane], self.kappa[lane], self.fastest[lane]) = (1.0, 1.0, 0.0);
@@ -301,8 +301,8 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Returns r(W) and its slope.
     #[inline(always)]
-    fn law(plants: &Plants, l: usize, w: f64) -> (f64, f64) {
-        let (gain, curvature) = (plants.gain[l], plants.curvature[l]);
+    fn law(constants: &Constants, l: usize, w: f64) -> (f64, f64) {
+        let (gain, curvature) = (constants.gain[l], constants.curvature[l]);
         if EXPONENTIAL {
             let (fade, less_one) = exponential(-curvature * w);
             (-(gain / curvature) * less_one, gain * fade)
@@ -314,21 +314,21 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Computes the recurrence of [`super::super::series::Series`] without forcing.
     #[inline(always)]
-    fn expand(&mut self, plants: &Plants, states: &States) {
+    fn expand(&mut self, constants: &Constants, states: &States) {
         (self.w[0], self.s[0]) = (states.w, states.w);
         let (gain, curvature) = if EXPONENTIAL {
             let mut gain = [0.0; LANES];
             for l in 0..LANES {
-                (self.r[0][l], gain[l]) = Self::law(plants, l, states.w[l]);
+                (self.r[0][l], gain[l]) = Self::law(constants, l, states.w[l]);
             }
-            (gain, plants.curvature)
+            (gain, constants.curvature)
         } else {
-            let quotient = each(|l| 1.0 / (1.0 + plants.curvature[l] * states.w[l]));
-            let curvature = each(|l| plants.curvature[l] * quotient[l]);
-            self.r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
-            (each(|l| plants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
+            let quotient = each(|l| 1.0 / (1.0 + constants.curvature[l] * states.w[l]));
+            let curvature = each(|l| constants.curvature[l] * quotient[l]);
+            self.r[0] = each(|l| constants.gain[l] * states.w[l] * quotient[l]);
+            (each(|l| constants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
         };
-        self.w[1] = each(|l| states.e[l] + plants.linear[l] * states.w[l] + plants.jump[l] + self.r[0][l]);
+        self.w[1] = each(|l| states.e[l] + constants.linear[l] * states.w[l] + constants.jump[l] + self.r[0][l]);
         self.s[1] = each(|l| self.w[1][l] * 0.5);
         self.r[1] = each(|l| gain[l] * self.w[1][l]);
         self.rates[1] = self.w[1];
@@ -346,10 +346,10 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
                 lower = each(|l| lower[l] + w[l] * r[l]);
                 above = r;
             }
-            self.advance(plants, states, (&gain, &curvature), m, &lower);
+            self.advance(constants, states, (&gain, &curvature), m, &lower);
             let last = self.factor(m);
             upper = each(|l| upper[l] + (first[l] * self.r[m][l] + last[l] * self.r[1][l]));
-            self.advance(plants, states, (&gain, &curvature), m + 1, &upper);
+            self.advance(constants, states, (&gain, &curvature), m + 1, &upper);
             m += 2;
         }
     }
@@ -362,10 +362,17 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Computes the coefficients of order m from the previous ones and Σ w_k r_{m−k}, or Σ k·w_k r_{m−k}.
     #[inline(always)]
-    fn advance(&mut self, plants: &Plants, states: &States, (gain, curvature): (&Lane, &Lane), m: usize, sum: &Lane) {
+    fn advance(
+        &mut self,
+        constants: &Constants,
+        states: &States,
+        (gain, curvature): (&Lane, &Lane),
+        m: usize,
+        sum: &Lane,
+    ) {
         let (next, after) = (RECIPROCAL[m], RECIPROCAL[m + 1]);
         let (before, e) = (self.w[m - 1], self.e[1]);
-        let w = each(|l| (e[l] + plants.linear[l] * before[l] + self.r[m - 1][l]) * next);
+        let w = each(|l| (e[l] + constants.linear[l] * before[l] + self.r[m - 1][l]) * next);
         self.e = [e, each(|l| -states.kappa[l] * before[l] * next)];
         if EXPONENTIAL {
             self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * next * sum[l]);
@@ -395,11 +402,11 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     /// Returns the time of the zero of W, W′ there, and whether it was found. W is positive at 0 and w ≤ 0 with slope
     /// `slope` at h.
     #[inline(always)]
-    fn arrival(&self, plants: &Plants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
+    fn arrival(&self, constants: &Constants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
         // W″ follows from W and W′, so each iteration is Halley's method, of third order.
         let bend = |w: &Lane, slope: &Lane| {
             each(|l| {
-                let weakening = plants.linear[l] + Self::law(plants, l, w[l]).1;
+                let weakening = constants.linear[l] + Self::law(constants, l, w[l]).1;
                 weakening * slope[l] + states.direction[l] - states.kappa[l] * w[l]
             })
         };
@@ -463,26 +470,26 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     #[inline(always)]
     pub(super) fn step<const KNOTS: bool>(
         &mut self,
-        plants: &Plants,
+        constants: &Constants,
         states: &mut States,
         until: f64,
         tolerance: f64,
         cuts: &mut Cuts,
     ) {
-        self.expand(plants, states);
+        self.expand(constants, states);
         let (w0, slope0) = (self.w[0], self.w[1]);
         let remaining = each(|l| until - states.tau[l]);
         let left = each(|l| states.span[l] - states.passed[l]);
         let reach = self.reach(states, tolerance);
         let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
         let mut cap = each(|l| {
-            let stiffness = larger(states.kappa[l] + plants.softening[l] * quickest[l], 0.1);
+            let stiffness = larger(states.kappa[l] + constants.softening[l] * quickest[l], 0.1);
             // A falling W that arrives does so soon, and must not return before the end of the step.
             let fall = if slope0[l] < 0.0 { FALLS * w0[l] / -slope0[l] } else { f64::INFINITY };
             smaller(smaller(reach[l], fall), smaller(EXTREMA * PI / stiffness.sqrt(), remaining[l]))
         });
         if EXPONENTIAL {
-            self.stop_before_the_wall(plants, &mut cap);
+            self.limit_exponential_steps(constants, &mut cap);
         }
         (cuts.trial, cuts.tau, cuts.passed, cuts.excess) = (cap, states.tau, states.passed, states.e);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
@@ -502,7 +509,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         unsure = each(|l| larger(unsure[l], flag(slope[l].abs() > quickest[l])));
         if any(&arrived) {
             // Arrivals are searched before grid points: after an arrival the distance would run backwards.
-            let (t, end, found) = self.arrival(plants, states, &h, &w, &slope);
+            let (t, end, found) = self.arrival(constants, states, &h, &w, &slope);
             unsure = each(|l| larger(unsure[l], arrived[l] * (1.0 - found[l])));
             crossed = each(|l| crossed[l] * (1.0 - arrived[l]));
             h = each(|l| choose(arrived[l], t[l], h[l]));
@@ -521,8 +528,8 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         let ceiling = each(|l| larger(w0[l], w[l]) + turned[l] * h[l] * quickest[l]);
         cuts.turned = each(|l| turned[l] * flag(states.fastest[l] <= 1.0));
         cuts.weak = each(|l| {
-            let loss = plants.loss[l] - states.least[l] * plants.thinning[l];
-            flag(plants.floor[l] + states.least[l] <= ceiling[l] * loss)
+            let loss = constants.loss[l] - states.least[l] * constants.thinning[l];
+            flag(constants.floor[l] + states.least[l] <= ceiling[l] * loss)
         });
         states.tau = each(|l| choose(flag(h[l] == remaining[l]), until, states.tau[l] + h[l]));
         states.passed = each(|l| choose(crossed[l], 0.0, states.passed[l] + distance[l]));
@@ -537,19 +544,19 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
 
     /// Shortens the steps on which e^{−cW} rises more steeply than its series can represent.
     #[inline(always)]
-    fn stop_before_the_wall(&self, plants: &Plants, cap: &mut Lane) {
+    fn limit_exponential_steps(&self, constants: &Constants, cap: &mut Lane) {
         let lowest = lower_bound(&self.w, cap);
-        let steep = each(|l| flag(plants.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
+        let steep = each(|l| flag(constants.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
         if any(&steep) {
             for (l, h) in cap.iter_mut().enumerate() {
                 let w: [f64; N] = std::array::from_fn(|k| self.w[k][l]);
-                *h = before_the_wall(&w, plants.curvature[l], *h);
+                *h = exponential_step(&w, constants.curvature[l], *h);
             }
         }
     }
 
     /// Recomputes the end of the step of one lane by the slow, certain method, from the state at the start of the step.
-    pub(super) fn cut_again(&self, lane: usize, states: &mut States, until: f64, cuts: &mut Cuts) {
+    pub(super) fn recompute_end(&self, lane: usize, states: &mut States, until: f64, cuts: &mut Cuts) {
         let of = |c: &[Lane; N]| -> [f64; N] { std::array::from_fn(|k| c[k][lane]) };
         let (w, s) = (of(&self.w), of(&self.s));
         let mut h = cuts.trial[lane];
