@@ -1,4 +1,4 @@
-//! The law of what many trajectories leave, gathered in bounded memory.
+//! Distribution of a quantity over many trajectories, collected in bounded memory.
 
 use std::collections::BinaryHeap;
 
@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 use asperity_base::law::goodness::normality;
 use asperity_base::random::hash;
 
-/// The law of a quantity met many times along many trajectories, such as the displacement at re-attachment.
+/// Distribution of a quantity that occurs many times along many trajectories, such as the displacement at
+/// re-attachment.
 ///
-/// Values of one trajectory are correlated when a slip is not much longer than the correlation length; `normality_p` takes
-/// them as independent, so it is a lower bound of the p-value.
+/// Values of one trajectory are correlated when a slip is not much longer than the correlation length. `normality_p`
+/// assumes independent values, so it is a lower bound of the p-value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SampleLaw {
-    /// Number of values; the moments are of all of them.
+    /// Number of values; the moments use all of them.
     pub count: u64,
     /// Mean.
     pub mean: f64,
@@ -23,9 +24,10 @@ pub struct SampleLaw {
     pub skewness: f64,
     /// Excess kurtosis.
     pub excess_kurtosis: f64,
-    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none with fewer than 20 values.
+    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none for fewer than 20 values.
     pub normality_p: Option<f64>,
-    /// All values in order of trajectory and time if they are few enough, else a simple random sample of them, so ordered.
+    /// All values in order of trajectory and time if they are few enough; otherwise a simple random sample of them in
+    /// the same order.
     pub sample: Vec<f64>,
 }
 
@@ -62,7 +64,7 @@ impl RunningMoments {
         ];
     }
 
-    /// Adds all values of another sum, by the formulas for two sets there.
+    /// Adds all values of another sum, by the formulas for two sets in the reference of [`Self::add`].
     pub(super) fn merge(&mut self, other: &Self) {
         if self.count == 0 || other.count == 0 {
             *self = if self.count == 0 { *other } else { *self };
@@ -94,7 +96,7 @@ impl RunningMoments {
         if self.count == 0 { f64::NAN } else { self.mean }
     }
 
-    /// Standard deviation with divisor n − 1.
+    /// Returns the standard deviation with divisor n − 1.
     pub(super) fn std(&self) -> f64 {
         if self.count < 2 { f64::NAN } else { (self.central[0] / (self.count as f64 - 1.0)).sqrt() }
     }
@@ -108,13 +110,13 @@ impl RunningMoments {
     }
 }
 
-/// Keeps a simple random sample of a stream of numbered values: those with the smallest hashes of their numbers.
+/// Simple random sample of a stream of numbered values: the values with the smallest hashes of their numbers.
 ///
-/// The choice is a function of the numbers alone, so it depends neither on threads nor on the order of arrival.
+/// The choice is a function of the numbers alone, so it does not depend on threads or on the order of arrival.
 #[derive(Debug, Clone)]
 struct Reservoir {
     capacity: usize,
-    /// The largest hash on top; the bits of the value follow.
+    /// Heap of (hash, number, bits of the value), with the largest hash on top.
     kept: BinaryHeap<(u64, u64, u64)>,
 }
 
@@ -133,7 +135,7 @@ impl Reservoir {
         self.kept.push((hash, number, bits));
     }
 
-    /// The kept values in the order of their numbers.
+    /// Returns the kept values in the order of their numbers.
     fn values(self) -> Vec<f64> {
         let mut kept = self.kept.into_vec();
         kept.sort_unstable_by_key(|&(_, number, _)| number);
@@ -141,12 +143,12 @@ impl Reservoir {
     }
 }
 
-/// Gathers a [`SampleLaw`], from the values of one trajectory or from gatherings of many.
+/// Collector of a [`SampleLaw`], from the values of one trajectory or by merging collectors.
 #[derive(Debug, Clone)]
 pub(super) struct Gathering {
     sums: RunningMoments,
     reservoir: Reservoir,
-    /// Number of the first value, unlike that of any other trajectory.
+    /// Number of the first value, unique to the trajectory.
     first: u64,
 }
 
@@ -236,7 +238,7 @@ mod tests {
         ] {
             assert!((found / wanted - 1.0).abs() < 1e-11, "{found} and {wanted}");
         }
-        // What is kept of many depends neither on the order nor on how much a part keeps beyond it.
+        // The kept sample depends neither on the order nor on the number of extra values kept in a part.
         let few = gathered(500, &[0, 1, 2, 3, 4]);
         assert_eq!(few.sample.len(), 500);
         assert_eq!(few.sample, gathered(500, &[4, 2, 0, 3, 1]).sample);

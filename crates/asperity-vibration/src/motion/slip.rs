@@ -1,4 +1,4 @@
-//! Slip: a Taylor step and its cuts.
+//! Slip: a Taylor step and its end.
 
 use super::super::arrival::Turning;
 use super::super::series::Loading;
@@ -6,28 +6,28 @@ use super::super::{Drive, Event, EventKind, Phase, VibrationError};
 use super::{Motion, Segment};
 use asperity_process::Fluctuation;
 
-/// What ends a step.
+/// Reason for the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cut {
-    /// The reach of the series or the asked time.
+    /// The reach of the series or the requested time.
     None,
     /// An arrival at v_rel = 0.
     Arrival,
-    /// A knot of the friction process.
+    /// A grid point of the friction process.
     Knot,
     /// A point of a tabulated law, at this W.
     Point(f64),
 }
 
-/// Points at which the friction coefficient is checked when a bound does not settle its sign.
+/// Number of points at which the friction coefficient is checked when a bound does not decide its sign.
 const POSITIVITY_POINTS: usize = 32;
 
 impl<F: Fluctuation> Motion<F> {
-    /// One step of slip, to an arrival at v_rel = 0, a knot, the reach of the series, or `until`.
+    /// Advances by one step of slip, to an arrival at v_rel = 0, a grid point, the reach of the series, or `until`.
     pub(super) fn slip(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
         let direction = self.phase.direction();
         let remaining = until - self.tau;
-        // The process changes with the sliding distance, or by itself.
+        // The process depends on the sliding distance or on time.
         let (stretch, drift) = match self.drive {
             Drive::Distance => (self.cell.slope, 0.0),
             Drive::Time => (0.0, self.cell.slope),
@@ -41,7 +41,7 @@ impl<F: Fluctuation> Motion<F> {
         };
         self.weakening.select(self.w, self.e, &loading);
         let (estimate, to_knot) = self.horizon();
-        // A little more, so that the knot is inside the step.
+        // Slightly longer, so that the grid point is inside the step.
         let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
@@ -62,7 +62,7 @@ impl<F: Fluctuation> Motion<F> {
                 return self.finish_slip(t, (w, e, a), Cut::Knot, (until, turning.is_simple(t)));
             }
         }
-        // First the arrival, then the knot: past an arrival the distance would run backwards.
+        // Arrivals are searched before grid points: after an arrival the distance would run backwards.
         let reached = self.series.first_arrival(&self.weakening, &turning, h);
         let (mut h, mut cut) = (reached.t, if reached.arrived { Cut::Arrival } else { Cut::None });
         if let Some(bounds) = self.weakening.bounds()
@@ -86,7 +86,8 @@ impl<F: Fluctuation> Motion<F> {
         self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, (until, turning.is_simple(h)))
     }
 
-    /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
+    /// Returns the approximate time to the next grid point and the distance to it, in scaled distance or in time
+    /// depending on [`Drive`].
     #[inline]
     fn horizon(&self) -> (f64, f64) {
         let left = (self.cell.end - self.coordinate()) / self.velocity;
@@ -102,7 +103,8 @@ impl<F: Fluctuation> Motion<F> {
         (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
     }
 
-    /// Moves to the end of a step of the length h, where W, e and W′ are given; in a simple one W has one extremum at most.
+    /// Moves to the end of a step of length h, where W, e and W′ are given. In a simple step W has at most one
+    /// extremum.
     #[inline]
     fn finish_slip(
         &mut self,
@@ -134,7 +136,7 @@ impl<F: Fluctuation> Motion<F> {
         }
         if crossed {
             self.next_cell()?;
-            // At rest on the very knot the friction behind it decides.
+            // At rest exactly at the grid point, the friction after it determines the phase.
             if self.w == 0.0 && self.e < 0.0 {
                 return self.decide_at_rest();
             }
@@ -142,10 +144,10 @@ impl<F: Fluctuation> Motion<F> {
         Ok(None)
     }
 
-    /// Refuses a friction coefficient that is not positive somewhere in the last step.
+    /// Fails if the friction coefficient is not positive everywhere in the last step.
     #[inline]
     fn check_friction(&self, w_before: f64, m_before: f64, h: f64, turns: bool) -> Result<(), VibrationError> {
-        // Most laws are positive at any speed, and then friction that does not fall below them is.
+        // Most laws are positive at any speed; with m ≥ 0 the coefficient is then positive too.
         if self.law.is_positive() && m_before >= 0.0 && self.m >= 0.0 {
             return Ok(());
         }
@@ -176,14 +178,14 @@ impl<F: Fluctuation> Motion<F> {
         Ok(())
     }
 
-    /// The relative speed is zero: stick if the force is within the limit, else slip on.
+    /// Decides at zero relative speed: stick if the force is within the limit, otherwise slip continues.
     fn arrive(&mut self) -> Result<Option<Event>, VibrationError> {
-        // An arrival has W′ = e + jump ≤ 0; anything else is rounding at a grazing arrival.
+        // An arrival has W′ = e + jump ≤ 0; any other value is rounding at a grazing arrival.
         self.e = self.e.min(-self.weakening.jump);
         self.decide_at_rest()
     }
 
-    /// What a mass does that slipped, is at W = 0 and lacks the force to slip on in its direction.
+    /// Decides the phase of a slipping mass at W = 0 whose force is too small to continue slip in its direction.
     fn decide_at_rest(&mut self) -> Result<Option<Event>, VibrationError> {
         if self.phase == Phase::OverSlip {
             self.e = self.opposite_excess();

@@ -1,11 +1,11 @@
-//! Stick: no motion on the belt, until the force reaches the limit.
+//! Stick: the mass moves with the belt until the force reaches the limit.
 
 use super::super::{Drive, Event, EventKind, Phase, VibrationError};
 use super::{Motion, Segment, drift_rate};
 use asperity_process::Fluctuation;
 
 impl<F: Fluctuation> Motion<F> {
-    /// One step of stick, to a release, a knot of a process read in time, or `until`.
+    /// Advances by one step of stick, to a release, a grid point of a process that depends on time, or `until`.
     pub(super) fn stick(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
         let rate = drift_rate(self.drive, self.cell.slope);
         self.segment =
@@ -31,7 +31,7 @@ impl<F: Fluctuation> Motion<F> {
                 return self.stick_behind_knot();
             }
             self.m = self.cell.at(self.coordinate());
-            // For its check of the friction coefficient alone.
+            // Called only for its check of the friction coefficient.
             self.phase_at_rest()?;
         }
         let Some(phase) = released else { return Ok(None) };
@@ -41,7 +41,7 @@ impl<F: Fluctuation> Motion<F> {
         Ok(self.event(EventKind::Detach))
     }
 
-    /// A jump of friction may release the mass at once, with an excess that is not zero.
+    /// Continues after a grid point: a jump of friction may release the mass at once, with a nonzero excess.
     fn stick_behind_knot(&mut self) -> Result<Option<Event>, VibrationError> {
         let phase = self.phase_at_rest()?;
         if phase == Phase::Stick {

@@ -1,4 +1,4 @@
-//! Friction that jumps, against arcs of circles: Coulomb friction without damping.
+//! Friction with jumps, compared with circular arcs: Coulomb friction without damping.
 
 use super::*;
 use crate::Parameters;
@@ -15,7 +15,7 @@ impl Fluctuation for Levels {
     }
 }
 
-/// m = 0 up to `knot` and then `m`, followed from X = `start` to `duration`.
+/// Returns the events under m = 0 up to `knot` and `m` after it, from X = `start` to `duration`.
 fn events(knot: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Event> {
     let cells = vec![
         Cell { end: knot, length: knot, left: 0.0, right: 0.0 },
@@ -33,14 +33,14 @@ fn events(knot: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Eve
     events
 }
 
-/// Duration of a slip from X with the friction μ: X = μ + (X₀ − μ) cos t + V sin t until X′ = V.
+/// Returns the duration of a slip from X with the friction μ: X = μ + (X₀ − μ) cos t + V sin t until X′ = V.
 fn slip(from: f64, friction: f64) -> f64 {
     2.0 * (std::f64::consts::PI - ((from - friction) / BELT).atan())
 }
 
 #[test]
 fn a_jump_in_stick_releases_the_mass_at_once_or_holds_it_longer() {
-    // At the knot, τ = 0.4, the mass is at X = 0.32.
+    // At the grid point, τ = 0.4, the mass is at X = 0.32.
     let found = events(0.02, -0.15, Drive::Time, 0.3, 6.0);
     let friction = KINETIC - 0.15;
     let wanted =
@@ -56,7 +56,7 @@ fn a_jump_in_stick_releases_the_mass_at_once_or_holds_it_longer() {
 
 #[test]
 fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
-    // From rest at X = 0.4 for a distance of 0.3: then about another centre.
+    // From rest at X = 0.4 over a distance of 0.3, then about another centre.
     for m in [-0.1, 0.15] {
         let found = events(0.3, m, Drive::Distance, STATIC, 8.0);
         let arc = |t: f64, centre: f64, x: f64, v: f64| {
@@ -70,7 +70,7 @@ fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
         }
         let (x, v) = arc(low, KINETIC, STATIC, BELT);
         let centre = KINETIC + m;
-        // X′ = V: R sin(angle of the arrival − phase), the later of the two in a turn.
+        // X′ = V: R sin(angle of the arrival − phase), the later of the two solutions per turn.
         let radius = (x - centre).hypot(v);
         let phase = v.atan2(x - centre);
         let turn = std::f64::consts::TAU;
@@ -92,9 +92,11 @@ fn an_arrival_on_the_very_knot_is_not_lost() {
             let knot = distance * (1.0 + f64::from(ulps) * f64::EPSILON);
             let found = events(knot, m, Drive::Distance, STATIC, duration + (STATIC + m - back) / BELT + 1.0);
             let kinds: Vec<EventKind> = found.iter().map(|event| event.kind).collect();
-            // The next release is at either limit, as the mass arrived before the knot or behind it.
+            // The next release is at either limit, depending on whether the mass arrived before or after the grid
+            // point.
             assert_eq!(kinds[..2], [EventKind::Detach, EventKind::Restick], "{m} {ulps}");
-            // A distance within rounding leaves a velocity within its root.
+            // An error of the distance of the order of rounding causes an error of the velocity of the order of its
+            // square root.
             assert!((found[1].tau - duration).abs() < 1e-6 && (found[1].displacement - back).abs() < 1e-7);
             if let Some(next) = found.get(2) {
                 let limit = (next.displacement - STATIC).abs().min((next.displacement - STATIC - m).abs());
@@ -112,7 +114,7 @@ fn a_release_on_the_very_knot_is_not_lost() {
         let found = events(knot, -0.05, Drive::Time, 0.3, 3.0);
         assert!(found.len() == 1 && found[0].kind == EventKind::Detach, "{ulps}: {found:?}");
         assert!((found[0].tau - 2.0).abs() < 1e-12 && (found[0].displacement - STATIC).abs() < 1e-12);
-        // More, in slip too: the mass is held until τ = 5, whether or not it was free for no time at all.
+        // More friction, also in slip: the mass is held until τ = 5, even if it was free for zero time.
         let found = events(knot, 0.15, Drive::Time, 0.3, 6.0);
         let last = found[found.len() - 1];
         assert!((last.tau - 5.0).abs() < 1e-12 && last.kind == EventKind::Detach, "{ulps}: {found:?}");
@@ -122,7 +124,7 @@ fn a_release_on_the_very_knot_is_not_lost() {
 
 #[test]
 fn no_extreme_of_a_step_is_missed() {
-    // Fast and strong forces turn the velocity several times in a step.
+    // High frequencies and strong forces turn the velocity several times in a step.
     let mut most = 0;
     for (amplitude, frequency, belt_velocity) in [(0.3, 0.9, 0.05), (0.6, 3.0, 0.2), (2.0, 8.0, 0.5), (0.01, 11.0, 2.0)]
     {
@@ -157,6 +159,6 @@ fn no_extreme_of_a_step_is_missed() {
             }
         }
     }
-    // Ends, two extremes and a passage of X′ = 0 between at least.
+    // At least: two ends, two extremes and a zero of X′ in between.
     assert!(most >= 5, "{most} times at most");
 }

@@ -1,4 +1,5 @@
-//! What the equations ask of a motion, judged step by step from dense output and a second reading of its friction process.
+//! Checks of a motion against the equations, step by step, from dense output and a second evaluation of the friction
+//! process.
 
 use super::super::motion::Motion;
 use super::super::{Drive, Event, EventKind, Forcing, FrictionLaw, Oscillator, Phase, Slips, VibrationError};
@@ -7,7 +8,7 @@ use super::reading::Reading;
 use asperity_base::numeric::golden_section;
 use asperity_process::Path;
 
-/// Gauss's rule of eight nodes on (−1, 1): node and weight of each pair.
+/// Eight-point Gauss rule on (−1, 1): node and weight of each symmetric pair.
 const GAUSS: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
@@ -15,37 +16,37 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
 ];
 
-/// Rounding relative to the sum of all forces, many times over.
+/// Tolerance relative to the sum of all forces, many times the rounding error.
 const TIGHT: f64 = 1e-11;
 
-/// What was seen of one motion.
+/// Results of the checks of one motion.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     pub(super) events: Vec<Event>,
     pub(super) slips: Slips,
     pub(super) steps: u64,
     pub(super) knots: u64,
-    /// Slips whose largest speed backwards is within rounding of zero.
+    /// Number of slips whose largest backward speed is within rounding of zero.
     pub(super) undecided: u64,
-    /// Sticks of no time.
+    /// Number of sticks of zero duration.
     pub(super) touches: u64,
-    /// The friction coefficient was lost, and truly so.
+    /// Whether the friction coefficient became negative, which the check confirmed.
     pub(super) lost: bool,
     pub(super) worst: [f64; 10],
 }
 
-/// A point of dense output, with the friction read there.
+/// Point of dense output, with the friction there.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     tau: f64,
     x: f64,
     velocity: f64,
-    /// Where friction is read, and its least and largest fluctuation there.
+    /// Coordinate of the friction process, and its least and largest fluctuation there.
     coordinate: f64,
     m: (f64, f64),
 }
 
-/// One step: phase and time before it, and the sliding distance.
+/// State before a step: phase, time and sliding distance.
 #[derive(Debug, Clone, Copy)]
 struct Before {
     phase: Phase,
@@ -55,7 +56,7 @@ struct Before {
     s: f64,
 }
 
-/// What is left of a difference beyond an allowance.
+/// Returns the part of a difference that exceeds an allowance.
 fn beyond(difference: f64, allowance: f64) -> f64 {
     (difference.abs() - allowance).max(0.0)
 }
@@ -67,14 +68,14 @@ struct Watch<'a> {
     seen: Seen,
     /// Largest fluctuation so far.
     largest: f64,
-    /// Time and (X² + V²)^½ when the mass last left the belt or was started, and at the start.
+    /// Time and (X² + V²)^½ when the mass last left the belt or started; and at the start.
     left: (f64, f64),
     started: f64,
     backward: bool,
     undecided: bool,
 }
 
-/// Follows a case and panics where the motion breaks a law.
+/// Simulates a case and panics if the motion violates a law.
 pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
     let Case { oscillator, process, settings } = case;
     let start = settings.start.unwrap_or_else(|| oscillator.default_start());
@@ -118,14 +119,14 @@ pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
 }
 
 impl Watch<'_> {
-    /// Fails unless a number that vanishes is within `tolerance` of `scale`.
+    /// Panics unless `number` is zero within `tolerance` times `scale`.
     fn vanishes(&mut self, kind: usize, number: f64, scale: f64, tolerance: f64) {
         let share = number.abs() / scale;
         self.seen.worst[kind] = self.seen.worst[kind].max(share);
         assert!(share <= tolerance, "law {kind} broken by {share:e} at {:?}: {:?}", self.seen.events.last(), self.case);
     }
 
-    /// What rounding of the coordinate makes of m.
+    /// Returns the effect on m of rounding of the coordinate.
     fn haze(&self, coordinate: f64) -> f64 {
         8.0 * f64::EPSILON * (1.0 + coordinate) * self.reading.steepest
     }
@@ -147,7 +148,7 @@ impl Watch<'_> {
         self.oscillator.forcing().map_or(0.0, |Forcing { amplitude, .. }| amplitude)
     }
 
-    /// Sum of the sizes of all forces: what rounding errors are shares of.
+    /// Returns the sum of the magnitudes of all forces, the scale of rounding errors.
     fn scale(&self, x: f64, velocity: f64) -> f64 {
         self.strongest()
             + self.push()
@@ -165,15 +166,17 @@ impl Watch<'_> {
         Point { tau, x, velocity, coordinate, m }
     }
 
-    /// A bound of (X² + X′²)^½. With R the friction force, |R| ≤ M, the energy grows at the rate RX′ − 2ζX′² + qX′ cos ητ,
-    /// and RX′ ≤ MV, as friction only feeds a mass that moves forward, slower than the belt or with it: r′ ≤ MV/r + q.
+    /// Returns an upper bound of r = (X² + X′²)^½. With the friction force R, |R| ≤ M, the energy grows at the rate RX′
+    /// − 2ζX′² + qX′ cos ητ. Friction supplies energy only to a mass that moves forward, not faster than the belt, so
+    /// RX′ ≤ MV and r′ ≤ MV/r + q.
     fn energy_bound(&self, tau: f64) -> f64 {
         let (left, radius) = self.left;
         let feed = 2.0 * self.strongest() * self.oscillator.belt_velocity() * (tau - left);
         (radius * radius + feed).sqrt() + self.push() * (tau - left)
     }
 
-    /// A bound of |X| at all times: the free motion and (M + q) times the integral of the damped oscillator's |response|.
+    /// Returns an upper bound of |X| at all times: the free motion plus (M + q) times the integral of the damped
+    /// oscillator's |response|.
     fn damped_bound(&self) -> f64 {
         let damping = self.oscillator.damping_ratio();
         let integral = if damping >= 1.0 {
@@ -184,7 +187,7 @@ impl Watch<'_> {
         self.started + (self.strongest() + self.push()) * integral
     }
 
-    /// Judges the step that ends now and returns what the next one begins with.
+    /// Checks the step that ends now and returns the state before the next one.
     fn step(&mut self, motion: &Motion<Path<'_>>, before: Before, event: Option<Event>) -> Before {
         self.seen.steps += 1;
         let Before { phase, tau: a, .. } = before;
@@ -193,7 +196,7 @@ impl Watch<'_> {
         let drive = self.case.settings.drive;
         let coordinate = if drive == Drive::Distance { before.s } else { self.oscillator.belt_velocity() * a };
         self.reading.forget(coordinate * (1.0 - 1e-12));
-        // Place and velocity do not jump, whatever happens between two steps.
+        // Position and velocity are continuous between two steps.
         let (x, velocity) = motion.sample(a);
         let end_coordinate = if drive == Drive::Distance { s } else { self.oscillator.belt_velocity() * b };
         let scale = self.scale(x, velocity);
@@ -210,7 +213,7 @@ impl Watch<'_> {
         if phase == Phase::Stick {
             self.stuck(motion, &before, &end);
         } else {
-            // Of the steps from knot to knot one in four is enough.
+            // One in four of the steps between grid points is checked thoroughly.
             let thorough = event.is_some() || b - a > 0.02 || self.seen.steps.is_multiple_of(4);
             self.slipped(motion, &before, &end, s, thorough);
         }
@@ -226,7 +229,7 @@ impl Watch<'_> {
         Before { phase, tau: b, x, velocity, s }
     }
 
-    /// X + 2ζV − q cos ητ, which friction balances in stick, against its limits.
+    /// Returns X + 2ζV − q cos ητ, which friction balances in stick, and its limits.
     fn balance(&self, point: &Point) -> (f64, f64, f64) {
         let (limit, belt) = (self.oscillator.static_friction(), self.oscillator.belt_velocity());
         let force = point.x + 2.0 * self.oscillator.damping_ratio() * belt - self.force(point.tau);
@@ -263,7 +266,8 @@ impl Watch<'_> {
         }
     }
 
-    /// Newton's law, integrated over the step: X′ = ∫ forces and X = ∫ X′ by Gauss's rule, on parts where the whole is too coarse.
+    /// Checks Newton's law, integrated over the step: X′ = ∫ forces and X = ∫ X′ by Gauss's rule, on subintervals where
+    /// the whole step is too coarse.
     fn equation_of_motion(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point, s: f64, scale: f64) {
         let length = end.tau - before.tau;
         let mut errors = [f64::INFINITY; 2];
@@ -290,11 +294,12 @@ impl Watch<'_> {
             }
         }
         self.vanishes(6, errors[0], scale, TIGHT);
-        // A step is judged by its last two terms, and for once in millions both are small by accident.
+        // The length of a step follows from its last two terms; about once in a million steps both are small by
+        // accident.
         self.vanishes(7, errors[1], scale * length.max(1.0), 1e-9);
     }
 
-    /// X″ by the forces, X′, and half the jump of friction within rounding of this time.
+    /// Returns X″ from the forces, X′, and half the jump of friction within rounding of this time.
     fn pull(&mut self, motion: &Motion<Path<'_>>, before: &Before, s: f64, tau: f64) -> (f64, f64, f64) {
         let (belt, direction) = (self.oscillator.belt_velocity(), before.phase.direction());
         let (x, velocity) = motion.sample(tau);
@@ -310,13 +315,13 @@ impl Watch<'_> {
         (force, velocity, 0.5 * (point.m.1 - point.m.0))
     }
 
-    /// Whether the mass moves backwards in this step.
+    /// Checks whether the mass moves backwards in this step.
     fn look_backward(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point) {
         let length = end.tau - before.tau;
         let mut slowest = before.velocity.min(end.velocity);
         let fall = length * (2.0 * self.scale(end.x, end.velocity) + length * self.scale(0.0, end.velocity));
         if slowest > 0.0 && slowest < fall {
-            // Golden sections of thirds of the step.
+            // Golden-section search in each third of the step.
             for third in 0..3 {
                 let ends = [third, third + 1].map(|third| f64::from(third) / 3.0);
                 let velocity = |share: f64| {
@@ -337,11 +342,12 @@ impl Watch<'_> {
         let haze = self.haze(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
         let last = self.seen.events.last().copied();
         if let Some(last) = last {
-            // An arrival that only grazes, at the limit of stick within rounding, is a stick of no time.
+            // A grazing arrival at the stick limit, within rounding, is a stick of zero duration.
             let touch = event.tau == last.tau && event.kind == EventKind::Detach && last.tau > 0.0;
             self.seen.touches += u64::from(touch);
             assert!(event.tau > last.tau || touch, "{event:?} not after {last:?}: {:?}", self.case);
-            // The distance of a slip begins as the third power of its time: the shortest ones are below its rounding.
+            // The distance of a slip starts as the third power of its time; the distance of the shortest slips is below
+            // rounding.
             let (further, longer) = (event.sliding_distance - last.sliding_distance, event.tau - last.tau);
             let moved = if event.kind == EventKind::Detach { further == 0.0 } else { further > 0.0 };
             assert!(moved || longer < 1e-3, "{event:?} after {last:?}: {:?}", self.case);
@@ -352,7 +358,7 @@ impl Watch<'_> {
         let overshoot = match (event.kind, after) {
             (EventKind::Detach, Some(phase)) => {
                 let excess = phase.direction() * force;
-                // At the start, and where friction jumps, the mass may be far beyond the limit.
+                // At the start, and where friction jumps, the force may exceed the limit considerably.
                 let torn_off = event.tau == 0.0 || most > least + haze;
                 self.left = (event.tau, event.displacement.hypot(self.oscillator.belt_velocity()));
                 (self.backward, self.undecided) = (false, false);
@@ -375,8 +381,9 @@ impl Watch<'_> {
         self.seen.events.push(event);
     }
 
-    /// What rounding makes of the force at an arrival: where the relative velocity W hardly passes zero, the time of its zero
-    /// has the square root of the rounding of W, and so has e, in which the force is V times as large.
+    /// Returns the effect of rounding on the force at an arrival. Where the relative velocity W barely passes zero, the
+    /// error of the time of its zero is the square root of the rounding of W. The error of e is the same, and the error
+    /// of the force is V times as large.
     fn grazing(&self, scale: f64) -> f64 {
         4.0 * (f64::EPSILON * self.oscillator.belt_velocity() * scale).sqrt()
     }
@@ -386,7 +393,7 @@ impl Watch<'_> {
         if self.backward { self.seen.slips.cycles += 1 } else { self.seen.slips.micro_slips += 1 }
     }
 
-    /// An error has to be the loss of friction, and friction has to be lost where it says.
+    /// Checks that an error is a loss of friction, and that friction is lost at the reported point.
     fn error(&mut self, error: &VibrationError, before: &Before, motion: Option<&Motion<Path<'_>>>) {
         let VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance, .. } = *error else {
             panic!("{error}: {:?}", self.case)
