@@ -28,7 +28,7 @@ pub struct MapAxis {
     pub from: f64,
     /// Largest value.
     pub to: f64,
-    /// Cells of the first grid.
+    /// Number of cells of the first grid.
     pub cells: usize,
 }
 

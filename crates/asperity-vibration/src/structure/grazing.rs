@@ -1,4 +1,4 @@
-//! The slip orbit that touches the belt velocity, with its derivatives.
+//! Slip orbit that touches the belt velocity, and its derivatives.
 
 use super::super::slip_orbit::{Minimum, first_minimum_from};
 use super::super::sway::Sway;
@@ -16,9 +16,9 @@ pub(crate) struct Graze {
     pub(crate) time_by: [f64; 2],
 }
 
-/// The first minimum of W after a detachment at the time τ, with derivatives; none if the orbit has none.
+/// Returns the first minimum of W after a detachment at the time τ, with derivatives; none if the orbit has no minimum.
 ///
-/// On an orbit that was stopped below zero the derivatives are those of its end at that time.
+/// For an orbit that was stopped below zero, the derivatives refer to its end at that time.
 pub(crate) fn graze(oscillator: &Oscillator, tau: f64) -> Result<Option<Graze>, VibrationError> {
     let linear = Linear(oscillator);
     let sway = Sway::new(oscillator);
@@ -39,17 +39,17 @@ pub(crate) fn graze(oscillator: &Oscillator, tau: f64) -> Result<Option<Graze>, 
     }))
 }
 
-/// Damping ratio at which the slip orbit of a detachment at the time τ touches the belt velocity.
+/// Returns the damping ratio at which the slip orbit of a detachment at the time τ touches the belt velocity.
 ///
-/// `guess` > 0 is where the search begins and `most` where it ends. None if the orbit of the undamped oscillator does not
-/// reach the belt velocity, or all orbits up to `most` do.
+/// `guess` > 0 is the start of the search and `most` its end. Returns none if the orbit of the undamped oscillator does
+/// not reach the belt velocity, or if all orbits up to `most` do.
 pub(crate) fn grazing_damping(
     oscillator: &Oscillator,
     tau: f64,
     guess: f64,
     most: f64,
 ) -> Result<Option<f64>, VibrationError> {
-    // An orbit without a minimum stays away from the belt velocity.
+    // An orbit without a minimum does not reach the belt velocity.
     let least = |damping: f64| -> Result<(f64, f64), VibrationError> {
         Ok(graze(&oscillator.with_damping(damping)?, tau)?.map_or((1.0, 0.0), |g| (g.minimum.w, g.w_by[0])))
     };

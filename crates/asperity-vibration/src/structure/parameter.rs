@@ -1,10 +1,10 @@
-//! Which parameter of an oscillator is varied.
+//! Parameters of an oscillator that can be varied.
 
 use serde::{Deserialize, Serialize};
 
 use super::super::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
 
-/// A parameter that a curve or a diagram runs over.
+/// Parameter of a curve or a diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Parameter {
@@ -12,9 +12,9 @@ pub enum Parameter {
     DampingRatio,
     /// V.
     BeltVelocity,
-    /// μ_st; the kinetic coefficient keeps its ratio to it.
+    /// μ_st; the ratio of the kinetic coefficient to it is constant.
     StaticFriction,
-    /// How fast the law falls: a of the Stribeck law, b of the linear law.
+    /// Weakening rate: a of the Stribeck law, b of the linear law.
     Weakening,
     /// q.
     ForcingAmplitude,
@@ -23,7 +23,7 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Its value; none if the oscillator has no such parameter.
+    /// Returns the value of the parameter; none if the oscillator does not have it.
     pub fn of(self, oscillator: &Oscillator) -> Option<f64> {
         match self {
             Self::DampingRatio => Some(oscillator.damping_ratio()),
@@ -38,7 +38,8 @@ impl Parameter {
         }
     }
 
-    /// The same oscillator with another value. Fails out of its range, and if there is no such parameter.
+    /// Returns the same oscillator with another value. Fails if the value is out of range, or if there is no such
+    /// parameter.
     pub fn set(self, oscillator: &Oscillator, value: f64) -> Result<Oscillator, VibrationError> {
         let old = oscillator.parameters().clone();
         let missing = |reason| VibrationError::NotFound { what: "parameter", reason };
@@ -48,7 +49,7 @@ impl Parameter {
             Self::DampingRatio => Parameters { damping_ratio: value, ..old },
             Self::BeltVelocity => Parameters { belt_velocity: value, ..old },
             Self::StaticFriction => {
-                // A kinetic coefficient equal to the static one stays equal to the bit.
+                // A kinetic coefficient equal to the static one stays exactly equal.
                 let scaled = |kinetic: f64| value * (kinetic / old.static_friction);
                 let law = match &old.law {
                     FrictionLaw::Stribeck { kinetic, decay } => {
