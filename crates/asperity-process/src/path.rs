@@ -10,9 +10,9 @@ use super::table::TranslationTable;
 use super::{Cell, CorrelationShape, EqualCells, Fluctuation, FrictionProcess, Generator};
 use asperity_base::random::Stream;
 
-/// A realisation of a [`FrictionProcess`], made as it is read; it is endless.
+/// Realisation of a [`FrictionProcess`], generated while it is read, without end.
 ///
-/// It is read knot by knot ([`Path::next_knot`]) or cell by cell ([`Fluctuation`]), not both.
+/// Use either [`Path::next_value`], point by point, or [`Fluctuation`], cell by cell, but not both.
 #[derive(Debug, Clone)]
 pub struct Path<'a> {
     rng: Stream,
@@ -30,7 +30,7 @@ enum Source<'a> {
     Renewal(Renewal),
 }
 
-/// g_{i+1} = φg_i + √(1 − φ²)ξ.
+/// Recursion g_{i+1} = φg_i + √(1 − φ²)ξ.
 #[derive(Debug, Clone, Copy)]
 struct Recursion {
     g: f64,
@@ -39,7 +39,7 @@ struct Recursion {
 }
 
 impl Recursion {
-    /// The value at this knot; moves to the next.
+    /// Returns the value at this grid point and moves to the next.
     #[inline]
     fn advance(&mut self, xi: f64) -> f64 {
         let next = self.coefficient * self.g + self.innovation * xi;
@@ -47,11 +47,11 @@ impl Recursion {
     }
 }
 
-/// From normal values to m, raised to the least value where one is stated.
+/// Translation of normal values to m, with clipping at the least value, if there is one.
 #[derive(Debug, Clone, Copy)]
 struct Limited<'a> {
     table: &'a TranslationTable,
-    /// −∞ without a limit.
+    /// Least value; −∞ without clipping.
     least: f64,
     clamped: u64,
 }
@@ -85,7 +85,7 @@ impl<'a> Path<'a> {
             }
             _ => {
                 let coefficient = process.normal_step_correlation();
-                // 1 − φ² without cancellation.
+                // Computes 1 − φ² without cancellation.
                 let innovation = (-(-2.0 * step_share).exp_m1()).sqrt();
                 Source::Autoregressive(Recursion { g: StandardNormal.sample(&mut rng), coefficient, innovation })
             }
@@ -95,7 +95,7 @@ impl<'a> Path<'a> {
         Self { rng, source, cells: EqualCells::new(process.step()), limited }
     }
 
-    /// m at the next knot, the first at s = 0. A renewal process is recorded there.
+    /// Returns m at the next grid point, the first at s = 0. A renewal process is sampled there.
     #[inline]
     pub fn next_knot(&mut self) -> f64 {
         let normal = match &mut self.source {
@@ -111,7 +111,8 @@ impl<'a> Path<'a> {
         self.limited.value(normal)
     }
 
-    /// Values so far that were raised to the least one: knots, or intervals of a renewal process.
+    /// Returns the number of values so far that were raised to the least one: grid points, or intervals of a renewal
+    /// process.
     pub fn clamped(&self) -> u64 {
         self.limited.clamped
     }
@@ -151,7 +152,7 @@ mod tests {
             ("beta:2.1,5", Generator::Renewal, 0.5598),
             ("gamma:4,1", Generator::Renewal, 1.0),
         ] {
-            // The correction has nothing to correct.
+            // The correction has no effect.
             let model = ProcessModel { correlation: Correlation::Corrected, ..model(law, generator) };
             let process = FrictionProcess::new(model.clone()).unwrap();
             let paths: Vec<Vec<f64>> = (0..20_000)
@@ -174,7 +175,7 @@ mod tests {
                 let (found, margin) = mean_of(&|m| m[0] * m[lag]);
                 assert!((found - wanted).abs() < margin, "{law} {generator:?}: {found} at {lag}, not {wanted}");
             }
-            // The law after sixty steps.
+            // Distribution after sixty steps.
             let standard = model.marginal.standardised(0.0, 1.0).unwrap();
             let last: Vec<f64> = paths.iter().map(|m| m[60]).collect();
             let p = kolmogorov_smirnov(&last, &standard, None).unwrap().p_value;
@@ -184,7 +185,7 @@ mod tests {
 
     #[test]
     fn a_diffusion_slows_down_at_its_bounds_as_its_variance_says() {
-        // Var[X_h | x] from the second eigenfunction; binned by x, against the squared changes of many steps.
+        // Var[X_h | x] from the second eigenfunction, binned by x, compared with the squared changes of many steps.
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
         let mut path = process.path(3, 0);
         let knots: Vec<f64> = (0..400_000).map(|_| path.next_knot()).collect();
@@ -240,7 +241,7 @@ mod tests {
         };
         let error = refused("gamma:2,1", Generator::Jacobi, CorrelationShape::Exponential);
         assert_eq!(error, ProcessError::Marginal { generator: "jacobi", law: "gamma", wanted: "beta" });
-        assert!(error.to_string().contains("beta law, not a gamma one"), "{error}");
+        assert!(error.to_string().contains("beta distributions, not gamma"), "{error}");
         for generator in [Generator::Jacobi, Generator::Renewal] {
             let error = refused("beta:2.1,5", generator, CorrelationShape::SquaredExponential).to_string();
             assert!(error.contains(generator.name()) && error.contains("spectral"), "{error}");

@@ -1,13 +1,14 @@
-//! A fluctuation that ends when its reader should stop.
+//! Fluctuation that ends when the computation is cancelled.
 
 use super::{Cell, Fluctuation};
 use asperity_base::monitor::Monitor;
 
-/// Cells between two looks at the monitor: about a millisecond.
+/// Number of cells between two checks of the monitor: about a millisecond.
 const EVERY: u32 = 16_384;
 
-/// A fluctuation that ends once its monitor cancels, so that a path over billions of knots need not be followed to its end.
-/// The motion then fails as on a record that is too short, and its caller, who knows the monitor, tells the difference.
+/// Fluctuation that ends once its monitor cancels, so that a path over billions of grid points need not be followed to
+/// its end. The motion then fails as on a record that is too short; the caller checks the monitor to distinguish the
+/// two cases.
 pub struct Watched<'a, F> {
     fluctuation: F,
     monitor: &'a dyn Monitor,
@@ -15,7 +16,7 @@ pub struct Watched<'a, F> {
 }
 
 impl<'a, F> Watched<'a, F> {
-    /// `fluctuation` under the eyes of a monitor.
+    /// Wraps `fluctuation`, which then ends when `monitor` cancels.
     pub fn new(fluctuation: F, monitor: &'a dyn Monitor) -> Self {
         Self { fluctuation, monitor, left: EVERY }
     }

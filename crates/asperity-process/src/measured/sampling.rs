@@ -1,12 +1,12 @@
-//! Even sampling: gaps found, small jitter resampled, more refused.
+//! Even sampling: finds gaps, resamples small jitter and refuses larger jitter.
 
 use super::MeasuredError;
 use super::columns::{Chosen, ColumnTable};
 use asperity_base::stats::upper_median;
 
-/// Largest deviation of a step from the usual one that is resampled, and the smallest that is noticed, over the step.
+/// Largest relative deviation of a step from the usual one that is resampled.
 const LARGEST_JITTER: f64 = 0.01;
-/// Distance from an even grid, in steps, up to which values count as lying on it.
+/// Distance from an even grid, in steps, up to which values count as being on it.
 const ON_GRID: f64 = 1e-3;
 
 /// Values at equal steps, in the unit of the file.
@@ -17,15 +17,15 @@ pub(super) struct Grid {
     pub(super) values: Vec<f64>,
 }
 
-/// Sum and number of the values that are present.
+/// Returns the sum and the number of the present values.
 pub(super) fn sum(values: &[f64]) -> (f64, usize) {
     values.iter().filter(|value| !value.is_nan()).fold((0.0, 0), |(sum, n), value| (sum + value, n + 1))
 }
 
-/// Puts values that follow one another in a column on an even grid.
+/// Assigns the values of a column to an even grid.
 ///
-/// The usual step is the median; a step of about k of them leaves a gap of k − 1 values. Positions on the grid are those of
-/// the line of least squares through (number of steps, position).
+/// The usual step is the median; a step of about k usual ones leaves a gap of k − 1 values. Positions on the grid
+/// follow from the least-squares line through (number of steps, position).
 pub(super) fn even(
     table: &ColumnTable,
     column: &Chosen<'_>,
@@ -33,7 +33,7 @@ pub(super) fn even(
     warnings: &mut Vec<String>,
 ) -> Result<Grid, MeasuredError> {
     let name = || column.name.to_owned();
-    // Rows that lack both are gaps that the next position tells the length of.
+    // Rows without position and value are gaps; the next position determines their length.
     let rows: Vec<usize> = (0..values.len()).filter(|row| !column.values[*row].is_nan()).collect();
     if let Some(row) = (0..values.len()).find(|row| column.values[*row].is_nan() && !values[*row].is_nan()) {
         return Err(MeasuredError::NoAbscissa { line: table.line(row), column: name() });
@@ -69,7 +69,7 @@ pub(super) fn even(
     if worst.0 > LARGEST_JITTER {
         return Err(MeasuredError::Uneven { column: name(), line: line(worst.1), jitter: worst.0, step: usual });
     }
-    // Gaps in every row would still fill memory.
+    // Otherwise gaps in every row would still fill the memory.
     let total = index[rows.len() - 1];
     if total > 100.0 * rows.len() as f64 {
         return Err(MeasuredError::LongGap { line: line(rows.len() - 1), steps: total, rows: rows.len() });
@@ -85,12 +85,12 @@ pub(super) fn even(
         return Ok(Grid { start, step, values: even });
     }
     warnings.push(format!(
-        "`{}` is not quite even: steps differ by up to {:.2} % and positions by {off:.2} steps; values were interpolated \
-         linearly, which smooths them a little",
+        "`{}` is slightly uneven: steps differ by up to {:.2} % and positions by {off:.2} steps; values were interpolated \
+         linearly, which smooths them slightly",
         column.name,
         100.0 * worst.0
     ));
-    // Between neighbours, never across a gap.
+    // Interpolates between neighbours, but never across a gap.
     let mut place = 0;
     for (k, value) in even.iter_mut().enumerate() {
         let wanted = start + step * k as f64;
@@ -115,11 +115,11 @@ pub(super) fn even(
     Ok(Grid { start, step, values: even })
 }
 
-/// Start and step of the line of least squares through positions over their indices.
+/// Returns start and step of the least-squares line through positions over their indices.
 fn line_through(index: &[f64], position: impl Fn(usize) -> f64) -> (f64, f64) {
     let n = index.len() as f64;
     let mean_index = index.iter().sum::<f64>() / n;
-    // Counted from the first, so that large clocks lose no digits.
+    // Relative to the first position, so that large clock values lose no digits.
     let first = position(0);
     let mean_position = (0..index.len()).map(|place| position(place) - first).sum::<f64>() / n;
     let (mut products, mut squares) = (0.0, 0.0);

@@ -28,7 +28,7 @@ use crate::page::{begin_folder, store_failure};
 ///
 /// A record is a text file of columns, separated by semicolons, tabs, commas or spaces, with decimal points or commas. Columns
 /// are named by the header or by their number, counted from 1; units stand in the header, `Force [N]`, `t (s)`, or in a flag.
-/// Missing values stay gaps. Steps that differ by less than 1 % are resampled, with a warning; more are refused.
+/// Missing values remain gaps. Steps that differ by less than 1 % are resampled, with a warning; more are refused.
 #[derive(Debug, Args)]
 pub(crate) struct FitRecord {
     /// Text file of columns.
