@@ -18,10 +18,10 @@ pub fn integral_transform(law: &Marginal, sorted: &[f64], effective_size: f64) -
         let bin = (law.cdf(*mu) * BINS as f64) as usize;
         density[bin.min(BINS - 1)] += BINS as f64 / sorted.len() as f64;
     }
-    let share = 1.0 / BINS as f64;
-    let reach = NORMAL_95 * (share * (1.0 - share) / effective_size).sqrt() * BINS as f64;
+    let fraction = 1.0 / BINS as f64;
+    let reach = NORMAL_95 * (fraction * (1.0 - fraction) / effective_size).sqrt() * BINS as f64;
     vec![
-        ("probability", (0..BINS).map(|bin| (bin as f64 + 0.5) * share).collect()),
+        ("probability", (0..BINS).map(|bin| (bin as f64 + 0.5) * fraction).collect()),
         ("density", density),
         ("low", vec![(1.0 - reach).max(0.0); BINS]),
         ("high", vec![1.0 + reach; BINS]),

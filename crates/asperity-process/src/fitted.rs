@@ -147,7 +147,7 @@ impl FittedProcess {
         let correlation = self.correlation.ok_or_else(|| absent("correlation"))?;
         Ok(ProcessModel {
             shape: correlation.shape.in_unit(unit_m),
-            generator: self.generator.unwrap_or_else(|| Generator::of(correlation.shape)),
+            generator: self.generator.unwrap_or_else(|| Generator::for_shape(correlation.shape)),
             correlation: Correlation::Corrected,
             ..ProcessModel::new(marginal, self.std, correlation.length_m / unit_m)
         })
@@ -181,7 +181,7 @@ impl FittedProcess {
         }
         let process = FrictionProcess::with_step(self.model(1.0)?, step_m)?;
         let mut path = process.path(seed, index);
-        Ok((0..count).map(|_| self.mean + path.next_knot()).collect())
+        Ok((0..count).map(|_| self.mean + path.next_value()).collect())
     }
 }
 

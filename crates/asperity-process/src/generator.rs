@@ -39,7 +39,7 @@ pub enum Generator {
 impl Generator {
     /// Returns the exact recursion for the shapes that it supports, otherwise 256 harmonics. With 256 harmonics the
     /// excess kurtosis of the normal process is −0.006.
-    pub fn of(shape: CorrelationShape) -> Self {
+    pub fn for_shape(shape: CorrelationShape) -> Self {
         if shape.has_recursion() { Self::Autoregressive } else { Self::Spectral { harmonics: 256 } }
     }
 
@@ -70,7 +70,7 @@ impl Generator {
             Self::Jacobi | Self::Renewal => shape.is_exponential(),
         };
         if !makes {
-            let able = Self::of(shape).name();
+            let able = Self::for_shape(shape).name();
             return Err(ProcessError::Generator { generator: self.name(), correlation: shape.name(), able });
         }
         if self == Self::Jacobi && !matches!(law, Marginal::Beta { .. }) {

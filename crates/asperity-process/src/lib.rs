@@ -6,6 +6,7 @@
 //! and is linear between them. Alternatives are a diffusion with a Beta distribution and a process with jumps
 //! ([`Generator`]). A [`FittedProcess`] stores the process of a study or of a measured record in SI, also as a file.
 
+mod cancellable;
 pub mod diagnostics;
 mod fitted;
 mod generator;
@@ -20,10 +21,10 @@ mod renewal;
 mod shape;
 mod spectral;
 mod table;
-mod watched;
 
 use thiserror::Error;
 
+pub use cancellable::Cancellable;
 pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
 pub use generator::Generator;
 pub use json::ProcessFileError;
@@ -31,7 +32,6 @@ pub use model::{Correlation, FrictionProcess, ProcessModel, window_variance_fact
 pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;
-pub use watched::Watched;
 
 use asperity_base::law::LawError;
 
@@ -145,7 +145,7 @@ pub enum ProcessError {
     },
     /// The marginal distribution is invalid, or has no finite standard deviation.
     #[error("marginal distribution of the friction coefficient: {0}")]
-    Law(#[from] LawError),
+    Distribution(#[from] LawError),
 }
 
 fn positive(parameter: &'static str, value: f64) -> Result<(), ProcessError> {

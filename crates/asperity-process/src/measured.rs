@@ -20,7 +20,7 @@ use asperity_base::law::LawError;
 use asperity_base::stats::StatsError;
 
 pub use columns::ColumnTable;
-pub use fit::{FittedRecord, LawChoice, Series};
+pub use fit::{DistributionChoice, FittedRecord, Series};
 pub use preparation::{Cut, Detrend, Preparation, Prepared, Removal};
 pub use record::{Abscissa, MeasuredRecord, NormalForce, RecordColumns};
 
@@ -192,7 +192,7 @@ pub enum MeasuredError {
     Correlation(#[from] EstimateError),
     /// The distribution cannot be fitted.
     #[error("distribution of friction: {0}")]
-    Law(#[from] LawError),
+    Distribution(#[from] LawError),
     /// The fitted values are not a valid process.
     #[error(transparent)]
     Process(#[from] ProcessError),

@@ -224,8 +224,8 @@ impl FrictionProcess {
 /// Returns the variance of the mean of a process with correlation e^{−|s|/ℓ} over a window W, relative to its variance:
 /// 2(ℓ/W)·[1 − (ℓ/W)(1 − e^{−W/ℓ})].
 pub fn window_variance_factor(correlation_length: f64, window: f64) -> f64 {
-    let share = correlation_length / window;
-    2.0 * share * (1.0 + share * (-1.0 / share).exp_m1())
+    let fraction = correlation_length / window;
+    2.0 * fraction * (1.0 + fraction * (-1.0 / fraction).exp_m1())
 }
 
 #[cfg(test)]
@@ -239,7 +239,7 @@ mod tests {
 
     fn knots(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
         let mut path = process.path(7, index);
-        (0..count).map(|_| path.next_knot()).collect()
+        (0..count).map(|_| path.next_value()).collect()
     }
 
     #[test]
@@ -352,9 +352,9 @@ mod tests {
         let model = ProcessModel { least: Some(-1e-3), ..beta(1e-3, 1.0) };
         let process = FrictionProcess::new(model).unwrap();
         let mut path = process.path(1, 0);
-        let values: Vec<f64> = (0..2000).map(|_| path.next_knot()).collect();
+        let values: Vec<f64> = (0..2000).map(|_| path.next_value()).collect();
         let raised = values.iter().filter(|m| **m == -1e-3).count() as u64;
-        assert!(raised > 0 && raised == path.clamped());
+        assert!(raised > 0 && raised == path.clipped());
         assert!(values.iter().all(|m| *m >= -1e-3));
         // Fraction from the distribution; 2,000 values have an effective sample size of about 1,000; four standard
         // errors.
@@ -363,16 +363,16 @@ mod tests {
             let wanted = model.clipped_fraction();
             let process = FrictionProcess::with_step(model, 0.05).unwrap();
             let (runs, knots) = (20, 500);
-            let clamped: u64 = (0..runs)
+            let clipped: u64 = (0..runs)
                 .map(|run| {
                     let mut path = process.path(1, run);
                     for _ in 0..knots {
-                        path.next_knot();
+                        path.next_value();
                     }
-                    path.clamped()
+                    path.clipped()
                 })
                 .sum();
-            let found = clamped as f64 / (runs as usize * knots) as f64;
+            let found = clipped as f64 / (runs as usize * knots) as f64;
             let error = (wanted * (1.0 - wanted) * 2.2 / (runs as usize * knots) as f64).sqrt();
             assert!((found - wanted).abs() < 4.0 * error, "{generator:?}: {found} and {wanted}");
         }

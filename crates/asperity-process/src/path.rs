@@ -53,7 +53,7 @@ struct Limited<'a> {
     table: &'a TranslationTable,
     /// Least value; −∞ without clipping.
     least: f64,
-    clamped: u64,
+    clipped: u64,
 }
 
 impl Limited<'_> {
@@ -61,7 +61,7 @@ impl Limited<'_> {
     fn value(&mut self, normal: f64) -> f64 {
         let m = self.table.value(normal);
         if m < self.least {
-            self.clamped += 1;
+            self.clipped += 1;
             return self.least;
         }
         m
@@ -91,13 +91,13 @@ impl<'a> Path<'a> {
             }
         };
         let least = model.least.unwrap_or(f64::NEG_INFINITY);
-        let limited = Limited { table: parts.table, least, clamped: 0 };
+        let limited = Limited { table: parts.table, least, clipped: 0 };
         Self { rng, source, cells: EqualCells::new(process.step()), limited }
     }
 
     /// Returns m at the next grid point, the first at s = 0. A renewal process is sampled there.
     #[inline]
-    pub fn next_knot(&mut self) -> f64 {
+    pub fn next_value(&mut self) -> f64 {
         let normal = match &mut self.source {
             Source::Autoregressive(recursion) => recursion.advance(StandardNormal.sample(&mut self.rng)),
             Source::Averaged(average) => average.advance(&mut self.rng),
@@ -113,8 +113,8 @@ impl<'a> Path<'a> {
 
     /// Returns the number of values so far that were raised to the least one: grid points, or intervals of a renewal
     /// process.
-    pub fn clamped(&self) -> u64 {
-        self.limited.clamped
+    pub fn clipped(&self) -> u64 {
+        self.limited.clipped
     }
 }
 
@@ -126,9 +126,9 @@ impl Fluctuation for Path<'_> {
         }
         let left = match self.cells.last {
             Some(left) => left,
-            None => self.next_knot(),
+            None => self.next_value(),
         };
-        let right = self.next_knot();
+        let right = self.next_value();
         Some(self.cells.close(left, right))
     }
 }
@@ -158,7 +158,7 @@ mod tests {
             let paths: Vec<Vec<f64>> = (0..20_000)
                 .map(|i| {
                     let mut path = process.path(7, i);
-                    (0..61).map(|_| path.next_knot() / 0.002).collect()
+                    (0..61).map(|_| path.next_value() / 0.002).collect()
                 })
                 .collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
@@ -188,7 +188,7 @@ mod tests {
         // Var[X_h | x] from the second eigenfunction, binned by x, compared with the squared changes of many steps.
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
         let mut path = process.path(3, 0);
-        let knots: Vec<f64> = (0..400_000).map(|_| path.next_knot()).collect();
+        let knots: Vec<f64> = (0..400_000).map(|_| path.next_value()).collect();
         let (a, b, h) = (2.1, 5.0, 0.05_f64);
         let (mean, std) = (0.295_775, 0.025_715_f64.sqrt());
         let x: Vec<f64> = knots.iter().map(|m| mean + m / 0.002 * std).collect();
@@ -215,9 +215,9 @@ mod tests {
     fn cells_join_the_knots_and_those_of_a_renewal_jump() {
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
         let (mut knots, mut cells) = (process.path(5, 2), process.path(5, 2));
-        let mut left = knots.next_knot();
+        let mut left = knots.next_value();
         for i in 1..200 {
-            let right = knots.next_knot();
+            let right = knots.next_value();
             let cell = Cell { end: f64::from(i) * process.step(), length: process.step(), left, right };
             assert_eq!(cells.next_cell(), Some(cell));
             left = right;
@@ -230,7 +230,7 @@ mod tests {
         assert!((mean - 3.0).abs() < 4.0 * 3.0 / 2000.0_f64.sqrt(), "{mean}");
         for i in 0..20_000 {
             let place = f64::from(i) * process.step();
-            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(knots.next_knot()));
+            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(knots.next_value()));
         }
     }
 

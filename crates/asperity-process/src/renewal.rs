@@ -30,8 +30,8 @@ impl Renewal {
     #[inline]
     pub(super) fn cell(&mut self, rng: &mut Stream, value: impl FnOnce(f64) -> f64) -> Cell {
         self.m = value(StandardNormal.sample(rng));
-        let share: f64 = Exp1.sample(rng);
-        let length = self.mean_length * share;
+        let fraction: f64 = Exp1.sample(rng);
+        let length = self.mean_length * fraction;
         self.end += length;
         Cell { end: self.end, length, left: self.m, right: self.m }
     }

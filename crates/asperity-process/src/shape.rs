@@ -41,7 +41,7 @@ pub enum CorrelationShape {
 impl CorrelationShape {
     /// Returns shape and length of a fitted model of length ℓ. A triangle is the correlation of a window over
     /// uncorrelated values.
-    pub fn of(model: RecordModel, length: f64) -> (Self, f64) {
+    pub fn from_record_model(model: RecordModel, length: f64) -> (Self, f64) {
         match model {
             RecordModel::Exponential => (Self::Exponential, length),
             RecordModel::SquaredExponential => (Self::SquaredExponential, length),

@@ -61,11 +61,11 @@ impl Passed {
     /// Returns the time at which W = 0 on a cubic t(W) through both states with their slopes.
     fn inverse_cubic(&self, to: &Self) -> f64 {
         let (height, span) = (to.w - self.w, to.t - self.t);
-        let share = -self.w / height;
+        let fraction = -self.w / height;
         // Deviations of the slopes from the slope of the chord.
         let (first, last) = (height / self.a - span, height / to.a - span);
-        let rest = 1.0 - share;
-        self.t + share * span + share * rest * (rest * first - share * last)
+        let rest = 1.0 - fraction;
+        self.t + fraction * span + fraction * rest * (rest * first - fraction * last)
     }
 }
 

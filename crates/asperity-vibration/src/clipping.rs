@@ -15,7 +15,7 @@ const RARE: f64 = 1e-4;
 ///
 /// Displacements scale with friction, so |v_rel| rarely exceeds V + μ_st + m, with m the largest fluctuation. The
 /// expected speed is `margin` times this value; `margin` is 1 unless slips turned out to be faster.
-pub fn kept_positive(oscillator: &Oscillator, model: ProcessModel, margin: f64) -> ProcessModel {
+pub fn clipped_to_positive(oscillator: &Oscillator, model: ProcessModel, margin: f64) -> ProcessModel {
     let law = &model.marginal;
     let static_friction = oscillator.parameters().static_friction;
     let largest = model.std * (law.quantile(1.0 - RARE) - law.mean()) / law.std();

@@ -11,14 +11,14 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::passage::Passage;
-pub use self::rate::{Passages, Rate, Share};
+pub use self::rate::{Fraction, Passages, Rate};
 use super::batch::{Task, simulate_many};
-use super::sample_law::{Gathering, RunningMoments, SampleLaw};
+use super::sample_distribution::{RunningMoments, SampleCollector, SampleDistribution};
 use super::trajectory::{NoObserver, follow};
 use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
-use asperity_process::{FrictionProcess, Steady, Watched};
+use asperity_process::{Cancellable, FrictionProcess, Steady};
 
 /// Number of trajectories per block, and largest total time τ of a block. Results are added up after each block; both
 /// limits bound the memory.
@@ -100,7 +100,7 @@ pub struct Count {
 }
 
 impl Count {
-    fn of(sums: &RunningMoments) -> Self {
+    fn from_moments(sums: &RunningMoments) -> Self {
         Self { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
     }
 }
@@ -130,13 +130,13 @@ pub struct Ensemble {
     /// 95 % interval of M_diff.
     pub difference_interval: [f64; 2],
     /// Displacements X at which cycles stick again.
-    pub reattachments: SampleLaw,
+    pub reattachments: SampleDistribution,
     /// Displacements X at which the mass leaves the belt, except the first one of each trajectory.
-    pub releases: SampleLaw,
+    pub releases: SampleDistribution,
     /// Times τ from the start of a cycle to the start of the next, unless vibration is lost in between. The mean is the
     /// period, the standard deviation its jitter. A cycle starts with a detachment or where over-slip ends without
     /// stick.
-    pub periods: SampleLaw,
+    pub periods: SampleDistribution,
     /// Fraction of the time in stick, per trajectory.
     pub stick_share: Count,
     /// Vibration over time: exits, entries and fractions of the time.
@@ -183,7 +183,7 @@ impl Ensemble {
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;
         let [mut reattachments, mut releases, mut periods] =
-            [(); 3].map(|()| Gathering::new(0, settings.sample_capacity));
+            [(); 3].map(|()| SampleCollector::new(0, settings.sample_capacity));
         let mut passages = Passages::EMPTY;
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
@@ -192,10 +192,10 @@ impl Ensemble {
             let block = first..total.min(first + size);
             let chunks: Vec<Range<usize>> =
                 block.clone().step_by(CHUNK).map(|start| start..block.end.min(start + CHUNK)).collect();
-            let outcomes: Vec<Result<Outcome, VibrationError>> = chunks
+            let classifier: Vec<Result<Outcome, VibrationError>> = chunks
                 .into_par_iter()
                 .flat_map_iter(|chunk| {
-                    let mut outcomes: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
+                    let mut classifier: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
                     simulate_many(
                         &followed,
                         chunk.clone(),
@@ -203,22 +203,22 @@ impl Ensemble {
                             if monitor.cancelled() {
                                 return Err(Cancelled.into());
                             }
-                            let fluctuation = Watched::new(process.path(settings.seed, index as u64), monitor);
+                            let fluctuation = Cancellable::new(process.path(settings.seed, index as u64), monitor);
                             let passage = Passage::new(index, duration, settings.sample_capacity);
                             Ok(Task::new(oscillator.clone(), fluctuation, passage).with_swing_level(swing_level))
                         },
                         |index, ended| {
-                            outcomes[index - chunk.start] = ended.map(|mut followed| {
+                            classifier[index - chunk.start] = ended.map(|mut followed| {
                                 followed.observer.finish();
                                 Outcome { slips: followed.slips, passage: followed.observer }
                             });
                             monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
                         },
                     );
-                    outcomes
+                    classifier
                 })
                 .collect();
-            for (trajectory, outcome) in (first..).zip(outcomes) {
+            for (trajectory, outcome) in (first..).zip(classifier) {
                 match outcome {
                     Ok(outcome) => {
                         cycles.add(outcome.slips.cycles as f64);
@@ -241,20 +241,20 @@ impl Ensemble {
             return Err(VibrationError::TooFewValid { valid, total, wanted, first });
         }
         passages.conclude();
-        let cycles = Count::of(&cycles);
+        let cycles = Count::from_moments(&cycles);
         let difference_mean = cycles_deterministic as f64 - cycles.mean;
         let half_width = NORMAL_95 * cycles.se;
         Ok(Self {
             trajectories: total,
             cycles,
-            micro_slips: Count::of(&micro_slips),
+            micro_slips: Count::from_moments(&micro_slips),
             cycles_deterministic,
             difference_mean,
             difference_interval: [difference_mean - half_width, difference_mean + half_width],
             reattachments: reattachments.finish(),
             releases: releases.finish(),
             periods: periods.finish(),
-            stick_share: Count::of(&stick_share),
+            stick_share: Count::from_moments(&stick_share),
             passages,
             failures,
         })

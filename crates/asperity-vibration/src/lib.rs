@@ -45,14 +45,14 @@ mod portrait;
 #[cfg(test)]
 mod robustness;
 mod runge_kutta;
-mod sample_law;
+mod sample_distribution;
+mod scaled_forcing;
 mod series;
 mod settled;
 mod slip_orbit;
 mod sound;
 mod stability_map;
 mod structure;
-mod sway;
 mod sweep;
 mod table;
 mod tableau;
@@ -62,11 +62,11 @@ mod weakening;
 
 use thiserror::Error;
 
-pub use clipping::{LARGEST_CLIPPED_FRACTION, kept_positive};
+pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use deterministic::deterministic_slips;
-pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
+pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
 pub use law::FrictionLaw;
@@ -74,7 +74,7 @@ pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Method;
-pub use sample_law::SampleLaw;
+pub use sample_distribution::SampleDistribution;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{
     Machine, MapAxis, MapCell, MapContour, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
@@ -153,7 +153,7 @@ pub enum VibrationError {
     Process(#[from] ProcessError),
     /// The marginal distribution of the fluctuation is invalid.
     #[error(transparent)]
-    Law(#[from] asperity_base::law::LawError),
+    Distribution(#[from] asperity_base::law::LawError),
     /// Too few trajectories are valid for statistics.
     #[error(
         "{valid} of {total} trajectories are valid, at least the fraction {wanted} must be; first failure: {first}"

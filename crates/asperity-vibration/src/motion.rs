@@ -5,8 +5,8 @@ mod slip;
 mod stick;
 
 use super::runge_kutta::Stepper;
+use super::scaled_forcing::ScaledForcing;
 use super::series::Series;
-use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Drive, Event, EventKind, FrictionLaw, Method, Oscillator, Phase, VibrationError};
 use asperity_process::{Cell, Fluctuation};
@@ -24,7 +24,7 @@ pub(super) struct Motion<F> {
     static_friction: f64,
     damping: f64,
     velocity: f64,
-    sway: Sway,
+    scaled_forcing: ScaledForcing,
     law: FrictionLaw,
     drive: Drive,
     fluctuation: F,
@@ -118,7 +118,7 @@ impl<F: Fluctuation> Motion<F> {
             static_friction: oscillator.static_friction(),
             damping: oscillator.damping_ratio(),
             velocity,
-            sway: Sway::new(oscillator),
+            scaled_forcing: ScaledForcing::new(oscillator),
             law: oscillator.law().clone(),
             drive,
             fluctuation,
@@ -138,7 +138,7 @@ impl<F: Fluctuation> Motion<F> {
         motion.cell = Stretch::new(motion.draw()?, 0.0);
         motion.m = motion.cell.left;
         motion.e = ((start - motion.static_friction) + 2.0 * motion.damping * velocity - motion.m) / velocity
-            - motion.sway.force(0.0);
+            - motion.scaled_forcing.force(0.0);
         motion.phase = motion.phase_at_rest()?;
         if motion.phase == Phase::OverSlip {
             motion.e = motion.opposite_excess();
@@ -184,7 +184,7 @@ impl<F: Fluctuation> Motion<F> {
 
     fn displacement_of(&self, tau: f64, phase: Phase, e: f64, m: f64) -> f64 {
         let force = (self.velocity * e + m + self.static_friction) * phase.direction();
-        force - 2.0 * self.damping * self.velocity + self.velocity * self.sway.force(tau)
+        force - 2.0 * self.damping * self.velocity + self.velocity * self.scaled_forcing.force(tau)
     }
 
     /// Advances to the next cut, at most to `until`; returns the event if the cut is one.

@@ -120,8 +120,8 @@ mod tests {
             for event in &trajectory.events {
                 let left = ((event.tau / 60.0) * (points - 1) as f64) as usize;
                 let (a, b) = (portrait[left], portrait[left + 1]);
-                let share = (event.tau - a.tau) / (b.tau - a.tau);
-                let x = a.displacement + share * (b.displacement - a.displacement);
+                let fraction = (event.tau - a.tau) / (b.tau - a.tau);
+                let x = a.displacement + fraction * (b.displacement - a.displacement);
                 // Error of a chord of spacing 0.01 in an orbit with accelerations below 0.01.
                 assert!((x - event.displacement).abs() < 2e-7, "{drive:?}: {x} and {event:?}");
             }

@@ -311,7 +311,7 @@ mod tests {
             ProcessModel { steps_per_length: 4, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.002, 0.05) };
         let random = FrictionProcess::new(model).unwrap();
         let mut path = random.path(11, 0);
-        let values: Vec<f64> = (0..4000).map(|_| path.next_knot()).collect();
+        let values: Vec<f64> = (0..4000).map(|_| path.next_value()).collect();
         let record: &'static RecordedProcess =
             Box::leak(Box::new(RecordedProcess::new(random.step(), values).unwrap()));
         let mut reversals = 0.0;

@@ -69,9 +69,9 @@ pub(super) fn root(x: f64, n: usize) -> f64 {
     let logarithm = x.to_bits() as i64 as f64 * (1.0 / (1_i64 << 52) as f64) - BIAS;
     let scaled = logarithm * RECIPROCAL[n] + BIAS;
     let exponent = scaled as i64;
-    let share = scaled - exponent as f64;
-    // 2^share within 0.4 %.
-    f64::from_bits((exponent << 52) as u64) * (1.0 + share * (0.65 + 0.35 * share))
+    let fraction = scaled - exponent as f64;
+    // 2^fraction within 0.4 %.
+    f64::from_bits((exponent << 52) as u64) * (1.0 + fraction * (0.65 + 0.35 * fraction))
 }
 
 /// Returns a step ≤ h on which a law with e^{−cW} rises no more steeply than its series represents; `decay` is c, 0 for
@@ -114,8 +114,8 @@ impl Loading {
     /// Returns e′ at the start.
     #[inline(always)]
     pub(super) fn rate(&self, w: f64) -> f64 {
-        let sway = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
-        self.base + sway - self.kappa * w
+        let scaled_forcing = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
+        self.base + scaled_forcing - self.kappa * w
     }
 }
 

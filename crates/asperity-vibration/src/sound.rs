@@ -13,7 +13,7 @@ use super::{
 use asperity_base::correlation::{RecordEnds, record_spectrum};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{Moments, NORMAL_95};
-use asperity_process::{FrictionProcess, Watched};
+use asperity_process::{Cancellable, FrictionProcess};
 
 /// Number of points of the limit cycle for its mean square velocity.
 const CYCLE_POINTS: usize = 8193;
@@ -91,7 +91,7 @@ impl Sound {
                 if monitor.cancelled() {
                     return Err(Cancelled.into());
                 }
-                let path = Watched::new(process.path(settings.seed, index as u64), monitor);
+                let path = Cancellable::new(process.path(settings.seed, index as u64), monitor);
                 let portrait = trajectory_portrait(oscillator, path, &followed, settings.from, points)
                     .map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
                 monitor.progress("paths", finished.fetch_add(1, Ordering::Relaxed) + 1, settings.trajectories);

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::contour::{boundary, contour};
-use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, limit_cycle, limit_damping};
+use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, VibrationError, limit_cycle, limit_damping};
 use asperity_base::monitor::{Cancelled, Monitor, Quiet};
 use asperity_process::FrictionProcess;
 
@@ -78,7 +78,7 @@ pub struct MapPoint {
     /// Second parameter.
     pub y: f64,
     /// Fraction of the trajectories that sustain vibration; see [`super::Passages::sustained`].
-    pub sustained: Share,
+    pub sustained: Fraction,
     /// Number of trajectories of this fraction; 1 without fluctuation.
     pub trajectories: usize,
     /// Largest damping ratio at which the machine vibrates without fluctuation, if there is one.
@@ -272,9 +272,9 @@ fn point(
     let at = |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
         let value = if limit_cycle(&oscillator)?.kind().is_vibration() { 1.0 } else { 0.0 };
-        return Ok(at(Share { value, interval: [value, value] }, 1));
+        return Ok(at(Fraction { value, interval: [value, value] }, 1));
     };
-    let of = |trajectories| -> Result<Share, VibrationError> {
+    let of = |trajectories| -> Result<Fraction, VibrationError> {
         let settings = EnsembleSettings { trajectories, sample_capacity: 0, ..*settings };
         Ok(Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?.passages.sustained)
     };

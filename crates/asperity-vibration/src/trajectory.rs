@@ -231,7 +231,7 @@ mod tests {
         let model = ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01);
         let process = FrictionProcess::new(model).unwrap();
         let mut path = process.path(21, index);
-        RecordedProcess::new(process.step(), (0..8000).map(|_| path.next_knot()).collect()).unwrap()
+        RecordedProcess::new(process.step(), (0..8000).map(|_| path.next_value()).collect()).unwrap()
     }
 
     #[test]

@@ -89,8 +89,8 @@ impl Waveform {
         let fade = (FADE_S * sampling_rate_hz).min(0.25 * count);
         let samples = record.iter().enumerate().map(|(k, point)| {
             let from_end = (k as f64).min(count - 1.0 - k as f64);
-            let share = (from_end / fade).min(1.0);
-            scale * point.velocity * 0.5 * (1.0 - (PI * share).cos())
+            let fraction = (from_end / fade).min(1.0);
+            scale * point.velocity * 0.5 * (1.0 - (PI * fraction).cos())
         });
         Ok(Self { sampling_rate_hz, samples: samples.collect(), reference_velocity, cycle_frequency_hz })
     }

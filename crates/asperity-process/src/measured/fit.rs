@@ -37,7 +37,7 @@ const EMPIRICAL_VALUES: usize = 1001;
 
 /// Choice of the distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum LawChoice {
+pub enum DistributionChoice {
     /// The first distribution by Akaike's criterion whose ends the record covers; the candidates include the quantiles
     /// of the record.
     #[default]
@@ -48,7 +48,7 @@ pub enum LawChoice {
     Empirical,
 }
 
-impl FromStr for LawChoice {
+impl FromStr for DistributionChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -73,7 +73,7 @@ impl FromStr for LawChoice {
     }
 }
 
-impl fmt::Display for LawChoice {
+impl fmt::Display for DistributionChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Auto => f.write_str("auto"),
@@ -115,13 +115,15 @@ pub struct FittedRecord {
 }
 
 /// Returns the ranked distributions and the selected one.
-fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
+fn law(choice: DistributionChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
     let families = match choice {
-        LawChoice::One(family) => vec![family],
-        LawChoice::Auto | LawChoice::Empirical => [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat(),
+        DistributionChoice::One(family) => vec![family],
+        DistributionChoice::Auto | DistributionChoice::Empirical => {
+            [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat()
+        }
     };
     let ranking = rank_by_aic(&families, values, Some(effective_size));
-    let law = if choice == LawChoice::Empirical {
+    let law = if choice == DistributionChoice::Empirical {
         let sorted = sorted_present(values.iter().copied());
         let count = sorted.len().min(EMPIRICAL_VALUES);
         let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
@@ -164,10 +166,10 @@ fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthF
         return moments;
     }
     let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
-    let share = 1.0 - fit.noise_share;
+    let fraction = 1.0 - fit.noise_share;
     let rho = |lag: usize| match lag {
         0 => 1.0,
-        _ => share * window.correlation(lag as f64 * step_m, fit.length_m),
+        _ => fraction * window.correlation(lag as f64 * step_m, fit.length_m),
     };
     let error = (fit.interval.high / fit.interval.low).ln() / (2.0 * NORMAL_95);
     moments.with_correlation(pieces, false, &rho, if error.is_finite() { error } else { 1.0 })
@@ -179,7 +181,7 @@ impl FittedRecord {
     /// # Errors
     /// Fails if the record has fewer than 10 values or an effective sample size below 5, if the values do not vary, or
     /// if the distribution cannot be fitted.
-    pub fn of(prepared: &Prepared, choice: LawChoice, description: &str) -> Result<Self, MeasuredError> {
+    pub fn new(prepared: &Prepared, choice: DistributionChoice, description: &str) -> Result<Self, MeasuredError> {
         let record = &prepared.record;
         let values = &record.friction[..];
         let (present, pieces) = (record.present(), record.pieces());
@@ -211,7 +213,8 @@ impl FittedRecord {
         let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
         // With a narrowed band, the fitted noise is not the noise of the values.
         let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
-        let (shape, length_m) = CorrelationShape::of(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
+        let (shape, length_m) =
+            CorrelationShape::from_record_model(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
         let process = FittedProcess {
             mean: moments.moments.mean,
             mean_interval: moments.mean.filter(|_| prepared.history.band.high_pass_m.is_none()).map(pair),

@@ -188,8 +188,8 @@ impl MeasuredRecord {
         }
         let gaps = friction.len() - present;
         if gaps > 0 {
-            let share = 100.0 * gaps as f64 / friction.len() as f64;
-            warnings.push(format!("{gaps} of {} values are missing ({share:.2} %) and remain gaps", friction.len()));
+            let fraction = 100.0 * gaps as f64 / friction.len() as f64;
+            warnings.push(format!("{gaps} of {} values are missing ({fraction:.2} %) and remain gaps", friction.len()));
         }
         let (start_m, step_m) = (start * per_axis, step * per_axis);
         Ok(Self {

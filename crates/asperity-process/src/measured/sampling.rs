@@ -98,17 +98,17 @@ pub(super) fn even(
             place += 1;
         }
         let (low, high) = (at(place), at(place + 1));
-        let share = (wanted - low) / (high - low);
+        let fraction = (wanted - low) / (high - low);
         let joined = index[place + 1] - index[place] == 1.0;
-        if joined && (-1.0..=2.0).contains(&share) {
-            let share = share.clamp(0.0, 1.0);
+        if joined && (-1.0..=2.0).contains(&fraction) {
+            let fraction = fraction.clamp(0.0, 1.0);
             let (a, b) = (values[rows[place]], values[rows[place + 1]]);
-            *value = if share == 0.0 {
+            *value = if fraction == 0.0 {
                 a
-            } else if share == 1.0 {
+            } else if fraction == 1.0 {
                 b
             } else {
-                a + share * (b - a)
+                a + fraction * (b - a)
             };
         }
     }

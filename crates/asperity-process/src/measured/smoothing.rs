@@ -20,9 +20,9 @@ pub(super) fn polynomial(values: &[f64], degree: usize) -> Vec<f64> {
     for k in 0..=degree.min(present.len().saturating_sub(1)) {
         let square = dot(&|i| here[i] * here[i]);
         // Remaining error of the curve: later terms correct the rounding of earlier terms.
-        let share = dot(&|i| here[i] * (values[i] - curve[i])) / square;
+        let fraction = dot(&|i| here[i] * (values[i] - curve[i])) / square;
         for (value, term) in curve.iter_mut().zip(&here) {
-            *value += share * term;
+            *value += fraction * term;
         }
         let middle = dot(&|i| x[i] * here[i] * here[i]) / square;
         let back = if k == 0 { 0.0 } else { square / square_before };

@@ -4,8 +4,8 @@ use std::fmt::Write;
 use asperity_base::law::Marginal;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::measured::{
-    Abscissa, ColumnTable, Detrend, FittedRecord, LawChoice, MeasuredError, MeasuredRecord, NormalForce, Preparation,
-    Prepared, RecordColumns,
+    Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
+    Preparation, Prepared, RecordColumns,
 };
 use asperity_process::{Correlation, CorrelationShape, FittedProcess, FrictionProcess, ProcessModel};
 
@@ -22,7 +22,7 @@ fn planted() -> Vec<f64> {
     let process = FrictionProcess::with_step(model, STEP_M).unwrap();
     let mut path = process.path(11, 0);
     let n = 60_000;
-    (0..n).map(|i| MEAN + path.next_knot() + 0.02 * (i as f64 / (n - 1) as f64 - 0.5)).collect()
+    (0..n).map(|i| MEAN + path.next_value() + 0.02 * (i as f64 / (n - 1) as f64 - 0.5)).collect()
 }
 
 /// Returns a file of force over time under 20 N, in the format of a logger with decimal commas.
@@ -83,7 +83,7 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
     let of_time = prepared(&time_file(&mu), &by_time("Reibkraft"));
     let of_distance = prepared(&distance_file(&mu), &by_distance());
     assert!((of_time.record.step_m / STEP_M - 1.0).abs() < 1e-9 && of_time.record.warnings.is_empty());
-    let fitted = FittedRecord::of(&of_time, LawChoice::Auto, "rig").unwrap();
+    let fitted = FittedRecord::new(&of_time, DistributionChoice::Auto, "rig").unwrap();
     let FittedProcess { mean, std, correlation, .. } = fitted.process.clone();
     let correlation = correlation.unwrap();
     assert_eq!(correlation.shape, CorrelationShape::Exponential);
@@ -98,7 +98,7 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
     // The effective sample size of the 60,000 values is L/2ℓ.
     assert!((fitted.moments.effective_size / 1200.0 - 1.0).abs() < 0.25, "{}", fitted.moments.effective_size);
 
-    let other = FittedRecord::of(&of_distance, LawChoice::Auto, "rig").unwrap().process;
+    let other = FittedRecord::new(&of_distance, DistributionChoice::Auto, "rig").unwrap().process;
     assert!((other.mean / mean - 1.0).abs() < 1e-9 && (other.std / std - 1.0).abs() < 1e-9);
     assert!((other.correlation.unwrap().length_m / correlation.length_m - 1.0).abs() < 1e-6);
 
@@ -126,7 +126,7 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
     let twin = process.simulate(0.6, STEP_M, 5, 0).unwrap();
     let record = MeasuredRecord { friction: twin, ..of_time.record.clone() };
     let twin = Preparation::default().apply(&record).unwrap();
-    let again = FittedRecord::of(&twin, LawChoice::Auto, "twin").unwrap().process;
+    let again = FittedRecord::new(&twin, DistributionChoice::Auto, "twin").unwrap().process;
     within_four_errors("mean of the twin", again.mean, again.mean_interval, mean);
     within_four_errors("std of the twin", again.std, again.std_interval, std);
     let length = again.correlation.unwrap();
@@ -140,16 +140,16 @@ fn known_bounds_the_normal_law_and_the_record_itself_can_be_chosen() {
     for (choice, name) in
         [("beta:0.15,0.4", "beta"), ("normal", "normal"), ("weibull", "weibull"), ("empirical", "empirical")]
     {
-        let choice: LawChoice = choice.parse().unwrap();
-        let fitted = FittedRecord::of(&prepared, choice, "rig").unwrap();
+        let choice: DistributionChoice = choice.parse().unwrap();
+        let fitted = FittedRecord::new(&prepared, choice, "rig").unwrap();
         assert_eq!(fitted.process.marginal.as_ref().unwrap().name(), name);
         assert_eq!(fitted.process.marginal.as_ref().unwrap().name() == "empirical", fitted.goodness.is_none());
         fitted.process.model(1.0).unwrap();
     }
-    let outside = FittedRecord::of(&prepared, "beta:0.2,0.21".parse().unwrap(), "rig").unwrap_err();
-    assert!(matches!(outside, MeasuredError::Law(_)), "{outside}");
+    let outside = FittedRecord::new(&prepared, "beta:0.2,0.21".parse().unwrap(), "rig").unwrap_err();
+    assert!(matches!(outside, MeasuredError::Distribution(_)), "{outside}");
     for text in ["gamma", "beta:1", "beta:2,1", ""] {
-        assert!(text.parse::<LawChoice>().is_err(), "{text}");
+        assert!(text.parse::<DistributionChoice>().is_err(), "{text}");
     }
 }
 
@@ -174,7 +174,7 @@ fn gaps_stay_gaps_and_change_little() {
     assert_eq!(holed.record.present(), whole.record.present() - 2000);
     assert!(holed.record.warnings.iter().any(|warning| warning.contains("remain gaps")), "{:?}", holed.record.warnings);
     let [whole, holed] =
-        [whole, holed].map(|record| FittedRecord::of(&record, LawChoice::Auto, "rig").unwrap().process);
+        [whole, holed].map(|record| FittedRecord::new(&record, DistributionChoice::Auto, "rig").unwrap().process);
     assert!((holed.std / whole.std - 1.0).abs() < 0.02);
     let [whole, holed] = [whole, holed].map(|process| process.correlation.unwrap().length_m);
     assert!((holed / whole - 1.0).abs() < 0.05);
@@ -243,7 +243,7 @@ fn records_that_are_too_short_or_constant_say_so() {
             warnings: vec![],
         };
         let prepared = Preparation::default().apply(&record).unwrap();
-        FittedRecord::of(&prepared, LawChoice::Auto, "rig").err().unwrap()
+        FittedRecord::new(&prepared, DistributionChoice::Auto, "rig").err().unwrap()
     };
     assert!(record(vec![0.1, 0.2, 0.3]).is_too_few());
     let slow: Vec<f64> = (0..4000).map(|i| 0.2 + 0.01 * (1e-3 * f64::from(i)).sin()).collect();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::super::sample_law::Gathering;
+use super::super::sample_distribution::SampleCollector;
 use super::super::trajectory::{Observer, Slipped};
 use super::super::{Event, EventKind, MotionKind};
 
@@ -22,11 +22,11 @@ pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Ov
 pub(super) struct Passage {
     duration: f64,
     /// Displacements at the ends of the slips of cycles.
-    pub(super) reattachments: Gathering,
+    pub(super) reattachments: SampleCollector,
     /// Displacements at detachments, except the detachment from the first stick.
-    pub(super) releases: Gathering,
+    pub(super) releases: SampleCollector,
     /// Times from the start of a swing to the start of the next, unless vibration was lost in between.
-    pub(super) periods: Gathering,
+    pub(super) periods: SampleCollector,
     /// Time in stick.
     pub(super) stick: f64,
     /// Times in vibration and out of it, and the time in vibration in the second half.
@@ -62,7 +62,7 @@ impl Passage {
     /// Creates the record of a trajectory that starts in stick, vibrating; each distribution keeps at most `capacity`
     /// values.
     pub(super) fn new(trajectory: usize, duration: f64, capacity: usize) -> Self {
-        let [reattachments, releases, periods] = [(); 3].map(|()| Gathering::new(trajectory as u64, capacity));
+        let [reattachments, releases, periods] = [(); 3].map(|()| SampleCollector::new(trajectory as u64, capacity));
         Self {
             duration,
             reattachments,

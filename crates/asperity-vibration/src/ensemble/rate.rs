@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::super::MotionKind;
-use super::super::sample_law::RunningMoments;
+use super::super::sample_distribution::RunningMoments;
 use super::Count;
 use super::passage::{KINDS, Passage};
 use asperity_base::law::Marginal;
@@ -25,7 +25,7 @@ pub struct Rate {
 
 impl Rate {
     /// Returns the rate of `events` in the time `exposure`; none without exposure.
-    pub(super) fn of(events: u64, exposure: f64) -> Option<Self> {
+    pub(super) fn from_count(events: u64, exposure: f64) -> Option<Self> {
         if exposure.is_nan() || exposure <= 0.0 {
             return None;
         }
@@ -40,15 +40,15 @@ impl Rate {
 
 /// Fraction of the trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Share {
+pub struct Fraction {
     /// Value, 0 … 1.
     pub value: f64,
     /// 95 % interval (Wilson).
     pub interval: [f64; 2],
 }
 
-impl Share {
-    pub(crate) fn of(count: u64, total: u64) -> Self {
+impl Fraction {
+    pub(crate) fn from_count(count: u64, total: u64) -> Self {
         let interval = wilson_interval(count as usize, total as usize);
         Self { value: count as f64 / total as f64, interval: [interval.low, interval.high] }
     }
@@ -80,9 +80,9 @@ pub struct Passages {
     /// Entries per unit of τ out of vibration.
     pub entry_rate: Option<Rate>,
     /// Fraction of the trajectories that leave vibration at least once.
-    pub left: Share,
+    pub left: Fraction,
     /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
-    pub sustained: Share,
+    pub sustained: Fraction,
     /// Times τ of the first exit, rising, of the trajectories that leave vibration.
     pub first_exits: Vec<f64>,
     #[serde(skip)]
@@ -108,8 +108,8 @@ impl Passages {
         late_share: Count { mean: f64::NAN, std: f64::NAN, se: f64::NAN },
         exit_rate: None,
         entry_rate: None,
-        left: Share { value: f64::NAN, interval: [0.0, 1.0] },
-        sustained: Share { value: f64::NAN, interval: [0.0, 1.0] },
+        left: Fraction { value: f64::NAN, interval: [0.0, 1.0] },
+        sustained: Fraction { value: f64::NAN, interval: [0.0, 1.0] },
         first_exits: Vec::new(),
         sums: Sums { sustained: 0, inside: 0.0, outside: 0.0, kinds: [0.0; 3], late: RunningMoments::EMPTY },
     };
@@ -133,20 +133,20 @@ impl Passages {
         self.share_in_cycle = inside / (inside + outside);
         let times = KINDS.into_iter().zip(kinds).chain([(MotionKind::None, outside)]);
         self.kinds = times.map(|(kind, time)| (kind, time / (inside + outside))).collect();
-        self.late_share = Count::of(&late);
-        self.exit_rate = Rate::of(self.exits, inside);
-        self.entry_rate = Rate::of(self.entries, outside);
+        self.late_share = Count::from_moments(&late);
+        self.exit_rate = Rate::from_count(self.exits, inside);
+        self.entry_rate = Rate::from_count(self.entries, outside);
         if self.trajectories > 0 {
-            self.left = Share::of(self.first_exits.len() as u64, self.trajectories);
-            self.sustained = Share::of(sustained, self.trajectories);
+            self.left = Fraction::from_count(self.first_exits.len() as u64, self.trajectories);
+            self.sustained = Fraction::from_count(sustained, self.trajectories);
         }
         self.first_exits.sort_by(f64::total_cmp);
     }
 
     /// Returns the fraction of the trajectories that have not left vibration up to τ, at most their duration.
-    pub fn survival(&self, tau: f64) -> Share {
+    pub fn survival(&self, tau: f64) -> Fraction {
         let gone = self.first_exits.partition_point(|exit| *exit <= tau) as u64;
-        Share::of(self.trajectories - gone, self.trajectories)
+        Fraction::from_count(self.trajectories - gone, self.trajectories)
     }
 }
 
@@ -158,9 +158,9 @@ mod tests {
     fn the_cycle_survives_in_what_has_not_left_it() {
         let passages = Passages { trajectories: 8, first_exits: vec![1.0, 2.0, 2.0, 7.5], ..Passages::EMPTY };
         for (tau, wanted) in [(0.0, 8), (0.99, 8), (1.0, 7), (2.0, 5), (7.0, 5), (9.0, 4)] {
-            let share = passages.survival(tau);
-            assert_eq!(share, Share::of(wanted, 8));
-            assert!(share.interval[0] < share.value && share.value <= share.interval[1]);
+            let fraction = passages.survival(tau);
+            assert_eq!(fraction, Fraction::from_count(wanted, 8));
+            assert!(fraction.interval[0] < fraction.value && fraction.value <= fraction.interval[1]);
         }
     }
 
@@ -168,10 +168,10 @@ mod tests {
     fn poisson_intervals_are_the_tabulated_ones() {
         // Garwood, Biometrika 28 (1936) 437: 95 % limits of a mean after counts of 0, 1, 10 and 50.
         for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.390), (50, 37.11, 65.92)] {
-            let rate = Rate::of(count, 2.0).unwrap();
+            let rate = Rate::from_count(count, 2.0).unwrap();
             assert_eq!(rate.value, count as f64 / 2.0);
             assert!((2.0 * rate.interval[0] - low).abs() < 5e-3 && (2.0 * rate.interval[1] - high).abs() < 5e-3);
         }
-        assert_eq!(Rate::of(3, 0.0), None);
+        assert_eq!(Rate::from_count(3, 0.0), None);
     }
 }

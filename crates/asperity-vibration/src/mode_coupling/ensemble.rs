@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::super::sample_law::RunningMoments;
+use super::super::sample_distribution::RunningMoments;
 use super::super::{Count, Failure, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;
 use super::{Contact, Model, State, TrajectorySettings};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::wilson_interval;
-use asperity_process::{Fluctuation, FrictionProcess, Steady, Watched};
+use asperity_process::{Cancellable, Fluctuation, FrictionProcess, Steady};
 
 /// Number of trajectories between checks for cancellation.
 const BLOCK: usize = 256;
@@ -93,18 +93,18 @@ impl Ensemble {
         positive("threshold", settings.threshold)?;
         let deterministic = follow(model, Steady, settings)?;
         let run = |index| {
-            let mut path = Watched::new(process.path(settings.seed, index), monitor);
+            let mut path = Cancellable::new(process.path(settings.seed, index), monitor);
             follow(model, &mut path, settings)
         };
         let Runs { values, failures } = run_all(settings.trajectories, settings.least_valid_share, monitor, run)?;
         let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(of));
-        let share = |of: &dyn Fn(&Outcome) -> bool| {
+        let fraction = |of: &dyn Fn(&Outcome) -> bool| {
             let met = values.iter().filter(|outcome| of(outcome)).count();
             let interval = wilson_interval(met, values.len());
             (met as f64 / values.len() as f64, [interval.low, interval.high])
         };
-        let (passed, passed_interval) = share(&|outcome| outcome.passage.is_some());
-        let (sustained, sustained_interval) = share(&|outcome| outcome.amplitude >= settings.threshold);
+        let (passed, passed_interval) = fraction(&|outcome| outcome.passage.is_some());
+        let (sustained, sustained_interval) = fraction(&|outcome| outcome.amplitude >= settings.threshold);
         let passages: Vec<f64> = values.iter().filter_map(|outcome| outcome.passage).collect();
         Ok(Self {
             trajectories: settings.trajectories,

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::sample_law::RunningMoments;
+use super::super::sample_distribution::RunningMoments;
 use super::super::{Failure, VibrationError, positive};
 use super::ensemble::{Runs, run_all};
 use super::{Model, modes};
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::{quantile_sorted, sorted_present, wilson_interval};
-use asperity_process::{Cell, Fluctuation, FrictionProcess, Watched};
+use asperity_process::{Cancellable, Cell, Fluctuation, FrictionProcess};
 
 /// Number of coefficients of the series of one step.
 const TERMS: usize = 16;
@@ -81,7 +81,7 @@ pub fn growth_rates(
 ) -> Result<GrowthRates, VibrationError> {
     let GrowthSettings { trajectories, duration, settling, seed, least_valid_share } = *settings;
     let system = Linear::new(model, friction, duration, settling)?;
-    let run = |index| system.rate(Watched::new(process.path(seed, index), monitor));
+    let run = |index| system.rate(Cancellable::new(process.path(seed, index), monitor));
     let Runs { values: rates, failures } = run_all(trajectories, least_valid_share, monitor, run)?;
     let mut sums = RunningMoments::EMPTY;
     rates.iter().for_each(|rate| sums.add(*rate));
@@ -202,11 +202,11 @@ impl Linear {
         c[0] = *state;
         for k in 0..terms - 1 {
             let [x, u, y, v] = c[k];
-            let share = 1.0 / (k as f64 + 1.0);
+            let fraction = 1.0 / (k as f64 + 1.0);
             let before = if k == 0 { 0.0 } else { c[k - 1][2] };
             let pull = -k11 * x - across * y - c11 * u - c12 * v + drift * before;
             let push = -k12 * x - k22 * y - c12 * u - c22 * v;
-            c[k + 1] = [u * share, pull * share, v * share, push * share];
+            c[k + 1] = [u * fraction, pull * fraction, v * fraction, push * fraction];
         }
         let size = |c: &[f64; 4]| c.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         let allowed = TOLERANCE * size(&c[0]);

@@ -203,7 +203,7 @@ impl Model {
 
 /// Returns C for a given K; both are symmetric, stored as (11, 12, 22).
 fn damping_matrix(damping: Damping, stiffness: [f64; 3]) -> Result<[f64; 3], VibrationError> {
-    let (mass, share) = match damping {
+    let (mass, fraction) = match damping {
         Damping::Axes { tangential, normal } => {
             non_negative("tangential damping", tangential)?;
             non_negative("normal damping", normal)?;
@@ -225,14 +225,14 @@ fn damping_matrix(damping: Damping, stiffness: [f64; 3]) -> Result<[f64; 3], Vib
                 }
                 (wanted[0], 0.0)
             } else {
-                let share = (wanted[1] - wanted[0]) / (fast - slow);
-                return Ok(combination(wanted[0] - share * slow, share, stiffness));
+                let fraction = (wanted[1] - wanted[0]) / (fast - slow);
+                return Ok(combination(wanted[0] - fraction * slow, fraction, stiffness));
             }
         }
     };
     non_negative("damping proportional to the mass", mass)?;
-    non_negative("damping proportional to the stiffness", share)?;
-    Ok(combination(mass, share, stiffness))
+    non_negative("damping proportional to the stiffness", fraction)?;
+    Ok(combination(mass, fraction, stiffness))
 }
 
 /// Returns a·1 + b·K.

@@ -254,8 +254,8 @@ fn falling(model: &Model, most: f64) -> Result<Option<f64>, VibrationError> {
         if least.is_nan() { -1.0 } else { least }
     };
     if margin(0.0) <= 0.0 {
-        let share = most / INTERVALS as f64;
-        return Ok((margin(1e-6 * share) < 0.0).then_some(0.0));
+        let fraction = most / INTERVALS as f64;
+        return Ok((margin(1e-6 * fraction) < 0.0).then_some(0.0));
     }
     let mut before = 0.0;
     for i in 1..=INTERVALS {
@@ -356,8 +356,8 @@ mod tests {
             let critical = critical_friction(&model, 2.0).unwrap().unwrap();
             let largest = |mu: f64| modes(&model, mu).iter().map(|m| m.growth).fold(f64::MIN, f64::max);
             assert!(largest(critical.friction).abs() < 1e-12, "{damping:?}: {critical:?}");
-            for share in [0.02, 0.3, 0.7, 0.99] {
-                assert!(largest(share * critical.friction) < 0.0, "{damping:?} {share}");
+            for fraction in [0.02, 0.3, 0.7, 0.99] {
+                assert!(largest(fraction * critical.friction) < 0.0, "{damping:?} {fraction}");
             }
             assert!(largest(1.001 * critical.friction) > 0.0);
             let frequencies = modes(&model, critical.friction).map(|m| (m.frequency - critical.frequency).abs());

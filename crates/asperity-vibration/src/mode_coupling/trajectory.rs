@@ -300,15 +300,15 @@ mod tests {
             let pieces = (length / 0.02).ceil().max(1.0) as usize;
             for piece in 0..pieces {
                 for (node, weight) in rule {
-                    let share = (piece as f64 + 0.5 + 0.5 * node) / pieces as f64;
-                    let s = motion.sample(since + share * length);
+                    let fraction = (piece as f64 + 0.5 + 0.5 * node) / pieces as f64;
+                    let s = motion.sample(since + fraction * length);
                     let (u, v) = (s.tangential_velocity, s.normal_velocity);
                     let ahead = model.belt_velocity() - u;
                     let force = match contact_kind {
                         Contact::Flight => 0.0,
                         Contact::Stick => k11 * s.tangential + k12 * s.normal + c11 * u,
                         Contact::Slip | Contact::OverSlip => {
-                            let slid = motion.distance_at(since + share * length);
+                            let slid = motion.distance_at(since + fraction * length);
                             let m = if slid > 0.0 { m_before + slope * slid } else { m_before };
                             let law = model.parameters().law.coefficient(ahead.abs());
                             ahead.signum() * (law + m) * (1.0 + contact * s.normal)
@@ -336,8 +336,8 @@ mod tests {
             let before = points.rfind(|p| p.tau <= last.tau).unwrap();
             assert!(last.tau - before.tau <= 1e-3 && (last.state.normal - before.state.normal).abs() < 2e-3);
         }
-        let share = points.iter().filter(|p| p.contact == Contact::Flight).count() as f64 / 14_001.0;
-        assert!((share - trajectory.flight_share).abs() < 1e-3);
+        let fraction = points.iter().filter(|p| p.contact == Contact::Flight).count() as f64 / 14_001.0;
+        assert!((fraction - trajectory.flight_share).abs() < 1e-3);
     }
 
     #[test]

@@ -35,9 +35,9 @@ impl<F: Fluctuation> Motion<F> {
         let loading = Loading {
             base: direction - drift,
             kappa: 1.0 + stretch,
-            swing: direction * self.sway.amplitude * self.sway.frequency,
-            frequency: self.sway.frequency,
-            phase: self.sway.frequency * self.tau,
+            swing: direction * self.scaled_forcing.amplitude * self.scaled_forcing.frequency,
+            frequency: self.scaled_forcing.frequency,
+            phase: self.scaled_forcing.frequency * self.tau,
         };
         self.weakening.select(self.w, self.e, &loading);
         let (estimate, to_knot) = self.horizon();
@@ -116,7 +116,7 @@ impl<F: Fluctuation> Motion<F> {
         let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
         let [before, slope] = self.series.start();
         // A force may turn W more than once in a step.
-        let turns = self.sway.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
+        let turns = self.scaled_forcing.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
         let m_before = self.m;
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
@@ -157,12 +157,12 @@ impl<F: Fluctuation> Motion<F> {
         }
         let whole = self.series.distance(h).0;
         for i in 0..=POSITIVITY_POINTS {
-            let share = i as f64 / POSITIVITY_POINTS as f64;
-            let w = self.series.state(share * h).0;
-            let distance = self.series.distance(share * h).0;
+            let fraction = i as f64 / POSITIVITY_POINTS as f64;
+            let w = self.series.state(fraction * h).0;
+            let distance = self.series.distance(fraction * h).0;
             let moved = match self.drive {
                 Drive::Distance => distance / whole.max(f64::MIN_POSITIVE),
-                Drive::Time => share,
+                Drive::Time => fraction,
             };
             let fluctuation = m_before + moved * (self.m - m_before);
             let coefficient = self.law.coefficient(self.velocity * w.max(0.0)) + fluctuation;
@@ -170,7 +170,7 @@ impl<F: Fluctuation> Motion<F> {
                 return Err(VibrationError::FrictionNotPositive {
                     coefficient,
                     fluctuation,
-                    tau: self.segment.tau + share * h,
+                    tau: self.segment.tau + fraction * h,
                     sliding_distance: self.sliding_distance - self.velocity * (whole - distance),
                 });
             }

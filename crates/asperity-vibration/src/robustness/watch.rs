@@ -121,9 +121,14 @@ pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
 impl Watch<'_> {
     /// Panics unless `number` is zero within `tolerance` times `scale`.
     fn vanishes(&mut self, kind: usize, number: f64, scale: f64, tolerance: f64) {
-        let share = number.abs() / scale;
-        self.seen.worst[kind] = self.seen.worst[kind].max(share);
-        assert!(share <= tolerance, "law {kind} broken by {share:e} at {:?}: {:?}", self.seen.events.last(), self.case);
+        let fraction = number.abs() / scale;
+        self.seen.worst[kind] = self.seen.worst[kind].max(fraction);
+        assert!(
+            fraction <= tolerance,
+            "law {kind} broken by {fraction:e} at {:?}: {:?}",
+            self.seen.events.last(),
+            self.case
+        );
     }
 
     /// Returns the effect on m of rounding of the coordinate.
@@ -240,8 +245,8 @@ impl Watch<'_> {
         let belt = self.oscillator.belt_velocity();
         let length = end.tau - before.tau;
         assert_eq!(motion.sliding_distance, before.s);
-        for share in [0.0, 0.31, 0.67, 1.0] {
-            let tau = before.tau + share * length;
+        for fraction in [0.0, 0.31, 0.67, 1.0] {
+            let tau = before.tau + fraction * length;
             let (x, velocity) = motion.sample(tau);
             assert_eq!(velocity, belt);
             let point = self.point(tau, x, velocity, before.s);
@@ -273,13 +278,13 @@ impl Watch<'_> {
         let mut errors = [f64::INFINITY; 2];
         for parts in [1_u32, 4, 16] {
             let (mut impulse, mut path, mut doubt) = (0.0, 0.0, 0.0);
-            for (share, weight) in (0..parts).flat_map(|part| {
+            for (fraction, weight) in (0..parts).flat_map(|part| {
                 GAUSS.into_iter().flat_map(move |[node, weight]| {
                     let place = |node: f64| (f64::from(part) + 0.5 * (1.0 + node)) / f64::from(parts);
                     [(place(-node), 0.5 * weight / f64::from(parts)), (place(node), 0.5 * weight / f64::from(parts))]
                 })
             }) {
-                let (force, velocity, unsure) = self.pull(motion, before, s, before.tau + share * length);
+                let (force, velocity, unsure) = self.pull(motion, before, s, before.tau + fraction * length);
                 impulse += length * weight * force;
                 path += length * weight * velocity;
                 doubt += length * weight * unsure;
@@ -324,8 +329,8 @@ impl Watch<'_> {
             // Golden-section search in each third of the step.
             for third in 0..3 {
                 let ends = [third, third + 1].map(|third| f64::from(third) / 3.0);
-                let velocity = |share: f64| {
-                    let velocity = motion.sample(before.tau + share * length).1;
+                let velocity = |fraction: f64| {
+                    let velocity = motion.sample(before.tau + fraction * length).1;
                     slowest = slowest.min(velocity);
                     velocity
                 };

@@ -82,8 +82,8 @@ impl Crossing {
         }
         // Sorted, so that the arithmetic is the same from both sides.
         let (a, b) = if a.vertex <= b.vertex { (a, b) } else { (b, a) };
-        let share = a.value / (a.value - b.value);
-        let at = |k: usize| a.place[k] + share * (b.place[k] - a.place[k]);
+        let fraction = a.value / (a.value - b.value);
+        let at = |k: usize| a.place[k] + fraction * (b.place[k] - a.place[k]);
         Some(Self { edge: (a.vertex, b.vertex), place: [at(0), at(1)] })
     }
 }

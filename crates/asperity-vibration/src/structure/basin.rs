@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::super::cycle::cycle_at_belt;
 use super::super::motion::{Motion, SlipState};
 use super::super::portrait::{PhasePoint, sampled};
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::slip_orbit::first_minimum_from;
-use super::super::sway::Sway;
 use super::super::weakening::Weakening;
 use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use super::planar::Planar;
@@ -92,7 +92,7 @@ pub(super) fn started_at(
         return Motion::new(oscillator, Steady, Drive::Distance, displacement);
     }
     let phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
-    let external = belt * Sway::new(oscillator).force(0.0);
+    let external = belt * ScaledForcing::new(oscillator).force(0.0);
     let force = phase.direction() * (displacement + 2.0 * oscillator.damping_ratio() * belt - external);
     let e = (force - oscillator.static_friction()) / belt;
     Motion::in_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
@@ -111,7 +111,7 @@ enum Arrival {
 }
 
 /// Classifier of starts: by the return map of slip as soon as an orbit crosses its section, otherwise by simulation.
-pub(super) struct Outcomes {
+pub(super) struct StartClassifier {
     oscillator: Oscillator,
     rest: f64,
     map: Option<ReturnMap>,
@@ -121,7 +121,7 @@ pub(super) struct Outcomes {
     slowest: f64,
 }
 
-impl Outcomes {
+impl StartClassifier {
     /// Creates the classifier of an oscillator, ignoring its forcing.
     pub(super) fn new(oscillator: &Oscillator) -> Result<Self, VibrationError> {
         let oscillator = oscillator.with_forcing(None)?;
@@ -143,7 +143,7 @@ impl Outcomes {
     }
 
     /// Returns the kind of motion after the start (X, X′).
-    pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
+    pub(super) fn kind(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
         let mut motion = started_at(&self.oscillator, displacement, velocity)?;
         let mut reversals = 0;
         for _ in 0..MAX_STEPS {
@@ -225,23 +225,23 @@ pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationEr
         return Ok(None);
     }
     let belt = oscillator.belt_velocity();
-    let outcomes = Outcomes::new(oscillator)?;
-    if !outcomes.after_stick.is_vibration() || outcomes.near_rest().is_vibration() {
+    let classifier = StartClassifier::new(oscillator)?;
+    if !classifier.after_stick.is_vibration() || classifier.near_rest().is_vibration() {
         return Ok(None);
     }
     let rest = oscillator.law().coefficient(belt);
     // Positive outside the basin of steady sliding.
     let excess = |velocity: f64| -> Result<f64, VibrationError> {
-        let Some((border, _)) = outcomes.map.as_ref().and_then(|map| map.cycles.first()) else {
-            return Ok(if outcomes.of(rest, velocity)?.is_vibration() { 1.0 } else { -1.0 });
+        let Some((border, _)) = classifier.map.as_ref().and_then(|map| map.cycles.first()) else {
+            return Ok(if classifier.kind(rest, velocity)?.is_vibration() { 1.0 } else { -1.0 });
         };
-        Ok(match outcomes.next_arrival(&mut started_at(&outcomes.oscillator, rest, velocity)?)? {
+        Ok(match classifier.next_arrival(&mut started_at(&classifier.oscillator, rest, velocity)?)? {
             Arrival::Section(r) => r / border - 1.0,
             Arrival::Rest => -1.0,
             Arrival::Stick | Arrival::Reversal => 1.0,
         })
     };
-    let smooth = outcomes.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
+    let smooth = classifier.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
     let threshold = |sign: f64, high: f64| -> Result<f64, VibrationError> {
         let tolerance = KICK_TOLERANCE * high;
         if smooth {
@@ -254,7 +254,7 @@ pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationEr
     };
     // At the velocity of the belt the mass sticks, or it is faster than on any orbit that does not reach the belt.
     let with_belt = threshold(1.0, belt)?;
-    let against_belt = with_belt.min(-outcomes.slowest);
+    let against_belt = with_belt.min(-classifier.slowest);
     Ok(Some(if excess(-against_belt)? > 0.0 { threshold(-1.0, against_belt)? } else { with_belt }))
 }
 
@@ -267,7 +267,7 @@ pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationEr
 /// Fails for an empty box, if friction does not stay positive, or when cancelled.
 pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) -> Result<Basin, VibrationError> {
     area.validate()?;
-    let outcomes = Outcomes::new(oscillator)?;
+    let classifier = StartClassifier::new(oscillator)?;
     let [columns, rows] = area.cells;
     let finished = AtomicUsize::new(0);
     let lines: Vec<Vec<MotionKind>> = (0..rows)
@@ -278,7 +278,7 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
             }
             let start = |column| {
                 let [displacement, velocity] = area.centre(column, row);
-                outcomes.of(displacement, velocity)
+                classifier.kind(displacement, velocity)
             };
             let line = (0..columns).map(start).collect::<Result<Vec<_>, _>>();
             monitor.progress("rows of the basin", finished.fetch_add(1, Ordering::Relaxed) + 1, rows);
@@ -326,8 +326,8 @@ impl Separatrix {
 /// one. Forcing is ignored.
 pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separatrix>, VibrationError> {
     let free = oscillator.with_forcing(None)?;
-    let outcomes = Outcomes::new(&free)?;
-    let Some(map) = outcomes.map.as_ref().filter(|_| outcomes.after_stick.is_vibration()) else { return Ok(None) };
+    let classifier = StartClassifier::new(&free)?;
+    let Some(map) = classifier.map.as_ref().filter(|_| classifier.after_stick.is_vibration()) else { return Ok(None) };
     let drawn = |kind, state: SlipState, duration: f64| -> Result<Option<Separatrix>, VibrationError> {
         let motion = Motion::in_slip(&free, Steady, state)?;
         Ok(Some(Separatrix { kind, points: sampled(motion, 0.0, duration, points)? }))
@@ -362,10 +362,10 @@ mod tests {
     use asperity_base::monitor::Silent;
     use asperity_base::random;
 
-    fn midway(friction: f64, velocity: f64, share: f64) -> Oscillator {
+    fn midway(friction: f64, velocity: f64, fraction: f64) -> Oscillator {
         let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
         let ends = critical_damping(&of(0.0)).unwrap();
-        of(ends.hopf_damping_ratio + share * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
+        of(ends.hopf_damping_ratio + fraction * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
     }
 
     fn coulomb(damping_ratio: f64) -> Oscillator {
@@ -401,14 +401,14 @@ mod tests {
             (midway(1.0, 0.2, 0.2), "near the Hopf point"),
             (coulomb(0.05), "a grazing orbit"),
         ] {
-            let outcomes = Outcomes::new(&oscillator).unwrap();
+            let classifier = StartClassifier::new(&oscillator).unwrap();
             let scale = oscillator.static_friction();
             let rng = &mut random::stream(8, "test", 0);
             let mut counts = [0, 0];
             for _ in 0..300 {
                 let g = random::standard_normal(rng, 2);
                 let start = [scale * (0.8 + 0.3 * g[0]), 1.3 * oscillator.belt_velocity() * g[1]];
-                let found = outcomes.of(start[0], start[1]).unwrap();
+                let found = classifier.kind(start[0], start[1]).unwrap();
                 assert_eq!(found, followed(&oscillator, start), "{tell}: {start:?}");
                 counts[usize::from(found == MotionKind::None)] += 1;
             }
@@ -496,7 +496,7 @@ mod tests {
         let parameters =
             Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
         let machine = Oscillator::new(parameters).unwrap();
-        let outcomes = Outcomes::new(&machine).unwrap();
+        let classifier = StartClassifier::new(&machine).unwrap();
         // Against the belt: the orbit that grazes it at X − μ_k = −2ζV, X′ = V, half a turn earlier at X = μ_k.
         let (x0, frequency) = (-2.0 * damping * belt, (1.0 - damping * damping).sqrt());
         let rate = (belt + damping * x0) / frequency;
@@ -506,7 +506,7 @@ mod tests {
             (-damping * t).exp() * ((rate * frequency - damping * x0) * cos - (x0 * frequency + damping * rate) * sin);
         assert!((against + 0.0583).abs() < 1e-4, "{against}");
         for (factor, wanted) in [(1.0 - 1e-9, MotionKind::None), (1.0 + 1e-9, MotionKind::StickSlip)] {
-            assert_eq!(outcomes.of(kinetic, factor * against).unwrap(), wanted);
+            assert_eq!(classifier.kind(kinetic, factor * against).unwrap(), wanted);
         }
         // In the direction of the belt: the belt velocity, at which the mass sticks.
         assert!((smallest_kick(&machine).unwrap().unwrap() / belt - 1.0).abs() < 1e-11);

@@ -11,7 +11,7 @@ use super::super::motion::Motion;
 use super::super::{
     EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary,
 };
-use super::basin::{Outcomes, started_at};
+use super::basin::{StartClassifier, started_at};
 use super::parameter::Parameter;
 use super::slip_cycle::{SlipCycle, slip_cycles};
 use asperity_base::monitor::{Cancelled, Monitor};
@@ -173,7 +173,7 @@ fn free_point(
     [x, v]: [f64; 2],
 ) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
     let belt = oscillator.belt_velocity();
-    let attractor = Outcomes::new(oscillator)?.of(x, v)?;
+    let attractor = StartClassifier::new(oscillator)?.kind(x, v)?;
     let rest = oscillator.law().coefficient(belt);
     let mut point = BifurcationPoint {
         parameter: value,
@@ -466,9 +466,9 @@ mod tests {
             assert!(points[0].velocity[1] > belt && points[0].turnovers[0].reattachment_displacement.is_none());
         }
         // Starts inside and outside that cycle.
-        let outcomes = Outcomes::new(&oscillator.with_damping(0.001).unwrap()).unwrap();
+        let classifier = StartClassifier::new(&oscillator.with_damping(0.001).unwrap()).unwrap();
         for start in [[0.1, 0.0], [3.0, 0.0], [0.0, 3.2], [4.0, 1.0], [0.0, belt]] {
-            assert_eq!(outcomes.of(start[0], start[1]).unwrap(), MotionKind::Overtaking, "{start:?}");
+            assert_eq!(classifier.kind(start[0], start[1]).unwrap(), MotionKind::Overtaking, "{start:?}");
         }
     }
 

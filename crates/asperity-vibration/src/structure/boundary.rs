@@ -67,15 +67,15 @@ pub(super) struct Scale {
 
 impl Scale {
     /// Returns the value at a fraction of the range; the ends are exact.
-    pub(super) fn value(&self, share: f64) -> f64 {
-        if share == 0.0 || share == 1.0 {
-            return self.range[share as usize];
+    pub(super) fn value(&self, fraction: f64) -> f64 {
+        if fraction == 0.0 || fraction == 1.0 {
+            return self.range[fraction as usize];
         }
-        let value = self.low + share * self.width;
+        let value = self.low + fraction * self.width;
         if self.logarithmic { value.exp() } else { value }
     }
 
-    pub(super) fn share(&self, value: f64) -> f64 {
+    pub(super) fn fraction(&self, value: f64) -> f64 {
         ((if self.logarithmic { value.ln() } else { value }) - self.low) / self.width
     }
 }
@@ -139,8 +139,8 @@ pub fn critical_curve(
     settings.validate()?;
     let scale = settings.scale();
     let free = oscillator.with_forcing(None)?;
-    let point = |share: f64| -> Result<BranchPoint, VibrationError> {
-        let value = scale.value(share);
+    let point = |fraction: f64| -> Result<BranchPoint, VibrationError> {
+        let value = scale.value(fraction);
         let found = critical_damping(&parameter.set(&free, value)?)?;
         Ok(BranchPoint {
             parameter: value,
@@ -159,8 +159,8 @@ pub fn critical_curve(
         }
         let n = points.len();
         let (last, at) = (points[n - 1].critical_damping_ratio, shares[n - 1]);
-        let share = f64::min(at + step, 1.0);
-        let next = match point(share) {
+        let fraction = f64::min(at + step, 1.0);
+        let next = match point(fraction) {
             Ok(next) => next,
             Err(error) if step < LEAST_STEP => {
                 end = BranchEnd::Lost { reason: error.to_string() };
@@ -173,15 +173,15 @@ pub fn critical_curve(
         };
         let found = next.critical_damping_ratio;
         let slope = if n > 1 { (last - points[n - 2].critical_damping_ratio) / (at - shares[n - 2]) } else { 0.0 };
-        let deviation = if n > 1 { (found - last - slope * (share - at)).abs() / found.max(last) } else { 0.0 };
+        let deviation = if n > 1 { (found - last - slope * (fraction - at)).abs() / found.max(last) } else { 0.0 };
         if deviation > settings.deviation && step > LEAST_STEP {
             step *= 0.5;
             continue;
         }
-        shares.push(share);
+        shares.push(fraction);
         points.push(next);
-        monitor.progress("critical curve, parts per thousand", (1000.0 * share) as usize, 1000);
-        if share == 1.0 {
+        monitor.progress("critical curve, parts per thousand", (1000.0 * fraction) as usize, 1000);
+        if fraction == 1.0 {
             end = BranchEnd::Range;
             break;
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::super::locked::grazing_lock;
-use super::super::sway::Sway;
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::weakening::Weakening;
 use super::super::{Oscillator, VibrationError, critical_damping};
 use super::boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, Scale};
@@ -48,14 +48,14 @@ pub fn locked_curve(
     }
     let scale = settings.scale();
     let value = parameter.of(oscillator).unwrap_or(f64::NAN);
-    let share = scale.share(value);
-    if !(0.0..=1.0).contains(&share) {
+    let fraction = scale.fraction(value);
+    if !(0.0..=1.0).contains(&fraction) {
         return Err(VibrationError::Parameter { parameter: "start of the curve", value, wanted: "in the range" });
     }
     let (tau, damping) = grazing_lock(oscillator)?;
     let frequency = oscillator.forcing().map_or(0.0, |f| f.frequency);
     let lock = Lock { oscillator: oscillator.clone(), parameter, scale, unit: damping };
-    let first = [share, 1.0, frequency * tau];
+    let first = [fraction, 1.0, frequency * tau];
     let (mut back, start) = lock.follow(first, -1.0, settings, monitor)?;
     let (forth, end) = lock.follow(first, 1.0, settings, monitor)?;
     back.reverse();
@@ -72,8 +72,8 @@ struct Lock {
 }
 
 impl Lock {
-    fn at(&self, [share, damping, _]: Point) -> Result<Oscillator, VibrationError> {
-        let oscillator = self.parameter.set(&self.oscillator, self.scale.value(share))?;
+    fn at(&self, [fraction, damping, _]: Point) -> Result<Oscillator, VibrationError> {
+        let oscillator = self.parameter.set(&self.oscillator, self.scale.value(fraction))?;
         oscillator.with_damping(damping * self.unit)
     }
 
@@ -92,12 +92,12 @@ impl Lock {
     fn residual(&self, point: Point) -> Result<[(f64, [f64; 2]); 2], VibrationError> {
         let what = "grazing orbit";
         let oscillator = self.at(point)?;
-        let (sway, jump) = (Sway::new(&oscillator), Weakening::new(&oscillator).jump);
-        if sway.amplitude == 0.0 {
+        let (scaled_forcing, jump) = (ScaledForcing::new(&oscillator), Weakening::new(&oscillator).jump);
+        if scaled_forcing.amplitude == 0.0 {
             return Err(VibrationError::NotFound { what, reason: "the forcing has vanished" });
         }
-        let tau = point[2] / sway.frequency;
-        if 1.0 + sway.rate(tau) <= 0.0 {
+        let tau = point[2] / scaled_forcing.frequency;
+        if 1.0 + scaled_forcing.rate(tau) <= 0.0 {
             return Err(VibrationError::NotFound { what, reason: "the force holds the mass at that phase" });
         }
         let Some(found) = graze(&oscillator, tau)? else {
@@ -107,18 +107,18 @@ impl Lock {
             });
         };
         let touch = found.minimum.time;
-        let Some(stick) = sway.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {
+        let Some(stick) = scaled_forcing.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {
             return Err(VibrationError::NotFound { what, reason: "the mass stays in stick" });
         };
         // A later start of the stick shortens it in proportion to the growth of the excess.
-        let (before, after) = (1.0 + sway.rate(tau + touch), 1.0 + sway.rate(tau + touch + stick));
+        let (before, after) = (1.0 + scaled_forcing.rate(tau + touch), 1.0 + scaled_forcing.rate(tau + touch + stick));
         let shift = if jump == 0.0 { 0.0 } else { (before - after) / after };
         let [by_damping, by_tau] = found.time_by;
         let (by_damping, by_tau) = (by_damping * (1.0 + shift), by_tau * (1.0 + shift) + shift);
-        let units = [self.unit, 1.0 / sway.frequency];
+        let units = [self.unit, 1.0 / scaled_forcing.frequency];
         Ok([
             (found.minimum.w, [found.w_by[0] * units[0], found.w_by[1] * units[1]]),
-            (touch + stick - TAU / sway.frequency, [by_damping * units[0], by_tau * units[1]]),
+            (touch + stick - TAU / scaled_forcing.frequency, [by_damping * units[0], by_tau * units[1]]),
         ])
     }
 
@@ -186,8 +186,8 @@ impl Lock {
             let mut next: Point = std::array::from_fn(|i| point[i] + step * direction[i]);
             let leaves = sense * (next[0] - bound) >= 0.0;
             let corrected = if leaves {
-                let share = (bound - point[0]) / direction[0];
-                next = std::array::from_fn(|i| point[i] + share * direction[i]);
+                let fraction = (bound - point[0]) / direction[0];
+                next = std::array::from_fn(|i| point[i] + fraction * direction[i]);
                 next[0] = bound;
                 self.correct(&mut next, fixed)
             } else {

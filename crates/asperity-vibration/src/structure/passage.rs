@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use super::super::cycle::Turn;
 use super::super::motion::{Motion, SlipState};
-use super::super::sway::Sway;
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::weakening::Weakening;
 use super::super::{EventKind, Oscillator, Phase, VibrationError};
 use super::tangent::{Linear, Tangent};
@@ -35,9 +35,10 @@ pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passag
     let Some(forcing) = oscillator.forcing() else {
         return Err(VibrationError::NotFound { what: "passage", reason: "the oscillator has no forcing" });
     };
-    let (weakening, sway, linear) = (Weakening::new(oscillator), Sway::new(oscillator), Linear(oscillator));
+    let (weakening, scaled_forcing, linear) =
+        (Weakening::new(oscillator), ScaledForcing::new(oscillator), Linear(oscillator));
     // Growth rate of the forward excess at W = 0.
-    let rate = |tau: f64| 1.0 + sway.rate(tau);
+    let rate = |tau: f64| 1.0 + scaled_forcing.rate(tau);
     if rate(tau) <= 0.0 {
         return Ok(None);
     }

@@ -147,8 +147,8 @@ fn extremum(
             break;
         }
         // Secant of the slopes, kept away from the ends of the bracket.
-        let share = (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
-        let here = Growth::at(planar, a.r + share * (b.r - a.r))?;
+        let fraction = (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
+        let here = Growth::at(planar, a.r + fraction * (b.r - a.r))?;
         if here.slope.is_nan() {
             break;
         }
@@ -314,9 +314,9 @@ mod tests {
             let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let (low, high) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
-            for share in [1e-6, 0.01, 0.5, 0.99, 1.0 - 1e-6] {
-                let cycles = slip_cycles(&of(low + share * (high - low))).unwrap();
-                assert!(cycles.len() == 1 && !cycles[0].is_stable(), "{share}: {cycles:?}");
+            for fraction in [1e-6, 0.01, 0.5, 0.99, 1.0 - 1e-6] {
+                let cycles = slip_cycles(&of(low + fraction * (high - low))).unwrap();
+                assert!(cycles.len() == 1 && !cycles[0].is_stable(), "{fraction}: {cycles:?}");
             }
             for outside in [0.5 * low, low * (1.0 - 1e-6), high * (1.0 + 1e-6), 2.0 * high, 5.0] {
                 assert_eq!(slip_cycles(&of(outside)).unwrap(), [], "{outside} and {ends:?}");
@@ -342,9 +342,9 @@ mod tests {
             // R′ = (ζ_H − ζ)R + ℓR³ with ℓ = −μ‴(V)/16 (Guckenheimer & Holmes, §3.4). The quadratic part is reversible
             // in time and does not contribute. μ‴ = −6a³μ/(1 + aV)⁴.
             let lyapunov = 6.0 / 16.0 * decay.powi(3) * friction / (1.0_f64 + decay * velocity).powi(4);
-            let off = |share: f64| {
-                let cycle = slip_cycles(&of(ends.hopf_damping_ratio + share * width)).unwrap()[0];
-                cycle.velocity_amplitude() / (share * width / lyapunov).sqrt() - 1.0
+            let off = |fraction: f64| {
+                let cycle = slip_cycles(&of(ends.hopf_damping_ratio + fraction * width)).unwrap()[0];
+                cycle.velocity_amplitude() / (fraction * width / lyapunov).sqrt() - 1.0
             };
             // √((ζ − ζ_H)/ℓ)·(1 + O(ζ − ζ_H)).
             let (far, near) = (off(1e-2), off(1e-3));

@@ -89,19 +89,20 @@ impl Series {
             if k + 1 == self.len {
                 break;
             }
-            let share = 1.0 / (k as f64 + 1.0);
-            self.v[k + 1] = (load - c12 * self.u[k] - c22 * self.v[k] - k12 * self.x[k] - across * self.y[k]) * share;
-            self.u[k + 1] = if now.contact == Contact::Stick { 0.0 } else { (force - self.holding[k]) * share };
+            let fraction = 1.0 / (k as f64 + 1.0);
+            self.v[k + 1] =
+                (load - c12 * self.u[k] - c22 * self.v[k] - k12 * self.x[k] - across * self.y[k]) * fraction;
+            self.u[k + 1] = if now.contact == Contact::Stick { 0.0 } else { (force - self.holding[k]) * fraction };
             if k == 0 && now.released {
                 // Here the holding force equals the stick limit by definition; the remaining force is the drop to
                 // kinetic friction.
                 self.u[1] = -direction * (parameters.static_friction - parameters.law.kinetic()) * self.normal[0];
             }
-            self.x[k + 1] = self.u[k] * share;
-            self.y[k + 1] = self.v[k] * share;
+            self.x[k + 1] = self.u[k] * fraction;
+            self.y[k + 1] = self.v[k] * fraction;
             self.normal[k + 1] = contact * self.y[k + 1];
             self.w[k + 1] = -direction * self.u[k + 1];
-            self.s[k + 1] = self.w[k] * share;
+            self.s[k + 1] = self.w[k] * fraction;
             load = 0.0;
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
 use crate::study::sentence;
-use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleLaw};
+use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleDistribution};
 
 pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     let cycle = regime.cycle();
@@ -41,7 +41,7 @@ pub(super) fn crossing_result(crossing: Crossing) -> CrossingResult {
     CrossingResult { share, damping_ratio, damping_ratio_interval: interval, reason }
 }
 
-pub(super) fn points_result(points: &SampleLaw) -> PointsResult {
+pub(super) fn points_result(points: &SampleDistribution) -> PointsResult {
     PointsResult {
         count: points.count,
         mean: finite(points.mean),

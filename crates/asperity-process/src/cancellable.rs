@@ -9,20 +9,20 @@ const EVERY: u32 = 16_384;
 /// Fluctuation that ends once its monitor cancels, so that a path over billions of grid points need not be followed to
 /// its end. The motion then fails as on a record that is too short; the caller checks the monitor to distinguish the
 /// two cases.
-pub struct Watched<'a, F> {
+pub struct Cancellable<'a, F> {
     fluctuation: F,
     monitor: &'a dyn Monitor,
     left: u32,
 }
 
-impl<'a, F> Watched<'a, F> {
+impl<'a, F> Cancellable<'a, F> {
     /// Wraps `fluctuation`, which then ends when `monitor` cancels.
     pub fn new(fluctuation: F, monitor: &'a dyn Monitor) -> Self {
         Self { fluctuation, monitor, left: EVERY }
     }
 }
 
-impl<F: Fluctuation> Fluctuation for Watched<'_, F> {
+impl<F: Fluctuation> Fluctuation for Cancellable<'_, F> {
     #[inline]
     fn next_cell(&mut self) -> Option<Cell> {
         self.left -= 1;
@@ -58,7 +58,7 @@ mod tests {
     fn nothing_changes_until_the_monitor_cancels_and_then_it_ends() {
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 1e-3, 0.01)).unwrap();
         let monitor = Switch(AtomicBool::new(false));
-        let (mut bare, mut watched) = (process.path(1, 2), Watched::new(process.path(1, 2), &monitor));
+        let (mut bare, mut watched) = (process.path(1, 2), Cancellable::new(process.path(1, 2), &monitor));
         for _ in 0..3 * EVERY {
             assert_eq!(watched.next_cell(), bare.next_cell());
         }
