@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_changes_until_the_monitor_cancels_and_then_it_ends() {
+    fn the_fluctuation_is_unchanged_until_the_monitor_cancels() {
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 1e-3, 0.01)).unwrap();
         let monitor = Switch(AtomicBool::new(false));
         let (mut bare, mut watched) = (process.path(1, 2), Cancellable::new(process.path(1, 2), &monitor));

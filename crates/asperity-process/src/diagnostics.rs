@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_that_fits_is_flat_and_straight() {
+    fn a_fitting_distribution_is_flat_and_straight() {
         let law: Marginal = "beta:2.1,5".parse().unwrap();
         let sorted = ideal(&law, 4000);
         let flat = integral_transform(&law, &sorted, 100.0);
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_that_is_too_narrow_shows_it_at_both_ends() {
+    fn a_too_narrow_distribution_deviates_at_both_ends() {
         let (law, wide) = (Marginal::STANDARD_NORMAL, Marginal::normal(0.0, 2.0).unwrap());
         let density = &integral_transform(&law, &ideal(&wide, 4000), 100.0)[1].1;
         // P(|2Z| > 1.645) / 0.1 = 4.11 at the ends.

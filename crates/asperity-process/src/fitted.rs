@@ -310,7 +310,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_model_counts_lengths_and_velocities_in_the_unit_asked_for() {
+    fn the_model_uses_the_requested_units_of_length_and_velocity() {
         let process = fitted(CorrelationShape::WindowedExponential { window: 500e-6 });
         let model = process.model(0.025).unwrap();
         assert!((model.correlation_length - 0.01).abs() < 1e-15);
@@ -324,7 +324,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_window_that_is_no_multiple_of_the_step_is_refused_with_the_next_that_is() {
+    fn a_window_that_is_not_a_multiple_of_the_step_is_refused_with_a_suitable_step() {
         let process = fitted(CorrelationShape::WindowedExponential { window: 500e-6 });
         assert!(process.simulate(0.01, 50e-6, 1, 0).is_ok());
         let error = process.simulate(0.01, 60e-6, 1, 0).unwrap_err();
@@ -333,7 +333,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn constant_friction_needs_no_law_and_varying_friction_does() {
+    fn constant_friction_needs_no_distribution_and_varying_friction_does() {
         let steady =
             FittedProcess { std: 0.0, marginal: None, correlation: None, ..fitted(CorrelationShape::Exponential) };
         assert_eq!(steady.simulate(1e-3, 1e-4, 1, 0).unwrap(), vec![0.21; 11]);

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn under_the_arcsine_law_the_angle_is_a_reflected_brownian_motion() {
+    fn under_the_arcsine_distribution_the_angle_is_a_reflected_brownian_motion() {
         // X = sin²ψ of a = b = ½: dψ = √(θ/2) dB between reflections at 0 and π/2, and ψ = πΦ(g)/2.
         let quarter = std::f64::consts::FRAC_PI_2;
         for h in [0.2, 0.05] {

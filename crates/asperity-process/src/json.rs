@@ -335,7 +335,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_process_survives_its_file_bit_by_bit() {
+    fn a_process_reads_back_from_its_file_bit_by_bit() {
         for shape in SHAPES {
             let process = fitted(shape);
             let text = process.to_json().unwrap();
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_be_left_out_is_not_asked_for() {
+    fn optional_fields_may_be_omitted() {
         let text = r#"{"format": "asperity friction process", "version": 1, "mean": 0.2, "std": 0.01,
             "marginal": {"normal": {"mean": 0.0, "std": 1.0}}, "correlation": {"model": "exponential", "length_m": 1e-4}}"#;
         let process = FittedProcess::from_json(text).unwrap();
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_the_field_what_was_found_and_what_was_wanted() {
+    fn errors_name_the_field_the_value_found_and_the_value_wanted() {
         let text = fitted(CorrelationShape::Matern { nu: 1.7 }).to_json().unwrap();
         for (from, to, words) in [
             ("\"version\": 1", "\"version\": 2", &["version 2", "version 1"][..]),

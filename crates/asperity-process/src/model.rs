@@ -237,7 +237,7 @@ mod tests {
         ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)
     }
 
-    fn knots(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
+    fn values(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
         let mut path = process.path(7, index);
         (0..count).map(|_| path.next_value()).collect()
     }
@@ -260,7 +260,7 @@ mod tests {
         let paths = 20_000;
         let mean_square = (0..paths)
             .map(|i| {
-                let m = knots(&process, i, 61);
+                let m = values(&process, i, 61);
                 let mean = (m.iter().sum::<f64>() - 0.5 * (m[0] + m[60])) / 60.0;
                 mean * mean
             })
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn knots_have_the_wanted_moments_and_correlation_whatever_the_generator() {
+    fn grid_points_have_the_wanted_moments_and_correlation_for_every_generator() {
         let (recursion, harmonics) = (Generator::Autoregressive, Generator::Spectral { harmonics: 64 });
         let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
         for (generator, correlation, shape, length) in [
@@ -286,7 +286,7 @@ mod tests {
         ] {
             let model = ProcessModel { generator, correlation, shape, ..beta(0.002, length) };
             let process = FrictionProcess::new(model).unwrap();
-            let paths: Vec<Vec<f64>> = (0..20_000).map(|i| knots(&process, i, 41)).collect();
+            let paths: Vec<Vec<f64>> = (0..20_000).map(|i| values(&process, i, 41)).collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
                 let values: Vec<f64> = paths.iter().map(|m| f(m)).collect();
                 let moments = Moments::of(&values);
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correction_meets_the_length_and_the_plain_translation_shortens_it() {
+    fn the_correction_gives_the_length_and_the_plain_translation_shortens_it() {
         let plain = FrictionProcess::new(beta(1.0, 2.0)).unwrap();
         let model = ProcessModel { correlation: Correlation::Corrected, ..beta(1.0, 2.0) };
         let corrected = FrictionProcess::new(model).unwrap();
@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correction_meets_the_decay_of_every_shape() {
+    fn the_correction_gives_the_decay_of_every_shape() {
         for (generator, shape) in [
             (Generator::Autoregressive, CorrelationShape::WindowedExponential { window: 3.0 }),
             (Generator::Spectral { harmonics: 8 }, CorrelationShape::SquaredExponential),
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn a_generator_that_cannot_make_a_correlation_says_which_can() {
+    fn an_unsupported_correlation_is_an_error_that_names_a_generator() {
         let windowed = CorrelationShape::WindowedExponential { window: 1.0 };
         for (generator, shape, able) in [
             (Generator::Autoregressive, CorrelationShape::SquaredExponential, "spectral"),
@@ -342,13 +342,13 @@ mod tests {
     }
 
     #[test]
-    fn the_support_of_beta_friction_is_the_published_one() {
+    fn the_support_of_beta_friction_matches_the_publication() {
         let (low, high) = FrictionProcess::new(beta(1.0, 1.0)).unwrap().support();
         assert!((low + 1.844).abs() < 5e-4 && (high - 4.392).abs() < 5e-4);
     }
 
     #[test]
-    fn a_clamp_is_counted_and_nothing_falls_below_it() {
+    fn clipped_values_are_counted_and_none_is_below_the_least() {
         let model = ProcessModel { least: Some(-1e-3), ..beta(1e-3, 1.0) };
         let process = FrictionProcess::new(model).unwrap();
         let mut path = process.path(1, 0);
@@ -362,18 +362,18 @@ mod tests {
             let model = ProcessModel { least: Some(-1e-3), generator, ..beta(1e-3, 0.05) };
             let wanted = model.clipped_fraction();
             let process = FrictionProcess::with_step(model, 0.05).unwrap();
-            let (runs, knots) = (20, 500);
+            let (runs, count) = (20, 500);
             let clipped: u64 = (0..runs)
                 .map(|run| {
                     let mut path = process.path(1, run);
-                    for _ in 0..knots {
+                    for _ in 0..count {
                         path.next_value();
                     }
                     path.clipped()
                 })
                 .sum();
-            let found = clipped as f64 / (runs as usize * knots) as f64;
-            let error = (wanted * (1.0 - wanted) * 2.2 / (runs as usize * knots) as f64).sqrt();
+            let found = clipped as f64 / (runs as usize * count) as f64;
+            let error = (wanted * (1.0 - wanted) * 2.2 / (runs as usize * count) as f64).sqrt();
             assert!((found - wanted).abs() < 4.0 * error, "{generator:?}: {found} and {wanted}");
         }
         // P(X < mean − std) of the standard normal distribution.
@@ -384,10 +384,10 @@ mod tests {
     }
 
     #[test]
-    fn realisations_depend_on_seed_and_index_alone_and_nonsense_is_refused() {
+    fn realisations_depend_on_seed_and_index_alone_and_invalid_models_are_refused() {
         let process = FrictionProcess::new(beta(1e-3, 1.0)).unwrap();
-        assert_eq!(knots(&process, 3, 5), knots(&process, 3, 5));
-        assert_ne!(knots(&process, 3, 5), knots(&process, 4, 5));
+        assert_eq!(values(&process, 3, 5), values(&process, 3, 5));
+        assert_ne!(values(&process, 3, 5), values(&process, 4, 5));
         for model in [
             beta(0.0, 1.0),
             beta(1.0, f64::NAN),

@@ -106,7 +106,7 @@ impl<'a> Path<'a> {
                 let next = step.next(*g, StandardNormal.sample(&mut self.rng));
                 std::mem::replace(g, next)
             }
-            Source::Renewal(renewal) => return renewal.knot(&mut self.rng, |normal| self.limited.value(normal)),
+            Source::Renewal(renewal) => return renewal.next_value(&mut self.rng, |normal| self.limited.value(normal)),
         };
         self.limited.value(normal)
     }
@@ -184,14 +184,14 @@ mod tests {
     }
 
     #[test]
-    fn a_diffusion_slows_down_at_its_bounds_as_its_variance_says() {
+    fn a_diffusion_slows_down_at_its_bounds_according_to_its_variance() {
         // Var[X_h | x] from the second eigenfunction, binned by x, compared with the squared changes of many steps.
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
         let mut path = process.path(3, 0);
-        let knots: Vec<f64> = (0..400_000).map(|_| path.next_value()).collect();
+        let points: Vec<f64> = (0..400_000).map(|_| path.next_value()).collect();
         let (a, b, h) = (2.1, 5.0, 0.05_f64);
         let (mean, std) = (0.295_775, 0.025_715_f64.sqrt());
-        let x: Vec<f64> = knots.iter().map(|m| mean + m / 0.002 * std).collect();
+        let x: Vec<f64> = points.iter().map(|m| mean + m / 0.002 * std).collect();
         let mut errors = [(0.0, 0.0, 0.0); 5];
         for pair in x.windows(2) {
             // E[X] and E[X²] after h solve two linear equations.
@@ -212,30 +212,30 @@ mod tests {
     }
 
     #[test]
-    fn cells_join_the_knots_and_those_of_a_renewal_jump() {
+    fn cells_join_the_grid_points_and_cells_of_a_renewal_process_jump() {
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
-        let (mut knots, mut cells) = (process.path(5, 2), process.path(5, 2));
-        let mut left = knots.next_value();
+        let (mut points, mut cells) = (process.path(5, 2), process.path(5, 2));
+        let mut left = points.next_value();
         for i in 1..200 {
-            let right = knots.next_value();
+            let right = points.next_value();
             let cell = Cell { end: f64::from(i) * process.step(), length: process.step(), left, right };
             assert_eq!(cells.next_cell(), Some(cell));
             left = right;
         }
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Renewal)).unwrap();
-        let (mut knots, mut path) = (process.path(5, 2), process.path(5, 2));
+        let (mut points, mut path) = (process.path(5, 2), process.path(5, 2));
         let cells: Vec<Cell> = (0..2000).map(|_| path.next_cell().unwrap()).collect();
         assert!(cells.iter().all(|cell| cell.left == cell.right && cell.length > 0.0));
         let mean = cells[1999].end / 2000.0;
         assert!((mean - 3.0).abs() < 4.0 * 3.0 / 2000.0_f64.sqrt(), "{mean}");
         for i in 0..20_000 {
             let place = f64::from(i) * process.step();
-            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(knots.next_value()));
+            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(points.next_value()));
         }
     }
 
     #[test]
-    fn laws_and_correlations_that_a_generator_cannot_make_are_refused_by_name() {
+    fn unsupported_distributions_and_correlations_are_refused_by_name() {
         let refused = |law: &str, generator, shape| {
             FrictionProcess::new(ProcessModel { shape, ..model(law, generator) }).unwrap_err()
         };

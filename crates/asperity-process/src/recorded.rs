@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_are_none_are_refused() {
+    fn invalid_records_are_refused() {
         for (step, values) in
             [(0.0, vec![1.0, 2.0]), (1.0, vec![1.0]), (1.0, vec![1.0, f64::NAN]), (f64::NAN, vec![1.0; 3])]
         {

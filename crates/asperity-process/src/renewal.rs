@@ -37,7 +37,7 @@ impl Renewal {
     }
 
     /// Returns m at the next point of a record.
-    pub(super) fn knot(&mut self, rng: &mut Stream, mut value: impl FnMut(f64) -> f64) -> f64 {
+    pub(super) fn next_value(&mut self, rng: &mut Stream, mut value: impl FnMut(f64) -> f64) -> f64 {
         let place = self.next as f64 * self.step;
         self.next += 1;
         while place >= self.end {

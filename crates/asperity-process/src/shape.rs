@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_that_are_none_are_refused() {
+    fn invalid_shapes_are_refused() {
         for (shape, length) in [
             (CorrelationShape::Matern { nu: 0.0 }, 1.0),
             (CorrelationShape::Matern { nu: f64::NAN }, 1.0),

@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_the_direct_translation_within_its_stated_error() {
+    fn the_table_matches_the_direct_translation_within_its_stated_error() {
         for text in ["beta:2.1,5", "beta:0.8,0.9", "weibull:1.5,2", "gamma:1.5,2", "normal", "lognormal:0,0.4"] {
             let law: Marginal = text.parse().unwrap();
             let sigma = 0.003;

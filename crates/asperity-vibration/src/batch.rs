@@ -492,7 +492,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_and_the_single_mass_meet_the_same_events() {
+    fn a_batch_and_a_single_simulation_have_the_same_events() {
         for (oscillator, std) in machines() {
             let process = process(std);
             let settings =
@@ -518,7 +518,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trajectory_has_the_same_bits_in_any_company() {
+    fn a_trajectory_has_the_same_bits_in_any_batch() {
         for (oscillator, std) in machines() {
             let process = process(std);
             let together = followed(&oscillator, &process, 60.0, 0..23);
@@ -529,7 +529,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_that_ends_and_friction_without_sign_end_as_they_do_alone() {
+    fn ending_records_and_negative_friction_fail_as_in_a_single_simulation() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Method::Taylor };
@@ -546,7 +546,7 @@ mod tests {
     }
 
     #[test]
-    fn without_noise_every_lane_is_the_cycle() {
+    fn without_noise_every_lane_follows_the_cycle() {
         let settings =
             TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let of = |index: usize| {

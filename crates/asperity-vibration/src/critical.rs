@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_exists_exactly_below_the_critical_damping_of_any_oscillator() {
+    fn a_cycle_exists_exactly_below_the_critical_damping_for_random_oscillators() {
         let rng = &mut random::stream(5, "test", 0);
         for i in 0..300 {
             let g = random::standard_normal(rng, 5);
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn slip_cycles_outlast_stick_slip_and_unstable_sliding() {
+    fn slip_cycles_exist_above_the_grazing_and_hopf_points() {
         // ζ_H = .1V/.08²·e^{−(V/.08)²}. The folds: scipy 1.17, DOP853 at rtol 1e-12, largest damping over the amplitudes
         // of closed orbits, by bounded minimisation to six digits of the amplitude.
         for (velocity, fold) in [(0.056, None), (0.11, Some(0.275_461_271)), (0.12, Some(0.238_055_208))] {
@@ -224,7 +224,7 @@ mod tests {
         }
     }
     #[test]
-    fn vibration_persists_exactly_below_the_limit_damping_of_any_oscillator() {
+    fn vibration_persists_exactly_below_the_limit_damping_for_random_oscillators() {
         let rng = &mut random::stream(77, "test", 0);
         let mut folds = 0;
         for i in 0..60 {

@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn above_the_critical_damping_no_cycle_is_an_answer() {
+    fn above_the_critical_damping_there_is_no_cycle() {
         for damping in [0.2048302, 0.3, 0.99, 1.5, 20.0] {
             let oscillator = Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap();
             assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn extreme_parameters_have_an_answer() {
+    fn extreme_parameters_give_a_result() {
         for belt_velocity in [1e-9, 1e-3, 1.0] {
             for decay in [0.0, 1.0, 1e4] {
                 for damping_ratio in [0.0, 0.01, 1.0, 50.0] {
@@ -431,7 +431,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_faster_than_the_belt_has_a_kind_of_its_own() {
+    fn a_cycle_faster_than_the_belt_is_overtaking() {
         // Independent integrator: cycles without stick at ζ = .001 and .002, with stick at .004.
         let belt = 31_416.0 / 10_000.0;
         for (damping, kind, period) in [

@@ -38,7 +38,7 @@ mod tests {
     use crate::{Drive, Forcing, Method, Trajectory};
 
     #[test]
-    fn machines_in_lockstep_slip_as_they_do_alone() {
+    fn oscillators_in_lockstep_match_single_simulations() {
         let settings =
             TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
         let machines: Vec<Oscillator> = (0..70)

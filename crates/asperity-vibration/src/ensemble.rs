@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn cycle_counts_are_the_published_ones() {
+    fn cycle_counts_match_the_publication() {
         // Means and standard errors of 4,000 trajectories; the standard errors of 200 trajectories are √20 times
         // larger.
         let published =
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_that_loses_its_sign_is_recorded_and_too_much_of_it_refused() {
+    fn negative_friction_is_recorded_and_too_many_failures_are_refused() {
         // The least m is −1.844 σ; in some trajectories friction falls below zero at the speeds of this noise.
         let process = paper_process(0.05);
         let settings = EnsembleSettings { least_valid_share: 0.0, ..EnsembleSettings::new(60, 50.0, 3) };
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_ensemble_says_so() {
+    fn a_cancelled_ensemble_is_an_error() {
         struct Stop;
         impl Monitor for Stop {
             fn progress(&self, _: &str, _: usize, _: usize) {}

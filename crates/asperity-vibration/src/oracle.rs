@@ -103,7 +103,7 @@ impl Oracle<'_> {
                     if self.passes(middle) == (false, false) { low = middle } else { high = middle }
                 }
             }
-            let (event, knot) = if passed == (false, false) { passed } else { self.passes(high) };
+            let (event, grid_point) = if passed == (false, false) { passed } else { self.passes(high) };
             let [x, velocity, s] = self.advanced(high);
             let stuck = self.sign == 0.0;
             (self.tau, self.x, self.velocity, self.s) = (self.tau + high, x, velocity, s);
@@ -119,7 +119,7 @@ impl Oracle<'_> {
                 };
                 assert!(stuck || self.sign != before, "an arrival cannot slip on in its direction");
                 events.push((kind, self.tau, self.x, self.s));
-            } else if knot {
+            } else if grid_point {
                 self.cell += 1;
             }
         }

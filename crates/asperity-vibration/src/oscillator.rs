@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_at_the_door() {
+    fn invalid_parameters_are_refused() {
         assert!(Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
         for (static_friction, decay, damping, velocity) in [
             (0.0, 4.2, 0.17, 0.003),

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_zero_is_found_however_close_the_next_one() {
+    fn the_first_zero_is_found_next_to_close_zeros() {
         for roots in
             [&[0.3, 0.31, 0.9][..], &[0.5, 0.5 + 1e-6], &[0.7], &[1.0, 2.0], &[0.2, 0.2001, 0.2002, 0.8, 0.9, 3.0]]
         {

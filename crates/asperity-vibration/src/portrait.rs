@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_portrait_passes_through_the_events_of_its_trajectory_whatever_drives_friction() {
+    fn a_portrait_passes_through_the_events_of_its_trajectory_for_any_drive() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let values = (0..4000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
         let process = RecordedProcess::new(0.0005, values).unwrap();

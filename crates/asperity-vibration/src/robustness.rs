@@ -2,11 +2,11 @@
 //! mechanics.
 
 #[cfg(test)]
+mod check;
+#[cfg(test)]
 mod draw;
 #[cfg(test)]
-mod reading;
-#[cfg(test)]
-mod watch;
+mod reader;
 
 #[cfg(test)]
 mod tests {
@@ -16,8 +16,8 @@ mod tests {
         Count, Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters, Trajectory,
         TrajectorySettings,
     };
+    use super::check::{Checked, check};
     use super::draw::case;
-    use super::watch::{Seen, watch};
     use asperity_base::monitor::Silent;
     use asperity_process::Steady;
 
@@ -33,7 +33,7 @@ mod tests {
         micro_slips: u64,
         events: u64,
         steps: u64,
-        knots: u64,
+        cells_read: u64,
         undecided: u64,
         touches: u64,
         lost: u64,
@@ -41,12 +41,12 @@ mod tests {
     }
 
     impl Tally {
-        fn add(&mut self, seen: &Seen) {
+        fn add(&mut self, seen: &Checked) {
             self.cycles += seen.slips.cycles;
             self.micro_slips += seen.slips.micro_slips;
             self.events += seen.events.len() as u64;
             self.steps += seen.steps;
-            self.knots += seen.knots;
+            self.cells_read += seen.cells_read;
             self.undecided += seen.undecided;
             self.touches += seen.touches;
             self.lost += u64::from(seen.lost);
@@ -57,9 +57,9 @@ mod tests {
     }
 
     /// Checks the motions of machine `index`, and one of them through the public interface.
-    fn motions(index: u64) -> Vec<Seen> {
+    fn motions(index: u64) -> Vec<Checked> {
         let case = case(SEED, index);
-        let seen: Vec<Seen> = (0..MOTIONS).map(|motion| watch(&case, SEED, MOTIONS * index + motion)).collect();
+        let seen: Vec<Checked> = (0..MOTIONS).map(|motion| check(&case, SEED, MOTIONS * index + motion)).collect();
         let found = Trajectory::simulate(&case.oscillator, case.process.path(SEED, MOTIONS * index), &case.settings);
         match found {
             Ok(found) => {
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn no_motion_of_random_machines_is_lost_or_breaks_a_law() {
+    fn motions_of_random_machines_obey_the_equations() {
         let wanted = std::env::var("ASPERITY_CYCLES").map_or(3_000, |count| count.parse::<u64>().unwrap());
         let begun = std::time::Instant::now();
         let mut tally = Tally::default();
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_count_what_the_single_mass_does_of_random_machines() {
+    fn batches_and_single_simulations_of_random_machines_count_the_same() {
         let wanted = std::env::var("ASPERITY_CYCLES").map_or(120, |count| count.parse::<u64>().unwrap() / 100);
         let compared: Vec<[u64; 3]> = (0..wanted)
             .into_par_iter()
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_that_rises_at_the_last_moment_is_not_stepped_over() {
+    fn a_late_steep_weakening_is_not_stepped_over() {
         // Belts of many Stribeck velocities: the whole weakening acts in the last few hundredths of a slip.
         for (belt_velocity, stribeck_velocity) in [(0.24, 0.012), (0.24, 0.003), (0.05, 0.002), (0.8, 0.005)] {
             let law = FrictionLaw::Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity };

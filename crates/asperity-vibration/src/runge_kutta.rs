@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn the_polynomials_of_a_step_are_as_good_as_its_end() {
+    fn the_polynomials_of_a_step_are_as_accurate_as_its_end() {
         let (weakening, loading) = slip();
         for tableau in [&FEHLBERG, &DORMAND_PRINCE] {
             let error = |h: f64| {
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_follow_the_tolerance_and_nonsense_is_refused() {
+    fn errors_follow_the_tolerance_and_invalid_tolerances_are_refused() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let period = |method| {
             let settings = TrajectorySettings { duration: 66.0, start: None, drive: Drive::Distance, method };

@@ -196,7 +196,7 @@ mod tests {
     use asperity_base::stats::Moments;
 
     #[test]
-    fn streamed_moments_are_those_of_the_sample() {
+    fn streamed_moments_match_the_sample() {
         let values: Vec<f64> = random::standard_normal(&mut random::stream(1, "test", 0), 5000)
             .iter()
             .map(|xi| 1e3 + 1e-2 * (0.5 * xi).exp())
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn gatherings_of_trajectories_are_that_of_all_values() {
+    fn merged_collectors_match_the_collector_of_all_values() {
         let values: Vec<f64> = random::standard_normal(&mut random::stream(2, "test", 0), 6000)
             .iter()
             .map(|xi| 5.0 + (0.4 * xi).exp())

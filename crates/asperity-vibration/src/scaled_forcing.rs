@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_release_is_missed_by_the_march() {
+    fn no_release_is_missed() {
         // Strong forcing: the excess oscillates and may reach the limit many periods before its mean does.
         for (amplitude, frequency, tau) in [(3.0, 2.0, 0.1), (0.3, 5.0, 2.0), (20.0, 0.7, 1.0), (0.0, 0.0, 0.0)] {
             let scaled_forcing = ScaledForcing { amplitude, frequency };
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stick_of_thousands_of_forcing_periods_ends_with_its_force() {
+    fn a_stick_of_thousands_of_forcing_periods_ends_in_time() {
         // Slow belt and fast force.
         let (scaled_forcing, excess) = (ScaledForcing { amplitude: 632.0, frequency: 5.75 }, -23_000.0);
         let found = scaled_forcing.release(1.0, 1.0, excess, 0.3, f64::INFINITY).unwrap();

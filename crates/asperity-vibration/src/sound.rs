@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     #[expect(clippy::approx_constant, reason = "a published belt velocity, which is not π")]
-    fn overtaking_sounds_like_its_cycle() {
+    fn the_spectrum_of_overtaking_peaks_at_its_cycle() {
         // Periods at these dampings, without stick: 6.29467 and 6.29499. An independent integrator in
         // `tests/vibration/kinds.rs` agrees.
         for (damping, period) in [(0.001, 6.294_67), (0.002, 6.294_99)] {

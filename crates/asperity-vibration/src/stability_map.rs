@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_moves_the_contours_apart_and_the_point_is_the_ensemble() {
+    fn noise_separates_the_contours_and_a_point_equals_its_ensemble() {
         let machine = |x: f64, y: f64| {
             let model = ProcessModel::new("beta:2.1,5".parse()?, 0.001, 0.01);
             Ok((Oscillator::stribeck(0.1, 4.2, x, 0.003 + 0.001 * y)?, Some(FrictionProcess::new(model)?)))

@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn crossings_are_those_of_the_mean_to_the_stated_tolerance_whatever_the_sweep() {
+    fn crossings_match_the_mean_within_the_tolerance_for_any_sweep() {
         // Without sampling error: φ = 1/(1 + e^{(ζ − .2)/.004}).
         let logistic =
             |damping: f64| Ok(Count { mean: (1.0 + ((damping - 0.2) / 0.004).exp()).recip(), std: 0.0, se: 0.0 });
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn more_noise_smears_the_end_of_vibration_more() {
+    fn more_noise_widens_the_end_of_vibration() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let settings = EnsembleSettings::new(20, 200.0, 9);
         let width = |std| {

@@ -196,7 +196,7 @@ mod tests {
     const POINTS: [[f64; 2]; 6] = [[0.0, 0.3], [0.05, 0.27], [0.2, 0.2], [0.3, 0.22], [0.5, 0.22], [0.9, 0.25]];
 
     #[test]
-    fn the_cubics_are_those_of_an_independent_code() {
+    fn the_cubics_match_an_independent_code() {
         // Reference: scipy 1.17.1, scipy.interpolate.PchipInterpolator and its derivative.
         let table = FrictionTable::new(&POINTS).unwrap();
         for (speed, wanted) in [
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_are_no_law_are_refused() {
+    fn invalid_points_are_refused() {
         for points in [
             &[][..],
             &[[0.0, 0.3]],

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn the_dominant_frequency_is_that_of_the_cycle() {
+    fn the_dominant_frequency_is_the_frequency_of_the_cycle() {
         let wave = Waveform::record(&machine(0.17), Steady, &settings(500.0, 0.2)).unwrap();
         let power = |bin: usize| {
             let turn = TAU * bin as f64 / wave.samples.len() as f64;
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn frequencies_that_sampling_would_fold_are_refused() {
+    fn frequencies_above_half_the_sampling_rate_are_refused() {
         let refused = |oscillator: &Oscillator, settings| Waveform::record(oscillator, Steady, &settings).is_err();
         assert!(refused(&machine(0.17), settings(22_050.0, 0.1)));
         assert!(refused(&machine(0.17), settings(0.0, 0.1)));

@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn separators_decimal_signs_and_headers_are_known_by_the_lines() {
+    fn separators_decimal_signs_and_headers_are_recognised() {
         for text in [
             "time [s];force [N]\n0;1.5\n0.001;1.75\n",
             "time (s),force (N)\r\n0,1.5\r\n0.001,1.75\r\n",
@@ -410,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_cells_are_gaps_and_words_are_errors_of_their_column_alone() {
+    fn missing_cells_are_gaps_and_text_is_an_error_of_its_column_alone() {
         let table = read("t;F;note\n0;1;start\n1;;\n2;NaN;\n3;inf;x\n4;#N/A;end\n");
         let force = table.column("F").unwrap().values;
         assert!(force[0] == 1.0 && force[1..].iter().all(|value| value.is_nan()));
@@ -422,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_are_no_tables_are_refused_with_the_place() {
+    fn files_without_a_table_are_refused_with_the_line() {
         for text in ["", "\n\n", "time;force\n", "no numbers at all\nhere\n"] {
             assert_eq!(ColumnTable::read(text.as_bytes()), Err(MeasuredError::NoRows), "{text}");
         }

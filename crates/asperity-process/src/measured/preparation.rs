@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_taken_out_the_mean_stays_and_the_share_is_told() {
+    fn a_removed_line_keeps_the_mean_and_reports_its_fraction() {
         let values = waves(2001);
         let before = Moments::of(&values);
         let prepared = Preparation { detrend: Detrend::Polynomial(1), ..Preparation::default() };
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn cuts_count_as_the_file_does() {
+    fn cuts_use_the_coordinates_of_the_file() {
         let values: Vec<f64> = (0..1000).map(f64::from).collect();
         let cut = |cut| Preparation { cut: Some(cut), ..Preparation::default() }.apply(&record(values.clone()));
         let part = cut(Cut::Distance(0.011, 0.021)).unwrap().record;
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn decimation_averages_and_keeps_gaps_and_places() {
+    fn decimation_averages_and_keeps_gaps_and_positions() {
         let mut values: Vec<f64> = (0..1003).map(f64::from).collect();
         values[10..13].fill(f64::NAN);
         values[25] = f64::NAN;
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn trends_read_back_what_they_show() {
+    fn trends_parse_their_own_text() {
         for text in ["none", "mean", "linear", "polynomial:3", "high_pass:5 mm"] {
             assert_eq!(text.parse::<Detrend>().unwrap().to_string(), text);
         }

@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_left_out_are_gaps_of_their_length() {
+    fn missing_rows_are_gaps_of_their_length() {
         let (grid, warnings) = read("1.5;1\n1.6;2\n1.9;5\n2.0;\n2.1;7\n");
         let grid = grid.unwrap();
         assert!((grid.start - 1.5).abs() < 1e-12 && (grid.step - 0.1).abs() < 1e-12 && warnings.is_empty());
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn small_jitter_is_interpolated_and_said() {
+    fn small_jitter_is_interpolated_with_a_warning() {
         // μ = t, which linear interpolation keeps exactly.
         let times: Vec<f64> = (0..200).map(|i| f64::from(i) + 0.004 * f64::from(i).sin()).collect();
         let text: String = times.iter().map(|t| format!("{t:?};{t:?}\n")).collect();
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn uneven_falling_and_endless_clocks_are_refused_with_their_line() {
+    fn uneven_decreasing_and_long_clocks_are_refused_with_their_line() {
         let (found, _) = read("0;1\n1;1\n2;1\n3.05;1\n4;1\n5;1\n");
         assert!(
             matches!(found, Err(MeasuredError::Uneven { line: 5, jitter, .. }) if (jitter - 0.05).abs() < 1e-9),

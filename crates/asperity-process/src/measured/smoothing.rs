@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_polynomial_is_found_again_whatever_its_degree_and_gaps() {
+    fn a_polynomial_is_recovered_for_any_degree_and_gaps() {
         let exact = |x: f64| 0.2 + 0.1 * x - 0.3 * x.powi(2) + 0.05 * x.powi(7);
         let x = |i: usize| 2.0 * i as f64 / 500.0 - 1.0;
         let values: Vec<f64> = (0..501).map(|i| if (100..180).contains(&i) { f64::NAN } else { exact(x(i)) }).collect();
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gaussian_mean_is_the_direct_sum_and_passes_a_wave_of_the_cutoff_by_half() {
+    fn the_gaussian_mean_is_the_direct_sum_and_halves_a_wave_of_the_cutoff() {
         let n = 400;
         let mut values: Vec<f64> = (0..n).map(|i| (0.37 * f64::from(i)).sin() + 1e-3 * f64::from(i)).collect();
         values[50..90].fill(f64::NAN);

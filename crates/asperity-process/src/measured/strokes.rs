@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn one_direction_is_one_and_noise_about_zero_none() {
+    fn one_direction_is_recognised_and_noise_about_zero_is_refused() {
         let one: Vec<f64> = noise(2000, 2).iter().map(|g| -0.3 + 0.05 * g).collect();
         assert_eq!(signs(&one), Signs::One { reversed: true });
         assert!(matches!(signs(&noise(4000, 3)), Signs::None { ratio } if ratio.abs() < 0.25));

@@ -78,7 +78,7 @@ fn within_four_errors(name: &str, found: f64, interval: Option<[f64; 2]>, wanted
 }
 
 #[test]
-fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu() {
+fn a_known_process_is_recovered_from_time_and_force_and_from_distance_and_mu() {
     let mu = planted();
     let of_time = prepared(&time_file(&mu), &by_time("Reibkraft"));
     let of_distance = prepared(&distance_file(&mu), &by_distance());
@@ -134,7 +134,7 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
 }
 
 #[test]
-fn known_bounds_the_normal_law_and_the_record_itself_can_be_chosen() {
+fn bounds_the_normal_distribution_and_the_empirical_one_can_be_selected() {
     let mu: Vec<f64> = planted().into_iter().take(12_000).collect();
     let prepared = prepared(&distance_file(&mu), &by_distance());
     for (choice, name) in
@@ -154,7 +154,7 @@ fn known_bounds_the_normal_law_and_the_record_itself_can_be_chosen() {
 }
 
 #[test]
-fn gaps_stay_gaps_and_change_little() {
+fn gaps_remain_gaps_and_have_little_effect() {
     let mut mu = planted();
     let whole = prepared(&distance_file(&mu), &by_distance());
     let text = distance_file(&mu);
@@ -181,7 +181,7 @@ fn gaps_stay_gaps_and_change_little() {
 }
 
 #[test]
-fn wrong_requests_say_what_there_is_and_what_is_wanted() {
+fn wrong_requests_report_the_value_found_and_the_value_wanted() {
     let mu: Vec<f64> = planted().into_iter().take(500).collect();
     let table = ColumnTable::read(time_file(&mu).as_bytes()).unwrap();
     let refused = |columns: &RecordColumns, words: &[&str]| {
@@ -232,7 +232,7 @@ fn forces_are_divided_row_by_row_and_the_other_direction_is_reversed() {
 }
 
 #[test]
-fn records_that_are_too_short_or_constant_say_so() {
+fn too_short_or_constant_records_are_errors() {
     let record = |friction: Vec<f64>| {
         let record = MeasuredRecord {
             start_m: 0.0,

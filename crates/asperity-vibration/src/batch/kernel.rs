@@ -468,7 +468,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     /// none. Two extrema are at least π/√(κ + δ) apart: Z = W′ obeys Z″ + (pZ)′ + κZ = 0 with p = 2ζ − dr/dW, whose
     /// zeros are at least as far apart (Sturm) with δ = max p′/2 ≤ (weakening gain × curvature) × max |W′|.
     #[inline(always)]
-    pub(super) fn step<const KNOTS: bool>(
+    pub(super) fn step<const HAS_GRID: bool>(
         &mut self,
         constants: &Constants,
         states: &mut States,
@@ -493,7 +493,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         }
         (cuts.trial, cuts.tau, cuts.passed, cuts.excess) = (cap, states.tau, states.passed, states.e);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
-        if KNOTS {
+        if HAS_GRID {
             let (t, found) = self.crossing(&left, &cap);
             crossed = found;
             h = each(|l| choose(found[l], t[l], cap[l]));
@@ -600,7 +600,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_is_that_of_the_mathematical_library_to_rounding() {
+    fn the_exponential_matches_the_mathematical_library_to_rounding() {
         for i in -14_000..14_000 {
             let x = f64::from(i) * 0.049_73;
             let (whole, less_one) = exponential(x);

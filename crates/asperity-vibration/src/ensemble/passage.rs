@@ -205,7 +205,7 @@ mod tests {
 
     /// Returns the record of a list of events: detachments (D), ends of cycles (C) and of micro-slips (M), over-slips
     /// that end without stick (O) and swings slower than the belt (S).
-    fn told(duration: f64, events: &[(char, f64)]) -> Passage {
+    fn recorded(duration: f64, events: &[(char, f64)]) -> Passage {
         let mut passage = Passage::new(0, duration, 100);
         for &(kind, tau) in events {
             match kind {
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn a_steady_cycle_is_never_left() {
-        let passage = told(100.0, &[('D', 1.0), ('C', 6.0), ('D', 8.0), ('C', 13.0), ('D', 15.0), ('C', 20.0)]);
+        let passage = recorded(100.0, &[('D', 1.0), ('C', 6.0), ('D', 8.0), ('C', 13.0), ('D', 15.0), ('C', 20.0)]);
         assert_eq!(passage.periods.clone().values(), [7.0, 7.0]);
         assert_eq!(passage.reattachments.clone().values().len(), 3);
         assert_eq!(passage.releases.clone().values(), [8.0, 15.0]);
@@ -244,7 +244,7 @@ mod tests {
             ('C', 46.0),
             ('D', 47.0),
         ];
-        let passage = told(100.0, &events);
+        let passage = recorded(100.0, &events);
         assert_eq!(passage.periods.clone().values(), [35.0]);
         assert_eq!((passage.exits, passage.entries, passage.first_exit), (2, 1, Some(6.0)));
         // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and after 46.
@@ -257,14 +257,14 @@ mod tests {
         // Stick-slip up to 8, overtaking up to 26, slip cycles up to 50; then steady sliding.
         let events = [('D', 1.0), ('S', 5.0), ('C', 8.0), ('D', 9.0), ('O', 14.0), ('O', 20.0), ('O', 26.0)];
         let swings = [32.0, 38.0, 44.0, 50.0].map(|tau| ('S', tau));
-        let passage = told(100.0, &[&events[..], &swings[..]].concat());
+        let passage = recorded(100.0, &[&events[..], &swings[..]].concat());
         assert_eq!(passage.kinds, [8.0, 18.0, 24.0]);
         assert_eq!((passage.inside, passage.outside, passage.first_exit), (50.0, 50.0, Some(50.0)));
         // From detachment to detachment, from one end of over-slip to the next, and from swing to swing.
         assert_eq!(passage.periods.clone().values(), [8.0, 5.0, 6.0, 6.0, 6.0, 6.0]);
         assert_eq!((passage.reattachments.clone().values().len(), passage.stick), (1, 2.0));
         // The same swings up to the end.
-        let lasting = told(52.0, &[&events[..], &swings[..]].concat());
+        let lasting = recorded(52.0, &[&events[..], &swings[..]].concat());
         assert_eq!((lasting.exits, lasting.inside, lasting.kinds), (0, 52.0, [8.0, 18.0, 26.0]));
         assert_eq!(lasting.late_share(), 1.0);
     }

@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cycle_survives_in_what_has_not_left_it() {
+    fn survival_counts_the_trajectories_that_have_not_left_vibration() {
         let passages = Passages { trajectories: 8, first_exits: vec![1.0, 2.0, 2.0, 7.5], ..Passages::EMPTY };
         for (tau, wanted) in [(0.0, 8), (0.99, 8), (1.0, 7), (2.0, 5), (7.0, 5), (9.0, 4)] {
             let fraction = passages.survival(tau);
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn poisson_intervals_are_the_tabulated_ones() {
+    fn poisson_intervals_match_the_table() {
         // Garwood, Biometrika 28 (1936) 437: 95 % limits of a mean after counts of 0, 1, 10 and 50.
         for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.390), (50, 37.11, 65.92)] {
             let rate = Rate::from_count(count, 2.0).unwrap();

@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_repeats_itself_and_attracts_from_elsewhere() {
+    fn a_cycle_repeats_and_attracts_other_starts() {
         for model in [model(0.8, 0.05, 0.05), model(0.9, 0.05, 0.5), model(0.9, 0.01, 0.05)] {
             let found = cycle(&model);
             let settings = TrajectorySettings { duration: found.period, start: Some(found.start) };
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn without_coupling_it_is_the_cycle_of_one_degree_of_freedom() {
+    fn without_coupling_the_cycle_has_one_degree_of_freedom() {
         // Springs along and across the belt: y stays 0, and x is the oscillator with one degree of freedom. Reference
         // periods and extremes of x come from 30-digit integration; with Coulomb friction from the closed form.
         let (drop, v) = (0.1_f64, 0.05_f64);
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn damped_motion_rests_below_the_onset_and_flies_above() {
+    fn damped_motion_rests_below_the_onset_and_lifts_off_above() {
         let onset = |ratio: f64| critical_friction(&model(0.8, ratio, 0.5), 2.0).unwrap().unwrap().friction;
         assert!(onset(0.05) > 0.75 && onset(0.05) < 0.77);
         assert_eq!(limit_cycle(&model(0.75, 0.05, 0.5), None).unwrap(), Regime::Steady);
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn belts_that_the_mass_never_overtakes_are_all_alike_under_coulomb_friction() {
+    fn the_belt_velocity_has_no_effect_on_a_slower_mass_under_coulomb_friction() {
         // Only flight limits the vibration, so the velocity of the belt has no effect.
         let (slow, fast) = (cycle(&model(0.9, 0.05, 0.6)), cycle(&model(0.9, 0.05, 3.0)));
         assert_eq!(slow.detachments, 0);
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn springs_that_lean_the_other_way_lock() {
+    fn springs_with_the_opposite_inclination_lock() {
         // det K(μ) = 3 − 4μ/3.
         let springs = Parameters::default().springs;
         let leaning = |friction: f64| {

@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_change_nothing_and_noise_shakes_a_stable_mass() {
+    fn results_do_not_depend_on_threads_and_noise_excites_a_stable_mass() {
         let model = model(0.7);
         let run = |threads: usize, std: f64| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_and_rare_validity_are_errors() {
+    fn invalid_settings_and_too_many_failures_are_errors() {
         let (model, process) = (model(0.8), process(0.3));
         assert!(matches!(
             Ensemble::simulate(&model, &process, &settings(8, 0.1), &Silent),

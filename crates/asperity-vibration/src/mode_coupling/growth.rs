@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn under_a_constant_fluctuation_it_is_that_of_the_other_coefficient() {
+    fn a_constant_fluctuation_gives_the_rate_of_the_changed_coefficient() {
         let damping = Damping::Modal { ratios: [0.05, 0.01] };
         let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
         let wanted = leading(&model, 0.8);
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn under_a_periodic_fluctuation_it_is_floquet_s() {
+    fn a_periodic_fluctuation_gives_the_floquet_exponent() {
         // Reference: monodromy matrix M by SciPy's DOP853 (rtol 1e-13, atol 1e-14) between grid points, with K(0) = [2,
         // 1; 1, 2], k₃ = 4/3, C = diag(0.06, 0.02), μ = 0.8 constant, V = 0.5, n = 3/(3 + 4·0.8/3), and m through 0,
         // 0.1, 0.05, −0.12, 0, … at s = 0, 0.4, 0.8, …; growth rates of √E for Mz and M¹⁰z, z = (1, 0.3, −0.5, 0.2),

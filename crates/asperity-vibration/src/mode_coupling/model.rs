@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn modal_damping_damps_the_modes_it_names() {
+    fn modal_damping_acts_on_its_modes() {
         let damping = Damping::Modal { ratios: [0.02, 0.07] };
         let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
         let [c11, c12, c22] = model.damping();
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_at_the_door() {
+    fn invalid_parameters_are_refused() {
         let fine = Parameters::default();
         let law = FrictionLaw::Coulomb { kinetic: 0.9 };
         for parameters in [

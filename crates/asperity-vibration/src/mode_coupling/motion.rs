@@ -240,10 +240,11 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
     /// Advances in slip to the first of: arrival or lift-off, extreme, grid point. Grid points come last, because after
     /// an arrival the distance runs backwards.
     fn slip(&mut self, until: f64) -> Result<Cut, VibrationError> {
-        let to_knot = self.cell.end - self.now.sliding_distance;
+        let to_grid_point = self.cell.end - self.now.sliding_distance;
         let speed = self.now.speed(self.model);
         // Slightly longer, so that the grid point is inside the step.
-        let estimate = if to_knot.is_finite() && speed > 0.0 { 1.2 * to_knot / speed } else { f64::INFINITY };
+        let estimate =
+            if to_grid_point.is_finite() && speed > 0.0 { 1.2 * to_grid_point / speed } else { f64::INFINITY };
         let mut h = self.expand(until, estimate.min(until - self.now.tau));
         let mut kind = None;
         if let Some(t) = self.series.arrival(h) {
@@ -253,9 +254,9 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             (h, kind) = (t, Some(EventKind::LiftOff));
         }
         let turn = self.turn(&mut h, &mut kind);
-        let crossed = to_knot.is_finite() && self.series.distance(h) >= to_knot;
+        let crossed = to_grid_point.is_finite() && self.series.distance(h) >= to_grid_point;
         if crossed {
-            h = self.series.time_of_distance(to_knot.max(0.0), h);
+            h = self.series.time_of_distance(to_grid_point.max(0.0), h);
             kind = None;
         }
         if let Some(t) = self.series.friction_end(h) {

@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_are_those_of_the_two_quadratic_factors() {
+    fn zeros_match_the_two_quadratic_factors() {
         for (p, q, r, s) in [
             (0.1, 1.0, 0.3, 3.0),
             (-0.2, 2.0, 0.2, 2.0),
@@ -133,13 +133,13 @@ mod tests {
     }
 
     #[test]
-    fn of_four_real_zeros_the_largest_and_the_third_are_shown() {
+    fn four_real_zeros_return_the_largest_and_the_third() {
         let found = pairs(product(3.0, 2.0, 12.0, 35.0));
         assert!((found[0].growth + 5.0).abs() < 1e-12 && (found[1].growth + 1.0).abs() < 1e-12, "{found:?}");
     }
 
     #[test]
-    fn a_double_zero_is_good_to_half_the_digits() {
+    fn a_double_zero_is_accurate_to_half_the_digits() {
         let found = pairs(product(0.2, 2.0, 0.2, 2.0));
         for mode in found {
             let wanted = pair(0.2, 2.0);

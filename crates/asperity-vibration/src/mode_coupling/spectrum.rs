@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scan_that_ends_early_knows_the_onset_all_the_same() {
+    fn a_short_scan_finds_the_onset_beyond_its_end() {
         for damping in [Damping::Modal { ratios: [0.05, 0.01] }, Damping::Modal { ratios: [0.3, 0.3] }] {
             let model = damped(damping);
             let wanted = critical_friction(&model, 20.0).unwrap().unwrap();
@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn springs_that_lean_the_other_way_diverge() {
+    fn springs_with_the_opposite_inclination_diverge() {
         let springs = Parameters::default().springs;
         let model = Model::new(Parameters { springs: [springs[1], springs[0]], ..Parameters::default() }).unwrap();
         assert_eq!(model.coalescence(), None);

@@ -176,7 +176,7 @@ mod tests {
     // Reference for both tables: SciPy's DOP853 on each smooth branch (rtol 3e-14, atol 1e-15, steps up to 0.02),
     // events by Brent's method on its dense output, sampled 41 times per 0.05.
     #[test]
-    fn stick_slip_and_flight_are_those_of_an_independent_integration() {
+    fn stick_slip_and_flight_match_an_independent_integration() {
         let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
         let found = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
         let worst = difference(
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn so_they_are_under_a_recorded_fluctuation_and_from_over_slip() {
+    fn recorded_fluctuations_and_over_slip_match_an_independent_integration() {
         // m = 0.01·((7i² + 3i) mod 11 − 5) at s = 0.03i.
         let values = (0..200_i32).map(|i| 0.01 * f64::from((7 * i * i + 3 * i) % 11 - 5)).collect();
         let process = RecordedProcess::new(0.03, values).unwrap();
@@ -308,8 +308,8 @@ mod tests {
                         Contact::Flight => 0.0,
                         Contact::Stick => k11 * s.tangential + k12 * s.normal + c11 * u,
                         Contact::Slip | Contact::OverSlip => {
-                            let slid = motion.distance_at(since + fraction * length);
-                            let m = if slid > 0.0 { m_before + slope * slid } else { m_before };
+                            let distance = motion.distance_at(since + fraction * length);
+                            let m = if distance > 0.0 { m_before + slope * distance } else { m_before };
                             let law = model.parameters().law.coefficient(ahead.abs());
                             ahead.signum() * (law + m) * (1.0 + contact * s.normal)
                         }
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn a_portrait_meets_the_events() {
+    fn a_portrait_contains_the_events() {
         let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
         let points = Trajectory::portrait(&lively(), Steady, &settings, 0.0, 14_001).unwrap();
         let trajectory = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn without_coupling_events_are_those_of_one_degree_of_freedom() {
+    fn without_coupling_events_match_one_degree_of_freedom() {
         let stribeck = vibration::Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         // The weakening acts in the last hundredth of a slip.
         let law = FrictionLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn no_motion_of_random_parameters_is_lost() {
+    fn motions_of_random_parameters_complete() {
         let mut stream = random::stream(17, "mode coupling test", 0);
         let process = FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.02, 0.1)).unwrap();
         for index in 0..300 {
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_without_sign_and_short_records_are_errors() {
+    fn negative_friction_and_short_records_are_errors() {
         let settings = TrajectorySettings { duration: 50.0, start: None };
         let run = |values: Vec<f64>| {
             Trajectory::simulate(&lively(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)

@@ -14,7 +14,7 @@ enum Cut {
     /// An arrival at v_rel = 0.
     Arrival,
     /// A grid point of the friction process.
-    Knot,
+    GridPoint,
     /// A point of a tabulated law, at this W.
     Point(f64),
 }
@@ -40,7 +40,7 @@ impl<F: Fluctuation> Motion<F> {
             phase: self.scaled_forcing.frequency * self.tau,
         };
         self.weakening.select(self.w, self.e, &loading);
-        let (estimate, to_knot) = self.horizon();
+        let (estimate, to_grid_point) = self.horizon();
         // Slightly longer, so that the grid point is inside the step.
         let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         self.segment =
@@ -53,13 +53,13 @@ impl<F: Fluctuation> Motion<F> {
             (self.series.reach(wanted), Turning::new(&self.weakening, &loading))
         };
         if self.drive == Drive::Distance
-            && to_knot.is_finite()
-            && let Some(t) = self.series.near_distance(to_knot, h, estimate)
+            && to_grid_point.is_finite()
+            && let Some(t) = self.series.near_distance(to_grid_point, h, estimate)
         {
             let (w, e) = self.series.state(t);
             let a = self.weakening.acceleration(w, e);
             if self.series.stays(&turning, t, w, a) {
-                return self.finish_slip(t, (w, e, a), Cut::Knot, (until, turning.is_simple(t)));
+                return self.finish_slip(t, (w, e, a), Cut::GridPoint, (until, turning.is_simple(t)));
             }
         }
         // Arrivals are searched before grid points: after an arrival the distance would run backwards.
@@ -71,17 +71,17 @@ impl<F: Fluctuation> Motion<F> {
             (h, cut) = (t, Cut::Point(level));
         }
         if self.drive == Drive::Time {
-            if cut != Cut::Arrival && h >= to_knot {
-                cut = Cut::Knot;
+            if cut != Cut::Arrival && h >= to_grid_point {
+                cut = Cut::GridPoint;
             }
-        } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
-            (h, cut) = (self.series.time_of_distance(to_knot, h), Cut::Knot);
+        } else if to_grid_point.is_finite() && self.series.distance(h).0 >= to_grid_point {
+            (h, cut) = (self.series.time_of_distance(to_grid_point, h), Cut::GridPoint);
         }
         let (w, e) = reached.state.filter(|_| h == reached.t).unwrap_or_else(|| self.series.state(h));
         let w = match cut {
             Cut::Arrival => 0.0,
             Cut::Point(level) => level,
-            Cut::None | Cut::Knot => w.max(0.0),
+            Cut::None | Cut::GridPoint => w.max(0.0),
         };
         self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, (until, turning.is_simple(h)))
     }
@@ -113,7 +113,7 @@ impl<F: Fluctuation> Motion<F> {
         cut: Cut,
         (until, simple): (f64, bool),
     ) -> Result<Option<Event>, VibrationError> {
-        let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
+        let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::GridPoint);
         let [before, slope] = self.series.start();
         // A force may turn W more than once in a step.
         let turns = self.scaled_forcing.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));

@@ -10,11 +10,11 @@ impl<F: Fluctuation> Motion<F> {
         let rate = drift_rate(self.drive, self.cell.slope);
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: Phase::Stick, m: self.m, slope: self.cell.slope, e: self.e };
-        let to_knot = match self.drive {
+        let to_grid_point = match self.drive {
             Drive::Distance => f64::INFINITY,
             Drive::Time => ((self.cell.end - self.coordinate()) / self.velocity).max(0.0),
         };
-        let limit = (until - self.tau).min(to_knot);
+        let limit = (until - self.tau).min(to_grid_point);
         let forward = self.scaled_forcing.release(1.0, 1.0 - rate, self.e, self.tau, limit);
         let backward =
             self.scaled_forcing.release(-1.0, -1.0 - rate, self.opposite_excess(), self.tau, forward.unwrap_or(limit));
@@ -27,9 +27,9 @@ impl<F: Fluctuation> Motion<F> {
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
         if self.drive == Drive::Time {
-            if h >= to_knot && released.is_none() {
+            if h >= to_grid_point && released.is_none() {
                 self.next_cell()?;
-                return self.stick_behind_knot();
+                return self.stick_after_grid_point();
             }
             self.m = self.cell.at(self.coordinate());
             // Called only for its check of the friction coefficient.
@@ -43,7 +43,7 @@ impl<F: Fluctuation> Motion<F> {
     }
 
     /// Continues after a grid point: a jump of friction may release the mass at once, with a nonzero excess.
-    fn stick_behind_knot(&mut self) -> Result<Option<Event>, VibrationError> {
+    fn stick_after_grid_point(&mut self) -> Result<Option<Event>, VibrationError> {
         let phase = self.phase_at_rest()?;
         if phase == Phase::Stick {
             return Ok(None);

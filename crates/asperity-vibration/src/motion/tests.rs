@@ -15,10 +15,10 @@ impl Fluctuation for Levels {
     }
 }
 
-/// Returns the events under m = 0 up to `knot` and `m` after it, from X = `start` to `duration`.
-fn events(knot: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Event> {
+/// Returns the events under m = 0 up to `jump_at` and `m` after it, from X = `start` to `duration`.
+fn events(jump_at: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Event> {
     let cells = vec![
-        Cell { end: knot, length: knot, left: 0.0, right: 0.0 },
+        Cell { end: jump_at, length: jump_at, left: 0.0, right: 0.0 },
         Cell { end: f64::INFINITY, length: f64::INFINITY, left: m, right: m },
     ];
     let law = FrictionLaw::Coulomb { kinetic: KINETIC };
@@ -55,7 +55,7 @@ fn a_jump_in_stick_releases_the_mass_at_once_or_holds_it_longer() {
 }
 
 #[test]
-fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
+fn a_jump_in_slip_changes_the_circle_but_not_position_or_velocity() {
     // From rest at X = 0.4 over a distance of 0.3, then about another centre.
     for m in [-0.1, 0.15] {
         let found = events(0.3, m, Drive::Distance, STATIC, 8.0);
@@ -83,14 +83,14 @@ fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
 }
 
 #[test]
-fn an_arrival_on_the_very_knot_is_not_lost() {
+fn an_arrival_exactly_at_a_grid_point_is_found() {
     let duration = slip(STATIC, KINETIC);
     let back = 2.0 * KINETIC - STATIC;
     let distance = BELT * duration + STATIC - back;
     for m in [-0.05, 0.0, 0.05, 0.3] {
         for ulps in -12..=12 {
-            let knot = distance * (1.0 + f64::from(ulps) * f64::EPSILON);
-            let found = events(knot, m, Drive::Distance, STATIC, duration + (STATIC + m - back) / BELT + 1.0);
+            let jump_at = distance * (1.0 + f64::from(ulps) * f64::EPSILON);
+            let found = events(jump_at, m, Drive::Distance, STATIC, duration + (STATIC + m - back) / BELT + 1.0);
             let kinds: Vec<EventKind> = found.iter().map(|event| event.kind).collect();
             // The next release is at either limit, depending on whether the mass arrived before or after the grid
             // point.
@@ -107,15 +107,15 @@ fn an_arrival_on_the_very_knot_is_not_lost() {
 }
 
 #[test]
-fn a_release_on_the_very_knot_is_not_lost() {
+fn a_release_exactly_at_a_grid_point_is_found() {
     for ulps in -6..=6 {
-        let knot = 0.1 * (1.0 + f64::from(ulps) * f64::EPSILON);
+        let jump_at = 0.1 * (1.0 + f64::from(ulps) * f64::EPSILON);
         // Less friction: one release, at τ = 2.
-        let found = events(knot, -0.05, Drive::Time, 0.3, 3.0);
+        let found = events(jump_at, -0.05, Drive::Time, 0.3, 3.0);
         assert!(found.len() == 1 && found[0].kind == EventKind::Detach, "{ulps}: {found:?}");
         assert!((found[0].tau - 2.0).abs() < 1e-12 && (found[0].displacement - STATIC).abs() < 1e-12);
         // More friction, also in slip: the mass is held until τ = 5, even if it was free for zero time.
-        let found = events(knot, 0.15, Drive::Time, 0.3, 6.0);
+        let found = events(jump_at, 0.15, Drive::Time, 0.3, 6.0);
         let last = found[found.len() - 1];
         assert!((last.tau - 5.0).abs() < 1e-12 && last.kind == EventKind::Detach, "{ulps}: {found:?}");
         assert!(found.len() == 1 || (found.len() == 3 && (found[1].tau - 2.0).abs() < 1e-12), "{ulps}: {found:?}");
@@ -147,12 +147,12 @@ fn no_extreme_of_a_step_is_missed() {
                         .map(|tau| motion.sample(tau))
                         .fold([f64::INFINITY; 4], |[a, b, c, d], (x, v)| [a.min(x), b.min(-x), c.min(v), d.min(-v)])
                 };
-                let told = extremes(&mut turning.into_iter());
+                let found = extremes(&mut turning.into_iter());
                 let dense = extremes(&mut (0..=300).map(|i| tau + duration * f64::from(i) / 300.0));
-                for (told, dense) in told.into_iter().zip(dense) {
+                for (found, dense) in found.into_iter().zip(dense) {
                     assert!(
-                        told <= dense + 1e-13 * dense.abs().max(1.0),
-                        "{dense} beyond {told} in {:?}",
+                        found <= dense + 1e-13 * dense.abs().max(1.0),
+                        "{dense} beyond {found} in {:?}",
                         motion.segment
                     );
                 }

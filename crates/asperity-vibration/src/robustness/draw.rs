@@ -7,7 +7,7 @@ use asperity_base::random;
 use asperity_process::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessModel};
 
 /// Approximate largest number of grid points per motion, and the duration below which more are allowed.
-const MOST_KNOTS: f64 = 5_000.0;
+const MOST_GRID_POINTS: f64 = 5_000.0;
 const LEAST_DURATION: f64 = 10.0;
 
 /// Machine, process and settings of a test case.
@@ -124,7 +124,7 @@ impl Draw {
         let steps_per_length = match generator {
             Generator::Jacobi => self.one_of(&[4, 20]),
             // Motions pass thousands of short correlation lengths.
-            _ if length * MOST_KNOTS < 2.0 * LEAST_DURATION * speed => self.one_of(&[1, 2]),
+            _ if length * MOST_GRID_POINTS < 2.0 * LEAST_DURATION * speed => self.one_of(&[1, 2]),
             _ => self.one_of(&[1, 2, 5, 20, 80]),
         };
         ProcessModel {
@@ -153,7 +153,7 @@ pub(super) fn case(seed: u64, index: u64) -> Case {
         Generator::Renewal => process.model().correlation_length,
         _ => process.step(),
     };
-    let duration = draw.decades(1.0, 3.0).min((MOST_KNOTS * spacing / speed).max(LEAST_DURATION));
+    let duration = draw.decades(1.0, 3.0).min((MOST_GRID_POINTS * spacing / speed).max(LEAST_DURATION));
     let start = draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0));
     let oscillator = Oscillator::new(parameters).unwrap();
     Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Method::Taylor } }

@@ -395,8 +395,8 @@ mod tests {
     }
 
     #[test]
-    fn the_map_decides_as_following_does() {
-        for (oscillator, tell) in [
+    fn the_return_map_agrees_with_simulation() {
+        for (oscillator, case) in [
             (midway(0.3, 0.1, 0.5), "one unstable cycle"),
             (midway(1.0, 0.2, 0.2), "near the Hopf point"),
             (coulomb(0.05), "a grazing orbit"),
@@ -409,15 +409,15 @@ mod tests {
                 let g = random::standard_normal(rng, 2);
                 let start = [scale * (0.8 + 0.3 * g[0]), 1.3 * oscillator.belt_velocity() * g[1]];
                 let found = classifier.kind(start[0], start[1]).unwrap();
-                assert_eq!(found, followed(&oscillator, start), "{tell}: {start:?}");
+                assert_eq!(found, followed(&oscillator, start), "{case}: {start:?}");
                 counts[usize::from(found == MotionKind::None)] += 1;
             }
-            assert!(counts[0] > 10 && counts[1] > 10, "{tell}: {counts:?}");
+            assert!(counts[0] > 10 && counts[1] > 10, "{case}: {counts:?}");
         }
     }
 
     #[test]
-    fn the_sliding_share_of_a_box_is_the_area_inside_the_separatrix() {
+    fn the_sliding_fraction_of_a_box_is_the_area_inside_the_separatrix() {
         for (oscillator, kind) in [
             (midway(0.3, 0.1, 0.5), SeparatrixKind::UnstableCycle),
             (midway(0.3, 0.1, 0.9), SeparatrixKind::UnstableCycle),
@@ -452,7 +452,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_the_two_critical_dampings_all_starts_end_alike() {
+    fn outside_the_two_critical_dampings_all_starts_have_one_attractor() {
         let ends = critical_damping(&midway(0.3, 0.1, 0.5)).unwrap();
         for (damping, wanted) in [
             (0.9 * ends.hopf_damping_ratio, MotionKind::StickSlip),
@@ -468,7 +468,7 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_kick_is_the_published_one() {
+    fn the_smallest_kick_matches_the_publication() {
         // Reference: SciPy, DOP853 with bisection.
         for (damping, wanted) in [(0.111, 0.0966), (0.109, 0.0821)] {
             let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
@@ -568,7 +568,7 @@ mod tests {
     }
 
     #[test]
-    fn kicks_of_random_machines_part_vibration_from_decay_in_an_independent_integrator() {
+    fn kicks_of_random_machines_separate_vibration_from_decay_in_an_independent_integrator() {
         let rng = &mut random::stream(17, "test", 0);
         let (mut count, mut slow) = (0, 0);
         for i in 0..40 {

@@ -435,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn the_section_of_a_cycle_is_the_published_one_and_fast_belts_do_not_vibrate() {
+    fn the_section_of_a_cycle_matches_the_publication_and_fast_belts_do_not_vibrate() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             BifurcationSettings { values: vec![0.003, 0.02, 0.05], ..BifurcationSettings::new([0.0, 1.0], 2) };
@@ -507,7 +507,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_that_settles_slowly_is_followed_until_it_has() {
+    fn a_slowly_settling_motion_is_followed_until_it_repeats() {
         // Slip under a force, without stick, loses the effect of its start as e^{−ζτ}: to 1 % in 100 forcing periods.
         let law = crate::FrictionLaw::Coulomb { kinetic: 0.2 };
         let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
@@ -529,7 +529,7 @@ mod tests {
     }
 
     #[test]
-    fn next_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
+    fn close_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
         // Multipliers of −.99924 and .99896 per period of the motion.
         let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.2, frequency: 1.0 })).unwrap();

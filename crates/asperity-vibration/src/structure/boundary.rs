@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn the_linear_law_has_the_line_of_half_its_slope_and_nothing_over_what_it_has_not() {
+    fn the_curve_of_the_linear_law_is_half_its_slope_and_missing_parameters_are_errors() {
         let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.1 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };

@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn the_attracting_cycle_is_the_one_that_motion_ends_in() {
+    fn motion_ends_in_the_attracting_cycle() {
         // The third cycle includes over-slip and sticks twice.
         for oscillator in [
             forced(0.2, 4.2, 0.2, 0.1, 0.01, 0.98),
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn without_forcing_there_is_nothing_to_lock_to() {
+    fn without_forcing_there_is_no_forced_cycle() {
         let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         assert!(matches!(forced_cycles(&free, 1, &Silent), Err(VibrationError::NotFound { .. })));
     }

@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn along_the_curve_the_search_over_all_phases_finds_the_same_until_it_turns() {
+    fn the_curve_matches_the_search_over_all_phases_until_it_turns() {
         // With a jump of the law the orbit ends in a stick.
         for kinetic in [0.2, 0.19] {
             let settings = CurveSettings::new([0.5, 1.5]);
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_followed_is_refused() {
+    fn curves_without_a_start_are_refused() {
         let settings = CurveSettings::new([0.5, 1.5]);
         let oscillator = forced(0.2);
         assert!(locked_curve(&oscillator, Parameter::DampingRatio, &settings, &Silent).is_err());

@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parameter_that_was_set_is_read_back_and_nothing_else_moves() {
+    fn setting_a_parameter_changes_nothing_else() {
         let forced = Oscillator::stribeck(0.3, 4.2, 0.1, 0.05)
             .unwrap()
             .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.9 }))

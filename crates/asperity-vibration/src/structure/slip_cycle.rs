@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn its_amplitude_follows_the_normal_form_near_the_hopf_point() {
+    fn the_amplitude_follows_the_normal_form_near_the_hopf_point() {
         for (friction, decay, velocity) in [(0.2, 4.2, 0.05), (0.3, 4.2, 0.1), (1.0, 3.0, 0.2)] {
             let of = |damping| Oscillator::stribeck(friction, decay, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn a_relaxation_oscillation_is_a_cycle_that_all_orbits_run_into() {
+    fn all_orbits_approach_a_relaxation_oscillation() {
         // Relaxation oscillation: 2ζ dX/dτ = μ − X on the two flat pieces, 0.1 and 0.05 … 0.04, and jumps between them.
         let law = FrictionLaw::Tabulated(
             FrictionTable::new(&[[0.0, 0.1], [0.001, 0.1], [0.0011, 0.05], [1.0, 0.04]]).unwrap(),
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn around_a_rest_that_repels_without_turning_there_is_none() {
+    fn a_repelling_node_has_no_cycle_around_it() {
         let law = FrictionLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
         let parameters =
             Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };

@@ -37,7 +37,7 @@ fn simulate(oscillator: &Oscillator, model: ProcessModel, settings: &EnsembleSet
 }
 
 #[test]
-fn means_at_every_damping_are_within_three_standard_errors_of_every_published_one() {
+fn means_are_within_three_standard_errors_of_all_published_means() {
     // ζ, cycles without noise, and means with standard errors: over 400 trajectories, and over 4,000 and 8,000 by two
     // other codes.
     let known = [
@@ -58,7 +58,7 @@ fn means_at_every_damping_are_within_three_standard_errors_of_every_published_on
 }
 
 #[test]
-fn four_times_finer_knots_move_the_mean_count_by_less_than_two_per_cent() {
+fn a_four_times_finer_grid_changes_the_mean_count_by_less_than_two_per_cent() {
     for damping in [0.17, 0.22] {
         let [coarse, fine] = [20, 80].map(|steps_per_length| {
             let model = ProcessModel { steps_per_length, ..model(0.001) };
@@ -72,7 +72,7 @@ fn four_times_finer_knots_move_the_mean_count_by_less_than_two_per_cent() {
 }
 
 #[test]
-fn noise_that_vanishes_leaves_exactly_the_count_without_noise() {
+fn vanishing_noise_gives_exactly_the_count_without_noise() {
     let generators =
         [Generator::Autoregressive, Generator::Spectral { harmonics: 16 }, Generator::Jacobi, Generator::Renewal];
     for (i, generator) in generators.into_iter().enumerate() {
@@ -108,12 +108,12 @@ fn same_on_any_threads(oscillator: &Oscillator, model: &ProcessModel, settings: 
 }
 
 #[test]
-fn ten_thousand_trajectories_have_the_same_bytes_on_one_thread_and_more() {
+fn ten_thousand_trajectories_have_the_same_bytes_on_any_number_of_threads() {
     same_on_any_threads(&paper(0.17), &model(0.001), &EnsembleSettings::new(10_000, 80.0, 5));
 }
 
 #[test]
-fn motions_that_go_alone_have_the_same_bytes_on_one_thread_and_more() {
+fn single_simulations_have_the_same_bytes_on_any_number_of_threads() {
     let of = |law, forcing| {
         Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio: 0.1, belt_velocity: 0.003, forcing })
             .unwrap()

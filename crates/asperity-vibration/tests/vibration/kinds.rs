@@ -180,7 +180,7 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
 }
 
 #[test]
-fn kinds_and_periods_are_those_of_an_independent_integrator() {
+fn kinds_and_periods_match_an_independent_integrator() {
     let mut kinds = [0; 4];
     for decay in [1.0, 4.2, 12.0] {
         for velocity in [0.05, 1.0, 4.0] {
@@ -194,7 +194,7 @@ fn kinds_and_periods_are_those_of_an_independent_integrator() {
 }
 
 #[test]
-fn slip_cycles_of_a_table_are_vibration_and_noise_about_steady_sliding_is_not() {
+fn slip_cycles_count_as_vibration_and_noise_about_steady_sliding_does_not() {
     let law = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
     let points: Vec<[f64; 2]> = (0..=80).map(|i| 0.005 * f64::from(i)).map(|v| [v, law(v)]).collect();
     let table = FrictionTable::new(&points).unwrap();

@@ -4,7 +4,7 @@
 use super::super::motion::Motion;
 use super::super::{Drive, Event, EventKind, Forcing, FrictionLaw, Oscillator, Phase, Slips, VibrationError};
 use super::draw::Case;
-use super::reading::Reading;
+use super::reader::ProcessReader;
 use asperity_base::numeric::golden_section;
 use asperity_process::Path;
 
@@ -21,11 +21,11 @@ const TIGHT: f64 = 1e-11;
 
 /// Results of the checks of one motion.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct Checked {
     pub(super) events: Vec<Event>,
     pub(super) slips: Slips,
     pub(super) steps: u64,
-    pub(super) knots: u64,
+    pub(super) cells_read: u64,
     /// Number of slips whose largest backward speed is within rounding of zero.
     pub(super) undecided: u64,
     /// Number of sticks of zero duration.
@@ -61,11 +61,11 @@ fn beyond(difference: f64, allowance: f64) -> f64 {
     (difference.abs() - allowance).max(0.0)
 }
 
-struct Watch<'a> {
+struct Checker<'a> {
     case: &'a Case,
     oscillator: &'a Oscillator,
-    reading: Reading<Path<'a>>,
-    seen: Seen,
+    reader: ProcessReader<Path<'a>>,
+    seen: Checked,
     /// Largest fluctuation so far.
     largest: f64,
     /// Time and (X² + V²)^½ when the mass last left the belt or started; and at the start.
@@ -76,15 +76,15 @@ struct Watch<'a> {
 }
 
 /// Simulates a case and panics if the motion violates a law.
-pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
+pub(super) fn check(case: &Case, seed: u64, index: u64) -> Checked {
     let Case { oscillator, process, settings } = case;
     let start = settings.start.unwrap_or_else(|| oscillator.default_start());
     let radius = start.hypot(oscillator.belt_velocity());
-    let mut watch = Watch {
+    let mut check = Checker {
         case,
         oscillator,
-        reading: Reading::new(process.path(seed, index)),
-        seen: Seen::default(),
+        reader: ProcessReader::new(process.path(seed, index)),
+        seen: Checked::default(),
         largest: 0.0,
         left: (0.0, radius),
         started: radius,
@@ -95,30 +95,30 @@ pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
     let mut motion = match Motion::new(oscillator, process.path(seed, index), settings.drive, start) {
         Ok(motion) => motion,
         Err(error) => {
-            watch.error(&error, &before, None);
-            return watch.seen;
+            check.error(&error, &before, None);
+            return check.seen;
         }
     };
     if let Some(event) = motion.first_event() {
-        let point = watch.point(0.0, start, before.velocity, 0.0);
-        watch.event(event, &point, motion.slip_state().map(|state| state.phase));
+        let point = check.point(0.0, start, before.velocity, 0.0);
+        check.event(event, &point, motion.slip_state().map(|state| state.phase));
     }
     while motion.tau < settings.duration {
         before.phase = motion.slip_state().map_or(Phase::Stick, |state| state.phase);
         match motion.step(settings.duration) {
-            Ok(event) => before = watch.step(&motion, before, event),
+            Ok(event) => before = check.step(&motion, before, event),
             Err(error) => {
-                watch.error(&error, &before, Some(&motion));
-                return watch.seen;
+                check.error(&error, &before, Some(&motion));
+                return check.seen;
             }
         }
     }
     assert_eq!(motion.tau, settings.duration);
-    watch.seen.knots = watch.reading.knots;
-    watch.seen
+    check.seen.cells_read = check.reader.cells_read;
+    check.seen
 }
 
-impl Watch<'_> {
+impl Checker<'_> {
     /// Panics unless `number` is zero within `tolerance` times `scale`.
     fn vanishes(&mut self, kind: usize, number: f64, scale: f64, tolerance: f64) {
         let fraction = number.abs() / scale;
@@ -132,8 +132,8 @@ impl Watch<'_> {
     }
 
     /// Returns the effect on m of rounding of the coordinate.
-    fn haze(&self, coordinate: f64) -> f64 {
-        8.0 * f64::EPSILON * (1.0 + coordinate) * self.reading.steepest
+    fn rounding(&self, coordinate: f64) -> f64 {
+        8.0 * f64::EPSILON * (1.0 + coordinate) * self.reader.steepest
     }
 
     fn force(&self, tau: f64) -> f64 {
@@ -149,14 +149,14 @@ impl Watch<'_> {
         law.max(self.oscillator.static_friction()) + self.largest
     }
 
-    fn push(&self) -> f64 {
+    fn forcing_amplitude(&self) -> f64 {
         self.oscillator.forcing().map_or(0.0, |Forcing { amplitude, .. }| amplitude)
     }
 
     /// Returns the sum of the magnitudes of all forces, the scale of rounding errors.
     fn scale(&self, x: f64, velocity: f64) -> f64 {
         self.strongest()
-            + self.push()
+            + self.forcing_amplitude()
             + x.abs()
             + (1.0 + 2.0 * self.oscillator.damping_ratio()) * velocity.abs().max(self.oscillator.belt_velocity())
     }
@@ -166,7 +166,7 @@ impl Watch<'_> {
             Drive::Distance => s,
             Drive::Time => self.oscillator.belt_velocity() * tau,
         };
-        let m = self.reading.range(coordinate, 1e-13 * coordinate);
+        let m = self.reader.range(coordinate, 1e-13 * coordinate);
         self.largest = self.largest.max(m.1);
         Point { tau, x, velocity, coordinate, m }
     }
@@ -177,7 +177,7 @@ impl Watch<'_> {
     fn energy_bound(&self, tau: f64) -> f64 {
         let (left, radius) = self.left;
         let feed = 2.0 * self.strongest() * self.oscillator.belt_velocity() * (tau - left);
-        (radius * radius + feed).sqrt() + self.push() * (tau - left)
+        (radius * radius + feed).sqrt() + self.forcing_amplitude() * (tau - left)
     }
 
     /// Returns an upper bound of |X| at all times: the free motion plus (M + q) times the integral of the damped
@@ -189,7 +189,7 @@ impl Watch<'_> {
         } else {
             (0.5 * std::f64::consts::PI * damping / (1.0 - damping * damping).sqrt()).tanh().recip()
         };
-        self.started + (self.strongest() + self.push()) * integral
+        self.started + (self.strongest() + self.forcing_amplitude()) * integral
     }
 
     /// Checks the step that ends now and returns the state before the next one.
@@ -200,18 +200,18 @@ impl Watch<'_> {
         assert!(b >= a && s >= before.s, "time or distance runs back: {:?}", self.case);
         let drive = self.case.settings.drive;
         let coordinate = if drive == Drive::Distance { before.s } else { self.oscillator.belt_velocity() * a };
-        self.reading.forget(coordinate * (1.0 - 1e-12));
+        self.reader.forget(coordinate * (1.0 - 1e-12));
         // Position and velocity are continuous between two steps.
         let (x, velocity) = motion.sample(a);
         let end_coordinate = if drive == Drive::Distance { s } else { self.oscillator.belt_velocity() * b };
         let scale = self.scale(x, velocity);
-        let haze = self.haze(end_coordinate);
-        self.vanishes(0, beyond(x - before.x, haze), scale, TIGHT);
+        let rounding = self.rounding(end_coordinate);
+        self.vanishes(0, beyond(x - before.x, rounding), scale, TIGHT);
         self.vanishes(1, velocity - before.velocity, scale, TIGHT);
         let (x, velocity) = motion.sample(b);
         let arrived = event.is_some_and(|event| event.kind != EventKind::Detach);
-        let haze = if arrived { haze + self.grazing(scale) } else { haze };
-        self.vanishes(0, beyond(motion.displacement() - x, haze), scale, TIGHT);
+        let rounding = if arrived { rounding + self.grazing(scale) } else { rounding };
+        self.vanishes(0, beyond(motion.displacement() - x, rounding), scale, TIGHT);
         let end = self.point(b, x, velocity, s);
         assert!(x.hypot(velocity) <= self.energy_bound(b) * (1.0 + 1e-9), "too much energy: {:?}", self.case);
         assert!(x.abs() <= self.damped_bound() * (1.0 + 1e-9), "too far: {:?}", self.case);
@@ -224,7 +224,7 @@ impl Watch<'_> {
         }
         if let Some(event) = event {
             assert_eq!((event.tau, event.sliding_distance), (b, s));
-            self.vanishes(2, beyond(event.displacement - x, haze), scale, TIGHT);
+            self.vanishes(2, beyond(event.displacement - x, rounding), scale, TIGHT);
             if phase != Phase::Stick {
                 self.vanishes(3, velocity - self.oscillator.belt_velocity(), scale, TIGHT);
             }
@@ -251,9 +251,14 @@ impl Watch<'_> {
             assert_eq!(velocity, belt);
             let point = self.point(tau, x, velocity, before.s);
             let scale = self.scale(x, velocity);
-            self.vanishes(4, beyond(x - before.x - belt * (tau - before.tau), self.haze(end.coordinate)), scale, TIGHT);
+            self.vanishes(
+                4,
+                beyond(x - before.x - belt * (tau - before.tau), self.rounding(end.coordinate)),
+                scale,
+                TIGHT,
+            );
             let (force, _, most) = self.balance(&point);
-            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.haze(end.coordinate)), scale, TIGHT);
+            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.rounding(end.coordinate)), scale, TIGHT);
         }
     }
 
@@ -262,12 +267,12 @@ impl Watch<'_> {
         let length = end.tau - before.tau;
         let scale = self.scale(end.x, end.velocity);
         let moved = direction * (self.oscillator.belt_velocity() * length - (end.x - before.x));
-        self.vanishes(5, beyond(s - before.s - moved, self.haze(end.coordinate)), scale + s, TIGHT);
+        self.vanishes(5, beyond(s - before.s - moved, self.rounding(end.coordinate)), scale + s, TIGHT);
         if thorough {
             self.equation_of_motion(motion, before, end, s, scale);
         }
         if before.phase == Phase::Slip && !self.backward {
-            self.look_backward(motion, before, end);
+            self.check_backward(motion, before, end);
         }
     }
 
@@ -284,14 +289,14 @@ impl Watch<'_> {
                     [(place(-node), 0.5 * weight / f64::from(parts)), (place(node), 0.5 * weight / f64::from(parts))]
                 })
             }) {
-                let (force, velocity, unsure) = self.pull(motion, before, s, before.tau + fraction * length);
+                let (force, velocity, unsure) = self.acceleration(motion, before, s, before.tau + fraction * length);
                 impulse += length * weight * force;
                 path += length * weight * velocity;
                 doubt += length * weight * unsure;
             }
-            let allowed = doubt + length * self.haze(end.coordinate);
+            let allowed = doubt + length * self.rounding(end.coordinate);
             errors = [
-                beyond(end.x - before.x - path, self.haze(end.coordinate)),
+                beyond(end.x - before.x - path, self.rounding(end.coordinate)),
                 beyond(end.velocity - before.velocity - impulse, allowed),
             ];
             if errors.iter().all(|error| *error < 1e-13 * scale) {
@@ -305,7 +310,7 @@ impl Watch<'_> {
     }
 
     /// Returns X″ from the forces, X′, and half the jump of friction within rounding of this time.
-    fn pull(&mut self, motion: &Motion<Path<'_>>, before: &Before, s: f64, tau: f64) -> (f64, f64, f64) {
+    fn acceleration(&mut self, motion: &Motion<Path<'_>>, before: &Before, s: f64, tau: f64) -> (f64, f64, f64) {
         let (belt, direction) = (self.oscillator.belt_velocity(), before.phase.direction());
         let (x, velocity) = motion.sample(tau);
         let moved = direction * (belt * (tau - before.tau) - (x - before.x));
@@ -321,7 +326,7 @@ impl Watch<'_> {
     }
 
     /// Checks whether the mass moves backwards in this step.
-    fn look_backward(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point) {
+    fn check_backward(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point) {
         let length = end.tau - before.tau;
         let mut slowest = before.velocity.min(end.velocity);
         let fall = length * (2.0 * self.scale(end.x, end.velocity) + length * self.scale(0.0, end.velocity));
@@ -344,7 +349,7 @@ impl Watch<'_> {
     fn event(&mut self, event: Event, point: &Point, after: Option<Phase>) {
         let scale = self.scale(point.x, point.velocity);
         let (force, least, most) = self.balance(point);
-        let haze = self.haze(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
+        let rounding = self.rounding(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
         let last = self.seen.events.last().copied();
         if let Some(last) = last {
             // A grazing arrival at the stick limit, within rounding, is a stick of zero duration.
@@ -364,7 +369,7 @@ impl Watch<'_> {
             (EventKind::Detach, Some(phase)) => {
                 let excess = phase.direction() * force;
                 // At the start, and where friction jumps, the force may exceed the limit considerably.
-                let torn_off = event.tau == 0.0 || most > least + haze;
+                let torn_off = event.tau == 0.0 || most > least + rounding;
                 self.left = (event.tau, event.displacement.hypot(self.oscillator.belt_velocity()));
                 (self.backward, self.undecided) = (false, false);
                 if torn_off { least - excess } else { (excess - least).abs().max((excess - most).abs()) }
@@ -382,7 +387,7 @@ impl Watch<'_> {
             }
             _ => panic!("{event:?} leads to {after:?}: {:?}", self.case),
         };
-        self.vanishes(8, (overshoot - haze).max(0.0), scale, TIGHT);
+        self.vanishes(8, (overshoot - rounding).max(0.0), scale, TIGHT);
         self.seen.events.push(event);
     }
 
@@ -408,10 +413,10 @@ impl Watch<'_> {
         let point = self.point(tau, x, velocity, sliding_distance);
         let scale = self.scale(x, velocity);
         let kinetic = self.oscillator.law().coefficient((self.oscillator.belt_velocity() - velocity).abs());
-        let true_one = [kinetic, self.oscillator.static_friction()].iter().any(|law| {
+        let confirmed = [kinetic, self.oscillator.static_friction()].iter().any(|law| {
             coefficient >= law + point.m.0 - 1e-11 * scale && coefficient <= law + point.m.1 + 1e-11 * scale
         });
-        assert!(true_one, "{error} is untrue: {point:?} {kinetic} {:?}", self.case);
+        assert!(confirmed, "{error} is wrong: {point:?} {kinetic} {:?}", self.case);
         self.seen.lost = true;
     }
 }

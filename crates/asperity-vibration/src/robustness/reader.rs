@@ -5,19 +5,19 @@ use std::collections::VecDeque;
 use asperity_process::{Cell, Fluctuation};
 
 /// Evaluates m(s) near a coordinate that does not decrease.
-pub(super) struct Reading<F> {
+pub(super) struct ProcessReader<F> {
     fluctuation: F,
     /// Cells and their start coordinates.
     cells: VecDeque<(f64, Cell)>,
     end: f64,
-    pub(super) knots: u64,
+    pub(super) cells_read: u64,
     /// Largest |dm/ds| so far.
     pub(super) steepest: f64,
 }
 
-impl<F: Fluctuation> Reading<F> {
+impl<F: Fluctuation> ProcessReader<F> {
     pub(super) fn new(fluctuation: F) -> Self {
-        Self { fluctuation, cells: VecDeque::new(), end: 0.0, knots: 0, steepest: 0.0 }
+        Self { fluctuation, cells: VecDeque::new(), end: 0.0, cells_read: 0, steepest: 0.0 }
     }
 
     /// Discards the cells before a coordinate.
@@ -34,7 +34,7 @@ impl<F: Fluctuation> Reading<F> {
             let cell = self.fluctuation.next_cell().unwrap();
             self.cells.push_back((self.end, cell));
             self.end = cell.end;
-            self.knots += 1;
+            self.cells_read += 1;
             self.steepest = self.steepest.max(cell.slope().abs());
         }
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
