@@ -4,7 +4,7 @@ use super::{Cell, Fluctuation};
 use asperity_base::monitor::Monitor;
 
 /// Number of cells between two checks of the monitor: about a millisecond.
-const EVERY: u32 = 16_384;
+const CHECK_INTERVAL: u32 = 16_384;
 
 /// Fluctuation that ends once its monitor cancels, so that a path over billions of grid points need not be followed to
 /// its end. The motion then fails as on a record that is too short; the caller checks the monitor to distinguish the
@@ -18,7 +18,7 @@ pub struct Cancellable<'a, F> {
 impl<'a, F> Cancellable<'a, F> {
     /// Wraps `fluctuation`, which then ends when `monitor` cancels.
     pub fn new(fluctuation: F, monitor: &'a dyn Monitor) -> Self {
-        Self { fluctuation, monitor, left: EVERY }
+        Self { fluctuation, monitor, left: CHECK_INTERVAL }
     }
 }
 
@@ -31,7 +31,7 @@ impl<F: Fluctuation> Fluctuation for Cancellable<'_, F> {
                 self.left = 1;
                 return None;
             }
-            self.left = EVERY;
+            self.left = CHECK_INTERVAL;
         }
         self.fluctuation.next_cell()
     }
@@ -59,11 +59,11 @@ mod tests {
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 1e-3, 0.01)).unwrap();
         let monitor = Switch(AtomicBool::new(false));
         let (mut bare, mut watched) = (process.path(1, 2), Cancellable::new(process.path(1, 2), &monitor));
-        for _ in 0..3 * EVERY {
+        for _ in 0..3 * CHECK_INTERVAL {
             assert_eq!(watched.next_cell(), bare.next_cell());
         }
         monitor.0.store(true, Ordering::Relaxed);
-        let left = (0..=EVERY).find(|_| watched.next_cell().is_none());
+        let left = (0..=CHECK_INTERVAL).find(|_| watched.next_cell().is_none());
         assert!(left.is_some());
         assert_eq!((watched.next_cell(), watched.next_cell()), (None, None));
     }

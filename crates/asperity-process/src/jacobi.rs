@@ -10,7 +10,7 @@ const REACH: f64 = 8.0;
 /// Largest innovations |ξ| up to which the table is read and tabulated; the fraction 2e-9 lies beyond and is set to the
 /// last.
 const INNOVATION_REACH: f64 = 6.0;
-const INNOVATION_RIM: f64 = 6.5;
+const INNOVATION_TABLE_REACH: f64 = 6.5;
 /// Initial numbers of table cells per unit of ξ, and per standard deviation of a step in g; and the largest number of
 /// doublings.
 const INNOVATION_DENSITY: usize = 8;
@@ -67,7 +67,7 @@ impl JacobiStep {
 
     fn tabulated(a: f64, b: f64, step: f64, density: f64, innovation_density: usize) -> Self {
         let innovations: Vec<f64> = {
-            let half = (INNOVATION_RIM * innovation_density as f64) as i32;
+            let half = (INNOVATION_TABLE_REACH * innovation_density as f64) as i32;
             (-half..=half).map(|k| f64::from(k) / innovation_density as f64).collect()
         };
         let transition = Transition::new(a, b, step, REACH, density);
@@ -99,7 +99,7 @@ impl JacobiStep {
     pub(super) fn next(&self, g: f64, xi: f64) -> f64 {
         let (row, down) = place((g + REACH) * self.density, self.rows);
         let xi = xi.clamp(-INNOVATION_REACH, INNOVATION_REACH);
-        let (column, across) = place((xi + INNOVATION_RIM) * self.innovation_density, self.columns);
+        let (column, across) = place((xi + INNOVATION_TABLE_REACH) * self.innovation_density, self.columns);
         let mut sum = 0.0;
         for (k, weight) in down.iter().enumerate() {
             let first = (row + k) * self.columns + column;

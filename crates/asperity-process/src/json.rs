@@ -180,13 +180,13 @@ impl FittedProcess {
         let marginal = match fields.get("marginal") {
             None | Some(Value::Null) => None,
             Some(law) => Some(serde_json::from_value::<Marginal>(law.clone()).map_err(|error| {
-                ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: A_LAW }
+                ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: DISTRIBUTION }
             })?),
         };
         let generator = fields
             .present("generator")
             .map(|value| {
-                let wanted = A_GENERATOR;
+                let wanted = GENERATOR;
                 serde_json::from_value(value.clone()).map_err(|_| fields.wrong("generator", shown(Some(value)), wanted))
             })
             .transpose()?;
@@ -211,10 +211,10 @@ impl FittedProcess {
     }
 }
 
-const A_LAW: &str =
+const DISTRIBUTION: &str =
     "a distribution with its parameters, such as {\"beta\": {\"a\": 2.1, \"b\": 5.0, \"low\": 0.1, \"high\": 0.3}}";
 
-const A_GENERATOR: &str = "\"autoregressive\", {\"spectral\": {\"harmonics\": 256}}, \"jacobi\", \"renewal\" or null";
+const GENERATOR: &str = "\"autoregressive\", {\"spectral\": {\"harmonics\": 256}}, \"jacobi\", \"renewal\" or null";
 
 fn correlation(fields: &Fields<'_>) -> Result<FittedCorrelation, ProcessFileError> {
     fields.only(&["model", "nu", "length_m", "length_m_interval", "window_m", "length_without_window_m"])?;

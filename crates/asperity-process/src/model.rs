@@ -127,7 +127,7 @@ impl FrictionProcess {
             CorrelationShape::WindowedExponential { window } => window / (window / step).ceil(),
             _ => step,
         };
-        Self::made(model, step)
+        Self::build(model, step)
     }
 
     /// Creates the process with grid points `step` apart, regardless of `steps_per_length`.
@@ -143,10 +143,10 @@ impl FrictionProcess {
                 return Err(ProcessError::StepInWindow { step, window, nearest });
             }
         }
-        Self::made(model, step)
+        Self::build(model, step)
     }
 
-    fn made(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
+    fn build(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
         if !STEPS.contains(&step) {
             let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
             return Err(ProcessError::Parameter { parameter, value: step, wanted });

@@ -8,7 +8,7 @@ use asperity_process::ProcessModel;
 pub const LARGEST_CLIPPED_FRACTION: f64 = 0.05;
 
 /// Probability of exceeding the fluctuation from which the fastest expected slip is computed.
-const RARE: f64 = 1e-4;
+const EXCEEDANCE: f64 = 1e-4;
 
 /// Returns the process, clipped so that at least a tenth of the kinetic coefficient remains at the fastest expected
 /// slip.
@@ -18,7 +18,7 @@ const RARE: f64 = 1e-4;
 pub fn clipped_to_positive(oscillator: &Oscillator, model: ProcessModel, margin: f64) -> ProcessModel {
     let law = &model.marginal;
     let static_friction = oscillator.parameters().static_friction;
-    let largest = model.std * (law.quantile(1.0 - RARE) - law.mean()) / law.std();
+    let largest = model.std * (law.quantile(1.0 - EXCEEDANCE) - law.mean()) / law.std();
     let fastest = margin * (oscillator.belt_velocity() + static_friction + largest.max(0.0));
     // A linear law may fall to zero at this speed; the run then reports that friction does not stay positive.
     let least = Some(-0.9 * oscillator.law().coefficient(fastest).max(0.01 * static_friction));

@@ -176,7 +176,7 @@ pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, SlipState), Vib
 /// from a detachment turns back before the belt velocity.
 pub(super) fn cycle_at_belt(oscillator: &Oscillator) -> Result<Option<(LimitCycle, SlipState)>, VibrationError> {
     let start = SlipState::detached(0.0);
-    let mut motion = Motion::in_slip(oscillator, Steady, start)?;
+    let mut motion = Motion::from_slip_state(oscillator, Steady, start)?;
     // A turn starts at a detachment; a lap starts at a return from over-slip.
     let (mut turn, mut lap) = (Turn::EMPTY, Turn::EMPTY);
     let mut returned: Option<SlipState> = None;
@@ -215,16 +215,16 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
     let mut motion = Motion::new(oscillator, Steady, Drive::Distance, oscillator.default_start())?;
     let mut turns: Vec<Turn> = Vec::new();
     let mut detachments: Vec<(Phase, f64)> = Vec::new();
-    // A turn starts at a detachment; a stroke starts with each forcing period.
-    let (mut turn, mut stroke) = (Turn::EMPTY, Turn::EMPTY);
+    // A turn starts at a detachment; `period_turn` starts with each forcing period.
+    let (mut turn, mut period_turn) = (Turn::EMPTY, Turn::EMPTY);
     // Time is counted from the last whole forcing period, so that phases keep their digits.
     let (mut detached_at, mut slides_since) = (0.0, 0.0);
     let mut last_state: Option<SlipState> = None;
-    let (mut strokes_without_stick, mut reversals) = (0, 0);
-    while turns.len() < MAX_PERIODS && strokes_without_stick < MAX_PERIODS {
+    let (mut periods_without_stick, mut reversals) = (0, 0);
+    while turns.len() < MAX_PERIODS && periods_without_stick < MAX_PERIODS {
         let event = motion.step(forcing_period)?;
         turn.include(&motion);
-        stroke.include(&motion);
+        period_turn.include(&motion);
         match event.map(|e| e.kind) {
             Some(EventKind::Detach) => {
                 turn.duration = motion.tau - detached_at;
@@ -241,7 +241,7 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
             Some(EventKind::Restick) => {
                 turn.slip += motion.tau - slides_since;
                 turn.reattachment = Some(motion.displacement());
-                (strokes_without_stick, last_state) = (0, None);
+                (periods_without_stick, last_state) = (0, None);
             }
             Some(EventKind::Reverse) => reversals += 1,
             None => {}
@@ -251,17 +251,17 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
             (detached_at, slides_since) = (detached_at - forcing_period, slides_since - forcing_period);
             if let Some(state) = motion.slip_state() {
                 if last_state.is_some_and(|last| state.repeats(&last, STATE_TOLERANCE)) {
-                    (stroke.duration, stroke.slip) = (forcing_period, forcing_period);
-                    let cycle = Turn::cycle(&[stroke]);
+                    (period_turn.duration, period_turn.slip) = (forcing_period, forcing_period);
+                    let cycle = Turn::cycle(&[period_turn]);
                     return Ok((if reversals == 0 { Regime::Sliding } else { Regime::Cycle(cycle) }, state));
                 }
                 last_state = Some(state);
             }
-            strokes_without_stick += 1;
-            (stroke, reversals) = (Turn::EMPTY, 0);
+            periods_without_stick += 1;
+            (period_turn, reversals) = (Turn::EMPTY, 0);
         }
     }
-    let kind = if strokes_without_stick < MAX_PERIODS { MotionKind::StickSlip } else { MotionKind::Overtaking };
+    let kind = if periods_without_stick < MAX_PERIODS { MotionKind::StickSlip } else { MotionKind::Overtaking };
     Ok((Regime::Irregular(kind), SlipState::detached(0.0)))
 }
 

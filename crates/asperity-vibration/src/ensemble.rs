@@ -71,7 +71,7 @@ impl EnsembleSettings {
 
 /// Bytes per kept value, and number of distributions with kept values: re-attachments, releases, periods.
 const VALUE_BYTES: f64 = 24.0;
-const LAWS: f64 = 3.0;
+const DISTRIBUTIONS: f64 = 3.0;
 
 impl EnsembleSettings {
     /// Returns the number of trajectories per block.
@@ -84,7 +84,9 @@ impl EnsembleSettings {
     /// period; each trajectory keeps at most `sample_capacity` values.
     pub fn memory_bytes(&self, threads: usize) -> f64 {
         let values = (self.duration / TAU).min(self.sample_capacity as f64);
-        VALUE_BYTES * LAWS * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
+        VALUE_BYTES
+            * DISTRIBUTIONS
+            * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
     }
 }
 
@@ -240,7 +242,7 @@ impl Ensemble {
             let (wanted, first) = (settings.least_valid_share, first.reason.clone());
             return Err(VibrationError::TooFewValid { valid, total, wanted, first });
         }
-        passages.conclude();
+        passages.finish();
         let cycles = Count::from_moments(&cycles);
         let difference_mean = cycles_deterministic as f64 - cycles.mean;
         let half_width = NORMAL_95 * cycles.se;

@@ -28,7 +28,7 @@ pub(super) struct Motion<F> {
     law: FrictionLaw,
     drive: Drive,
     fluctuation: F,
-    cell: Stretch,
+    cell: CurrentCell,
     /// Time at the end of the last step.
     pub(super) tau: f64,
     /// Sliding distance ∫|v_rel|dτ.
@@ -82,7 +82,7 @@ struct Segment {
 
 /// Present cell of the friction process, with its start and its slope.
 #[derive(Debug, Clone, Copy)]
-struct Stretch {
+struct CurrentCell {
     left: f64,
     right: f64,
     slope: f64,
@@ -90,7 +90,7 @@ struct Stretch {
     end: f64,
 }
 
-impl Stretch {
+impl CurrentCell {
     fn new(cell: Cell, start: f64) -> Self {
         Self { left: cell.left, right: cell.right, slope: cell.slope(), start, end: cell.end }
     }
@@ -122,7 +122,7 @@ impl<F: Fluctuation> Motion<F> {
             law: oscillator.law().clone(),
             drive,
             fluctuation,
-            cell: Stretch { left: 0.0, right: 0.0, slope: 0.0, start: 0.0, end: 0.0 },
+            cell: CurrentCell { left: 0.0, right: 0.0, slope: 0.0, start: 0.0, end: 0.0 },
             tau: 0.0,
             sliding_distance: 0.0,
             m: 0.0,
@@ -135,7 +135,7 @@ impl<F: Fluctuation> Motion<F> {
             segment: Segment { tau: 0.0, duration: 0.0, phase: Phase::Stick, m: 0.0, slope: 0.0, e: 0.0 },
             idle_steps: 0,
         };
-        motion.cell = Stretch::new(motion.draw()?, 0.0);
+        motion.cell = CurrentCell::new(motion.draw()?, 0.0);
         motion.m = motion.cell.left;
         motion.e = ((start - motion.static_friction) + 2.0 * motion.damping * velocity - motion.m) / velocity
             - motion.scaled_forcing.force(0.0);
@@ -147,12 +147,16 @@ impl<F: Fluctuation> Motion<F> {
     }
 
     /// Returns the same motion, integrated by another method.
-    pub(super) fn by(self, method: Method) -> Result<Self, VibrationError> {
+    pub(super) fn with_method(self, method: Method) -> Result<Self, VibrationError> {
         Ok(Self { stepper: method.stepper()?, ..self })
     }
 
     /// Creates a motion from a state of slip.
-    pub(super) fn in_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
+    pub(super) fn from_slip_state(
+        oscillator: &Oscillator,
+        fluctuation: F,
+        state: SlipState,
+    ) -> Result<Self, VibrationError> {
         let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;
         (motion.tau, motion.w, motion.e, motion.phase) = (state.tau, state.w, state.e, state.phase);
         Ok(motion)
@@ -221,7 +225,7 @@ impl<F: Fluctuation> Motion<F> {
     /// −Δm/V.
     fn next_cell(&mut self) -> Result<(), VibrationError> {
         let before = self.cell;
-        self.cell = Stretch::new(self.draw()?, before.end);
+        self.cell = CurrentCell::new(self.draw()?, before.end);
         self.m = self.cell.left;
         if self.m != before.right {
             self.e -= (self.m - before.right) / self.velocity;

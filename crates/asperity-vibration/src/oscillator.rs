@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{FrictionLaw, VibrationError, positive};
 
 /// Default force at the start, in stick, as a fraction of the static friction force.
-const DEFAULT_START_SHARE: f64 = 0.97;
+const DEFAULT_START_FRACTION: f64 = 0.97;
 
 /// Closed range of a parameter, and its description. Machines lie well inside. Outside, rounding dominates the motion
 /// in a slip phase in double precision, and results would be meaningless.
@@ -24,7 +24,7 @@ const FORCING_FREQUENCY: Range = Range { least: 1e-6, most: 1e3, wanted: "betwee
 
 impl Range {
     /// Fails if the value is outside the range or NaN.
-    fn holds(&self, parameter: &'static str, value: f64) -> Result<(), VibrationError> {
+    fn check(&self, parameter: &'static str, value: f64) -> Result<(), VibrationError> {
         if (self.least..=self.most).contains(&value) {
             Ok(())
         } else {
@@ -78,13 +78,13 @@ impl Oscillator {
     /// 10⁶, η = 10⁻⁶ … 10³.
     pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
         let Parameters { static_friction, ref law, damping_ratio, belt_velocity, forcing } = parameters;
-        FRICTION.holds("static_friction", static_friction)?;
-        FRICTION.holds("kinetic_friction", law.kinetic())?;
+        FRICTION.check("static_friction", static_friction)?;
+        FRICTION.check("kinetic_friction", law.kinetic())?;
         law.validate()?;
         if let FrictionLaw::Stribeck { decay, .. } = *law {
-            WEAKENING.holds("velocity weakening of the friction law", decay)?;
+            WEAKENING.check("velocity weakening of the friction law", decay)?;
         } else {
-            WEAKENING.holds("velocity weakening of the friction law", law.steepest())?;
+            WEAKENING.check("velocity weakening of the friction law", law.steepest())?;
         }
         if law.kinetic() > static_friction {
             return Err(VibrationError::Parameter {
@@ -93,11 +93,11 @@ impl Oscillator {
                 wanted: "at most the static friction",
             });
         }
-        DAMPING.holds("damping_ratio", damping_ratio)?;
-        BELT_VELOCITY.holds("belt_velocity", belt_velocity)?;
+        DAMPING.check("damping_ratio", damping_ratio)?;
+        BELT_VELOCITY.check("belt_velocity", belt_velocity)?;
         if let Some(Forcing { amplitude, frequency }) = forcing {
-            FORCING_AMPLITUDE.holds("forcing amplitude", amplitude)?;
-            FORCING_FREQUENCY.holds("forcing_frequency", frequency)?;
+            FORCING_AMPLITUDE.check("forcing amplitude", amplitude)?;
+            FORCING_FREQUENCY.check("forcing_frequency", frequency)?;
         }
         Ok(Self { parameters })
     }
@@ -173,7 +173,7 @@ impl Oscillator {
 
     /// Returns the default start X = 0.97 μ_st − 2ζV, at which the mass sticks without fluctuation and forcing.
     pub fn default_start(&self) -> f64 {
-        DEFAULT_START_SHARE * self.static_friction() - 2.0 * self.damping_ratio() * self.belt_velocity()
+        DEFAULT_START_FRACTION * self.static_friction() - 2.0 * self.damping_ratio() * self.belt_velocity()
     }
 }
 

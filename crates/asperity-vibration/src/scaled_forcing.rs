@@ -4,7 +4,7 @@ use super::Oscillator;
 
 /// Largest number of steps in the search for the end of a stick; convergence is quadratic except at a tangential
 /// release.
-const MAX_MARCH: usize = 400;
+const MAX_RELEASE_STEPS: usize = 400;
 
 /// Harmonic force q cos ητ in units of V.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +60,7 @@ impl ScaledForcing {
         if t > limit {
             return None;
         }
-        for _ in 0..MAX_MARCH {
+        for _ in 0..MAX_RELEASE_STEPS {
             if rate <= 0.0 && best + rate * t < 0.0 {
                 return None;
             }

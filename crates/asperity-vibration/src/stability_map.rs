@@ -14,11 +14,11 @@ use asperity_base::monitor::{Cancelled, Monitor, Quiet};
 use asperity_process::FrictionProcess;
 
 /// Fraction of the trajectories after which a point is decided if all of them agree.
-const FIRST_SHARE: f64 = 0.25;
+const FIRST_FRACTION: f64 = 0.25;
 /// Least number of trajectories that may decide a point.
 const FIRST_COUNT: usize = 64;
 /// Largest number of halvings of a cell.
-const DEEPEST: u32 = 8;
+const MAX_DEPTH: u32 = 8;
 
 /// Axis of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -180,7 +180,7 @@ pub fn stability_map(
     for (parameter, axis) in [("end of the x axis", settings.x), ("end of the y axis", settings.y)] {
         axis.check().map_err(|wanted| VibrationError::Parameter { parameter, value: axis.to, wanted })?;
     }
-    if settings.depth > DEEPEST {
+    if settings.depth > MAX_DEPTH {
         let value = f64::from(settings.depth);
         return Err(VibrationError::Parameter { parameter: "map depth", value, wanted: "at most 8" });
     }
@@ -278,7 +278,7 @@ fn point(
         let settings = EnsembleSettings { trajectories, sample_capacity: 0, ..*settings };
         Ok(Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?.passages.sustained)
     };
-    let first = ((FIRST_SHARE * settings.trajectories as f64) as usize).max(FIRST_COUNT);
+    let first = ((FIRST_FRACTION * settings.trajectories as f64) as usize).max(FIRST_COUNT);
     if first < settings.trajectories {
         let sustained = of(first)?;
         if sustained.value == 0.0 || sustained.value == 1.0 {

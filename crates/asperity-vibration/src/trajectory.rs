@@ -62,7 +62,7 @@ pub(super) fn started<F: Fluctuation>(
     settings: &TrajectorySettings,
 ) -> Result<Motion<F>, VibrationError> {
     positive("duration", settings.duration)?;
-    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)?.by(settings.method)
+    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)?.with_method(settings.method)
 }
 
 /// Returns the displacement X at τ = 0.

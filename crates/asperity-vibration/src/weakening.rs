@@ -79,7 +79,7 @@ impl Weakening {
                 (damping, Curve::Exponential(Exponential { gain, curvature: v / stribeck_velocity }))
             }
             FrictionLaw::Linear { slope, .. } => (damping + slope, Curve::Straight),
-            FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::of(table, v, 0))),
+            FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::new(table, v, 0))),
             _ => (damping, Curve::Straight),
         };
         let steepest = curve.gain_and_curvature().map(|[gain, _]| linear.abs().max((linear + gain).abs()));
@@ -108,12 +108,12 @@ impl Weakening {
         while index + 1 < table.pieces().len() && at_least(index + 1) {
             index += 1;
         }
-        self.curve = Curve::Cubic(Cubic::of(table, *v, index));
+        self.curve = Curve::Cubic(Cubic::new(table, *v, index));
         let a = self.acceleration(w, e);
         // At W′ = 0 the law does not contribute to W″.
         let falls = a < 0.0 || (a == 0.0 && e_rate < 0.0);
         if index > 0 && falls && table.pieces()[index].from / v == w {
-            self.curve = Curve::Cubic(Cubic::of(table, *v, index - 1));
+            self.curve = Curve::Cubic(Cubic::new(table, *v, index - 1));
         }
     }
 
@@ -181,7 +181,7 @@ impl Exponential {
 
 impl Cubic {
     /// Creates (μ_k − μ(VW))/V in an interval of a table.
-    fn of(table: &FrictionTable, v: f64, index: usize) -> Self {
+    fn new(table: &FrictionTable, v: f64, index: usize) -> Self {
         let piece = &table.pieces()[index];
         let to = table.pieces().get(index + 1).map_or(f64::INFINITY, |next| next.from / v);
         let [y, b, c, d] = piece.coefficients;

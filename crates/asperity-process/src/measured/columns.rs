@@ -108,7 +108,7 @@ impl ColumnTable {
                 Line { number, text, comment }
             })
             .collect();
-        let layouts = Separator::ALL.into_iter().filter_map(|separator| Layout::of(&lines, separator));
+        let layouts = Separator::ALL.into_iter().filter_map(|separator| Layout::new(&lines, separator));
         // The first of equally good layouts: semicolons and tabs rarely have another meaning.
         let best = layouts.reduce(|best, next| if next.rank() > best.rank() { next } else { best });
         let layout = best.ok_or(MeasuredError::NoRows)?;
@@ -196,7 +196,7 @@ struct Layout {
 
 impl Layout {
     /// Returns the layout for a separator; `None` if no line is a row.
-    fn of(lines: &[Line<'_>], separator: Separator) -> Option<Self> {
+    fn new(lines: &[Line<'_>], separator: Separator) -> Option<Self> {
         let probe: Vec<(usize, Vec<&str>)> = (0..lines.len())
             .filter(|index| !lines[*index].comment)
             .take(PROBE)

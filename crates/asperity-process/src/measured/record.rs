@@ -83,23 +83,23 @@ pub struct MeasuredRecord {
 
 /// Returns whether a text is a unit supported by this module.
 pub(super) fn is_unit(text: &str) -> bool {
-    is_none(text) || [of_time(text), of_length(text), of_force(text)].iter().any(Option::is_some)
+    is_none(text) || [time_factor(text), length_factor(text), force_factor(text)].iter().any(Option::is_some)
 }
 
 fn is_none(unit: &str) -> bool {
     matches!(unit, "" | "1" | "-" | "–" | "—" | "[-]")
 }
 
-fn of_time(unit: &str) -> Option<f64> {
+fn time_factor(unit: &str) -> Option<f64> {
     let unit = if unit == "sec" { "s" } else { unit };
     format!("1 {unit}").parse::<Time>().ok().map(|time| time.0)
 }
 
-fn of_length(unit: &str) -> Option<f64> {
+fn length_factor(unit: &str) -> Option<f64> {
     format!("1 {unit}").parse::<Length>().ok().map(|length| length.0)
 }
 
-fn of_force(unit: &str) -> Option<f64> {
+fn force_factor(unit: &str) -> Option<f64> {
     format!("1 {unit}").parse::<Force>().ok().map(|force| force.0)
 }
 
@@ -149,12 +149,12 @@ impl MeasuredRecord {
             }
             Abscissa::Time { column, unit } => {
                 let chosen = table.column(column)?;
-                let factor = factor(&chosen, unit.as_deref(), of_time, "time", "s or ms")?;
+                let factor = factor(&chosen, unit.as_deref(), time_factor, "time", "s or ms")?;
                 scaled(even(table, &chosen, values, &mut warnings)?, factor)
             }
             Abscissa::Distance { column, unit } => {
                 let chosen = table.column(column)?;
-                let factor = factor(&chosen, unit.as_deref(), of_length, "length", "m or mm")?;
+                let factor = factor(&chosen, unit.as_deref(), length_factor, "length", "m or mm")?;
                 scaled(even(table, &chosen, values, &mut warnings)?, factor)
             }
         };
@@ -247,7 +247,7 @@ fn coefficient(
     let force = match unit {
         Some(unit) if is_none(unit) => None,
         Some("%") => return Ok(chosen.values.iter().map(|mu| 0.01 * mu).collect()),
-        Some(unit) => Some(of_force(unit).ok_or_else(|| MeasuredError::WrongUnit {
+        Some(unit) => Some(force_factor(unit).ok_or_else(|| MeasuredError::WrongUnit {
             column: column(),
             unit: unit.into(),
             wanted: "force; a friction coefficient has no unit (- or 1)",
@@ -275,7 +275,7 @@ fn coefficient(
         }
         Some(NormalForce::Column { column, unit }) => {
             let pressing = table.column(column)?;
-            let normal_newton = factor(&pressing, unit.as_deref(), of_force, "force", "N or mN")?;
+            let normal_newton = factor(&pressing, unit.as_deref(), force_factor, "force", "N or mN")?;
             let idle = pressing.values.iter().filter(|normal| **normal <= 0.0).count();
             if idle > 0 {
                 warnings.push(format!("in {idle} rows the normal force is not above zero; these rows are gaps"));

@@ -8,7 +8,7 @@ const REVERSAL: f64 = 0.5;
 /// Largest fraction of such values, and largest ratio of the standard deviation of |μ| without them to its mean. For
 /// noise about zero they are .26 and .52.
 const MOST_REVERSING: f64 = 0.22;
-const LARGEST_SCATTER: f64 = 0.42;
+const LARGEST_VARIATION: f64 = 0.42;
 /// Least fraction of values of each sign, and least mean number of values per stroke.
 const LEAST_OF_A_SIGN: f64 = 0.1;
 const LEAST_VALUES: usize = 8;
@@ -69,7 +69,7 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
     let scatter = (sliding.iter().map(|mu| (mu.abs() - mean).powi(2)).sum::<f64>() / n).sqrt() / mean;
     if positive.min(1.0 - positive) < LEAST_OF_A_SIGN
         || n < (1.0 - MOST_REVERSING) * present
-        || scatter > LARGEST_SCATTER
+        || scatter > LARGEST_VARIATION
     {
         return None;
     }

@@ -8,7 +8,7 @@ use super::super::{Event, EventKind, MotionKind};
 
 /// Time of slip without a swing after which vibration counts as lost: three natural periods. A slip of a cycle is
 /// shorter than one natural period; the time in stick does not count.
-const PATIENCE: f64 = 3.0 * TAU;
+const LOSS_TIME: f64 = 3.0 * TAU;
 
 /// Kinds of vibration in the order of [`Passage::kinds`].
 pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Overtaking, MotionKind::SlipCycle];
@@ -95,7 +95,7 @@ impl Passage {
             Some(since) => self.stick += self.duration - since,
             None => self.slipped += self.duration - self.slides_from,
         }
-        if self.slipped > PATIENCE {
+        if self.slipped > LOSS_TIME {
             self.lose();
             self.outside += self.duration - self.last_end;
         } else {
@@ -143,7 +143,7 @@ impl Passage {
 
     /// Records a swing of one of the [`KINDS`].
     fn swing(&mut self, kind: usize, start: f64, end: f64) {
-        if self.slipped > PATIENCE {
+        if self.slipped > LOSS_TIME {
             self.lose();
             self.outside += end - self.last_end;
             self.entries += 1;

@@ -128,7 +128,7 @@ impl Passages {
     }
 
     /// Computes the results after the last trajectory.
-    pub(super) fn conclude(&mut self) {
+    pub(super) fn finish(&mut self) {
         let Sums { sustained, inside, outside, kinds, late } = self.sums;
         self.share_in_cycle = inside / (inside + outside);
         let times = KINDS.into_iter().zip(kinds).chain([(MotionKind::None, outside)]);

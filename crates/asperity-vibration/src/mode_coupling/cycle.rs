@@ -17,7 +17,7 @@ const SETTLED: f64 = 1e-8;
 /// Largest number of maxima of x per period in the search for a cycle.
 const MAX_MULTIPLICITY: usize = 32;
 /// Number of maxima of x after which a motion counts as irregular.
-const MAX_SUMMITS: usize = 40_000;
+const MAX_MAXIMA: usize = 40_000;
 /// Difference below which two states may still converge, and the number of maxima allowed for this after states further
 /// apart in time already agree. A motion that spirals into its cycle first comes close to itself after several turns.
 const NEAR: f64 = 1e-3;
@@ -79,13 +79,13 @@ impl Regime {
 
 /// Maximum of x: x′ falls through zero.
 #[derive(Debug, Clone, Copy)]
-struct Summit {
+struct Maximum {
     state: State,
     /// Decrease of x before the maximum.
     fall: f64,
 }
 
-impl Summit {
+impl Maximum {
     /// Returns the largest difference from another maximum, relative to the size of the vibration.
     fn difference(&self, other: &Self) -> f64 {
         let size = self.fall.max(other.fall).max(f64::MIN_POSITIVE);
@@ -108,12 +108,12 @@ impl Summit {
 pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, VibrationError> {
     let start = start.map_or_else(|| default_start(model), Ok)?;
     let mut motion = Motion::new(model, process::Steady, start)?;
-    let mut summits: VecDeque<Summit> = VecDeque::with_capacity(MAX_MULTIPLICITY);
+    let mut summits: VecDeque<Maximum> = VecDeque::with_capacity(MAX_MULTIPLICITY);
     // A single small wave may belong to an irregular motion.
     let mut small = 0;
     let mut spiral = 0;
-    for _ in 0..MAX_SUMMITS {
-        let Some(summit) = next_summit(&mut motion, |_, _| {})? else {
+    for _ in 0..MAX_MAXIMA {
+        let Some(summit) = next_maximum(&mut motion, |_, _| {})? else {
             let Now { x, u, y, v, .. } = motion.now;
             return if u.abs() + v.abs() <= SETTLED * (x.abs() + y.abs()) {
                 Ok(Regime::Steady)
@@ -128,7 +128,7 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
         if small == MAX_MULTIPLICITY {
             return Ok(Regime::Steady);
         }
-        let repeated = |earlier: &Summit| !settled && summit.difference(earlier) < REPEATED;
+        let repeated = |earlier: &Maximum| !settled && summit.difference(earlier) < REPEATED;
         if let Some(back) = summits.iter().position(repeated) {
             if spiral == MAX_SPIRAL || !summits.iter().take(back).any(|earlier| summit.difference(earlier) < NEAR) {
                 return measured(&mut motion, summit, back + 1).map(Regime::Cycle);
@@ -146,25 +146,29 @@ fn lost() -> VibrationError {
 }
 
 /// Follows the mass to its next maximum of x and passes every step to `visit`; returns none if it does not return.
-fn next_summit(
+fn next_maximum(
     motion: &mut Motion<process::Steady>,
     mut show: impl FnMut(&Motion<process::Steady>, Cut),
-) -> Result<Option<Summit>, VibrationError> {
+) -> Result<Option<Maximum>, VibrationError> {
     let until = motion.now.tau + MAX_WAIT * motion.stick_time();
     let mut lowest = motion.now.x;
     while motion.now.tau < until {
         let cut = motion.step(until)?;
         lowest = lowest.min(motion.now.x);
         show(motion, cut);
-        if cut == Cut::Summit {
-            return Ok(Some(Summit { state: motion.now.state(), fall: motion.now.x - lowest }));
+        if cut == Cut::Maximum {
+            return Ok(Some(Maximum { state: motion.now.state(), fall: motion.now.x - lowest }));
         }
     }
     Ok(None)
 }
 
 /// Follows one more period and measures it; extremes lie at ends of steps.
-fn measured(motion: &mut Motion<process::Steady>, first: Summit, summits: usize) -> Result<LimitCycle, VibrationError> {
+fn measured(
+    motion: &mut Motion<process::Steady>,
+    first: Maximum,
+    summits: usize,
+) -> Result<LimitCycle, VibrationError> {
     let contact = motion.contact_stiffness();
     let began = motion.now.tau;
     let mut tangential = [motion.now.x; 2];
@@ -172,7 +176,7 @@ fn measured(motion: &mut Motion<process::Steady>, first: Summit, summits: usize)
     let (mut stick, mut flight, mut detachments, mut lift_offs) = (0.0, 0.0, 0, 0);
     let mut last = first;
     for _ in 0..summits {
-        last = next_summit(motion, |motion, cut| {
+        last = next_maximum(motion, |motion, cut| {
             let now = motion.now;
             tangential = [tangential[0].min(now.x), tangential[1].max(now.x)];
             normal = [normal[0].min(now.y), normal[1].max(now.y)];

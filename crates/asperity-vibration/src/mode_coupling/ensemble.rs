@@ -17,7 +17,7 @@ use asperity_process::{Cancellable, Fluctuation, FrictionProcess, Steady};
 /// Number of trajectories between checks for cancellation.
 const BLOCK: usize = 256;
 /// Last fraction of the time, in which a vibration counts as sustained.
-const LAST_SHARE: f64 = 0.25;
+const LAST_FRACTION: f64 = 0.25;
 
 /// Settings of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -142,14 +142,14 @@ fn follow(
             (Contact::Flight, since) => flight += now.tau - since,
             _ => {}
         }
-        if !matches!(cut, Cut::Summit | Cut::Valley) {
+        if !matches!(cut, Cut::Maximum | Cut::Minimum) {
             continue;
         }
         let size = (now.x - rest).abs();
         if size >= threshold && passage.is_none() {
             passage = Some(now.tau);
         }
-        if now.tau >= (1.0 - LAST_SHARE) * duration {
+        if now.tau >= (1.0 - LAST_FRACTION) * duration {
             amplitude = amplitude.max(size);
         }
     }

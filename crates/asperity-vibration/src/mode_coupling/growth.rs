@@ -15,7 +15,7 @@ const TERMS: usize = 16;
 /// Last kept term of a series, relative to the state.
 const TOLERANCE: f64 = 1e-17;
 /// Size above which a state is scaled back.
-const HUGE: f64 = 1e100;
+const RESCALING_SIZE: f64 = 1e100;
 
 /// Settings of the growth rates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -162,7 +162,7 @@ impl Linear {
                 }
             }
             let largest = state.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            if !(HUGE.recip()..=HUGE).contains(&largest) {
+            if !(RESCALING_SIZE.recip()..=RESCALING_SIZE).contains(&largest) {
                 log_size += largest.ln();
                 state.iter_mut().for_each(|z| *z /= largest);
             }

@@ -103,9 +103,9 @@ pub(super) enum Cut {
     /// The requested time, a grid point of the friction process, the reach of the series, or an extreme of y.
     None,
     /// x′ passed zero while falling: maximum of x.
-    Summit,
+    Maximum,
     /// x′ passed zero while rising: minimum of x.
-    Valley,
+    Minimum,
     /// An event.
     Event(Event),
 }
@@ -188,7 +188,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         if motion.now.normal(model) < 0.0 {
             motion.now.contact = Contact::Flight;
         } else {
-            motion.meet()?;
+            motion.determine_contact()?;
         }
         motion.passed.0 = motion.now.contact;
         Ok(motion)
@@ -282,7 +282,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             Some(EventKind::LiftOff) => Ok(self.lift_off()),
             Some(_) => {
                 self.now.u = self.model.belt_velocity();
-                self.meet()?;
+                self.determine_contact()?;
                 let kind = if self.now.contact == Contact::Stick { EventKind::Restick } else { EventKind::Reverse };
                 Ok(self.event(kind))
             }
@@ -333,7 +333,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             return Ok(self.at_turn(turn));
         }
         self.now.touching = true;
-        self.meet()?;
+        self.determine_contact()?;
         Ok(self.event(EventKind::Landing))
     }
 
@@ -358,7 +358,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
                 // x′ falls through zero if it was positive half-way.
                 let rising = self.sample(0.5 * (self.passed.1 + self.now.tau)).tangential_velocity < 0.0;
                 self.now.u = 0.0;
-                return if rising { Cut::Valley } else { Cut::Summit };
+                return if rising { Cut::Minimum } else { Cut::Maximum };
             }
         }
         Cut::None
@@ -383,7 +383,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
 
     /// Determines the contact of a mass on the belt from its velocity, and at the velocity of the belt from the force
     /// that stick requires.
-    fn meet(&mut self) -> Result<(), VibrationError> {
+    fn determine_contact(&mut self) -> Result<(), VibrationError> {
         let Now { x, u, y, v, m, tau, sliding_distance, .. } = self.now;
         let ahead = self.model.belt_velocity() - u;
         let coefficient = self.model.parameters().static_friction + m;

@@ -143,7 +143,7 @@ mod tests {
     }
 
     /// k₃ = 4/3, K(0) = [2, 1; 1, 2], C = diag(0.02, 0.02), V = 0.2, μ_s = 1.3, μ = 1.2/(1 + 0.3|v|).
-    fn lively() -> Model {
+    fn example() -> Model {
         Model::new(Parameters {
             damping: Damping::Axes { tangential: 0.02, normal: 0.02 },
             static_friction: 1.3,
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn stick_slip_and_flight_match_an_independent_integration() {
         let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
-        let found = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
+        let found = Trajectory::simulate(&example(), Steady, &settings).unwrap();
         let worst = difference(
             &found,
             &[
@@ -201,7 +201,7 @@ mod tests {
         let values = (0..200_i32).map(|i| 0.01 * f64::from((7 * i * i + 3 * i) % 11 - 5)).collect();
         let process = RecordedProcess::new(0.03, values).unwrap();
         let settings = TrajectorySettings { duration: 9.0, start: Some(state(1.4, 0.9, 0.4, 0.1)) };
-        let found = Trajectory::simulate(&lively(), process.path(), &settings).unwrap();
+        let found = Trajectory::simulate(&example(), process.path(), &settings).unwrap();
         let worst = difference(
             &found,
             &[
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn energy_changes_by_the_work_of_friction_and_dampers() {
-        let model = lively();
+        let model = example();
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 0.02, 0.3)).unwrap();
         let settings = TrajectorySettings { duration: 60.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
         let ([k11, k12, k22], [c11, _, c22]) = (model.stiffness(), model.damping());
@@ -326,8 +326,8 @@ mod tests {
     #[test]
     fn a_portrait_contains_the_events() {
         let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
-        let points = Trajectory::portrait(&lively(), Steady, &settings, 0.0, 14_001).unwrap();
-        let trajectory = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
+        let points = Trajectory::portrait(&example(), Steady, &settings, 0.0, 14_001).unwrap();
+        let trajectory = Trajectory::simulate(&example(), Steady, &settings).unwrap();
         assert_eq!((points.len(), points[14_000].state), (14_001, trajectory.end));
         for (mut points, kind) in [(Contact::Stick, EventKind::Detach), (Contact::Flight, EventKind::Landing)]
             .map(|(contact, kind)| (points.iter().filter(move |p| p.contact == contact), kind))
@@ -416,11 +416,11 @@ mod tests {
     fn negative_friction_and_short_records_are_errors() {
         let settings = TrajectorySettings { duration: 50.0, start: None };
         let run = |values: Vec<f64>| {
-            Trajectory::simulate(&lively(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)
+            Trajectory::simulate(&example(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)
         };
         assert!(matches!(run(vec![0.0; 4]), Err(VibrationError::ProcessTooShort { .. })));
         assert!(matches!(run(vec![-1.25; 1000]), Err(VibrationError::FrictionNotPositive { .. })));
         let nowhere = TrajectorySettings { duration: 1.0, start: Some(state(f64::NAN, 0.0, 0.0, 0.0)) };
-        assert!(Trajectory::simulate(&lively(), Steady, &nowhere).is_err());
+        assert!(Trajectory::simulate(&example(), Steady, &nowhere).is_err());
     }
 }

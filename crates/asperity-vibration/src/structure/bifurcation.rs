@@ -24,7 +24,7 @@ const REPEATS: f64 = 1e-6;
 const MAX_MULTIPLICITY: usize = 32;
 /// Largest factor by which the distance from a repetition shrinks during a record while the motion counts as
 /// approaching one. Close to a bifurcation a motion approaches slowly.
-const APPROACHES: f64 = 0.999;
+const APPROACH_FACTOR: f64 = 0.999;
 /// Largest number of records of a motion that approaches a repetition.
 const MAX_BLOCKS: usize = 300;
 
@@ -223,9 +223,9 @@ fn forced_point(
     settings: &BifurcationSettings,
 ) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
     let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
-    let mut strokes = Strokes { motion: started_at(oscillator, x, v)?, period, turn: Turn::EMPTY, begun: None };
-    strokes.pass(settings.transient)?;
-    let mut record = strokes.record(settings.recorded)?;
+    let mut forced = ForcedMotion { motion: started_at(oscillator, x, v)?, period, turn: Turn::EMPTY, begun: None };
+    forced.pass(settings.transient)?;
+    let mut record = forced.record(settings.recorded)?;
     let mut settled = false;
     // A motion that approaches a repetition gets further records.
     for _ in 1..MAX_BLOCKS {
@@ -233,7 +233,7 @@ fn forced_point(
             settled = true;
             break;
         }
-        let next = strokes.record(settings.recorded)?;
+        let next = forced.record(settings.recorded)?;
         settled = !next.approaches(&record, scale);
         record = next;
         if settled {
@@ -242,8 +242,8 @@ fn forced_point(
     }
     let multiplicity = record.multiplicity(scale).filter(|_| settled);
     let since = settings.recorded - multiplicity.unwrap_or(settings.recorded);
-    let span = |spans: &[[f64; 2]]| spans[since..].iter().fold(NOWHERE, |[a, b], [c, d]| [a.min(*c), b.max(*d)]);
-    let turnovers = record.turns.iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
+    let span = |spans: &[[f64; 2]]| spans[since..].iter().fold(EMPTY_RANGE, |[a, b], [c, d]| [a.min(*c), b.max(*d)]);
+    let turnovers = record.turns.iter().filter(|(index, _)| *index >= since).map(|(_, turn)| Turnover {
         duration: turn.duration,
         reattachment_displacement: turn.reattachment,
         velocity_min: turn.slowest,
@@ -265,10 +265,10 @@ fn forced_point(
 }
 
 /// Empty range.
-const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+const EMPTY_RANGE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Motion that is followed by forcing periods; its time is counted from the last one.
-struct Strokes {
+struct ForcedMotion {
     motion: Motion<Steady>,
     period: f64,
     /// Turn since the last recorded detachment, and the time of that detachment.
@@ -291,10 +291,10 @@ struct Record {
     sticks: bool,
 }
 
-impl Strokes {
+impl ForcedMotion {
     /// Advances by a number of forcing periods without a record.
-    fn pass(&mut self, strokes: usize) -> Result<(), VibrationError> {
-        for _ in 0..strokes {
+    fn pass(&mut self, periods: usize) -> Result<(), VibrationError> {
+        for _ in 0..periods {
             while self.motion.tau < self.period {
                 self.motion.step(self.period)?;
             }
@@ -303,11 +303,11 @@ impl Strokes {
         Ok(())
     }
 
-    fn record(&mut self, strokes: usize) -> Result<Record, VibrationError> {
+    fn record(&mut self, periods: usize) -> Result<Record, VibrationError> {
         let (mut states, mut displacements, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
         let (mut turns, mut touched, mut sticks) = (Vec::new(), false, self.motion.slip_state().is_none());
-        for stroke in 0..strokes {
-            let (mut displacement, mut velocity) = (NOWHERE, NOWHERE);
+        for index in 0..periods {
+            let (mut displacement, mut velocity) = (EMPTY_RANGE, EMPTY_RANGE);
             while self.motion.tau < self.period {
                 let event = self.motion.step(self.period)?;
                 self.turn.include(&self.motion);
@@ -324,7 +324,7 @@ impl Strokes {
                     Some(EventKind::Detach) => {
                         if let Some(begun) = self.begun {
                             self.turn.duration = self.motion.tau - begun;
-                            turns.push((stroke, self.turn));
+                            turns.push((index, self.turn));
                         }
                         (self.turn, self.begun) = (Turn::EMPTY, Some(self.motion.tau));
                     }
@@ -366,7 +366,7 @@ impl Record {
     /// Returns whether the motion is closer to a repetition than in the previous record. If it repeats, compares
     /// repetitions after fewer forcing periods.
     fn approaches(&self, before: &Self, scale: [f64; 2]) -> bool {
-        let closer = |after: f64, before: f64| after < APPROACHES * before;
+        let closer = |after: f64, before: f64| after < APPROACH_FACTOR * before;
         if let Some(multiplicity) = self.multiplicity(scale) {
             return (1..multiplicity).any(|k| closer(self.apart(k, scale), before.apart(k, scale)));
         }

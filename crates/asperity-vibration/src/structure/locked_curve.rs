@@ -47,7 +47,7 @@ pub fn locked_curve(
         return Err(VibrationError::NotFound { what: "curve", reason: "the damping ratio is the result of the curve" });
     }
     let scale = settings.scale();
-    let value = parameter.of(oscillator).unwrap_or(f64::NAN);
+    let value = parameter.value(oscillator).unwrap_or(f64::NAN);
     let fraction = scale.fraction(value);
     if !(0.0..=1.0).contains(&fraction) {
         return Err(VibrationError::Parameter { parameter: "start of the curve", value, wanted: "in the range" });

@@ -24,7 +24,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Returns the value of the parameter; none if the oscillator does not have it.
-    pub fn of(self, oscillator: &Oscillator) -> Option<f64> {
+    pub fn value(self, oscillator: &Oscillator) -> Option<f64> {
         match self {
             Self::DampingRatio => Some(oscillator.damping_ratio()),
             Self::BeltVelocity => Some(oscillator.belt_velocity()),
@@ -105,16 +105,16 @@ mod tests {
         ];
         for parameter in all {
             let other = parameter.set(&forced, 0.7).unwrap();
-            assert_eq!(parameter.of(&other), Some(0.7));
+            assert_eq!(parameter.value(&other), Some(0.7));
             for rest in all.into_iter().filter(|p| *p != parameter) {
-                assert_eq!(rest.of(&other), rest.of(&forced));
+                assert_eq!(rest.value(&other), rest.value(&forced));
             }
         }
         let friction = Parameter::StaticFriction.set(&forced, 0.7).unwrap();
         assert_eq!(friction.law().kinetic(), 0.7);
         let law = FrictionLaw::Coulomb { kinetic: 0.2 };
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
-        assert_eq!(Parameter::Weakening.of(&coulomb), None);
+        assert_eq!(Parameter::Weakening.value(&coulomb), None);
         assert!(
             Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
         );
