@@ -181,7 +181,7 @@ impl Job {
         for index in 0..self.paths {
             let mut path = self.process.path(self.seed, index as u64);
             for _ in 0..count {
-                bytes.extend(path.next_knot().to_le_bytes());
+                bytes.extend(path.next_value().to_le_bytes());
             }
         }
         Ok(std::fs::write(&self.knots, bytes)?)

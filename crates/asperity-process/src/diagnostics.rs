@@ -1,34 +1,35 @@
-//! How well a law fits a friction coefficient: probability integral transform and quantile plot.
+//! Quality of fit of a friction distribution: probability integral transform and quantile plot.
 
 use asperity_base::law::Marginal;
 use asperity_base::stats::{NORMAL_95, quantile_sorted};
 
-/// Bins of the probability integral transform, and pairs of the quantile plot.
+/// Numbers of bins of the probability integral transform and of pairs of the quantile plot.
 const BINS: usize = 20;
 const PAIRS: usize = 400;
 
 /// Named columns of equal length.
 pub type Columns = Vec<(&'static str, Vec<f64>)>;
 
-/// Histogram of F(μ), 1 everywhere if the law fits, with the band that 95 % of the bins lie in for as many independent
-/// values as the sample is worth: `probability`, `density`, `low`, `high`.
+/// Returns the histogram of F(μ), which is 1 everywhere if the distribution fits, with a band that contains 95 % of the
+/// bins. The band assumes `effective_size` independent values. Columns: `probability`, `density`, `low`, `high`.
 pub fn integral_transform(law: &Marginal, sorted: &[f64], effective_size: f64) -> Columns {
     let mut density = vec![0.0; BINS];
     for mu in sorted {
         let bin = (law.cdf(*mu) * BINS as f64) as usize;
         density[bin.min(BINS - 1)] += BINS as f64 / sorted.len() as f64;
     }
-    let share = 1.0 / BINS as f64;
-    let reach = NORMAL_95 * (share * (1.0 - share) / effective_size).sqrt() * BINS as f64;
+    let fraction = 1.0 / BINS as f64;
+    let reach = NORMAL_95 * (fraction * (1.0 - fraction) / effective_size).sqrt() * BINS as f64;
     vec![
-        ("probability", (0..BINS).map(|bin| (bin as f64 + 0.5) * share).collect()),
+        ("probability", (0..BINS).map(|bin| (bin as f64 + 0.5) * fraction).collect()),
         ("density", density),
         ("low", vec![(1.0 - reach).max(0.0); BINS]),
         ("high", vec![1.0 + reach; BINS]),
     ]
 }
 
-/// Quantiles of a sorted sample over those of the law at the same probabilities: `probability`, `fitted`, `measured`.
+/// Returns quantiles of a sorted sample and of the distribution at the same probabilities: `probability`, `fitted`,
+/// `measured`.
 pub fn quantile_pairs(law: &Marginal, sorted: &[f64]) -> Columns {
     let count = sorted.len().min(PAIRS);
     let probability: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
@@ -43,13 +44,13 @@ pub fn quantile_pairs(law: &Marginal, sorted: &[f64]) -> Columns {
 mod tests {
     use super::*;
 
-    /// Quantiles of the law itself at the middles of equal probabilities.
+    /// Returns quantiles of the distribution itself at the centres of equal probability intervals.
     fn ideal(law: &Marginal, n: usize) -> Vec<f64> {
         (0..n).map(|k| law.quantile((k as f64 + 0.5) / n as f64)).collect()
     }
 
     #[test]
-    fn a_law_that_fits_is_flat_and_straight() {
+    fn a_fitting_distribution_is_flat_and_straight() {
         let law: Marginal = "beta:2.1,5".parse().unwrap();
         let sorted = ideal(&law, 4000);
         let flat = integral_transform(&law, &sorted, 100.0);
@@ -57,14 +58,14 @@ mod tests {
         // 5 ± 1.96 √(100 · 0.05 · 0.95) values of 100 in a bin of 5 %.
         assert!((flat[3].1[0] - (1.0 + 1.959_964 * 4.75_f64.sqrt() / 5.0)).abs() < 1e-6);
         let straight = quantile_pairs(&law, &sorted);
-        // Near the ends a quantile of the sample lies between values that are far apart.
+        // Near the ends, a quantile of the sample lies between values that are far apart.
         let middle = 20..380;
         let pairs = || straight[0].1[middle.clone()].iter().zip(&straight[1].1[middle.clone()]);
         assert!(pairs().all(|(a, b)| (a - b).abs() < 2e-3));
     }
 
     #[test]
-    fn a_law_that_is_too_narrow_shows_it_at_both_ends() {
+    fn a_too_narrow_distribution_deviates_at_both_ends() {
         let (law, wide) = (Marginal::STANDARD_NORMAL, Marginal::normal(0.0, 2.0).unwrap());
         let density = &integral_transform(&law, &ideal(&wide, 4000), 100.0)[1].1;
         // P(|2Z| > 1.645) / 0.1 = 4.11 at the ends.

@@ -1,66 +1,65 @@
-//! What is known of a friction coefficient as a process, in SI: to be drawn from, carried to a machine, and kept in a file.
+//! Fitted friction process in SI: random realisations, conversion to a machine, and storage in a file.
 
 use super::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, positive};
 use asperity_base::law::Marginal;
 
-/// Most values of one simulated record.
+/// Largest number of values of a simulated record.
 const MOST_VALUES: f64 = 1e9;
 
-/// A friction coefficient μ(s) = mean + m(s), fitted to a study's windows or to a measured record.
+/// Friction coefficient μ(s) = mean + m(s), fitted to the windows of a study or to a measured record.
 ///
-/// [`FittedProcess::model`] makes the generator's model of m, in any unit of length; [`FittedProcess::to_json`] and
-/// [`FittedProcess::from_json`] keep every bit.
+/// [`FittedProcess::model`] creates the model of m for the generator, in any unit of length. [`FittedProcess::to_json`]
+/// and [`FittedProcess::from_json`] preserve every bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedProcess {
-    /// Mean of μ, positive: the static coefficient at the start of the Stribeck curve.
+    /// Mean of μ, positive; the static coefficient at the start of the Stribeck curve.
     pub mean: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the mean.
     pub mean_interval: Option<[f64; 2]>,
     /// Standard deviation of μ; 0 for a constant coefficient.
     pub std: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the standard deviation.
     pub std_interval: Option<[f64; 2]>,
-    /// The law fitted to μ, bounds included. Draws take its shape, with the mean and the standard deviation above. `None`
-    /// only where μ is constant.
+    /// Distribution fitted to μ, bounds included. Realisations use its shape with `mean` and `std`. `None` only if μ is
+    /// constant.
     pub marginal: Option<Marginal>,
-    /// Correlation of μ along the sliding distance. `None` only where μ is constant.
+    /// Correlation of μ along the sliding distance. `None` only if μ is constant.
     pub correlation: Option<FittedCorrelation>,
-    /// How realisations are made; `None`: [`Generator::of`] the correlation.
+    /// Generator of realisations; if `None`, [`Generator::for_shape`] selects one for the correlation.
     pub generator: Option<Generator>,
-    /// Coefficient a of μ/(1 + a|v|) in s/m, where it is known.
+    /// Coefficient a of μ/(1 + a|v|) in s/m, if known.
     pub stribeck_s_per_m: Option<f64>,
-    /// Length and width of the area over which this friction is averaged, in metre: window and strip of a study, the contact
-    /// of a specimen. Larger areas scatter less; without it nothing is said of them.
+    /// Length and width in metre of the area over which this friction is averaged: window and strip of a study, or the
+    /// contact of a specimen. Friction averaged over larger areas varies less. `None` if the area is unknown.
     pub averaged_over_m: Option<[f64; 2]>,
-    /// Mean pressure at which it was found.
+    /// Mean pressure in pascal at which the process was determined.
     pub mean_pressure_pa: Option<f64>,
-    /// Where it comes from.
+    /// Source of the process.
     pub origin: Origin,
 }
 
-/// Correlation of μ(s), as it was seen.
+/// Correlation of μ(s) along the sliding distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedCorrelation {
-    /// Shape of the correlation of μ; a window in metre.
+    /// Shape of the correlation of μ; a window is in metre.
     pub shape: CorrelationShape,
     /// Length ℓ of the shape in metre.
     pub length_m: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the length, in metre.
     pub length_interval_m: Option<[f64; 2]>,
-    /// Window over which μ was averaged and which the length therefore contains, in metre; `None` where no window is known.
-    /// With [`CorrelationShape::WindowedExponential`] it is the window of the shape, and the length is free of it.
+    /// Window over which μ was averaged and which the length therefore includes, in metre; `None` if no window is known.
+    /// With [`CorrelationShape::WindowedExponential`] it is the window of the shape, and the length excludes it.
     pub window_m: Option<f64>,
-    /// What is left of the length without that window, in metre, where it is known: ℓ of an exponential of the same integral
-    /// scale.
+    /// Length without the effect of that window, in metre, if known: ℓ of an exponential with the same integral scale.
     pub length_without_window_m: Option<f64>,
 }
 
-/// Where a process comes from.
+/// Source of a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
-    /// The kind of its source.
+    /// Kind of the source.
     pub kind: OriginKind,
-    /// The source in words: file and column, or level of the study.
+    /// Description of the source: file and column, or level of the study.
     pub description: String,
 }
 
@@ -71,7 +70,7 @@ pub enum OriginKind {
     Study,
     /// A measured record.
     Record,
-    /// Written by hand.
+    /// Stated by the user.
     Stated,
 }
 
@@ -79,7 +78,7 @@ impl OriginKind {
     /// All kinds.
     pub const ALL: [Self; 3] = [Self::Study, Self::Record, Self::Stated];
 
-    /// Name as in files.
+    /// Returns the name used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Study => "study",
@@ -90,16 +89,17 @@ impl OriginKind {
 }
 
 impl FittedProcess {
-    /// Whether μ does not vary.
+    /// Returns whether μ is constant.
     pub fn is_constant(&self) -> bool {
         self.std == 0.0
     }
 
-    /// Fails with the first value that cannot be right.
+    /// Checks the process and returns the first invalid value as an error.
     ///
     /// # Errors
-    /// A mean that is not positive, a negative standard deviation, a law or a correlation that is none or is absent although
-    /// μ varies, an interval that does not rise, a generator that cannot make the correlation or the law, a Stribeck coefficient below zero.
+    /// Fails if the mean is not positive, if the standard deviation or the Stribeck coefficient is negative, if the
+    /// distribution or the correlation is invalid or is absent although μ varies, if an interval does not rise, or if
+    /// the generator does not support the correlation or the distribution.
     pub fn check(&self) -> Result<(), ProcessError> {
         positive("mean", self.mean)?;
         non_negative("std", self.std)?;
@@ -131,11 +131,12 @@ impl FittedProcess {
         self.mean_pressure_pa.map_or(Ok(()), |pressure| positive("mean_pressure_pa", pressure))
     }
 
-    /// The model of m(s) with lengths counted in `unit_m`: 1 for metre, N/c for the oscillator. The correlation is that of
-    /// m, not of the normal process below it; unless a generator is stated, exponential ones are made by recursion, others by
+    /// Returns the model of m(s) with lengths in multiples of `unit_m`: 1 for metre, N/c for the oscillator. The
+    /// correlation is the one of m, not of the underlying normal process. Unless a generator is stated, exponential
+    /// correlations use the recursion and all others a sum of harmonics.
     /// harmonics.
     ///
-    /// # Errors
+    /// Fails like [`FittedProcess::check`], and if μ is constant, because a constant has no such model.
     /// As [`FittedProcess::check`]; and a constant μ has no such model.
     pub fn model(&self, unit_m: f64) -> Result<ProcessModel, ProcessError> {
         self.check()?;
@@ -146,26 +147,28 @@ impl FittedProcess {
         let correlation = self.correlation.ok_or_else(|| absent("correlation"))?;
         Ok(ProcessModel {
             shape: correlation.shape.in_unit(unit_m),
-            generator: self.generator.unwrap_or_else(|| Generator::of(correlation.shape)),
+            generator: self.generator.unwrap_or_else(|| Generator::for_shape(correlation.shape)),
             correlation: Correlation::Corrected,
             ..ProcessModel::new(marginal, self.std, correlation.length_m / unit_m)
         })
     }
 
-    /// Stribeck coefficient per unit of a dimensionless velocity that counts in `unit_m_per_s`, N/(mω₀) of the oscillator.
+    /// Returns the Stribeck coefficient per unit of a dimensionless velocity with the unit `unit_m_per_s`, N/(mω₀) for
+    /// the oscillator.
     pub fn stribeck(&self, unit_m_per_s: f64) -> Option<f64> {
         self.stribeck_s_per_m.map(|a| a * unit_m_per_s)
     }
 
-    /// A record μ(0), μ(h), … of this process over `length_m`, `step_m` = h apart; realisation `index` under `seed`.
+    /// Returns a record μ(0), μ(h), … of this process over `length_m` with the step h = `step_m`; realisation `index`
+    /// under `seed`.
     ///
     /// # Errors
-    /// As [`FittedProcess::check`]; a length shorter than a step, more than 10⁹ values, or a step of which a window of the
-    /// correlation is no multiple.
+    /// Fails like [`FittedProcess::check`], if the length is shorter than a step, if the record has more than 10⁹
+    /// values, or if a window of the correlation is not a multiple of the step.
     pub fn simulate(&self, length_m: f64, step_m: f64, seed: u64, index: u64) -> Result<Vec<f64>, ProcessError> {
         positive("step", step_m)?;
         positive("length", length_m)?;
-        // A length of whole steps keeps its last value in spite of rounding.
+        // Tolerance for rounding: a length of whole steps keeps its last value.
         let steps = (length_m / step_m * (1.0 + 1e-12)).floor();
         if !(1.0..MOST_VALUES).contains(&steps) {
             let parameter = "number of steps in the length";
@@ -178,7 +181,7 @@ impl FittedProcess {
         }
         let process = FrictionProcess::with_step(self.model(1.0)?, step_m)?;
         let mut path = process.path(seed, index);
-        Ok((0..count).map(|_| self.mean + path.next_knot()).collect())
+        Ok((0..count).map(|_| self.mean + path.next_value()).collect())
     }
 }
 
@@ -282,7 +285,7 @@ pub(super) mod tests {
                 );
             };
             close("mean", process.mean, 0.0, &|(moments, _)| moments.mean);
-            // The mean of a record takes the share 2ℓ/L of the variance along, about 1e-3.
+            // Subtracting the mean of a record reduces the variance by the fraction 2ℓ/L, about 1e-3.
             close("std", process.std, 1e-3 * process.std, &|(moments, _)| moments.std);
             close("skewness", 0.5598, 3e-3, &|(moments, _)| moments.skewness);
             let exact = FrictionProcess::with_step(process.model(1.0).unwrap(), 50e-6).unwrap();
@@ -297,7 +300,7 @@ pub(super) mod tests {
     fn a_stated_generator_makes_the_record() {
         let process = FittedProcess { generator: Some(Generator::Renewal), ..fitted(CorrelationShape::Exponential) };
         let mu = process.simulate(0.1, 5e-6, 4, 0).unwrap();
-        // A jump per correlation length.
+        // One jump per correlation length.
         let jumps = mu.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
         let wanted = 20_000.0 * -(-5.0_f64 / 250.0).exp_m1();
         assert!((jumps - wanted).abs() < 4.0 * wanted.sqrt(), "{jumps}");
@@ -307,7 +310,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_model_counts_lengths_and_velocities_in_the_unit_asked_for() {
+    fn the_model_uses_the_requested_units_of_length_and_velocity() {
         let process = fitted(CorrelationShape::WindowedExponential { window: 500e-6 });
         let model = process.model(0.025).unwrap();
         assert!((model.correlation_length - 0.01).abs() < 1e-15);
@@ -321,7 +324,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_window_that_is_no_multiple_of_the_step_is_refused_with_the_next_that_is() {
+    fn a_window_that_is_not_a_multiple_of_the_step_is_refused_with_a_suitable_step() {
         let process = fitted(CorrelationShape::WindowedExponential { window: 500e-6 });
         assert!(process.simulate(0.01, 50e-6, 1, 0).is_ok());
         let error = process.simulate(0.01, 60e-6, 1, 0).unwrap_err();
@@ -330,7 +333,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn constant_friction_needs_no_law_and_varying_friction_does() {
+    fn constant_friction_needs_no_distribution_and_varying_friction_does() {
         let steady =
             FittedProcess { std: 0.0, marginal: None, correlation: None, ..fitted(CorrelationShape::Exponential) };
         assert_eq!(steady.simulate(1e-3, 1e-4, 1, 0).unwrap(), vec![0.21; 11]);

@@ -1,30 +1,34 @@
-//! The Jacobi diffusion, advanced by its own transition law.
+//! Jacobi diffusion, advanced by its transition distribution.
 
 mod transition;
 
 use super::ProcessError;
 use transition::Transition;
 
-/// Scores |g| up to which the table reaches; 1.2e-15 of the values lie beyond and count as the last.
+/// Largest score |g| of the table; the fraction 1.2e-15 of the values lies beyond and is set to the last.
 const REACH: f64 = 8.0;
-/// Innovations |ξ| up to which the table is read, and made; 2e-9 of them lie beyond and count as the last.
+/// Largest innovations |ξ| up to which the table is read and tabulated; the fraction 2e-9 lies beyond and is set to the
+/// last.
 const INNOVATION_REACH: f64 = 6.0;
-const INNOVATION_RIM: f64 = 6.5;
-/// Cells of the table per unit of ξ, and per standard deviation of a step in g, at first; doubled at most so many times.
+const INNOVATION_TABLE_REACH: f64 = 6.5;
+/// Initial numbers of table cells per unit of ξ, and per standard deviation of a step in g; and the largest number of
+/// doublings.
 const INNOVATION_DENSITY: usize = 8;
 const STEP_DENSITY: f64 = 4.0;
 const DOUBLINGS: usize = 2;
-/// Wanted largest error of a score.
+/// Required largest error of a score.
 const WANTED_ERROR: f64 = 2e-6;
-/// Shortest step in correlation lengths: the spectral sum needs about 17/√step terms.
+/// Shortest step in correlation lengths; the spectral sum needs about 17/√step terms.
 const SHORTEST_STEP: f64 = 1e-3;
 
-/// One step of the diffusion dX = −θ(X − a/(a+b))ds + √(2θX(1 − X)/(a+b)) dB of law Beta(a, b) and correlation e^{−θs}.
+/// Step of the diffusion dX = −θ(X − a/(a+b))ds + √(2θX(1 − X)/(a+b)) dB with distribution Beta(a, b) and correlation
+/// e^{−θs}.
 ///
-/// The state is the score g = Φ⁻¹(I_X(a, b)), which is standard normal in the stationary law. The next one is the quantile
-/// of its conditional law at Φ(ξ) for a standard normal ξ: T(g, ξ), a smooth function close to φg + √(1 − φ²)ξ, tabulated
-/// from the spectral sum of the transition law and interpolated by cubic splines in both arguments. So knots have the exact
-/// transition law up to the error of the table, which is measured ([`JacobiStep::error`]), and there are no Euler steps.
+/// The state is the score g = Φ⁻¹(I_X(a, b)), which is standard normal in the stationary state. The next score is the
+/// quantile of its conditional distribution at Φ(ξ) for a standard normal ξ: T(g, ξ), a smooth function close to φg +
+/// √(1 − φ²)ξ. T is tabulated from the spectral sum of the transition distribution and interpolated by cubic splines in
+/// both arguments. Values at the grid points therefore follow the exact transition distribution up to the measured
+/// error of the table ([`JacobiStep::error`]), without Euler steps.
 ///
 /// # References
 /// Forman & Sørensen, *Scand. J. Statist.* **35** (2008) 438, <https://doi.org/10.1111/j.1467-9469.2007.00592.x>, case 6.
@@ -32,7 +36,8 @@ const SHORTEST_STEP: f64 = 1e-3;
 pub(super) struct JacobiStep {
     density: f64,
     innovation_density: f64,
-    /// Spline coefficients; a row for every node of g and one beyond each end, a column likewise for ξ.
+    /// Spline coefficients. Rows are the nodes of g and one beyond each end; columns are the nodes of ξ in the same
+    /// way.
     coefficients: Vec<f64>,
     rows: usize,
     columns: usize,
@@ -40,7 +45,7 @@ pub(super) struct JacobiStep {
 }
 
 impl JacobiStep {
-    /// A step of `step` correlation lengths between values of law Beta(a, b).
+    /// Tabulates a step of `step` correlation lengths between values with distribution Beta(a, b).
     pub(super) fn new(a: f64, b: f64, step: f64) -> Result<Self, ProcessError> {
         if step.is_nan() || step < SHORTEST_STEP {
             let parameter = "step of a Jacobi diffusion in correlation lengths";
@@ -62,7 +67,7 @@ impl JacobiStep {
 
     fn tabulated(a: f64, b: f64, step: f64, density: f64, innovation_density: usize) -> Self {
         let innovations: Vec<f64> = {
-            let half = (INNOVATION_RIM * innovation_density as f64) as i32;
+            let half = (INNOVATION_TABLE_REACH * innovation_density as f64) as i32;
             (-half..=half).map(|k| f64::from(k) / innovation_density as f64).collect()
         };
         let transition = Transition::new(a, b, step, REACH, density);
@@ -83,17 +88,18 @@ impl JacobiStep {
         table
     }
 
-    /// Largest error of the next score in the middle of cells: |g| ≤ 4, |ξ| ≤ 4, which 1e-4 of the steps leave.
+    /// Returns the largest error of the next score at cell centres, for |g| ≤ 4 and |ξ| ≤ 4; the fraction 1e-4 of the
+    /// steps lies outside.
     pub(super) fn error(&self) -> f64 {
         self.error
     }
 
-    /// The score one step after g, for the standard normal innovation ξ.
+    /// Returns the score one step after g, for the standard normal innovation ξ.
     #[inline]
     pub(super) fn next(&self, g: f64, xi: f64) -> f64 {
         let (row, down) = place((g + REACH) * self.density, self.rows);
         let xi = xi.clamp(-INNOVATION_REACH, INNOVATION_REACH);
-        let (column, across) = place((xi + INNOVATION_RIM) * self.innovation_density, self.columns);
+        let (column, across) = place((xi + INNOVATION_TABLE_REACH) * self.innovation_density, self.columns);
         let mut sum = 0.0;
         for (k, weight) in down.iter().enumerate() {
             let first = (row + k) * self.columns + column;
@@ -105,7 +111,7 @@ impl JacobiStep {
 
     fn measured_error(&self, transition: &Transition) -> f64 {
         const POINTS: i32 = 6;
-        // Middles of cells near a regular grid.
+        // Cell centres near a regular grid.
         let near = |value: i32, density: f64| ((f64::from(value) / 1.5 * density).floor() + 0.5) / density;
         let mut worst = 0.0_f64;
         for g in (-POINTS..=POINTS).map(|i| near(i, self.density)) {
@@ -119,7 +125,8 @@ impl JacobiStep {
     }
 }
 
-/// The first of the four coefficients about a position, counted in cells, and their weights; `count` coefficients.
+/// Returns the index of the first of the four coefficients at a position, in cells, and their weights; there are
+/// `count` coefficients.
 #[inline]
 fn place(position: f64, count: usize) -> (usize, [f64; 4]) {
     let position = position.max(0.0);
@@ -131,8 +138,8 @@ fn place(position: f64, count: usize) -> (usize, [f64; 4]) {
     (first, [low, inner, 1.0 - low - inner - high, high])
 }
 
-/// Turns `nodes` values, `stride` apart and after one free place, into the coefficients of the natural cubic spline through
-/// them, including the free places at both ends.
+/// Converts `nodes` values, `stride` apart and after one free element, into the coefficients of the natural cubic
+/// spline through them, including the free elements at both ends.
 fn to_spline(values: &mut [f64], offset: usize, stride: usize, nodes: usize) {
     let at = |i: usize| offset + i * stride;
     // c_{i−1} + 4c_i + c_{i+1} = 6f_i, and c = f at the ends.
@@ -154,7 +161,7 @@ mod tests {
     use super::*;
     use asperity_base::law::{Marginal, standard_normal_cdf, standard_normal_pdf};
 
-    /// Jacobi's polynomial up to a factor: ₂F₁(−n, n − 1 + a + b; a; x).
+    /// Returns Jacobi's polynomial up to a factor: ₂F₁(−n, n − 1 + a + b; a; x).
     fn eigenfunction(n: u32, a: f64, b: f64, x: f64) -> f64 {
         let n = f64::from(n);
         let (mut term, mut sum) = (1.0, 1.0);
@@ -168,8 +175,9 @@ mod tests {
 
     #[test]
     fn a_step_multiplies_the_eigenfunctions_by_their_decay() {
-        // E[P_n(X_{s+h}) | X_s] = e^{−λ_n h}P_n(X_s): all moments of the transition law. The trapezoidal rule over ξ is exact but
-        // for the error of the table, 1e-6 in a score where P_n changes by less than its range per unit.
+        // E[P_n(X_{s+h}) | X_s] = e^{−λ_n h}P_n(X_s) covers all moments of the transition distribution. The trapezoidal
+        // rule over ξ is exact except for the error of the table, 1e-6 in a score in which P_n changes by less than its
+        // range per unit.
         for (a, b) in [(2.1, 5.0), (0.5, 0.5), (1.0, 1.0), (3.0, 0.8), (40.0, 25.0)] {
             let law = Marginal::Beta { a, b, low: 0.0, high: 1.0 };
             for h in [0.3, 0.05, 0.0125] {
@@ -185,7 +193,7 @@ mod tests {
                         let rate = f64::from(n) * (f64::from(n) - 1.0 + a + b) / (a + b);
                         let wanted = (-rate * h).exp() * eigenfunction(n, a, b, x);
                         let found: f64 = nodes.iter().map(|[y, weight]| weight * eigenfunction(n, a, b, *y)).sum();
-                        // |P_n| on the grid of the values it may take.
+                        // |P_n| on the grid of its possible values.
                         let size =
                             (0..=20).map(|i| eigenfunction(n, a, b, 0.05 * f64::from(i)).abs()).fold(0.0, f64::max);
                         assert!((found - wanted).abs() < 1e-6 * size, "{a}, {b}, {h}, {g}, {n}: {found} not {wanted}");
@@ -196,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn under_the_arcsine_law_the_angle_is_a_reflected_brownian_motion() {
+    fn under_the_arcsine_distribution_the_angle_is_a_reflected_brownian_motion() {
         // X = sin²ψ of a = b = ½: dψ = √(θ/2) dB between reflections at 0 and π/2, and ψ = πΦ(g)/2.
         let quarter = std::f64::consts::FRAC_PI_2;
         for h in [0.2, 0.05] {
@@ -212,7 +220,7 @@ mod tests {
                             - standard_normal_cdf((-end - start + image) / spread)
                     };
                     let found: f64 = images.map(below).sum();
-                    // The error of the score times the density of the conditional law.
+                    // The error of the score times the density of the conditional distribution.
                     assert!((found - standard_normal_cdf(xi)).abs() < 2e-6, "{h}, {g}, {xi}: {found}");
                 }
             }

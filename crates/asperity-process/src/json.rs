@@ -1,4 +1,4 @@
-//! A fitted process as a JSON file.
+//! Fitted process as a JSON file.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -7,68 +7,68 @@ use thiserror::Error;
 use super::{CorrelationShape, FittedCorrelation, FittedProcess, Generator, Origin, OriginKind, ProcessError};
 use asperity_base::law::Marginal;
 
-/// What the file says it is.
+/// Value of the field `format`.
 const FORMAT: &str = "asperity friction process";
-/// The version that is written; earlier ones do not exist.
+/// Version of the format; there are no earlier ones.
 const VERSION: u64 = 1;
 
-/// Why a text is not a fitted process.
+/// Error of reading a fitted process.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ProcessFileError {
-    /// Not JSON.
+    /// The text is not JSON.
     #[error("line {line}, column {column}: not JSON: {message}")]
     Syntax {
         /// Line, counted from 1.
         line: usize,
         /// Column, counted from 1.
         column: usize,
-        /// What the parser says.
+        /// Message of the parser.
         message: String,
     },
-    /// JSON of another kind.
-    #[error("no friction process: `format` is {found}, wanted \"{FORMAT}\"")]
+    /// The JSON has another format.
+    #[error("not a friction process: `format` is {found}, wanted \"{FORMAT}\"")]
     Format {
-        /// What `format` says.
+        /// Value of `format`.
         found: String,
     },
-    /// Written by another version.
-    #[error("friction process of version {found}; known is version {VERSION}")]
+    /// The file has another version.
+    #[error("friction process of version {found}; supported: version {VERSION}")]
     Version {
-        /// What `version` says.
+        /// Value of `version`.
         found: String,
     },
-    /// A field that must be there is not.
+    /// A required field is missing.
     #[error("`{field}` is missing; wanted {wanted}")]
     Missing {
         /// Name of the field.
         field: String,
-        /// What should be there.
+        /// Expected value.
         wanted: &'static str,
     },
-    /// A field that nobody knows.
-    #[error("`{field}` is no field of a friction process; known are {known}")]
+    /// A field is unknown.
+    #[error("`{field}` is not a field of a friction process; known fields: {known}")]
     Unknown {
         /// Name of the field.
         field: String,
-        /// The fields of its place.
+        /// Known fields of the object.
         known: String,
     },
-    /// A field that holds something else than it should.
+    /// A field has an invalid value.
     #[error("`{field}` is {found}; wanted {wanted}")]
     Value {
         /// Name of the field.
         field: String,
-        /// What was found.
+        /// Value found.
         found: String,
-        /// What should be there.
+        /// Expected value.
         wanted: &'static str,
     },
-    /// The values make no process.
+    /// The values are not a valid process.
     #[error(transparent)]
     Process(#[from] ProcessError),
 }
 
-/// The file, in the order in which it is written.
+/// Content of the file, in the order of writing.
 #[derive(Serialize)]
 struct Document<'a> {
     format: &'static str,
@@ -105,10 +105,10 @@ struct OriginDocument<'a> {
 }
 
 impl FittedProcess {
-    /// Indented JSON with a final newline; it reads back to the same bits.
+    /// Returns indented JSON with a final newline, which reads back to the same bits.
     ///
     /// # Errors
-    /// As [`FittedProcess::check`].
+    /// Fails like [`FittedProcess::check`].
     pub fn to_json(&self) -> Result<String, ProcessError> {
         self.check()?;
         let correlation = self.correlation.as_ref().map(|correlation| CorrelationDocument {
@@ -137,16 +137,16 @@ impl FittedProcess {
             mean_pressure_pa: self.mean_pressure_pa,
             origin: OriginDocument { kind: self.origin.kind.name(), description: &self.origin.description },
         };
-        // Numbers, names and texts: nothing that JSON could not hold.
+        // The document contains numbers, names and texts only, which JSON can represent.
         let text = serde_json::to_string_pretty(&document).unwrap_or_default();
         Ok(text + "\n")
     }
 
-    /// Reads what [`FittedProcess::to_json`] wrote, or a person did.
+    /// Reads a process from JSON, written by [`FittedProcess::to_json`] or by hand.
     ///
     /// # Errors
-    /// Text that is not JSON, of another format or version, a field that is missing, unknown or holds a wrong value, each
-    /// named; values that make no process.
+    /// Fails if the text is not JSON or has another format or version, if a field is missing, unknown or invalid (the
+    /// error names it), or if the values are not a valid process.
     pub fn from_json(text: &str) -> Result<Self, ProcessFileError> {
         let value: Value = serde_json::from_str(text).map_err(|error| {
             let message = error.to_string();
@@ -180,13 +180,13 @@ impl FittedProcess {
         let marginal = match fields.get("marginal") {
             None | Some(Value::Null) => None,
             Some(law) => Some(serde_json::from_value::<Marginal>(law.clone()).map_err(|error| {
-                ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: A_LAW }
+                ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: DISTRIBUTION }
             })?),
         };
         let generator = fields
             .present("generator")
             .map(|value| {
-                let wanted = A_GENERATOR;
+                let wanted = GENERATOR;
                 serde_json::from_value(value.clone()).map_err(|_| fields.wrong("generator", shown(Some(value)), wanted))
             })
             .transpose()?;
@@ -211,10 +211,10 @@ impl FittedProcess {
     }
 }
 
-const A_LAW: &str =
-    "a law with its parameters, such as {\"beta\": {\"a\": 2.1, \"b\": 5.0, \"low\": 0.1, \"high\": 0.3}}";
+const DISTRIBUTION: &str =
+    "a distribution with its parameters, such as {\"beta\": {\"a\": 2.1, \"b\": 5.0, \"low\": 0.1, \"high\": 0.3}}";
 
-const A_GENERATOR: &str = "\"autoregressive\", {\"spectral\": {\"harmonics\": 256}}, \"jacobi\", \"renewal\" or null";
+const GENERATOR: &str = "\"autoregressive\", {\"spectral\": {\"harmonics\": 256}}, \"jacobi\", \"renewal\" or null";
 
 fn correlation(fields: &Fields<'_>) -> Result<FittedCorrelation, ProcessFileError> {
     fields.only(&["model", "nu", "length_m", "length_m_interval", "window_m", "length_without_window_m"])?;
@@ -247,7 +247,7 @@ fn origin(fields: &Fields<'_>) -> Result<Origin, ProcessFileError> {
     })
 }
 
-/// The fields of one object, and its place in the file for messages.
+/// Fields of one object, with its place in the file for messages.
 struct Fields<'a> {
     place: &'static str,
     fields: Option<&'a Map<String, Value>>,
@@ -272,7 +272,7 @@ impl<'a> Fields<'a> {
             .map_or(Ok(()), |field| Err(ProcessFileError::Unknown { field: self.name(field), known: known.join(", ") }))
     }
 
-    /// The value of a field that must be there.
+    /// Returns the value of a required field.
     fn required(&self, field: &str, wanted: &'static str) -> Result<&'a Value, ProcessFileError> {
         self.get(field).ok_or_else(|| ProcessFileError::Missing { field: self.name(field), wanted })
     }
@@ -314,7 +314,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// A value in few letters.
+/// Returns a value as a short text.
 fn shown(value: Option<&Value>) -> String {
     const MOST: usize = 60;
     let Some(value) = value else { return "absent".into() };
@@ -335,7 +335,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_process_survives_its_file_bit_by_bit() {
+    fn a_process_reads_back_from_its_file_bit_by_bit() {
         for shape in SHAPES {
             let process = fitted(shape);
             let text = process.to_json().unwrap();
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_be_left_out_is_not_asked_for() {
+    fn optional_fields_may_be_omitted() {
         let text = r#"{"format": "asperity friction process", "version": 1, "mean": 0.2, "std": 0.01,
             "marginal": {"normal": {"mean": 0.0, "std": 1.0}}, "correlation": {"model": "exponential", "length_m": 1e-4}}"#;
         let process = FittedProcess::from_json(text).unwrap();
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_the_field_what_was_found_and_what_was_wanted() {
+    fn errors_name_the_field_the_value_found_and_the_value_wanted() {
         let text = fitted(CorrelationShape::Matern { nu: 1.7 }).to_json().unwrap();
         for (from, to, words) in [
             ("\"version\": 1", "\"version\": 2", &["version 2", "version 1"][..]),
@@ -376,7 +376,7 @@ mod tests {
             ("\"mean\": 0.21", "\"mean\": \"0.21\"", &["`mean`", "\"0.21\"", "a number"]),
             ("\"mean\": 0.21", "\"mean\": -0.21", &["mean", "-0.21", "positive"]),
             ("\"mean\": 0.21,", "", &["`mean` is missing"]),
-            ("\"mean\": 0.21", "\"maen\": 0.21", &["`maen`", "known are", "mean"]),
+            ("\"mean\": 0.21", "\"maen\": 0.21", &["`maen`", "known fields", "mean"]),
             ("\"length_m\": ", "\"length_um\": ", &["`correlation.length_um`", "length_m"]),
             ("\"nu\": 1.7", "\"nu\": 0", &["smoothness", "(0, 100]"]),
             ("\"nu\": 1.7,", "", &["`correlation.nu` is missing"]),

@@ -1,10 +1,12 @@
-//! A friction coefficient that fluctuates along the sliding distance: m(s) with a given law and correlation length.
+//! Friction coefficient that fluctuates along the sliding distance: m(s) with a given distribution and correlation
+//! length.
 //!
-//! m(s) = σ·(F⁻¹(Φ(g(s))) − mean)/std, a translation of a stationary standard normal process g of correlation e^{−|s|/ℓ} or
-//! another [`CorrelationShape`], sampled at knots a fraction of ℓ apart and a straight line between them. Other ways to make
-//! m(s) are a diffusion of Beta law and values that jump ([`Generator`]). A [`FittedProcess`] is what a study or a measured
-//! record says of such a process, in SI and as a file.
+//! The default model is m(s) = σ·(F⁻¹(Φ(g(s))) − mean)/std, a translation of a stationary standard normal process g
+//! with the correlation e^{−|s|/ℓ} or another [`CorrelationShape`]. It is sampled at grid points a fraction of ℓ apart
+//! and is linear between them. Alternatives are a diffusion with a Beta distribution and a process with jumps
+//! ([`Generator`]). A [`FittedProcess`] stores the process of a study or of a measured record in SI, also as a file.
 
+mod cancellable;
 pub mod diagnostics;
 mod fitted;
 mod generator;
@@ -19,10 +21,10 @@ mod renewal;
 mod shape;
 mod spectral;
 mod table;
-mod watched;
 
 use thiserror::Error;
 
+pub use cancellable::Cancellable;
 pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
 pub use generator::Generator;
 pub use json::ProcessFileError;
@@ -30,35 +32,34 @@ pub use model::{Correlation, FrictionProcess, ProcessModel, window_variance_fact
 pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;
-pub use watched::Watched;
 
 use asperity_base::law::LawError;
 
-/// A stretch of the sliding distance on which m is a straight line.
+/// Interval of the sliding distance on which m is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// Where it ends, counted from the start of the realisation so that rounding does not add up; infinite if m stays a
-    /// straight line for ever.
+    /// End of the interval, counted from the start of the realisation so that rounding does not accumulate; infinite if
+    /// m is linear to infinity.
     pub end: f64,
-    /// Its length.
+    /// Length of the interval.
     pub length: f64,
-    /// m where it begins. If that is not `right` of the cell before, m jumps.
+    /// Value of m at the start. If it differs from `right` of the previous cell, m jumps.
     pub left: f64,
-    /// m where it ends.
+    /// Value of m at the end.
     pub right: f64,
 }
 
 impl Cell {
-    /// dm/ds.
+    /// Returns dm/ds.
     #[inline]
     pub fn slope(&self) -> f64 {
         (self.right - self.left) / self.length
     }
 }
 
-/// A realisation of the fluctuation m(s) of a friction coefficient, read cell by cell.
+/// Realisation of the fluctuation m(s) of a friction coefficient, read cell by cell.
 pub trait Fluctuation {
-    /// The next cell, the first from s = 0 on; none past the end of a record.
+    /// Returns the next cell, starting at s = 0; none after the end of a record.
     fn next_cell(&mut self) -> Option<Cell>;
 }
 
@@ -69,7 +70,7 @@ impl<F: Fluctuation + ?Sized> Fluctuation for &mut F {
     }
 }
 
-/// Makes cells of values at equal distances.
+/// Cells between values at equal distances.
 #[derive(Debug, Clone, Copy)]
 struct EqualCells {
     step: f64,
@@ -82,7 +83,7 @@ impl EqualCells {
         Self { step, index: 0, last: None }
     }
 
-    /// The next cell, given its ends; `left` is the last `right`.
+    /// Returns the next cell, given m at its ends; `left` must equal the previous `right`.
     #[inline]
     fn close(&mut self, left: f64, right: f64) -> Cell {
         self.last = Some(right);
@@ -91,7 +92,7 @@ impl EqualCells {
     }
 }
 
-/// Why a friction process could not be made.
+/// Error of the construction of a friction process.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ProcessError {
     /// A parameter lies outside its range.
@@ -104,47 +105,47 @@ pub enum ProcessError {
         /// Values allowed.
         wanted: &'static str,
     },
-    /// A process that varies lacks a part.
-    #[error("`{absent}` is absent, but friction of standard deviation {std} has one")]
+    /// A part of a varying process is missing.
+    #[error("`{absent}` is absent, but friction with standard deviation {std} requires it")]
     Absent {
-        /// The part.
+        /// Name of the part.
         absent: &'static str,
-        /// The standard deviation.
+        /// Standard deviation of the process.
         std: f64,
     },
-    /// The generator cannot make the correlation.
-    #[error("the {generator} generator cannot make a {correlation} correlation; the {able} one can")]
+    /// The generator does not support the correlation.
+    #[error("the {generator} generator does not support a {correlation} correlation; use {able}")]
     Generator {
-        /// The generator.
+        /// Name of the generator.
         generator: &'static str,
-        /// The correlation.
+        /// Name of the correlation.
         correlation: &'static str,
-        /// A generator that can.
+        /// Name of a generator that supports it.
         able: &'static str,
     },
-    /// The generator cannot make the marginal law.
-    #[error("the {generator} generator makes a {wanted} law, not a {law} one; autoregressive and renewal make any")]
+    /// The generator does not support the marginal distribution.
+    #[error("the {generator} generator supports only {wanted} distributions, not {law}; use autoregressive or renewal")]
     Marginal {
-        /// The generator.
+        /// Name of the generator.
         generator: &'static str,
-        /// The law.
+        /// Name of the distribution.
         law: &'static str,
-        /// The law that it makes.
+        /// Name of the supported distribution.
         wanted: &'static str,
     },
-    /// A window is no whole number of steps.
-    #[error("a step of {step} does not go into the window of {window} a whole number of times; {nearest} does")]
+    /// The window is not a whole number of steps.
+    #[error("the window of {window} is not a multiple of the step {step}; the nearest suitable step is {nearest}")]
     StepInWindow {
-        /// The step.
+        /// Step.
         step: f64,
-        /// The window of the correlation.
+        /// Window of the correlation.
         window: f64,
-        /// The nearest step that does.
+        /// Nearest step that divides the window.
         nearest: f64,
     },
-    /// The marginal law is no law, or has no finite standard deviation.
-    #[error("marginal of the friction coefficient: {0}")]
-    Law(#[from] LawError),
+    /// The marginal distribution is invalid, or has no finite standard deviation.
+    #[error("marginal distribution of the friction coefficient: {0}")]
+    Distribution(#[from] LawError),
 }
 
 fn positive(parameter: &'static str, value: f64) -> Result<(), ProcessError> {

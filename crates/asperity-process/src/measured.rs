@@ -1,8 +1,8 @@
-//! Friction records from a tribometer: a text file of columns becomes μ(s) at equal steps, and a fitted process.
+//! Friction records of a tribometer: converts a text file of columns to μ(s) at equal steps and to a fitted process.
 //!
-//! [`ColumnTable`] reads the file, [`MeasuredRecord::new`] makes μ over the sliding distance of its columns, a
-//! [`Preparation`] cuts and detrends it, and [`FittedRecord`] says what process it is. Gaps stay gaps: a missing value is
-//! NaN, and every step leaves it out.
+//! [`ColumnTable`] reads the file, [`MeasuredRecord::new`] computes μ over the sliding distance from its columns, a
+//! [`Preparation`] cuts and detrends the record, and [`FittedRecord`] fits a process. Gaps are never filled: a missing
+//! value is NaN, and every step omits it.
 
 mod columns;
 mod fit;
@@ -20,101 +20,101 @@ use asperity_base::law::LawError;
 use asperity_base::stats::StatsError;
 
 pub use columns::ColumnTable;
-pub use fit::{FittedRecord, LawChoice, Series};
+pub use fit::{DistributionChoice, FittedRecord, Series};
 pub use preparation::{Cut, Detrend, Preparation, Prepared, Removal};
 pub use record::{Abscissa, MeasuredRecord, NormalForce, RecordColumns};
 
-/// Why a file of columns makes no friction record, or a record no process.
+/// Error of reading a friction record or of fitting a process to it.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeasuredError {
-    /// Nothing to read.
-    #[error("no row of numbers; wanted one row per line, separated by semicolons, tabs, commas or spaces")]
+    /// The file has no rows.
+    #[error("no row of numbers found; wanted one row per line, separated by semicolons, tabs, commas or spaces")]
     NoRows,
     /// A row is shorter or longer than the first.
     #[error("line {line}: {found} fields, but the rows above have {wanted}")]
     Ragged {
         /// Line, counted from 1.
         line: usize,
-        /// Fields found.
+        /// Number of fields found.
         found: usize,
-        /// Fields of the first row.
+        /// Number of fields of the first row.
         wanted: usize,
     },
-    /// A cell holds no number.
+    /// A cell is not a number.
     #[error("line {line}, column {column}{}: `{text}` is not a number", named(name))]
     Cell {
         /// Line, counted from 1.
         line: usize,
         /// Column, counted from 1.
         column: usize,
-        /// Its name, if it has one.
+        /// Name of the column, if there is one.
         name: String,
-        /// What was found.
+        /// Text found.
         text: String,
     },
-    /// No column of that name.
+    /// There is no column of that name.
     #[error("no column `{wanted}`; the file has {known}")]
     NoColumn {
-        /// The name or number.
+        /// Requested name or number.
         wanted: String,
-        /// What there is.
+        /// Columns of the file.
         known: String,
     },
-    /// A column states no unit.
-    #[error("column `{column}` states no unit; state it, such as {example}")]
+    /// A column has no unit.
+    #[error("column `{column}` has no unit; state it, for example {example}")]
     NoUnit {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Such a unit.
+        /// Example of a unit.
         example: &'static str,
     },
-    /// A unit of another kind.
+    /// A unit has the wrong dimension.
     #[error("column `{column}`: `{unit}` is not a unit of {wanted}")]
     WrongUnit {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// The unit.
+        /// Unit found.
         unit: String,
-        /// What it should measure.
+        /// Required dimension.
         wanted: &'static str,
     },
-    /// Time without a velocity.
-    #[error("the record runs over time, friction over the sliding distance: state the sliding velocity")]
+    /// The record is over time, but the velocity is missing.
+    #[error("the record is over time, but friction is analysed over the sliding distance: state the sliding velocity")]
     NoVelocity,
-    /// A force without the force that presses.
+    /// The column is a friction force, but the normal force is missing.
     #[error("column `{column}` is a force: state the normal force, or name its column")]
     NoNormalForce {
-        /// The column.
+        /// Name of the column.
         column: String,
     },
-    /// A coefficient with a normal force.
+    /// The column is a friction coefficient, but a normal force is given.
     #[error(
-        "column `{column}` is a friction coefficient, which a normal force has nothing to add to; is its unit right?"
+        "column `{column}` is a friction coefficient and needs no normal force; omit the normal force, or correct the unit"
     )]
     IdleNormalForce {
-        /// The column.
+        /// Name of the column.
         column: String,
     },
-    /// An option lies outside its range.
+    /// An option is outside its range.
     #[error("{option} is {value}, but must be {wanted}")]
     Option {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
         /// Value found.
         value: f64,
         /// Values allowed.
         wanted: &'static str,
     },
-    /// Time or distance does not rise.
+    /// Time or distance does not increase.
     #[error("line {line}: `{column}` does not rise, {value} after {before}")]
     NotRising {
         /// Line, counted from 1.
         line: usize,
-        /// The column.
+        /// Name of the column.
         column: String,
         /// Value found.
         value: f64,
-        /// Value before.
+        /// Previous value.
         before: f64,
     },
     /// Time or distance is missing in a row that has a value.
@@ -122,66 +122,66 @@ pub enum MeasuredError {
     NoAbscissa {
         /// Line, counted from 1.
         line: usize,
-        /// The column.
+        /// Name of the column.
         column: String,
     },
-    /// Steps differ too much.
+    /// The steps differ too much.
     #[error(
-        "`{column}` is not evenly sampled: at line {line} a step is off by {:.3} % of the usual {step}, more than 1 %; if its \
+        "`{column}` is not evenly sampled: at line {line} a step differs by {:.3} % from the usual {step}, more than 1 %; if its \
          digits are rounded, state the sampling rate and leave the column out",
         100.0 * jitter
     )]
     Uneven {
-        /// The column.
+        /// Name of the column.
         column: String,
         /// Line of the worst step, counted from 1.
         line: usize,
-        /// Its deviation over the usual step.
+        /// Relative deviation of that step from the usual one.
         jitter: f64,
-        /// The usual step, in the column's unit.
+        /// Usual step, in the unit of the column.
         step: f64,
     },
-    /// A gap is longer than all that was measured.
-    #[error("line {line}: a gap of {steps} steps before it is too long to be one in a record of {rows} rows")]
+    /// A gap is longer than the measured part.
+    #[error("line {line}: the gap of {steps} steps before this line is too long for a record of {rows} rows")]
     LongGap {
         /// Line, counted from 1.
         line: usize,
-        /// Its length in steps.
+        /// Length of the gap in steps.
         steps: f64,
-        /// Rows of the record.
+        /// Number of rows of the record.
         rows: usize,
     },
-    /// Neither one direction of sliding nor strokes.
+    /// The record has neither one direction of sliding nor strokes.
     #[error(
-        "friction changes its sign without being strokes to and fro, and its mean is {:.1} % of its mean size: cut one direction \
-         out, or take the offset of the force out",
+        "friction changes its sign but not in reciprocating strokes, and its mean is {:.1} % of its mean absolute value: cut \
+         out one direction, or remove the offset of the force",
         100.0 * ratio
     )]
     NoDirection {
-        /// Mean over mean size.
+        /// Ratio of the mean to the mean absolute value.
         ratio: f64,
     },
-    /// Too little is left.
+    /// Too few values are left.
     #[error("{present} values {what}; wanted at least {wanted}")]
     TooFew {
-        /// Values.
+        /// Number of values.
         present: usize,
-        /// Of which.
+        /// Description of the counted values.
         what: &'static str,
         /// Least number.
         wanted: usize,
     },
     /// The record is too short for its correlation.
     #[error(
-        "{present} correlated values are worth {effective:.1} independent ones; wanted at least {wanted}: measure longer, or \
+        "{present} correlated values correspond to {effective:.1} independent ones; wanted at least {wanted}: measure longer, or \
          take a slower trend out"
     )]
     TooShort {
-        /// Values.
+        /// Number of values.
         present: usize,
-        /// Independent values that they are worth.
+        /// Effective sample size.
         effective: f64,
-        /// Least number.
+        /// Least effective sample size.
         wanted: f64,
     },
     /// A statistic is undefined.
@@ -190,16 +190,16 @@ pub enum MeasuredError {
     /// The correlation is undefined.
     #[error(transparent)]
     Correlation(#[from] EstimateError),
-    /// The law cannot be fitted.
-    #[error("the law of friction: {0}")]
-    Law(#[from] LawError),
-    /// What was found makes no process.
+    /// The distribution cannot be fitted.
+    #[error("distribution of friction: {0}")]
+    Distribution(#[from] LawError),
+    /// The fitted values are not a valid process.
     #[error(transparent)]
     Process(#[from] ProcessError),
 }
 
 impl MeasuredError {
-    /// Whether what was asked for is wrong, rather than the file.
+    /// Returns whether the request is wrong, rather than the file.
     pub fn is_request(&self) -> bool {
         matches!(
             self,
@@ -213,7 +213,7 @@ impl MeasuredError {
         )
     }
 
-    /// Whether too few values are left for an answer.
+    /// Returns whether too few values are left for a result.
     pub fn is_too_few(&self) -> bool {
         matches!(self, Self::TooFew { .. } | Self::TooShort { .. })
     }

@@ -11,26 +11,27 @@ use asperity_base::law::Marginal;
 use asperity_base::law::translation::Translation;
 use asperity_base::random;
 
-/// Name of the random stage of friction processes.
+/// Name of the random stream of friction processes.
 const STAGE: &str = "friction process";
 
-/// Whose correlation has the given shape and length.
+/// Process that has the given correlation length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Correlation {
-    /// The normal process's; the translation then shortens the correlation of m a little (the paper's way). A Jacobi
-    /// diffusion and a renewal process have none, and the correlation of m is the given one in either case.
+    /// The normal process; the translation then shortens the correlation of m slightly (as in the paper). A Jacobi
+    /// diffusion and a renewal process have no normal process; their m always has the given length.
     #[default]
     Plain,
-    /// The normal process is given the longer length with which the correlation of m is e⁻¹ at the given one.
+    /// The process m: the normal process gets the longer length at which the correlation of m is e⁻¹ at the given
+    /// length.
     Corrected,
 }
 
-/// What a random friction process is made of.
+/// Parameters of a random friction process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProcessModel {
-    /// Shape of the law of m; its location and scale are set by the zero mean and `std`.
+    /// Shape of the distribution of m; its mean is zero and its standard deviation is `std`.
     pub marginal: Marginal,
     /// Standard deviation σ of the friction coefficient.
     pub std: f64,
@@ -39,19 +40,20 @@ pub struct ProcessModel {
     /// Shape of the correlation.
     #[serde(default)]
     pub shape: CorrelationShape,
-    /// Knots per lag at which the correlation falls to 1/e, which is ℓ of an exponential; a renewal process has no knots but
-    /// where it is recorded.
+    /// Grid points per lag at which the correlation falls to 1/e (ℓ for an exponential). A renewal process has grid
+    /// points only when it is recorded.
     pub steps_per_length: usize,
-    /// How it is made.
+    /// Generator of realisations.
     pub generator: Generator,
-    /// Whose correlation is meant.
+    /// Process that has the correlation length.
     pub correlation: Correlation,
-    /// Least value of m: lower knots are raised to it and counted. None leaves the process alone.
+    /// Least value of m: lower values are raised to it and counted. `None` means no clipping.
     pub least: Option<f64>,
 }
 
 impl ProcessModel {
-    /// An autoregressive process with twenty knots per correlation length, without correction and without clamp.
+    /// Creates an autoregressive process with twenty grid points per correlation length, without correction and without
+    /// clipping.
     pub fn new(marginal: Marginal, std: f64, correlation_length: f64) -> Self {
         Self {
             marginal,
@@ -65,7 +67,7 @@ impl ProcessModel {
         }
     }
 
-    /// Fraction of the values of m that are raised to `least`: those that the law has below it.
+    /// Returns the fraction of the values of m that are raised to `least`, from the distribution.
     pub fn clipped_fraction(&self) -> f64 {
         let below = |least: f64| self.marginal.cdf(self.marginal.mean() + least / self.std * self.marginal.std());
         self.least.map_or(0.0, below)
@@ -85,7 +87,7 @@ impl ProcessModel {
     }
 }
 
-/// Distances between knots that add up to sliding distances in double precision.
+/// Distances between grid points whose sums are accurate in double precision.
 const STEPS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
 
 /// Tables and length of a [`FrictionProcess`].
@@ -96,40 +98,41 @@ pub(super) struct Parts<'a> {
     pub(super) length: f64,
 }
 
-/// A stationary random process m(s) of zero mean, ready to be sampled.
+/// Stationary random process m(s) of zero mean, ready for sampling.
 #[derive(Debug, Clone)]
 pub struct FrictionProcess {
     model: ProcessModel,
     table: TranslationTable,
     translation: Translation,
-    /// One step of a Jacobi diffusion; shared, because it is large.
+    /// Step of a Jacobi diffusion; shared, because it is large.
     jacobi: Option<Arc<JacobiStep>>,
     /// Correlation length of the normal process, or of m if there is none.
     normal_length: f64,
-    /// Distance between knots.
+    /// Distance between grid points.
     step: f64,
 }
 
 impl FrictionProcess {
     /// Checks a model and tabulates its translation.
     ///
-    /// Fails if a parameter is not positive, knots are not between 1e-15 and 1e15 apart, the law is none or has no finite standard deviation, the generator cannot make
-    /// the correlation or the law, the clamp is not negative, or a step of a Jacobi diffusion is below a thousandth of its
+    /// Fails if a parameter is not positive, if grid points are not between 1e-15 and 1e15 apart, if the distribution
+    /// is invalid or has no finite standard deviation, if the generator does not support the correlation or the
+    /// distribution, if `least` is not negative, or if a step of a Jacobi diffusion is below a thousandth of its
     /// correlation length.
     pub fn new(model: ProcessModel) -> Result<Self, ProcessError> {
         model.check()?;
         let step = model.shape.decay_length(model.correlation_length) / model.steps_per_length as f64;
         let step = match model.shape {
-            // A window is a whole number of steps.
+            // The window must be a whole number of steps.
             CorrelationShape::WindowedExponential { window } => window / (window / step).ceil(),
             _ => step,
         };
-        Self::made(model, step)
+        Self::build(model, step)
     }
 
-    /// The same with knots `step` apart, whatever the model says of them.
+    /// Creates the process with grid points `step` apart, regardless of `steps_per_length`.
     ///
-    /// Fails as [`FrictionProcess::new`] and if a window is no whole number of steps.
+    /// Fails like [`FrictionProcess::new`], and if the window is not a whole number of steps.
     pub fn with_step(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
         model.check()?;
         positive("step", step)?;
@@ -140,10 +143,10 @@ impl FrictionProcess {
                 return Err(ProcessError::StepInWindow { step, window, nearest });
             }
         }
-        Self::made(model, step)
+        Self::build(model, step)
     }
 
-    fn made(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
+    fn build(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
         if !STEPS.contains(&step) {
             let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
             return Err(ProcessError::Parameter { parameter, value: step, wanted });
@@ -167,59 +170,62 @@ impl FrictionProcess {
         Ok(Self { model, table, translation, jacobi, normal_length, step })
     }
 
-    /// The model it was made of.
+    /// Returns the model of the process.
     pub fn model(&self) -> &ProcessModel {
         &self.model
     }
 
-    /// Distance between knots: 1/N of the lag at which the correlation is 1/e, ℓ/N of an exponential; under a window a
-    /// little less, so that the window is a whole number of steps.
+    /// Returns the distance between grid points: 1/N of the lag at which the correlation is 1/e, ℓ/N for an
+    /// exponential. With a window it is slightly smaller, so that the window is a whole number of steps.
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// Correlation from knot to knot, e^{−h/ℓ_G} of an exponential: of the normal process if there is one, else of m.
+    /// Returns the correlation between neighbouring grid points, e^{−h/ℓ_G} for an exponential: of the normal process
+    /// if there is one, otherwise of m.
     pub fn normal_step_correlation(&self) -> f64 {
         self.model.shape.correlation(self.step, self.normal_length)
     }
 
-    /// Correlation of m at two knots a distance `lag` apart, after the translation (without clamp).
+    /// Returns the correlation of m at two grid points a distance `lag` apart, after the translation and without
+    /// clipping.
     pub fn correlation_at(&self, lag: f64) -> f64 {
         let correlation = self.model.shape.correlation(lag, self.normal_length);
         if self.model.generator.translates() { self.translation.correlation(correlation) } else { correlation }
     }
 
-    /// Lower and upper end of the support of m; infinite for unbounded laws.
+    /// Returns the lower and upper end of the support of m; infinite for unbounded distributions.
     pub fn support(&self) -> (f64, f64) {
         (self.table.at_probability(0.0), self.table.at_probability(1.0))
     }
 
-    /// Error bound of the tabulated translation, in standard deviations.
+    /// Returns the error bound of the tabulated translation, in standard deviations.
     pub fn translation_error(&self) -> f64 {
         self.table.error()
     }
 
-    /// Largest error of the tabulated step of a Jacobi diffusion, in normal scores; 0 of all other generators.
+    /// Returns the largest error of the tabulated step of a Jacobi diffusion, in normal scores; 0 for all other
+    /// generators.
     pub fn transition_error(&self) -> f64 {
         self.jacobi.as_ref().map_or(0.0, |step| step.error())
     }
 
-    /// What the realisations need.
+    /// Returns the tables for realisations.
     pub(super) fn parts(&self) -> Parts<'_> {
         Parts { table: &self.table, jacobi: self.jacobi.as_deref(), length: self.normal_length }
     }
 
-    /// Realisation `index` under `seed`.
+    /// Returns realisation `index` under `seed`.
     pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
         Path::new(self, random::stream(seed, STAGE, index))
     }
 }
 
-/// Variance of the mean of a process of correlation e^{−|s|/ℓ} over a window W, relative to its variance:
+/// Returns the variance of the mean of a process with correlation e^{−|s|/ℓ} over a window W, relative to its variance:
 /// 2(ℓ/W)·[1 − (ℓ/W)(1 − e^{−W/ℓ})].
 pub fn window_variance_factor(correlation_length: f64, window: f64) -> f64 {
-    let share = correlation_length / window;
-    2.0 * share * (1.0 + share * (-1.0 / share).exp_m1())
+    let fraction = correlation_length / window;
+    2.0 * fraction * (1.0 + fraction * (-1.0 / fraction).exp_m1())
 }
 
 #[cfg(test)]
@@ -231,9 +237,9 @@ mod tests {
         ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)
     }
 
-    fn knots(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
+    fn values(process: &FrictionProcess, index: u64, count: usize) -> Vec<f64> {
         let mut path = process.path(7, index);
-        (0..count).map(|_| path.next_knot()).collect()
+        (0..count).map(|_| path.next_value()).collect()
     }
 
     #[test]
@@ -247,13 +253,14 @@ mod tests {
     #[test]
     fn the_mean_over_a_window_has_the_published_variance() {
         assert!((window_variance_factor(250.0, 600.0) - 0.51761).abs() < 5e-6);
-        // A sampled process, averaged by the trapezoidal rule over 60 steps: the rule's own error is (Δ/ℓ)²/6 relative.
+        // A sampled process, averaged by the trapezoidal rule over 60 steps; the relative error of the rule is
+        // (Δ/ℓ)²/6.
         let model = ProcessModel { steps_per_length: 25, ..ProcessModel::new(Marginal::STANDARD_NORMAL, 1.0, 250.0) };
         let process = FrictionProcess::new(model).unwrap();
         let paths = 20_000;
         let mean_square = (0..paths)
             .map(|i| {
-                let m = knots(&process, i, 61);
+                let m = values(&process, i, 61);
                 let mean = (m.iter().sum::<f64>() - 0.5 * (m[0] + m[60])) / 60.0;
                 mean * mean
             })
@@ -264,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn knots_have_the_wanted_moments_and_correlation_whatever_the_generator() {
+    fn grid_points_have_the_wanted_moments_and_correlation_for_every_generator() {
         let (recursion, harmonics) = (Generator::Autoregressive, Generator::Spectral { harmonics: 64 });
         let windowed = CorrelationShape::WindowedExponential { window: 4.0 };
         for (generator, correlation, shape, length) in [
@@ -279,7 +286,7 @@ mod tests {
         ] {
             let model = ProcessModel { generator, correlation, shape, ..beta(0.002, length) };
             let process = FrictionProcess::new(model).unwrap();
-            let paths: Vec<Vec<f64>> = (0..20_000).map(|i| knots(&process, i, 41)).collect();
+            let paths: Vec<Vec<f64>> = (0..20_000).map(|i| values(&process, i, 41)).collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
                 let values: Vec<f64> = paths.iter().map(|m| f(m)).collect();
                 let moments = Moments::of(&values);
@@ -298,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correction_meets_the_length_and_the_plain_translation_shortens_it() {
+    fn the_correction_gives_the_length_and_the_plain_translation_shortens_it() {
         let plain = FrictionProcess::new(beta(1.0, 2.0)).unwrap();
         let model = ProcessModel { correlation: Correlation::Corrected, ..beta(1.0, 2.0) };
         let corrected = FrictionProcess::new(model).unwrap();
@@ -309,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correction_meets_the_decay_of_every_shape() {
+    fn the_correction_gives_the_decay_of_every_shape() {
         for (generator, shape) in [
             (Generator::Autoregressive, CorrelationShape::WindowedExponential { window: 3.0 }),
             (Generator::Spectral { harmonics: 8 }, CorrelationShape::SquaredExponential),
@@ -322,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn a_generator_that_cannot_make_a_correlation_says_which_can() {
+    fn an_unsupported_correlation_is_an_error_that_names_a_generator() {
         let windowed = CorrelationShape::WindowedExponential { window: 1.0 };
         for (generator, shape, able) in [
             (Generator::Autoregressive, CorrelationShape::SquaredExponential, "spectral"),
@@ -335,40 +342,41 @@ mod tests {
     }
 
     #[test]
-    fn the_support_of_beta_friction_is_the_published_one() {
+    fn the_support_of_beta_friction_matches_the_publication() {
         let (low, high) = FrictionProcess::new(beta(1.0, 1.0)).unwrap().support();
         assert!((low + 1.844).abs() < 5e-4 && (high - 4.392).abs() < 5e-4);
     }
 
     #[test]
-    fn a_clamp_is_counted_and_nothing_falls_below_it() {
+    fn clipped_values_are_counted_and_none_is_below_the_least() {
         let model = ProcessModel { least: Some(-1e-3), ..beta(1e-3, 1.0) };
         let process = FrictionProcess::new(model).unwrap();
         let mut path = process.path(1, 0);
-        let values: Vec<f64> = (0..2000).map(|_| path.next_knot()).collect();
+        let values: Vec<f64> = (0..2000).map(|_| path.next_value()).collect();
         let raised = values.iter().filter(|m| **m == -1e-3).count() as u64;
-        assert!(raised > 0 && raised == path.clamped());
+        assert!(raised > 0 && raised == path.clipped());
         assert!(values.iter().all(|m| *m >= -1e-3));
-        // Its fraction is that of the law: 2,000 values worth some 1,000 independent ones, four standard errors.
+        // Fraction from the distribution; 2,000 values have an effective sample size of about 1,000; four standard
+        // errors.
         for generator in [Generator::Autoregressive, Generator::Jacobi, Generator::Spectral { harmonics: 256 }] {
             let model = ProcessModel { least: Some(-1e-3), generator, ..beta(1e-3, 0.05) };
             let wanted = model.clipped_fraction();
             let process = FrictionProcess::with_step(model, 0.05).unwrap();
-            let (runs, knots) = (20, 500);
-            let clamped: u64 = (0..runs)
+            let (runs, count) = (20, 500);
+            let clipped: u64 = (0..runs)
                 .map(|run| {
                     let mut path = process.path(1, run);
-                    for _ in 0..knots {
-                        path.next_knot();
+                    for _ in 0..count {
+                        path.next_value();
                     }
-                    path.clamped()
+                    path.clipped()
                 })
                 .sum();
-            let found = clamped as f64 / (runs as usize * knots) as f64;
-            let error = (wanted * (1.0 - wanted) * 2.2 / (runs as usize * knots) as f64).sqrt();
+            let found = clipped as f64 / (runs as usize * count) as f64;
+            let error = (wanted * (1.0 - wanted) * 2.2 / (runs as usize * count) as f64).sqrt();
             assert!((found - wanted).abs() < 4.0 * error, "{generator:?}: {found} and {wanted}");
         }
-        // P(X < mean − std) of the standard normal law.
+        // P(X < mean − std) of the standard normal distribution.
         let normal = ProcessModel { least: Some(-1e-3), ..ProcessModel::new("normal".parse().unwrap(), 1e-3, 1.0) };
         assert!((normal.clipped_fraction() - 0.158_655_253_931_457).abs() < 1e-12);
         assert_eq!(beta(1e-3, 1.0).clipped_fraction(), 0.0);
@@ -376,10 +384,10 @@ mod tests {
     }
 
     #[test]
-    fn realisations_depend_on_seed_and_index_alone_and_nonsense_is_refused() {
+    fn realisations_depend_on_seed_and_index_alone_and_invalid_models_are_refused() {
         let process = FrictionProcess::new(beta(1e-3, 1.0)).unwrap();
-        assert_eq!(knots(&process, 3, 5), knots(&process, 3, 5));
-        assert_ne!(knots(&process, 3, 5), knots(&process, 4, 5));
+        assert_eq!(values(&process, 3, 5), values(&process, 3, 5));
+        assert_ne!(values(&process, 3, 5), values(&process, 4, 5));
         for model in [
             beta(0.0, 1.0),
             beta(1.0, f64::NAN),

@@ -1,31 +1,31 @@
-//! The exact recursion of a normal process of windowed exponential correlation.
+//! Exact recursion of a normal process with windowed exponential correlation.
 
 use rand_distr::{Distribution, StandardNormal};
 
 use asperity_base::random::Stream;
 
-/// The moving average over a window W of an Ornstein–Uhlenbeck process of length ℓ, at knots h = W/k apart.
+/// Moving average over a window W of an Ornstein–Uhlenbeck process of length ℓ, at grid points h = W/k apart.
 ///
 /// The process g and its integral J over one step are jointly normal given g at the start, with φ = e^{−h/ℓ}: mean (φg,
-/// ℓ(1 − φ)g), variances 1 − φ² and ℓ²[2(h/ℓ − 1 + φ) − (1 − φ)²], covariance ℓ(1 − φ)². The sum of the last k integrals is
-/// the window's. So the correlation at the knots is exact, the law normal, and the process endless. ℓ = 0 sums independent
-/// values.
+/// ℓ(1 − φ)g), variances 1 − φ² and ℓ²[2(h/ℓ − 1 + φ) − (1 − φ)²], covariance ℓ(1 − φ)². The sum of the last k
+/// integrals is the integral over the window. The correlation at the grid points is therefore exact, the distribution
+/// normal and the process without end. For ℓ = 0 independent values are summed.
 #[derive(Debug, Clone)]
 pub(super) struct MovingAverage {
     step: Step,
     g: f64,
-    /// Integrals over the steps of the window, a ring.
+    /// Integrals over the steps of the window, in a ring buffer.
     integrals: Vec<f64>,
     next: usize,
     sum: f64,
-    /// One over the standard deviation of the sum.
+    /// Reciprocal of the standard deviation of the sum.
     scale: f64,
 }
 
-/// How g and its integral go on by one step, lengths in ℓ.
+/// Coefficients that advance g and its integral by one step, lengths in units of ℓ.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    /// φ and 1 − φ.
+    /// Values φ and 1 − φ.
     keep: f64,
     lose: f64,
     /// Factors of two independent normal values in g and in J.
@@ -34,7 +34,7 @@ struct Step {
 }
 
 impl MovingAverage {
-    /// `steps` = k knots per window and `step` = h/ℓ, infinite for ℓ = 0.
+    /// Draws a stationary state; `steps` = k grid points per window and `step` = h/ℓ, infinite for ℓ = 0.
     pub(super) fn draw(steps: usize, step: f64, rng: &mut Stream) -> Self {
         let independent = Step { keep: 0.0, lose: 0.0, to_g: 0.0, to_integral: [0.0, 1.0] };
         let (step, variance) = if step.is_finite() {
@@ -51,7 +51,7 @@ impl MovingAverage {
         average
     }
 
-    /// The value at this knot; moves to the next.
+    /// Returns the value at this grid point and moves to the next.
     pub(super) fn advance(&mut self, rng: &mut Stream) -> f64 {
         let value = self.scale * self.sum;
         self.turn(rng);
@@ -66,7 +66,7 @@ impl MovingAverage {
         self.sum += integral - std::mem::replace(&mut self.integrals[self.next], integral);
         self.next += 1;
         if self.next == self.integrals.len() {
-            // Afresh once per window, so that rounding does not add up.
+            // Recomputed once per window, so that rounding does not accumulate.
             self.next = 0;
             self.sum = self.integrals.iter().sum();
         }
@@ -84,7 +84,7 @@ impl Step {
     }
 }
 
-/// e^{−x} − 1 + x.
+/// Returns e^{−x} − 1 + x.
 fn bend(x: f64) -> f64 {
     if x > 0.05 {
         return (-x).exp_m1() + x;

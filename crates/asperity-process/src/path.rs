@@ -10,9 +10,9 @@ use super::table::TranslationTable;
 use super::{Cell, CorrelationShape, EqualCells, Fluctuation, FrictionProcess, Generator};
 use asperity_base::random::Stream;
 
-/// A realisation of a [`FrictionProcess`], made as it is read; it is endless.
+/// Realisation of a [`FrictionProcess`], generated while it is read, without end.
 ///
-/// It is read knot by knot ([`Path::next_knot`]) or cell by cell ([`Fluctuation`]), not both.
+/// Use either [`Path::next_value`], point by point, or [`Fluctuation`], cell by cell, but not both.
 #[derive(Debug, Clone)]
 pub struct Path<'a> {
     rng: Stream,
@@ -30,7 +30,7 @@ enum Source<'a> {
     Renewal(Renewal),
 }
 
-/// g_{i+1} = φg_i + √(1 − φ²)ξ.
+/// Recursion g_{i+1} = φg_i + √(1 − φ²)ξ.
 #[derive(Debug, Clone, Copy)]
 struct Recursion {
     g: f64,
@@ -39,7 +39,7 @@ struct Recursion {
 }
 
 impl Recursion {
-    /// The value at this knot; moves to the next.
+    /// Returns the value at this grid point and moves to the next.
     #[inline]
     fn advance(&mut self, xi: f64) -> f64 {
         let next = self.coefficient * self.g + self.innovation * xi;
@@ -47,13 +47,13 @@ impl Recursion {
     }
 }
 
-/// From normal values to m, raised to the least value where one is stated.
+/// Translation of normal values to m, with clipping at the least value, if there is one.
 #[derive(Debug, Clone, Copy)]
 struct Limited<'a> {
     table: &'a TranslationTable,
-    /// −∞ without a limit.
+    /// Least value; −∞ without clipping.
     least: f64,
-    clamped: u64,
+    clipped: u64,
 }
 
 impl Limited<'_> {
@@ -61,7 +61,7 @@ impl Limited<'_> {
     fn value(&mut self, normal: f64) -> f64 {
         let m = self.table.value(normal);
         if m < self.least {
-            self.clamped += 1;
+            self.clipped += 1;
             return self.least;
         }
         m
@@ -85,19 +85,19 @@ impl<'a> Path<'a> {
             }
             _ => {
                 let coefficient = process.normal_step_correlation();
-                // 1 − φ² without cancellation.
+                // Computes 1 − φ² without cancellation.
                 let innovation = (-(-2.0 * step_share).exp_m1()).sqrt();
                 Source::Autoregressive(Recursion { g: StandardNormal.sample(&mut rng), coefficient, innovation })
             }
         };
         let least = model.least.unwrap_or(f64::NEG_INFINITY);
-        let limited = Limited { table: parts.table, least, clamped: 0 };
+        let limited = Limited { table: parts.table, least, clipped: 0 };
         Self { rng, source, cells: EqualCells::new(process.step()), limited }
     }
 
-    /// m at the next knot, the first at s = 0. A renewal process is recorded there.
+    /// Returns m at the next grid point, the first at s = 0. A renewal process is sampled there.
     #[inline]
-    pub fn next_knot(&mut self) -> f64 {
+    pub fn next_value(&mut self) -> f64 {
         let normal = match &mut self.source {
             Source::Autoregressive(recursion) => recursion.advance(StandardNormal.sample(&mut self.rng)),
             Source::Averaged(average) => average.advance(&mut self.rng),
@@ -106,14 +106,15 @@ impl<'a> Path<'a> {
                 let next = step.next(*g, StandardNormal.sample(&mut self.rng));
                 std::mem::replace(g, next)
             }
-            Source::Renewal(renewal) => return renewal.knot(&mut self.rng, |normal| self.limited.value(normal)),
+            Source::Renewal(renewal) => return renewal.next_value(&mut self.rng, |normal| self.limited.value(normal)),
         };
         self.limited.value(normal)
     }
 
-    /// Values so far that were raised to the least one: knots, or intervals of a renewal process.
-    pub fn clamped(&self) -> u64 {
-        self.limited.clamped
+    /// Returns the number of values so far that were raised to the least one: grid points, or intervals of a renewal
+    /// process.
+    pub fn clipped(&self) -> u64 {
+        self.limited.clipped
     }
 }
 
@@ -125,9 +126,9 @@ impl Fluctuation for Path<'_> {
         }
         let left = match self.cells.last {
             Some(left) => left,
-            None => self.next_knot(),
+            None => self.next_value(),
         };
-        let right = self.next_knot();
+        let right = self.next_value();
         Some(self.cells.close(left, right))
     }
 }
@@ -151,13 +152,13 @@ mod tests {
             ("beta:2.1,5", Generator::Renewal, 0.5598),
             ("gamma:4,1", Generator::Renewal, 1.0),
         ] {
-            // The correction has nothing to correct.
+            // The correction has no effect.
             let model = ProcessModel { correlation: Correlation::Corrected, ..model(law, generator) };
             let process = FrictionProcess::new(model.clone()).unwrap();
             let paths: Vec<Vec<f64>> = (0..20_000)
                 .map(|i| {
                     let mut path = process.path(7, i);
-                    (0..61).map(|_| path.next_knot() / 0.002).collect()
+                    (0..61).map(|_| path.next_value() / 0.002).collect()
                 })
                 .collect();
             let mean_of = |f: &dyn Fn(&[f64]) -> f64| {
@@ -174,7 +175,7 @@ mod tests {
                 let (found, margin) = mean_of(&|m| m[0] * m[lag]);
                 assert!((found - wanted).abs() < margin, "{law} {generator:?}: {found} at {lag}, not {wanted}");
             }
-            // The law after sixty steps.
+            // Distribution after sixty steps.
             let standard = model.marginal.standardised(0.0, 1.0).unwrap();
             let last: Vec<f64> = paths.iter().map(|m| m[60]).collect();
             let p = kolmogorov_smirnov(&last, &standard, None).unwrap().p_value;
@@ -183,14 +184,14 @@ mod tests {
     }
 
     #[test]
-    fn a_diffusion_slows_down_at_its_bounds_as_its_variance_says() {
-        // Var[X_h | x] from the second eigenfunction; binned by x, against the squared changes of many steps.
+    fn a_diffusion_slows_down_at_its_bounds_according_to_its_variance() {
+        // Var[X_h | x] from the second eigenfunction, binned by x, compared with the squared changes of many steps.
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
         let mut path = process.path(3, 0);
-        let knots: Vec<f64> = (0..400_000).map(|_| path.next_knot()).collect();
+        let points: Vec<f64> = (0..400_000).map(|_| path.next_value()).collect();
         let (a, b, h) = (2.1, 5.0, 0.05_f64);
         let (mean, std) = (0.295_775, 0.025_715_f64.sqrt());
-        let x: Vec<f64> = knots.iter().map(|m| mean + m / 0.002 * std).collect();
+        let x: Vec<f64> = points.iter().map(|m| mean + m / 0.002 * std).collect();
         let mut errors = [(0.0, 0.0, 0.0); 5];
         for pair in x.windows(2) {
             // E[X] and E[X²] after h solve two linear equations.
@@ -211,36 +212,36 @@ mod tests {
     }
 
     #[test]
-    fn cells_join_the_knots_and_those_of_a_renewal_jump() {
+    fn cells_join_the_grid_points_and_cells_of_a_renewal_process_jump() {
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Jacobi)).unwrap();
-        let (mut knots, mut cells) = (process.path(5, 2), process.path(5, 2));
-        let mut left = knots.next_knot();
+        let (mut points, mut cells) = (process.path(5, 2), process.path(5, 2));
+        let mut left = points.next_value();
         for i in 1..200 {
-            let right = knots.next_knot();
+            let right = points.next_value();
             let cell = Cell { end: f64::from(i) * process.step(), length: process.step(), left, right };
             assert_eq!(cells.next_cell(), Some(cell));
             left = right;
         }
         let process = FrictionProcess::new(model("beta:2.1,5", Generator::Renewal)).unwrap();
-        let (mut knots, mut path) = (process.path(5, 2), process.path(5, 2));
+        let (mut points, mut path) = (process.path(5, 2), process.path(5, 2));
         let cells: Vec<Cell> = (0..2000).map(|_| path.next_cell().unwrap()).collect();
         assert!(cells.iter().all(|cell| cell.left == cell.right && cell.length > 0.0));
         let mean = cells[1999].end / 2000.0;
         assert!((mean - 3.0).abs() < 4.0 * 3.0 / 2000.0_f64.sqrt(), "{mean}");
         for i in 0..20_000 {
             let place = f64::from(i) * process.step();
-            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(knots.next_knot()));
+            assert_eq!(cells.iter().find(|cell| place < cell.end).map(|cell| cell.left), Some(points.next_value()));
         }
     }
 
     #[test]
-    fn laws_and_correlations_that_a_generator_cannot_make_are_refused_by_name() {
+    fn unsupported_distributions_and_correlations_are_refused_by_name() {
         let refused = |law: &str, generator, shape| {
             FrictionProcess::new(ProcessModel { shape, ..model(law, generator) }).unwrap_err()
         };
         let error = refused("gamma:2,1", Generator::Jacobi, CorrelationShape::Exponential);
         assert_eq!(error, ProcessError::Marginal { generator: "jacobi", law: "gamma", wanted: "beta" });
-        assert!(error.to_string().contains("beta law, not a gamma one"), "{error}");
+        assert!(error.to_string().contains("beta distributions, not gamma"), "{error}");
         for generator in [Generator::Jacobi, Generator::Renewal] {
             let error = refused("beta:2.1,5", generator, CorrelationShape::SquaredExponential).to_string();
             assert!(error.contains(generator.name()) && error.contains("spectral"), "{error}");

@@ -1,8 +1,8 @@
-//! Processes that are given: a record, or none.
+//! Given fluctuations: a record, or zero.
 
 use super::{Cell, EqualCells, Fluctuation, ProcessError, positive};
 
-/// No fluctuation, m = 0.
+/// Zero fluctuation, m = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Steady;
 
@@ -13,7 +13,7 @@ impl Fluctuation for Steady {
     }
 }
 
-/// A recorded fluctuation, piecewise linear through values at equal distances.
+/// Recorded fluctuation, piecewise linear through values at equal distances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedProcess {
     step: f64,
@@ -21,7 +21,7 @@ pub struct RecordedProcess {
 }
 
 impl RecordedProcess {
-    /// Values m(0), m(h), m(2h), …; at least two, all finite, with h > 0.
+    /// Creates a record from the values m(0), m(h), m(2h), …: at least two, all finite, with h > 0.
     pub fn new(step: f64, values: Vec<f64>) -> Result<Self, ProcessError> {
         positive("friction step", step)?;
         if values.len() < 2 {
@@ -34,23 +34,23 @@ impl RecordedProcess {
         Ok(Self { step, values })
     }
 
-    /// Distance between the values.
+    /// Returns the distance between the values.
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// The values.
+    /// Returns the values.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The record from its start.
+    /// Returns the record from its start.
     pub fn path(&self) -> RecordedPath<'_> {
         RecordedPath { cells: EqualCells::new(self.step), rest: self.values.iter() }
     }
 }
 
-/// A reading of a [`RecordedProcess`].
+/// Reader of a [`RecordedProcess`].
 #[derive(Debug, Clone)]
 pub struct RecordedPath<'a> {
     cells: EqualCells,
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_are_none_are_refused() {
+    fn invalid_records_are_refused() {
         for (step, values) in
             [(0.0, vec![1.0, 2.0]), (1.0, vec![1.0]), (1.0, vec![1.0, f64::NAN]), (f64::NAN, vec![1.0; 3])]
         {

@@ -1,21 +1,22 @@
-//! A process that jumps at the points of a Poisson process.
+//! Process with jumps at the points of a Poisson process.
 
 use rand_distr::{Distribution, Exp1, StandardNormal};
 
 use super::Cell;
 use asperity_base::random::Stream;
 
-/// Intervals of exponential length of mean ℓ, a fresh value in each.
+/// Intervals of exponential length with mean ℓ and an independent value in each.
 ///
-/// Two places a distance s apart have one value if no jump lies between, with probability e^{−s/ℓ}, and independent ones
-/// otherwise: that is the correlation. Lengths have no memory, so the process is stationary from s = 0 on.
+/// Two points a distance s apart have the same value if no jump lies between them, with probability e^{−s/ℓ}, and
+/// independent values otherwise. This probability is the correlation. The exponential distribution is memoryless, so
+/// the process is stationary from s = 0 on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Renewal {
     mean_length: f64,
     /// End of the present interval, and m in it.
     end: f64,
     m: f64,
-    /// Distance between the places of a record, and number of the next.
+    /// Distance between the points of a record, and number of the next point.
     step: f64,
     next: usize,
 }
@@ -25,18 +26,18 @@ impl Renewal {
         Self { mean_length, end: 0.0, m: 0.0, step, next: 0 }
     }
 
-    /// The next interval; `value` is m of a standard normal value.
+    /// Returns the next interval; `value` computes m from a standard normal value.
     #[inline]
     pub(super) fn cell(&mut self, rng: &mut Stream, value: impl FnOnce(f64) -> f64) -> Cell {
         self.m = value(StandardNormal.sample(rng));
-        let share: f64 = Exp1.sample(rng);
-        let length = self.mean_length * share;
+        let fraction: f64 = Exp1.sample(rng);
+        let length = self.mean_length * fraction;
         self.end += length;
         Cell { end: self.end, length, left: self.m, right: self.m }
     }
 
-    /// m at the next place of a record.
-    pub(super) fn knot(&mut self, rng: &mut Stream, mut value: impl FnMut(f64) -> f64) -> f64 {
+    /// Returns m at the next point of a record.
+    pub(super) fn next_value(&mut self, rng: &mut Stream, mut value: impl FnMut(f64) -> f64) -> f64 {
         let place = self.next as f64 * self.step;
         self.next += 1;
         while place >= self.end {

@@ -10,12 +10,13 @@ use asperity_base::law::standard_normal_quantile;
 use asperity_base::numeric::bisect;
 use asperity_base::stats::student_quantile;
 
-/// Largest order of a Matérn correlation; beyond, it is a squared exponential to every digit that a record could show.
+/// Largest order of a Matérn correlation. Above it the correlation is indistinguishable from a squared exponential in a
+/// record.
 const LARGEST_NU: f64 = 100.0;
-/// Doublings of a bracket's end.
+/// Largest number of doublings of the end of a bracket.
 const DOUBLINGS: usize = 200;
 
-/// The correlation ρ(s) of a process, up to its length ℓ.
+/// Shape of the correlation ρ(s) of a process, without its length ℓ.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CorrelationShape {
@@ -24,13 +25,13 @@ pub enum CorrelationShape {
     Exponential,
     /// e^{−(s/ℓ)²}.
     SquaredExponential,
-    /// Matérn of smoothness ν, with √(2ν) s/ℓ as argument; ν = ½ is the exponential.
+    /// Matérn correlation of smoothness ν with argument √(2ν) s/ℓ; ν = ½ is the exponential.
     Matern {
         /// Smoothness ν in (0, 100].
         nu: f64,
     },
-    /// The moving average over a window W of an exponential of length ℓ ([`windowed_exponential`]); ℓ = 0 leaves the triangle
-    /// of the window.
+    /// Moving average over a window W of an exponential of length ℓ ([`windowed_exponential`]); for ℓ = 0 it is the
+    /// triangle of the window.
     WindowedExponential {
         /// Window W, in the unit of the sliding distance.
         window: f64,
@@ -38,8 +39,9 @@ pub enum CorrelationShape {
 }
 
 impl CorrelationShape {
-    /// Shape and length of a fitted model of length ℓ. A triangle is what its window makes of uncorrelated values.
-    pub fn of(model: RecordModel, length: f64) -> (Self, f64) {
+    /// Returns shape and length of a fitted model of length ℓ. A triangle is the correlation of a window over
+    /// uncorrelated values.
+    pub fn from_record_model(model: RecordModel, length: f64) -> (Self, f64) {
         match model {
             RecordModel::Exponential => (Self::Exponential, length),
             RecordModel::SquaredExponential => (Self::SquaredExponential, length),
@@ -48,7 +50,7 @@ impl CorrelationShape {
         }
     }
 
-    /// Name as in files: `exponential`, `squared_exponential`, `matern`, `windowed_exponential`.
+    /// Returns the name used in files: `exponential`, `squared_exponential`, `matern`, `windowed_exponential`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Exponential => "exponential",
@@ -58,10 +60,10 @@ impl CorrelationShape {
         }
     }
 
-    /// Correlation at a lag, for the length ℓ in the same unit.
+    /// Returns the correlation at a lag, for the length ℓ in the same unit.
     ///
     /// # Panics
-    /// With a window, if window and length are negative or both zero.
+    /// Panics with a window if window or length is negative, or if both are zero.
     pub fn correlation(&self, lag: f64, length: f64) -> f64 {
         let r = lag.abs() / length;
         match *self {
@@ -72,7 +74,7 @@ impl CorrelationShape {
         }
     }
 
-    /// The same shape with lags counted in another unit, `unit` of the present ones.
+    /// Returns the same shape with lags in another unit, `unit` in the present one.
     #[must_use]
     pub fn in_unit(self, unit: f64) -> Self {
         match self {
@@ -81,7 +83,7 @@ impl CorrelationShape {
         }
     }
 
-    /// Fails unless the shape is one and `length` belongs to it: positive, or zero under a window.
+    /// Fails if the shape is invalid, or if `length` is: it must be positive, or zero with a window.
     pub(super) fn check(&self, length: f64) -> Result<(), ProcessError> {
         match *self {
             Self::Matern { nu } if !(nu > 0.0 && nu <= LARGEST_NU) => {
@@ -99,17 +101,17 @@ impl CorrelationShape {
         positive("correlation length", length)
     }
 
-    /// Whether it is e^{−s/ℓ}.
+    /// Returns whether the shape is e^{−s/ℓ}.
     pub(super) fn is_exponential(&self) -> bool {
         matches!(self, Self::Exponential | Self::Matern { nu: 0.5 })
     }
 
-    /// Whether a normal process of this shape is an Ornstein–Uhlenbeck process or its moving average.
+    /// Returns whether a normal process of this shape is an Ornstein–Uhlenbeck process or its moving average.
     pub(super) fn has_recursion(&self) -> bool {
         self.is_exponential() || matches!(self, Self::WindowedExponential { .. })
     }
 
-    /// Lag at which the correlation is 1/e.
+    /// Returns the lag at which the correlation is 1/e.
     pub fn decay_length(&self, length: f64) -> f64 {
         match *self {
             Self::Exponential | Self::SquaredExponential | Self::Matern { nu: 0.5 } => length,
@@ -123,7 +125,8 @@ impl CorrelationShape {
         }
     }
 
-    /// The length with which the correlation at `lag` is that of `wanted`, which is at least that of `length`.
+    /// Returns the length for which the correlation at `lag` is `wanted`, which must be at least the correlation for
+    /// `length`.
     pub(super) fn longer(&self, length: f64, lag: f64, wanted: f64) -> f64 {
         match *self {
             Self::Exponential | Self::Matern { nu: 0.5 } => -lag / wanted.ln(),
@@ -134,21 +137,22 @@ impl CorrelationShape {
         }
     }
 
-    /// Frequency times ℓ below which the share `probability` of the spectrum of positive frequencies lies; `None` under a
-    /// window, whose spectrum has no such closed form.
+    /// Returns the frequency times ℓ below which the fraction `probability` of the spectrum of positive frequencies
+    /// lies; `None` with a window, whose spectrum has no such closed form.
     pub(super) fn spectral_quantile(&self, probability: f64) -> Option<f64> {
         match *self {
             Self::Exponential => Some((std::f64::consts::FRAC_PI_2 * probability).tan()),
-            // A normal law of variance 2.
+            // Normal distribution of variance 2.
             Self::SquaredExponential => Some(2.0_f64.sqrt() * standard_normal_quantile(0.5 + 0.5 * probability)),
-            // Student's law of 2ν degrees of freedom.
+            // Student's distribution with 2ν degrees of freedom.
             Self::Matern { nu } => Some(student_quantile(0.5 + 0.5 * probability, 2.0 * nu)),
             Self::WindowedExponential { .. } => None,
         }
     }
 }
 
-/// The root of a rising function of a positive number, between 0 and what doubling `start` reaches.
+/// Returns the root of a rising function of a positive number, between 0 and the largest value reached by doubling
+/// `start`.
 fn rising_root(start: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, start);
     for _ in 0..DOUBLINGS {
@@ -180,15 +184,16 @@ mod tests {
             let longer = shape.longer(250.0, lag, 0.4);
             assert!(longer > 250.0 && (shape.correlation(lag, longer) - 0.4).abs() < 1e-12, "{shape:?}");
         }
-        // The triangle of a window alone: 1 − 1/e of it.
+        // Triangle of a window alone: the fraction 1 − 1/e of it.
         let triangle = CorrelationShape::WindowedExponential { window: 600.0 };
         assert!((triangle.decay_length(0.0) / 600.0 - (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
     }
 
     #[test]
     fn spectral_quantiles_integrate_to_the_correlation() {
-        // ρ(s) = ∫ cos(ω(u) s) du over the shares u, by the midpoint rule of n points. It sees nothing of frequencies that turn
-        // by more than half a circle from point to point: a share of about 1/√n under e^{−s}, 3e-4 and 4e-5 under the last two.
+        // ρ(s) = ∫ cos(ω(u) s) du over the fractions u, by the midpoint rule with n points. The rule misses frequencies
+        // that turn by more than half a circle between points: a fraction of about 1/√n for e^{−s}, 3e-4 and 4e-5 for
+        // the last two shapes.
         for (shape, tolerance) in [
             (CorrelationShape::Exponential, 2e-3),
             (CorrelationShape::SquaredExponential, 1e-5),
@@ -208,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_that_are_none_are_refused() {
+    fn invalid_shapes_are_refused() {
         for (shape, length) in [
             (CorrelationShape::Matern { nu: 0.0 }, 1.0),
             (CorrelationShape::Matern { nu: f64::NAN }, 1.0),

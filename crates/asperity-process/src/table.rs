@@ -1,28 +1,29 @@
-//! The translation of standard normal values, tabulated.
+//! Tabulated translation of standard normal values.
 
 use asperity_base::law::{Marginal, standard_normal_pdf};
 
-/// The table spans |g| ≤ 8; beyond, where 1.2e-15 of the values lie, the translation is computed directly.
+/// Largest |g| of the table. Beyond, where the fraction 1.2e-15 of the values lies, the translation is computed
+/// directly.
 const REACH: f64 = 8.0;
-/// Intervals per unit of g at first, doubled until the error is small, at most to [`MAX_DENSITY`].
+/// Initial number of intervals per unit of g, doubled until the error is small, at most to [`MAX_DENSITY`].
 const FIRST_DENSITY: usize = 32;
 const MAX_DENSITY: usize = 1024;
-/// Wanted largest error, in standard deviations.
+/// Required largest error, in standard deviations.
 const WANTED_ERROR: f64 = 1e-10;
 
-/// The map g ↦ (F⁻¹(Φ(g)) − mean)·σ/std.
+/// Map g ↦ (F⁻¹(Φ(g)) − mean)·σ/std.
 #[derive(Debug, Clone)]
 pub(super) struct TranslationTable {
     law: Marginal,
     mean: f64,
-    /// σ/std.
+    /// Factor σ/std.
     gain: f64,
     route: Route,
 }
 
 #[derive(Debug, Clone)]
 enum Route {
-    /// Without a table: closed forms, and laws with kinks, which cubics would blur.
+    /// Direct evaluation: closed forms, and distributions with kinks, which cubics would smooth.
     Direct,
     /// Cubic Hermite interpolation between (value, slope·spacing) at equal distances.
     Cubic { density: f64, nodes: Vec<[f64; 2]>, error: f64 },
@@ -46,7 +47,8 @@ impl TranslationTable {
         table
     }
 
-    /// Largest difference from the direct translation, in units of σ, measured where cubic interpolation is worst.
+    /// Returns the largest difference from the direct translation, in units of σ, measured where cubic interpolation is
+    /// worst.
     pub(super) fn error(&self) -> f64 {
         match self.route {
             Route::Direct => 0.0,
@@ -54,7 +56,7 @@ impl TranslationTable {
         }
     }
 
-    /// m at g.
+    /// Returns m at g.
     #[inline]
     pub(super) fn value(&self, g: f64) -> f64 {
         if let Route::Cubic { density, nodes, .. } = &self.route {
@@ -67,12 +69,12 @@ impl TranslationTable {
         self.direct(g)
     }
 
-    /// The slow and exact way.
+    /// Returns m at g by direct evaluation.
     pub(super) fn direct(&self, g: f64) -> f64 {
         (self.law.translate(g) - self.mean) * self.gain
     }
 
-    /// m of a given probability.
+    /// Returns m at a given probability.
     pub(super) fn at_probability(&self, probability: f64) -> f64 {
         (self.law.quantile(probability) - self.mean) * self.gain
     }
@@ -100,7 +102,7 @@ impl TranslationTable {
     }
 }
 
-/// Cubic Hermite interpolation at the share t of an interval.
+/// Returns the cubic Hermite interpolation at the fraction t of an interval.
 #[inline]
 fn cubic([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], t: f64) -> f64 {
     let rise = y1 - y0;
@@ -112,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_the_direct_translation_within_its_stated_error() {
+    fn the_table_matches_the_direct_translation_within_its_stated_error() {
         for text in ["beta:2.1,5", "beta:0.8,0.9", "weibull:1.5,2", "gamma:1.5,2", "normal", "lognormal:0,0.4"] {
             let law: Marginal = text.parse().unwrap();
             let sigma = 0.003;

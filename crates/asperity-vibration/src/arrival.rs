@@ -1,14 +1,14 @@
-//! The first arrival of a slip at v_rel = 0.
+//! First zero of the relative velocity in a slip ("arrival").
 //!
 //! Without forcing, A = W′ and B = base − κW obey A′ = pA + B, B′ = −κA with p = dW′/dW at fixed e. The angle of
-//! (A, B/√κ) turns by at most √κ + |p|/2 per unit of time, always clockwise through the zeros of A, and a maximum of W has
-//! B ≤ 0, W ≥ base/κ. So at W ≥ 0 a maximum is at least a quarter turn away from W = base/κ, and
+//! (A, B/√κ) turns by at most √κ + |p|/2 per unit of time and crosses the zeros of A only clockwise. At a maximum of W,
+//! B ≤ 0 and W ≥ base/κ. So for W ≥ 0 a maximum is at least a quarter turn away from W = base/κ. Three cases follow:
 //!
-//! - a rising W does not arrive within a quarter turn, and if it begins at W ≤ base/κ, within half a turn;
-//! - a falling W that is negative at the end of a quarter turn at most has arrived exactly once;
-//! - a falling W that is positive and falls at the end of it has not arrived.
+//! - A rising W does not arrive within a quarter turn. If it starts at W ≤ base/κ, it does not arrive within half a turn.
+//! - A falling W that is negative after at most a quarter turn has arrived exactly once.
+//! - A falling W that is positive and still falls after at most a quarter turn has not arrived.
 //!
-//! Only a minimum inside such an interval is left to the bounds of [`polynomial::first_zero`].
+//! A minimum inside such an interval is the remaining case; [`polynomial::first_zero`] decides it by coefficient bounds.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,12 +16,12 @@ use super::polynomial;
 use super::series::{Loading, Series};
 use super::weakening::Weakening;
 
-/// Share of a turn that is used, for rounding.
+/// Fraction of the turning time that is used, as a margin for rounding.
 const MARGIN: f64 = 1.0 - 1e-9;
-/// Halley's correction, relative to the time in which W′ changes, whose cube is below rounding.
+/// Relative size of Halley's correction, in units of the time in which W′ changes, whose cube is below rounding.
 const SMALL: f64 = 3e-6;
 
-/// What is known about arrivals in an interval.
+/// Number of arrivals in an interval, as far as known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Arrivals {
     None,
@@ -29,25 +29,25 @@ enum Arrivals {
     Unknown,
 }
 
-/// What the turning of (A, B) tells about a step.
+/// Bound on the turning of (A, B) during a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turning {
-    /// Largest time of a quarter turn at least; zero if nothing is known.
+    /// Lower bound of the time of a quarter turn; zero if there is no bound.
     quarter: f64,
     kappa: f64,
     base: f64,
 }
 
-/// Where a step of slip ends.
+/// End of a step of slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reached {
     pub(super) t: f64,
     pub(super) arrived: bool,
-    /// W and e there, if they are known.
+    /// W and e at the end, if known.
     pub(super) state: Option<(f64, f64)>,
 }
 
-/// A state inside a step.
+/// State at a time inside a step.
 #[derive(Debug, Clone, Copy)]
 struct Passed {
     t: f64,
@@ -58,14 +58,14 @@ struct Passed {
 }
 
 impl Passed {
-    /// Time at which W = 0 on a cubic t(W) through both states with their slopes.
+    /// Returns the time at which W = 0 on a cubic t(W) through both states with their slopes.
     fn inverse_cubic(&self, to: &Self) -> f64 {
         let (height, span) = (to.w - self.w, to.t - self.t);
-        let share = -self.w / height;
-        // Deviations of the slopes from the chord's.
+        let fraction = -self.w / height;
+        // Deviations of the slopes from the slope of the chord.
         let (first, last) = (height / self.a - span, height / to.a - span);
-        let rest = 1.0 - share;
-        self.t + share * span + share * rest * (rest * first - share * last)
+        let rest = 1.0 - fraction;
+        self.t + fraction * span + fraction * rest * (rest * first - fraction * last)
     }
 }
 
@@ -82,29 +82,29 @@ impl Turning {
         Self { quarter, kappa, base }
     }
 
-    /// Of a step whose polynomials are not the solution to rounding.
+    /// Bound for steps whose polynomials differ from the solution by more than rounding.
     pub(super) const UNKNOWN: Self = Self { quarter: 0.0, kappa: 0.0, base: 0.0 };
 
-    /// Whether W has one extremum at most in a step of this length: two are half a turn apart.
+    /// Returns whether W has at most one extremum in a step of this length: two extrema are half a turn apart.
     #[inline]
     pub(super) fn is_simple(&self, h: f64) -> bool {
         h <= 2.0 * self.quarter
     }
 
-    /// Time during which a slip at (W, W′) does not arrive for certain.
+    /// Returns a time during which a slip at (W, W′) certainly does not arrive.
     #[inline]
     pub(super) fn safe(&self, w: f64, a: f64) -> f64 {
         if a < 0.0 {
             0.0
         } else if self.kappa * w <= self.base {
-            // For κ ≤ 0 this is always so, and a rising W rises for ever.
+            // For κ ≤ 0 this always holds, and a rising W keeps rising.
             2.0 * self.quarter
         } else {
             self.quarter
         }
     }
 
-    /// Arrivals in an interval of the length h, from the states (W, W′) at its ends.
+    /// Returns the arrivals in an interval of length h from the states (W, W′) at its ends.
     #[inline]
     fn arrivals(&self, h: f64, (w0, a0): (f64, f64), (w1, a1): (f64, f64)) -> Arrivals {
         if h <= self.safe(w0, a0) {
@@ -122,14 +122,14 @@ impl Turning {
 }
 
 impl Series {
-    /// Whether a slip that has the state (w, a) after h, not yet arrived or arrived, has certainly not arrived before.
+    /// Returns whether a slip with the state (w, a) at time h has certainly not arrived before h.
     #[inline]
     pub(super) fn stays(&self, turning: &Turning, h: f64, w: f64, a: f64) -> bool {
         let [w0, a0] = self.start();
         turning.arrivals(h, (w0, a0), (w, a)) == Arrivals::None
     }
 
-    /// Where a slip of the length h at most ends: at its first arrival, if it has one.
+    /// Returns the end of a slip of length at most h: its first arrival, if there is one.
     #[inline]
     pub(super) fn first_arrival(&self, weakening: &Weakening, turning: &Turning, h: f64) -> Reached {
         if turning.quarter == 0.0 {
@@ -154,40 +154,41 @@ impl Series {
         }
     }
 
-    /// The same by bounds of the coefficients.
+    /// Returns the first arrival found by bounds of the coefficients.
     fn bounded(&self, h: f64) -> Reached {
         let found = self.first_zero(h);
         Reached { t: found.unwrap_or(h), arrived: found.is_some(), state: None }
     }
 
-    /// The first zero of W in (0, h] by bounds of its coefficients.
+    /// Returns the first zero of W in (0, h], found by bounds of its coefficients.
     fn first_zero(&self, h: f64) -> Option<f64> {
         self.first_crossing(0.0, 1.0, h)
     }
 
-    /// First time in (0, h] at which ±(W − level), positive just after 0, is zero.
+    /// Returns the first time in (0, h] at which ±(W − level), positive just after 0, is zero.
     pub(super) fn first_crossing(&self, level: f64, sign: f64, h: f64) -> Option<f64> {
         let mut c = [0.0; polynomial::CAPACITY];
         for (c, w) in c.iter_mut().zip(self.w()) {
             *c = sign * w;
         }
         c[0] -= sign * level;
-        // Right after a start at the level, as a detachment is, the difference is O(t) or O(t²); the factor is divided out,
-        // or its zero at t = 0 would be found.
+        // At a start on the level, for example a detachment, the difference is O(t) or O(t²). The factor is divided
+        // out; otherwise its zero at t = 0 would be found.
         let leading = c.iter().take(2).take_while(|c| **c == 0.0).count();
         polynomial::first_zero(&c[leading..self.w().len()], h)
     }
 
-    /// First time in (0, h] at which W leaves (from, to), and the end it reaches; not through `from` if that is zero.
+    /// Returns the first time in (0, h] at which W leaves (from, to), and the end it reaches. A `from` of zero is
+    /// ignored.
     pub(super) fn first_exit(&self, (from, to): (f64, f64), h: f64) -> Option<(f64, f64)> {
         let up = if to.is_finite() { self.first_crossing(to, -1.0, h) } else { None };
         let down = if from > 0.0 { self.first_crossing(from, 1.0, up.unwrap_or(h)) } else { None };
         down.map(|t| (t, from)).or(up.map(|t| (t, to)))
     }
 
-    /// The only arrival between two states, W falling from the first to the second.
+    /// Returns the only arrival between two states; W falls from the first to the second.
     ///
-    /// The inverse of W, as a cubic through both ends, is the first guess, and Halley's method goes on from there.
+    /// The first guess is the inverse of W as a cubic through both ends; Halley's method refines it.
     fn arrival_between(&self, weakening: &Weakening, turning: &Turning, from: Passed, to: Passed) -> Reached {
         let (mut low, mut high) = (from.t, to.t);
         let mut next = from.inverse_cubic(&to);
@@ -249,7 +250,7 @@ mod tests {
             let (found, wanted) = (reached.arrived.then_some(reached.t), series.first_zero(h));
             match (found, wanted) {
                 (Some(a), Some(b)) => {
-                    // A zero moves by (rounding of W)/W′.
+                    // Rounding moves a zero by (rounding of W)/W′.
                     let (w, e) = series.state(b);
                     let slope = weakening.acceleration(w, e).abs();
                     assert!((a - b).abs() * slope < 1e-13 * (1.0 + e.abs()), "{a} and {b}, W′ = {slope:e}");

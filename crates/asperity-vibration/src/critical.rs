@@ -1,4 +1,4 @@
-//! Where the stick-slip cycle ends and where steady sliding begins to be stable.
+//! Damping ratios at which the stick-slip cycle ends and at which steady sliding becomes stable.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,51 +7,52 @@ use super::structure::grazing::grazing_damping;
 use super::structure::slip_cycle::fold_damping;
 use super::{Oscillator, VibrationError};
 
-/// Largest damping ratio that is searched.
+/// Upper end of the search for the damping ratio.
 const MAX_DAMPING: f64 = 1e3;
 
-/// The two damping ratios that separate stick-slip from sliding.
+/// Damping ratios that separate stick-slip from steady sliding.
 ///
-/// For velocity weakening laws ζ_H < ζ_c: between them stick-slip and sliding are both stable.
+/// For velocity-weakening laws ζ_H < ζ_c: between them both stick-slip and steady sliding are stable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CriticalDamping {
-    /// ζ_c of the grazing–sliding fold: the slip orbit from a detachment touches the belt velocity. No stick-slip cycle
-    /// exists above it.
+    /// ζ_c of the grazing–sliding fold: the slip orbit from a detachment touches the belt velocity. Above ζ_c no
+    /// stick-slip cycle exists.
     pub critical_damping_ratio: f64,
-    /// ζ_H of the Hopf bifurcation, 2ζ_H = −dμ/d|v| at the belt velocity. Steady sliding is stable above it; it is negative
-    /// where the law rises with the speed.
+    /// ζ_H of the Hopf bifurcation, 2ζ_H = −dμ/d|v| at the belt velocity. Above ζ_H steady sliding is stable. ζ_H is
+    /// negative where friction rises with the speed.
     pub hopf_damping_ratio: f64,
 }
 
-/// ζ_c and ζ_H of an oscillator; its own damping ratio and forcing are left aside.
+/// Returns ζ_c and ζ_H of an oscillator, ignoring its own damping ratio and forcing.
 ///
-/// ζ_c is the zero, in ζ, of the least relative velocity on the slip orbit from a detachment, continued smoothly below
-/// zero, by Newton's method with the derivative of the orbit. First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
+/// ζ_c is the damping ratio at which the least relative velocity on the slip orbit from a detachment is zero. The orbit
+/// is continued smoothly below zero, and the zero is found by Newton's method with the derivative of the orbit.
+/// First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
 pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, VibrationError> {
     let weakening = oscillator.law().weakening(oscillator.belt_velocity());
     let hopf_damping_ratio = 0.5 * weakening;
     let jump = oscillator.static_friction() - oscillator.law().kinetic();
     if oscillator.law().is_constant() && jump == 0.0 {
-        // The slip orbit of an undamped linear oscillator returns to its start: it grazes.
+        // The slip orbit of an undamped linear oscillator returns to its start, so it grazes.
         return Ok(CriticalDamping { critical_damping_ratio: 0.0, hopf_damping_ratio });
     }
     let free = oscillator.with_forcing(None)?;
     let guess = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
     let critical_damping_ratio = match grazing_damping(&free, 0.0, guess, MAX_DAMPING)? {
         Some(damping) => damping,
-        // A law that rises with the speed damps by itself; or weakening and jump are below rounding.
+        // Friction that rises with the speed damps the motion, or weakening and jump are below rounding.
         None if first_minimum(&free.with_damping(0.0)?, 0.0)?.is_none_or(|m| m.w >= 0.0) => hopf_damping_ratio.max(0.0),
         None => return Err(VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" }),
     };
     Ok(CriticalDamping { critical_damping_ratio, hopf_damping_ratio })
 }
 
-/// Returns ζ_v, the largest damping ratio at which any vibration persists; the oscillator's own damping ratio and forcing are
-/// left aside.
+/// Returns ζ_v, the largest damping ratio at which any vibration persists, ignoring the oscillator's own damping ratio
+/// and forcing.
 ///
-/// The last vibration ends at the grazing point ζ_c, at the Hopf point ζ_H, or in a fold of slip cycles above both. For
-/// ζ_H < ζ < ζ_v steady sliding is stable, and vibration attracts: a machine that starts in stick vibrates, and one that
-/// slides steadily needs a kick ([`super::smallest_kick`]).
+/// Vibration ends at the largest of three damping ratios: the grazing point ζ_c, the Hopf point ζ_H, or a fold of slip
+/// cycles above both. For ζ_H < ζ < ζ_v steady sliding is stable and a vibration coexists with it: a machine that
+/// starts in stick vibrates, and a machine that slides steadily vibrates only after a kick ([`super::smallest_kick`]).
 pub fn limit_damping(oscillator: &Oscillator) -> Result<f64, VibrationError> {
     let ends = critical_damping(oscillator)?;
     let least = ends.critical_damping_ratio.max(ends.hopf_damping_ratio);
@@ -66,7 +67,7 @@ mod tests {
     use asperity_base::numeric::try_root_between;
     use asperity_base::random;
 
-    /// ζ_c by bisection of the same least velocity, without its derivative.
+    /// Finds ζ_c by bisection of the least velocity, without its derivative.
     fn bisected(oscillator: &Oscillator, above: f64) -> f64 {
         let least = |damping| -> Result<f64, VibrationError> {
             Ok(first_minimum(&oscillator.with_damping(damping)?, 0.0)?.map_or(1.0, |m| m.w))
@@ -88,7 +89,7 @@ mod tests {
             let hopf = 0.5 * 4.2 * friction / (1.0 + 4.2 * velocity).powi(2);
             assert!((found.hopf_damping_ratio - hopf).abs() < 1e-15);
             assert!(found.hopf_damping_ratio < found.critical_damping_ratio);
-            // First-order averaging, good to the order of the friction coefficient squared.
+            // First-order averaging; its error is of the order of the friction coefficient squared.
             let speed: f64 = 4.2 * velocity;
             let averaged = friction / (speed * velocity) * ((1.0 + speed) / (1.0 + 2.0 * speed).sqrt() - 1.0);
             assert!((found.critical_damping_ratio / averaged - 1.0).abs() < friction * friction, "{averaged}");
@@ -108,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_exists_exactly_below_the_critical_damping_of_any_oscillator() {
+    fn a_cycle_exists_exactly_below_the_critical_damping_for_random_oscillators() {
         let rng = &mut random::stream(5, "test", 0);
         for i in 0..300 {
             let g = random::standard_normal(rng, 5);
@@ -124,7 +125,7 @@ mod tests {
                 1 => FrictionLaw::Exponential { kinetic, high_speed, stribeck_velocity },
                 _ => FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap()),
             };
-            // A belt faster than the table moves under constant friction.
+            // On a belt faster than the last point of the table, friction is constant.
             let belt_velocity = (0.05 * (1.5 * g[3]).exp()).min(if i % 3 == 2 { 1.0 / decay } else { f64::INFINITY });
             let of = |damping_ratio| {
                 let law = law.clone();
@@ -133,7 +134,7 @@ mod tests {
             };
             let critical = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
             let slow = bisected(&of(0.0), 2.0 * critical);
-            // Orbits are of the order 1 however small ζ is, and their rounding moves it by 1e-15 at most.
+            // Orbits are of order 1 even for small ζ, so rounding moves ζ_c by at most 1e-15.
             let allowed = 1e-13 * critical.max(0.01);
             assert!((critical - slow).abs() < allowed, "{critical:.17} instead of {slow:.17}: {:?}", of(0.0));
             for (factor, exists) in [(0.3, true), (1.0 - 1e-7, true), (1.0 + 1e-7, false), (1.7, false)] {
@@ -155,7 +156,7 @@ mod tests {
         };
         assert_eq!(of(0.3), 0.0);
         let with_jump = of(0.4);
-        // The cycle exists just below and not above: an independent check by the event-driven motion.
+        // Independent check by the event-driven motion: the cycle exists just below the limit and not above it.
         for (factor, exists) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
             let law = FrictionLaw::Coulomb { kinetic: 0.3 };
             let damping_ratio = with_jump * factor;
@@ -165,7 +166,8 @@ mod tests {
             assert_eq!(regime.cycle().is_some(), exists);
         }
     }
-    /// .3 + .1e^{−(v/.08)²} as a table; the slopes of its cubics err by about 7e-6 of their size.
+    /// Returns an oscillator with the law .3 + .1e^{−(v/.08)²} as a table; the relative error of its slopes is about
+    /// 7e-6.
     fn gaussian(belt_velocity: f64) -> Oscillator {
         let coefficient = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
         let points: Vec<_> = (0..=1200).map(|i| 2.5e-4 * f64::from(i)).map(|v| [v, coefficient(v)]).collect();
@@ -175,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn slip_cycles_outlast_stick_slip_and_unstable_sliding() {
+    fn slip_cycles_exist_above_the_grazing_and_hopf_points() {
         // ζ_H = .1V/.08²·e^{−(V/.08)²}. The folds: scipy 1.17, DOP853 at rtol 1e-12, largest damping over the amplitudes
         // of closed orbits, by bounded minimisation to six digits of the amplitude.
         for (velocity, fold) in [(0.056, None), (0.11, Some(0.275_461_271)), (0.12, Some(0.238_055_208))] {
@@ -209,7 +211,8 @@ mod tests {
             let wanted = critical_damping(&machine).unwrap().critical_damping_ratio;
             assert_eq!(limit_damping(&machine).unwrap(), wanted);
         }
-        // Jump .05 at V = .05, alone and over a weakening b = .1 that shifts it by b/2: closed forms.
+        // Closed forms for a jump of .05 at V = .05: without weakening, and with a weakening b = .1, which shifts the
+        // limit by b/2.
         for (law, wanted) in [
             (FrictionLaw::Coulomb { kinetic: 0.25 }, 0.057_829_116_137_66),
             (FrictionLaw::Linear { kinetic: 0.25, slope: 0.1 }, 0.107_829_116_137_66),
@@ -221,7 +224,7 @@ mod tests {
         }
     }
     #[test]
-    fn vibration_persists_exactly_below_the_limit_damping_of_any_oscillator() {
+    fn vibration_persists_exactly_below_the_limit_damping_for_random_oscillators() {
         let rng = &mut random::stream(77, "test", 0);
         let mut folds = 0;
         for i in 0..60 {
@@ -249,7 +252,7 @@ mod tests {
                 let machine = of(factor * limit);
                 let kind = limit_cycle(&machine).unwrap().kind();
                 assert_eq!(kind.is_vibration(), exists, "{factor} of {limit}, {ends:?}: {machine:?}");
-                // A kick is needed, and suffices, where sliding is stable beside vibration.
+                // Where sliding and vibration are both stable, a kick is needed and sufficient.
                 let bistable = exists && !machine.sliding_is_unstable();
                 assert_eq!(smallest_kick(&machine).unwrap().is_some(), bistable, "{factor} of {limit}: {machine:?}");
             }

@@ -1,4 +1,4 @@
-//! The deterministic limit cycle.
+//! Limit cycle without fluctuation.
 
 use std::f64::consts::TAU;
 
@@ -9,17 +9,17 @@ use super::structure::slip_cycle::{ReturnMap, SlipCycle, return_map};
 use super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use asperity_process::Steady;
 
-/// W and W′ closer than this to steady sliding never return to stick.
+/// Distance of W and W′ from steady sliding below which the motion never returns to stick.
 const SETTLED: f64 = 1e-9;
-/// Difference of detachment phases that counts as a repetition.
+/// Difference of detachment phases below which a motion counts as repeated.
 const PHASE_TOLERANCE: f64 = 1e-12;
-/// Relative difference of states that counts as a repetition.
+/// Relative difference of states below which a motion counts as repeated.
 const STATE_TOLERANCE: f64 = 1e-12;
-/// Largest number of slips in one period of a forced cycle that is looked for.
+/// Largest number of slips per period in the search for a forced cycle.
 const MAX_MULTIPLICITY: usize = 32;
-/// Slips, and forcing periods without stick, after which a forced motion counts as irregular.
+/// Number of slips, or of forcing periods without stick, after which a forced motion counts as irregular.
 const MAX_PERIODS: usize = 20_000;
-/// Steps of one slip phase without forcing.
+/// Largest number of steps of one slip phase without forcing.
 const MAX_STEPS: usize = 1_000_000;
 
 /// One period of the limit cycle.
@@ -29,9 +29,9 @@ pub struct LimitCycle {
     pub kind: MotionKind,
     /// Period in τ.
     pub period: f64,
-    /// Time in a period that the mass slips.
+    /// Time of slip per period.
     pub slip_duration: f64,
-    /// Displacement X at the (last) re-attachment of the period; none if the mass never sticks.
+    /// Displacement X at the last re-attachment of the period; none if the mass never sticks.
     pub reattachment_displacement: Option<f64>,
     /// Least X.
     pub displacement_min: f64,
@@ -41,7 +41,7 @@ pub struct LimitCycle {
     pub velocity_min: f64,
     /// Largest X′.
     pub velocity_max: f64,
-    /// Detachments in a period: 1 without forcing, 0 of a cycle without stick.
+    /// Number of detachments per period: 1 without forcing, 0 for a cycle without stick.
     pub slips: usize,
 }
 
@@ -61,20 +61,20 @@ impl From<SlipCycle> for LimitCycle {
     }
 }
 
-/// Motion that a mass which starts in stick settles into, without fluctuation.
+/// Long-term motion without fluctuation of a mass that starts in stick.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
     /// Periodic vibration.
     Cycle(LimitCycle),
-    /// Steady sliding; under forcing, a periodic response that stays slower than the belt.
+    /// Steady sliding or, under forcing, a periodic response slower than the belt.
     Sliding,
-    /// Forced motion that reaches the belt velocity and did not repeat itself within 20,000 slips.
+    /// Forced motion that reaches the belt velocity and does not repeat within 20,000 slips.
     Irregular(MotionKind),
 }
 
 impl Regime {
-    /// The cycle, if the motion is periodic vibration.
+    /// Returns the cycle if the motion is periodic vibration.
     pub fn cycle(&self) -> Option<&LimitCycle> {
         match self {
             Self::Cycle(cycle) => Some(cycle),
@@ -82,7 +82,7 @@ impl Regime {
         }
     }
 
-    /// Kind of motion.
+    /// Returns the kind of motion.
     pub fn kind(&self) -> MotionKind {
         match self {
             Self::Cycle(cycle) => cycle.kind,
@@ -92,7 +92,7 @@ impl Regime {
     }
 }
 
-/// What happened between two detachments.
+/// Extremes and times of the motion between two detachments.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turn {
     pub(super) duration: f64,
@@ -142,22 +142,22 @@ impl Turn {
     }
 }
 
-/// Returns the motion of an oscillator without fluctuation that starts in stick.
+/// Returns the long-term motion of an oscillator without fluctuation that starts in stick.
 ///
-/// Without forcing every detachment is the same state, so one turn is the cycle, exactly. With little damping on a fast
-/// belt the mass may overtake the belt in every period and never stick; that motion is followed until it repeats. If the
-/// slip orbit from a detachment turns back before the belt velocity, planar orbits cannot cross and no cycle reaches the
-/// belt; the motion then approaches the outermost cycle of slip ([`super::slip_cycles`]) or steady sliding. With forcing
-/// the motion is followed from [`Oscillator::default_start`] until the phases of its detachments repeat, which finds the
-/// attracting cycle of that start with up to 32 slips in a period.
+/// Without forcing every detachment is the same state, so one turn is exactly the cycle. With little damping on a fast
+/// belt the mass may overtake the belt in every period and never stick; this motion is followed until it repeats. If
+/// the slip orbit from a detachment turns back before the belt velocity, no cycle reaches the belt, because planar
+/// orbits cannot cross. The motion then approaches the outermost slip cycle ([`super::slip_cycles`]) or steady sliding.
+/// With forcing the motion starts from [`Oscillator::default_start`] and is followed until the phases of its
+/// detachments repeat; this finds the attracting cycle with up to 32 slips per period.
 ///
-/// Fails if the friction coefficient does not stay positive, and if an orbit needs more than a million steps to repeat, as
-/// on a very fast belt without damping, where friction hardly changes the orbit in a period.
+/// Fails if the friction coefficient does not stay positive, or if an orbit needs more than a million steps to repeat.
+/// The latter happens on a very fast belt without damping, where friction hardly changes the orbit in a period.
 pub fn limit_cycle(oscillator: &Oscillator) -> Result<Regime, VibrationError> {
     Ok(locate(oscillator)?.0)
 }
 
-/// The regime, and a state on its cycle.
+/// Returns the regime and a state on its cycle.
 pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, SlipState), VibrationError> {
     if let Some(forcing) = oscillator.forcing() {
         return forced_cycle(oscillator, TAU / forcing.frequency);
@@ -172,12 +172,12 @@ pub(super) fn locate(oscillator: &Oscillator) -> Result<(Regime, SlipState), Vib
     })
 }
 
-/// Returns the cycle that reaches the belt velocity, without forcing, and a state on it; none if the slip orbit from a
-/// detachment turns back before.
+/// Returns the cycle that reaches the belt velocity without forcing, and a state on it. Returns none if the slip orbit
+/// from a detachment turns back before the belt velocity.
 pub(super) fn cycle_at_belt(oscillator: &Oscillator) -> Result<Option<(LimitCycle, SlipState)>, VibrationError> {
     let start = SlipState::detached(0.0);
-    let mut motion = Motion::in_slip(oscillator, Steady, start)?;
-    // A turn begins at a detachment, a lap at a return from over-slip.
+    let mut motion = Motion::from_slip_state(oscillator, Steady, start)?;
+    // A turn starts at a detachment; a lap starts at a return from over-slip.
     let (mut turn, mut lap) = (Turn::EMPTY, Turn::EMPTY);
     let mut returned: Option<SlipState> = None;
     for _ in 0..MAX_STEPS {
@@ -215,16 +215,16 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
     let mut motion = Motion::new(oscillator, Steady, Drive::Distance, oscillator.default_start())?;
     let mut turns: Vec<Turn> = Vec::new();
     let mut detachments: Vec<(Phase, f64)> = Vec::new();
-    // A turn begins at a detachment, a stroke with each forcing period.
-    let (mut turn, mut stroke) = (Turn::EMPTY, Turn::EMPTY);
-    // Time counts from the last whole forcing period, so that phases keep their digits.
+    // A turn starts at a detachment; `period_turn` starts with each forcing period.
+    let (mut turn, mut period_turn) = (Turn::EMPTY, Turn::EMPTY);
+    // Time is counted from the last whole forcing period, so that phases keep their digits.
     let (mut detached_at, mut slides_since) = (0.0, 0.0);
     let mut last_state: Option<SlipState> = None;
-    let (mut strokes_without_stick, mut reversals) = (0, 0);
-    while turns.len() < MAX_PERIODS && strokes_without_stick < MAX_PERIODS {
+    let (mut periods_without_stick, mut reversals) = (0, 0);
+    while turns.len() < MAX_PERIODS && periods_without_stick < MAX_PERIODS {
         let event = motion.step(forcing_period)?;
         turn.include(&motion);
-        stroke.include(&motion);
+        period_turn.include(&motion);
         match event.map(|e| e.kind) {
             Some(EventKind::Detach) => {
                 turn.duration = motion.tau - detached_at;
@@ -241,7 +241,7 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
             Some(EventKind::Restick) => {
                 turn.slip += motion.tau - slides_since;
                 turn.reattachment = Some(motion.displacement());
-                (strokes_without_stick, last_state) = (0, None);
+                (periods_without_stick, last_state) = (0, None);
             }
             Some(EventKind::Reverse) => reversals += 1,
             None => {}
@@ -251,21 +251,21 @@ fn forced_cycle(oscillator: &Oscillator, forcing_period: f64) -> Result<(Regime,
             (detached_at, slides_since) = (detached_at - forcing_period, slides_since - forcing_period);
             if let Some(state) = motion.slip_state() {
                 if last_state.is_some_and(|last| state.repeats(&last, STATE_TOLERANCE)) {
-                    (stroke.duration, stroke.slip) = (forcing_period, forcing_period);
-                    let cycle = Turn::cycle(&[stroke]);
+                    (period_turn.duration, period_turn.slip) = (forcing_period, forcing_period);
+                    let cycle = Turn::cycle(&[period_turn]);
                     return Ok((if reversals == 0 { Regime::Sliding } else { Regime::Cycle(cycle) }, state));
                 }
                 last_state = Some(state);
             }
-            strokes_without_stick += 1;
-            (stroke, reversals) = (Turn::EMPTY, 0);
+            periods_without_stick += 1;
+            (period_turn, reversals) = (Turn::EMPTY, 0);
         }
     }
-    let kind = if strokes_without_stick < MAX_PERIODS { MotionKind::StickSlip } else { MotionKind::Overtaking };
+    let kind = if periods_without_stick < MAX_PERIODS { MotionKind::StickSlip } else { MotionKind::Overtaking };
     Ok((Regime::Irregular(kind), SlipState::detached(0.0)))
 }
 
-/// Number of slips after which detachments repeat: the last one and the one before agree with those a period earlier.
+/// Returns the number of slips after which detachments repeat: the last two agree with the ones a period earlier.
 fn repetition(detachments: &[(Phase, f64)], forcing_period: f64) -> Option<usize> {
     let n = detachments.len();
     let same = |a: usize, b: usize| {
@@ -301,7 +301,7 @@ mod tests {
         close(cycle.period, 8.068_887_871_591_405, 1e-14);
         close(cycle.reattachment_displacement.unwrap(), 2.0 * 0.3 - 0.4, 1e-13);
         close(cycle.slip_duration, cycle.period - 2.0 * ratio, 1e-14);
-        // Slip is the circle X = μ_k + A cos: its extremes are μ_k ± √(Δ² + V²).
+        // Slip is the circle X = μ_k + A cos; its extremes are μ_k ± √(Δ² + V²).
         let amplitude = 0.1_f64.hypot(0.05);
         close(cycle.displacement_max, 0.3 + amplitude, 1e-14);
         close(cycle.displacement_min, 0.3 - amplitude, 1e-13);
@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn above_the_critical_damping_no_cycle_is_an_answer() {
+    fn above_the_critical_damping_there_is_no_cycle() {
         for damping in [0.2048302, 0.3, 0.99, 1.5, 20.0] {
             let oscillator = Oscillator::stribeck(0.1, 4.2, damping, 0.003).unwrap();
             assert_eq!(limit_cycle(&oscillator).unwrap(), Regime::Sliding, "damping ratio {damping}");
@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn extreme_parameters_have_an_answer() {
+    fn extreme_parameters_give_a_result() {
         for belt_velocity in [1e-9, 1e-3, 1.0] {
             for decay in [0.0, 1.0, 1e4] {
                 for damping_ratio in [0.0, 0.01, 1.0, 50.0] {
@@ -411,7 +411,8 @@ mod tests {
         };
         let cycle = *limit_cycle(&oscillator(None)).unwrap().cycle().unwrap();
         assert_eq!((cycle.reattachment_displacement, cycle.slips), (None, 0));
-        // The energy that friction feeds in slip balances damping and over-slip, which reaches beyond the belt's velocity.
+        // The energy that friction supplies in slip balances damping and over-slip, which exceeds the velocity of the
+        // belt.
         let portrait = cycle_portrait(&oscillator(None), 100_001).unwrap().unwrap();
         let law = oscillator(None).law().clone();
         let power = |p: &PhasePoint| {
@@ -420,18 +421,18 @@ mod tests {
         };
         let mean: f64 = portrait[1..].iter().map(power).sum::<f64>() / 100_000.0;
         let size: f64 = portrait[1..].iter().map(|p| power(p).abs()).sum::<f64>() / 100_000.0;
-        // Two jumps of the friction force cost a step of the sum each.
+        // Each of the two jumps of the friction force causes an error of one step of the sum.
         assert!(mean.abs() < 1e-4 * size, "{mean} of {size}");
         assert!(portrait.iter().any(|p| p.velocity > 1.732));
-        // Driven at resonance it follows the force, again without stick.
+        // Under forcing at resonance it follows the force, again without stick.
         let forced = oscillator(Some(Forcing { amplitude: 0.3, frequency: 1.0 }));
         let driven = *limit_cycle(&forced).unwrap().cycle().unwrap();
         assert_eq!((driven.slips, driven.period), (0, TAU));
     }
 
     #[test]
-    fn a_cycle_faster_than_the_belt_has_a_kind_of_its_own() {
-        // An independent integrator: cycles without stick at ζ = .001 and .002, with stick at .004.
+    fn a_cycle_faster_than_the_belt_is_overtaking() {
+        // Independent integrator: cycles without stick at ζ = .001 and .002, with stick at .004.
         let belt = 31_416.0 / 10_000.0;
         for (damping, kind, period) in [
             (0.001, MotionKind::Overtaking, 6.294_67),
@@ -455,7 +456,7 @@ mod tests {
         let cycle = *limit_cycle(&forced).unwrap().cycle().unwrap();
         assert_eq!(cycle.slips, 1);
         close(cycle.period, 2.0 * PI / 0.98, 1e-11);
-        // Far above the boundary the mass follows the force without stick.
+        // Far above the limit the mass follows the force without stick.
         assert_eq!(limit_cycle(&forced.with_damping(0.5).unwrap()).unwrap(), Regime::Sliding);
     }
 }

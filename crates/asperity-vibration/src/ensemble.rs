@@ -1,4 +1,4 @@
-//! Many trajectories, and the law of what they count.
+//! Ensembles of trajectories and their statistics.
 
 mod passage;
 mod rate;
@@ -11,48 +11,50 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::passage::Passage;
-pub use self::rate::{Passages, Rate, Share};
-use super::lanes::{Task, follow_many};
-use super::sample_law::{Gathering, RunningMoments, SampleLaw};
+pub use self::rate::{Fraction, Passages, Rate};
+use super::batch::{Task, simulate_many};
+use super::sample_distribution::{RunningMoments, SampleCollector, SampleDistribution};
 use super::trajectory::{NoObserver, follow};
 use super::{Drive, Method, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
-use asperity_process::{FrictionProcess, Steady, Watched};
+use asperity_process::{Cancellable, FrictionProcess, Steady};
 
-/// Trajectories computed before their results are added up, and the time τ of all of them beyond which they are fewer: both bound
-/// the memory.
+/// Number of trajectories per block, and largest total time τ of a block. Results are added up after each block; both
+/// limits bound the memory.
 const BLOCK: usize = 1024;
 const BLOCK_TIME: f64 = 1e7;
-/// Trajectories that one thread takes at a time.
+/// Number of trajectories per work item of a thread.
 const CHUNK: usize = 32;
 
-/// How an ensemble is computed.
+/// Settings of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnsembleSettings {
     /// Number of trajectories, at least 2.
     pub trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     pub duration: f64,
     /// Seed; trajectory i reads realisation i of the process.
     pub seed: u64,
-    /// Displacement X at τ = 0; none: [`Oscillator::default_start`].
+    /// Displacement X at τ = 0; [`Oscillator::default_start`] if none.
     pub start: Option<f64>,
-    /// What the friction process is a function of.
+    /// Independent variable of the friction process.
     pub drive: Drive,
-    /// How slip is integrated. Taylor series follow many trajectories at once; the others are for comparison.
+    /// Integration method of slip. Only Taylor series integrate many trajectories in lockstep; the others are for
+    /// comparison.
     #[serde(default)]
     pub method: Method,
-    /// Values of each law that are kept for histograms and tests; 8 bytes each at the end, 24 on the way, and as many of each
-    /// trajectory that is followed, if it has them.
+    /// Number of values of each distribution that are kept for histograms and tests. Each kept value takes 24 bytes
+    /// during the computation and 8 in the result; each trajectory in progress keeps at most as many.
     pub sample_capacity: usize,
-    /// Least share of valid trajectories.
+    /// Least fraction of valid trajectories.
     pub least_valid_share: f64,
 }
 
 impl EnsembleSettings {
-    /// Settings with the sliding distance as drive, the default start, up to 65,536 kept points, and 95 % to be valid.
+    /// Creates settings with the sliding distance as drive, the default start, up to 65,536 kept values and at least 95
+    /// % valid trajectories.
     pub fn new(trajectories: usize, duration: f64, seed: u64) -> Self {
         Self {
             trajectories,
@@ -67,26 +69,28 @@ impl EnsembleSettings {
     }
 }
 
-/// Memory of a kept value, and the laws of which values are kept: re-attachments, releases, periods.
+/// Bytes per kept value, and number of distributions with kept values: re-attachments, releases, periods.
 const VALUE_BYTES: f64 = 24.0;
-const LAWS: f64 = 3.0;
+const DISTRIBUTIONS: f64 = 3.0;
 
 impl EnsembleSettings {
-    /// Trajectories computed before their results are added up.
+    /// Returns the number of trajectories per block.
     fn block(&self, threads: usize) -> usize {
         let least = CHUNK * threads.clamp(1, BLOCK / CHUNK);
         ((BLOCK_TIME / self.duration) as usize).clamp(least, BLOCK)
     }
 
-    /// Memory in byte that an ensemble takes at most, roughly: a slip takes a natural period or so, and of no trajectory more
-    /// values are kept than of all.
+    /// Returns an approximate upper bound of the memory of an ensemble in bytes. It assumes one slip per natural
+    /// period; each trajectory keeps at most `sample_capacity` values.
     pub fn memory_bytes(&self, threads: usize) -> f64 {
         let values = (self.duration / TAU).min(self.sample_capacity as f64);
-        VALUE_BYTES * LAWS * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
+        VALUE_BYTES
+            * DISTRIBUTIONS
+            * (values * self.trajectories.min(self.block(threads)) as f64 + self.sample_capacity as f64)
     }
 }
 
-/// Mean and spread of a count over trajectories.
+/// Mean, standard deviation and standard error of a number over trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Count {
     /// Mean.
@@ -98,64 +102,66 @@ pub struct Count {
 }
 
 impl Count {
-    fn of(sums: &RunningMoments) -> Self {
+    fn from_moments(sums: &RunningMoments) -> Self {
         Self { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
     }
 }
 
-/// A trajectory that was left out.
+/// Trajectory that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Its index.
+    /// Index of the trajectory.
     pub trajectory: usize,
-    /// Why.
+    /// Reason of the failure.
     pub reason: String,
 }
 
-/// The law of many trajectories.
+/// Statistics of many trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
-    /// Trajectories asked for.
+    /// Number of requested trajectories.
     pub trajectories: usize,
-    /// Finished slips that reached ẋ < 0, per trajectory; see [`Slips`].
+    /// Finished slips per trajectory that reached ẋ < 0; see [`Slips`].
     pub cycles: Count,
-    /// Finished slips that did not, per trajectory.
+    /// Finished slips per trajectory that did not reach ẋ < 0.
     pub micro_slips: Count,
-    /// Cycles of the same oscillator without fluctuation in the same time.
+    /// Number of cycles of the same oscillator without fluctuation in the same time.
     pub cycles_deterministic: u64,
-    /// M_diff = M_det − E\[M\] of the cycles.
+    /// M_diff = M_det − E\[M\], the difference of the numbers of cycles without and with fluctuation.
     pub difference_mean: f64,
     /// 95 % interval of M_diff.
     pub difference_interval: [f64; 2],
     /// Displacements X at which cycles stick again.
-    pub reattachments: SampleLaw,
-    /// Displacements X at which the mass leaves the belt, but for the first time.
-    pub releases: SampleLaw,
-    /// Times τ from the beginning of a cycle to that of the next, as long as vibration is not lost between: their mean is the
-    /// period and their standard deviation its jitter. A cycle begins with a detachment, or where over-slip ends without stick.
-    pub periods: SampleLaw,
-    /// Share of the time in stick, per trajectory.
+    pub reattachments: SampleDistribution,
+    /// Displacements X at which the mass leaves the belt, except the first one of each trajectory.
+    pub releases: SampleDistribution,
+    /// Times τ from the start of a cycle to the start of the next, unless vibration is lost in between. The mean is the
+    /// period, the standard deviation its jitter. A cycle starts with a detachment or where over-slip ends without
+    /// stick.
+    pub periods: SampleDistribution,
+    /// Fraction of the time in stick, per trajectory.
     pub stick_share: Count,
-    /// Vibration over time, and the ways out of it and back.
+    /// Vibration over time: exits, entries and fractions of the time.
     pub passages: Passages,
-    /// Trajectories without a valid end.
+    /// Trajectories that failed.
     pub failures: Vec<Failure>,
 }
 
-/// What one trajectory leaves.
+/// Result of one trajectory.
 struct Outcome {
     slips: Slips,
     passage: Passage,
 }
 
 impl Ensemble {
-    /// Follows many trajectories in parallel.
+    /// Simulates many trajectories in parallel.
     ///
-    /// The result does not depend on the number of threads: trajectories are computed in blocks of up to 1,024 and added up in
-    /// their order. Memory is bounded by the points of one block, and of one trajectory by `sample_capacity`.
+    /// The result does not depend on the number of threads: trajectories are computed in blocks of up to 1,024 and
+    /// added up in order. The values of one block bound the memory; `sample_capacity` bounds the values of each
+    /// trajectory.
     ///
-    /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are valid,
-    /// and when cancelled.
+    /// Fails if settings are out of range, if the motion without fluctuation is invalid, if too few trajectories are
+    /// valid, or when cancelled.
     pub fn simulate(
         oscillator: &Oscillator,
         process: &FrictionProcess,
@@ -179,7 +185,7 @@ impl Ensemble {
         let (mut cycles, mut micro_slips) = (RunningMoments::EMPTY, RunningMoments::EMPTY);
         let mut stick_share = RunningMoments::EMPTY;
         let [mut reattachments, mut releases, mut periods] =
-            [(); 3].map(|()| Gathering::new(0, settings.sample_capacity));
+            [(); 3].map(|()| SampleCollector::new(0, settings.sample_capacity));
         let mut passages = Passages::EMPTY;
         let mut failures = Vec::new();
         let finished = AtomicUsize::new(0);
@@ -188,33 +194,33 @@ impl Ensemble {
             let block = first..total.min(first + size);
             let chunks: Vec<Range<usize>> =
                 block.clone().step_by(CHUNK).map(|start| start..block.end.min(start + CHUNK)).collect();
-            let outcomes: Vec<Result<Outcome, VibrationError>> = chunks
+            let classifier: Vec<Result<Outcome, VibrationError>> = chunks
                 .into_par_iter()
                 .flat_map_iter(|chunk| {
-                    let mut outcomes: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
-                    follow_many(
+                    let mut classifier: Vec<_> = chunk.clone().map(|_| Err(Cancelled.into())).collect();
+                    simulate_many(
                         &followed,
                         chunk.clone(),
                         |index| {
                             if monitor.cancelled() {
                                 return Err(Cancelled.into());
                             }
-                            let fluctuation = Watched::new(process.path(settings.seed, index as u64), monitor);
+                            let fluctuation = Cancellable::new(process.path(settings.seed, index as u64), monitor);
                             let passage = Passage::new(index, duration, settings.sample_capacity);
                             Ok(Task::new(oscillator.clone(), fluctuation, passage).with_swing_level(swing_level))
                         },
                         |index, ended| {
-                            outcomes[index - chunk.start] = ended.map(|mut followed| {
+                            classifier[index - chunk.start] = ended.map(|mut followed| {
                                 followed.observer.finish();
                                 Outcome { slips: followed.slips, passage: followed.observer }
                             });
                             monitor.progress("trajectories", finished.fetch_add(1, Ordering::Relaxed) + 1, total);
                         },
                     );
-                    outcomes
+                    classifier
                 })
                 .collect();
-            for (trajectory, outcome) in (first..).zip(outcomes) {
+            for (trajectory, outcome) in (first..).zip(classifier) {
                 match outcome {
                     Ok(outcome) => {
                         cycles.add(outcome.slips.cycles as f64);
@@ -225,7 +231,7 @@ impl Ensemble {
                         releases.merge(outcome.passage.releases);
                         periods.merge(outcome.passage.periods);
                     }
-                    // Whatever a path ended in then, it was not followed to its end.
+                    // A cancelled trajectory may end in any error, because it was not followed to its end.
                     Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
                     Err(error) => failures.push(Failure { trajectory, reason: error.to_string() }),
                 }
@@ -236,21 +242,21 @@ impl Ensemble {
             let (wanted, first) = (settings.least_valid_share, first.reason.clone());
             return Err(VibrationError::TooFewValid { valid, total, wanted, first });
         }
-        passages.conclude();
-        let cycles = Count::of(&cycles);
+        passages.finish();
+        let cycles = Count::from_moments(&cycles);
         let difference_mean = cycles_deterministic as f64 - cycles.mean;
         let half_width = NORMAL_95 * cycles.se;
         Ok(Self {
             trajectories: total,
             cycles,
-            micro_slips: Count::of(&micro_slips),
+            micro_slips: Count::from_moments(&micro_slips),
             cycles_deterministic,
             difference_mean,
             difference_interval: [difference_mean - half_width, difference_mean + half_width],
             reattachments: reattachments.finish(),
             releases: releases.finish(),
             periods: periods.finish(),
-            stick_share: Count::of(&stick_share),
+            stick_share: Count::from_moments(&stick_share),
             passages,
             failures,
         })
@@ -273,8 +279,9 @@ mod tests {
     }
 
     #[test]
-    fn cycle_counts_are_the_published_ones() {
-        // Means and standard errors of 4,000 paths; ours of 200 have √20 times that.
+    fn cycle_counts_match_the_publication() {
+        // Means and standard errors of 4,000 trajectories; the standard errors of 200 trajectories are √20 times
+        // larger.
         let published =
             [(0.17, 68.99, 0.10, 99), (0.2048301, 45.21, 0.11, 101), (0.22, 34.31, 0.11, 0), (0.25, 17.18, 0.08, 0)];
         let process = paper_process(0.001);
@@ -304,8 +311,8 @@ mod tests {
     }
 
     #[test]
-    fn friction_that_loses_its_sign_is_recorded_and_too_much_of_it_refused() {
-        // The least m is −1.844 σ, below the law at the speeds of this noise in some trajectories.
+    fn negative_friction_is_recorded_and_too_many_failures_are_refused() {
+        // The least m is −1.844 σ; in some trajectories friction falls below zero at the speeds of this noise.
         let process = paper_process(0.05);
         let settings = EnsembleSettings { least_valid_share: 0.0, ..EnsembleSettings::new(60, 50.0, 3) };
         let found = Ensemble::simulate(&oscillator(0.17), &process, &settings, &Silent).unwrap();
@@ -314,7 +321,7 @@ mod tests {
         let strict = EnsembleSettings { least_valid_share: 1.0, ..settings };
         let refused = Ensemble::simulate(&oscillator(0.17), &process, &strict, &Silent);
         assert!(matches!(refused, Err(VibrationError::TooFewValid { total: 60, .. })));
-        // With a stated clamp all are valid.
+        // With a clipping limit all trajectories are valid.
         let model = ProcessModel { least: Some(-0.04), ..process.model().clone() };
         let clamped = FrictionProcess::new(model).unwrap();
         let found = Ensemble::simulate(&oscillator(0.17), &clamped, &strict, &Silent).unwrap();
@@ -323,7 +330,7 @@ mod tests {
 
     #[test]
     fn rough_noise_and_strong_forcing_neither_stall_nor_fail() {
-        // Slopes dm/ds far beyond one make many short slips; a clamp keeps friction positive.
+        // Slopes dm/ds far above 1 cause many short slips; a clipping limit keeps friction positive.
         let model =
             ProcessModel { least: Some(-0.01), ..ProcessModel::new("beta:0.6,2".parse().unwrap(), 0.02, 0.002) };
         let process = FrictionProcess::new(model).unwrap();
@@ -349,7 +356,7 @@ mod tests {
                     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(6, 60.0, 4) };
                     let found = Ensemble::simulate(&oscillator, &process, &settings, &Silent).unwrap();
                     assert!(found.failures.is_empty(), "{parameters:?}: {:?}", found.failures[0]);
-                    // A strong force carries the mass through the belt velocity without stick: no slip ends.
+                    // A strong force carries the mass through the belt velocity without stick, so no slip ends.
                     assert!(found.cycles.mean > 3.0 || amplitude > 0.1, "{parameters:?}: {:?}", found.cycles);
                 }
             }
@@ -357,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_ensemble_says_so() {
+    fn a_cancelled_ensemble_is_an_error() {
         struct Stop;
         impl Monitor for Stop {
             fn progress(&self, _: &str, _: usize, _: usize) {}

@@ -1,27 +1,27 @@
-//! Events, and what happens between them.
+//! Phases of the motion and the events between them.
 
 use serde::{Deserialize, Serialize};
 
-/// What the mass does.
+/// Phase of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
-    /// It moves with the belt.
+    /// The mass moves with the belt.
     Stick,
-    /// It is slower than the belt, ẋ < v_b.
+    /// The mass is slower than the belt, ẋ < v_b.
     Slip,
-    /// It is faster than the belt, ẋ > v_b.
+    /// The mass is faster than the belt, ẋ > v_b.
     OverSlip,
 }
 
 impl Phase {
-    /// Sign of v_b − ẋ, +1 in stick.
+    /// Returns the sign of v_b − ẋ, +1 in stick.
     pub(super) fn direction(self) -> f64 {
         if self == Self::OverSlip { -1.0 } else { 1.0 }
     }
 }
 
-/// What happens at v_rel = 0.
+/// Kind of an event at v_rel = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventKind {
     /// D: the mass leaves the belt.
@@ -30,14 +30,14 @@ pub enum EventKind {
     /// R: the mass sticks again.
     #[serde(rename = "R")]
     Restick,
-    /// O: the relative velocity passes zero without stick, because the force exceeds the stick limit on the other side;
-    /// over-slip begins or ends.
+    /// O: the relative velocity passes zero without stick, because the force exceeds the stick limit in the other
+    /// direction. Over-slip starts or ends.
     #[serde(rename = "O")]
     Reverse,
 }
 
 impl EventKind {
-    /// One letter: D, R or O.
+    /// Returns the letter of the event: D, R or O.
     pub fn code(self) -> &'static str {
         match self {
             Self::Detach => "D",
@@ -47,12 +47,12 @@ impl EventKind {
     }
 }
 
-/// One event of a trajectory.
+/// Event of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// What happened.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// When, τ.
+    /// Time τ.
     pub tau: f64,
     /// Displacement X.
     pub displacement: f64,
@@ -61,19 +61,19 @@ pub struct Event {
 }
 
 impl Event {
-    /// (letter, τ, X, s), a row of a table.
+    /// Returns (letter, τ, X, s), a row of a table.
     pub fn row(&self) -> (&'static str, f64, f64, f64) {
         (self.kind.code(), self.tau, self.displacement, self.sliding_distance)
     }
 }
 
-/// What the friction process is a function of.
+/// Independent variable of the friction process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
     /// The sliding distance s = ∫|v_rel|dτ: friction is frozen while the mass sticks.
     #[default]
     Distance,
-    /// The belt's travel v_b·t, stick or slip, as the paper has it.
+    /// The travel of the belt v_b·t, in stick and in slip, as in the paper.
     Time,
 }

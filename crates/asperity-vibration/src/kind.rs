@@ -4,13 +4,13 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Kind of motion that an oscillator settles into. Every kind but [`MotionKind::None`] is vibration.
+/// Kind of motion that an oscillator settles into. Every kind except [`MotionKind::None`] is vibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionKind {
     /// The mass sticks to the belt in every period.
     StickSlip,
-    /// The mass passes the belt's velocity (the relative velocity changes its sign) and never sticks.
+    /// The mass passes the velocity of the belt (the relative velocity changes its sign) and never sticks.
     Overtaking,
     /// The mass stays slower than the belt throughout the period.
     SlipCycle,
@@ -22,7 +22,7 @@ impl MotionKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::StickSlip, Self::Overtaking, Self::SlipCycle, Self::None];
 
-    /// Name in results and on the command line.
+    /// Returns the name in results and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::StickSlip => "stick_slip",
@@ -32,7 +32,7 @@ impl MotionKind {
         }
     }
 
-    /// Whether the motion is vibration.
+    /// Returns whether the motion is vibration.
     pub fn is_vibration(self) -> bool {
         self != Self::None
     }
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_those_of_the_serialised_form() {
+    fn names_match_the_serialised_form() {
         for kind in MotionKind::ALL {
             assert_eq!(serde_json::to_string(&kind).unwrap(), format!("\"{}\"", kind.name()));
         }

@@ -1,4 +1,4 @@
-//! Friction laws: the coefficient as a function of the relative velocity.
+//! Friction laws: the friction coefficient as a function of the relative velocity.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::{FrictionTable, VibrationError, positive};
 
 /// Kinetic friction coefficient μ(|v|) of a sliding contact, at the dimensionless relative velocity v = v_rel·mω₀/N.
 ///
-/// The stick limit is a separate number, [`super::Oscillator::static_friction`].
+/// The stick limit is a separate parameter, [`super::Oscillator::static_friction`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FrictionLaw {
@@ -22,7 +22,7 @@ pub enum FrictionLaw {
         /// μ_k.
         kinetic: f64,
     },
-    /// Linear weakening μ = μ_k − b|v|; it loses its meaning at |v| = μ_k/b, which is reported as an error.
+    /// Linear weakening μ = μ_k − b|v|. The law is invalid from |v| = μ_k/b on, which is reported as an error.
     Linear {
         /// μ_k, the coefficient at vanishing sliding velocity.
         kinetic: f64,
@@ -38,12 +38,12 @@ pub enum FrictionLaw {
         /// v_0 > 0, the Stribeck velocity.
         stribeck_velocity: f64,
     },
-    /// Points and monotone cubics between them.
+    /// Monotone cubics between given points.
     Tabulated(FrictionTable),
 }
 
 impl FrictionLaw {
-    /// Coefficient at the speed |v| ≥ 0.
+    /// Returns the coefficient at the speed |v| ≥ 0.
     pub fn coefficient(&self, speed: f64) -> f64 {
         match self {
             Self::Stribeck { kinetic, decay } => kinetic / (1.0 + decay * speed),
@@ -56,7 +56,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Weakening rate −dμ/d|v| at the speed |v| ≥ 0; at the last point of a table, beyond it.
+    /// Returns the weakening rate −dμ/d|v| at the speed |v| ≥ 0; at the last point of a table, the rate beyond it.
     pub fn weakening(&self, speed: f64) -> f64 {
         match self {
             Self::Stribeck { kinetic, decay } => kinetic * decay / (1.0 + decay * speed).powi(2),
@@ -69,8 +69,8 @@ impl FrictionLaw {
         }
     }
 
-    /// The law μ(f|v|), f > 0: what a law that holds in metres per second becomes when the unit of velocity N/(mω₀) grows by
-    /// the factor f, as under another load.
+    /// Returns the law μ(f|v|), f > 0. It is the same law in SI when the unit of velocity N/(mω₀) grows by the factor
+    /// f, for example under another load.
     pub(super) fn rescaled(&self, factor: f64) -> Self {
         match self {
             Self::Stribeck { kinetic, decay } => Self::Stribeck { kinetic: *kinetic, decay: decay * factor },
@@ -85,7 +85,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Coefficient at vanishing sliding velocity, μ_k.
+    /// Returns the coefficient at vanishing sliding velocity, μ_k.
     pub fn kinetic(&self) -> f64 {
         match self {
             Self::Stribeck { kinetic, .. }
@@ -96,7 +96,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Least coefficient at speeds up to this one.
+    /// Returns the least coefficient at speeds up to this one.
     pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
         match self {
             Self::Tabulated(table) => table.least_coefficient(speed),
@@ -104,7 +104,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Whether the coefficient is positive at every speed.
+    /// Returns whether the coefficient is positive at every speed.
     pub(super) fn is_positive(&self) -> bool {
         match self {
             Self::Linear { slope, .. } => *slope <= 0.0,
@@ -112,7 +112,7 @@ impl FrictionLaw {
         }
     }
 
-    /// A bound of |dμ/d|v||.
+    /// Returns an upper bound of |dμ/d|v||.
     pub(super) fn steepest(&self) -> f64 {
         match self {
             Self::Tabulated(table) => table.steepest(),
@@ -120,7 +120,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Whether the coefficient is the same at all speeds.
+    /// Returns whether the coefficient is the same at all speeds.
     pub(super) fn is_constant(&self) -> bool {
         match self {
             Self::Tabulated(table) => table.is_constant(),

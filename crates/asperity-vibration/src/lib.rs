@@ -1,21 +1,26 @@
-//! Stochastic stick-slip of a mass on a belt (paper §5).
+//! Stick-slip of a mass on a belt under deterministic and random friction (paper §5).
 //!
-//! Everything is dimensionless: displacement X = x·c/N, time τ = ω₀t, belt velocity V = v_b·mω₀/N, damping ratio ζ,
-//! friction process m(s) over the sliding distance s in the unit N/c. [`Scales`] converts.
+//! All quantities are dimensionless: displacement X = x·c/N, time τ = ω₀t, belt velocity V = v_b·mω₀/N, damping ratio
+//! ζ, friction process m(s) over the sliding distance s in the unit N/c. [`Scales`] converts from and to SI.
 //!
-//! [`Oscillator`] → [`limit_cycle`] (kind of motion, period, extremes), [`critical_damping`] and [`limit_damping`] (where
-//! vibration ends), [`smallest_kick`] (what starts it from steady sliding), [`Trajectory`] (events of one realisation of the
-//! friction process), [`Ensemble`] (statistics of many), [`damping_sweep`] (how noise smears the end of vibration).
-//! Deterministic structure: [`slip_cycles`], [`forced_cycles`], [`critical_curve`], [`locked_curve`], [`basin`],
-//! [`bifurcation_diagram`].
+//! Motion without fluctuation: [`Oscillator`] → [`limit_cycle`] (kind of motion, period, extremes),
+//! [`critical_damping`] and [`limit_damping`] (damping ratios at which vibration ends), [`smallest_kick`] (smallest
+//! disturbance of steady sliding that starts vibration), [`slip_cycles`], [`forced_cycles`], [`critical_curve`],
+//! [`locked_curve`], [`basin`], [`bifurcation_diagram`].
+//!
+//! Motion under fluctuating friction: [`Trajectory`] (events of one realisation of the friction process), [`Ensemble`]
+//! (statistics of many), [`damping_sweep`] (gradual end of vibration over damping), [`stability_map`].
 //!
 //! # Method
-//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]), in variables in which nothing cancels; a step
-//! is a polynomial. The first zero of the relative velocity is told from the turning of the phase plane or isolated by
-//! coefficient bounds, so no re-attachment, however short, is missed. Sign functions
-//! never enter a step: the smooth slip branch is followed to v_rel = 0, where the force decides between stick and
-//! over-slip. In stick the relative velocity is exactly zero. A knot of the friction process is looked for only before an
-//! arrival, because the sliding distance of the slip branch runs backwards after it.
+//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Method`]). The variables are chosen so that no
+//! difference of nearly equal numbers occurs, and every step is a polynomial. The first zero of the relative velocity
+//! follows from a bound on the rotation in the phase plane, or is isolated by bounds of the coefficients, so no
+//! re-attachment is missed, however short.
+//!
+//! A time step contains no sign function: it follows the smooth slip branch to v_rel = 0, where the force determines
+//! whether the mass sticks or enters over-slip. In stick the relative velocity is exactly zero. Grid points of the
+//! friction process are searched only up to an arrival, because the sliding distance of the slip branch runs backwards
+//! after it.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests read reference files and call other programs"))]
 
@@ -24,10 +29,10 @@ mod batch;
 mod clipping;
 mod critical;
 mod cycle;
+mod deterministic;
 mod ensemble;
 mod events;
 mod kind;
-mod lanes;
 mod law;
 mod locked;
 pub mod mode_coupling;
@@ -40,14 +45,14 @@ mod portrait;
 #[cfg(test)]
 mod robustness;
 mod runge_kutta;
-mod sample_law;
+mod sample_distribution;
+mod scaled_forcing;
 mod series;
 mod settled;
 mod slip_orbit;
 mod sound;
 mod stability_map;
 mod structure;
-mod sway;
 mod sweep;
 mod table;
 mod tableau;
@@ -57,11 +62,11 @@ mod weakening;
 
 use thiserror::Error;
 
-pub use batch::deterministic_slips;
-pub use clipping::{LARGEST_CLIPPED_FRACTION, kept_positive};
+pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
-pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Passages, Rate, Share};
+pub use deterministic::deterministic_slips;
+pub use ensemble::{Count, Ensemble, EnsembleSettings, Failure, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
 pub use law::FrictionLaw;
@@ -69,7 +74,7 @@ pub use locked::locked_boundary;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Method;
-pub use sample_law::SampleLaw;
+pub use sample_distribution::SampleDistribution;
 pub use sound::{Sound, SoundSettings};
 pub use stability_map::{
     Machine, MapAxis, MapCell, MapContour, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
@@ -88,7 +93,7 @@ use self::settled::swing_level;
 use asperity_base::monitor::Cancelled;
 use asperity_process::ProcessError;
 
-/// Why a vibration could not be computed.
+/// Error of a vibration computation.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum VibrationError {
     /// A parameter lies outside its range.
@@ -106,7 +111,7 @@ pub enum VibrationError {
         "the friction coefficient fell to {coefficient:.3e} at tau = {tau:.6} (sliding distance {sliding_distance:.6e}): \
          it must stay positive; {}",
         if *fluctuation < 0.0 {
-            "lower the standard deviation of the fluctuation, or the weakening of the law"
+            "lower the standard deviation of the fluctuation, or the weakening of the friction law"
         } else {
             "the linear law falls below zero at the speeds of this motion: lower its slope or the belt velocity"
         }
@@ -114,59 +119,61 @@ pub enum VibrationError {
     FrictionNotPositive {
         /// Coefficient found.
         coefficient: f64,
-        /// Fluctuation there; where it is not negative, the law alone is to blame.
+        /// Fluctuation there. If it is not negative, the law alone makes the coefficient negative.
         fluctuation: f64,
-        /// Time.
+        /// Time τ.
         tau: f64,
-        /// Sliding distance.
+        /// Sliding distance s.
         sliding_distance: f64,
     },
     /// A recorded friction process ended before the trajectory.
-    #[error("the friction process ends at {coordinate:.6e}, where the trajectory is only at tau = {tau:.6}")]
+    #[error("the friction process ends at {coordinate:.6e}, but the trajectory has only reached tau = {tau:.6}")]
     ProcessTooShort {
-        /// Time reached.
+        /// Time τ reached.
         tau: f64,
-        /// Where the process ends.
+        /// End of the process.
         coordinate: f64,
     },
-    /// Time stands still: events follow each other without time between them.
+    /// Events follow each other without time between them.
     #[error("events accumulate at tau = {tau:.12}")]
     Stalled {
-        /// Time of the events.
+        /// Time τ of the events.
         tau: f64,
     },
-    /// No answer was found.
+    /// The search found no solution.
     #[error("no {what} found: {reason}")]
     NotFound {
-        /// What was looked for.
+        /// Object of the search.
         what: &'static str,
-        /// Why it was not found.
+        /// Reason.
         reason: &'static str,
     },
-    /// The friction process cannot be made.
+    /// The friction process is invalid.
     #[error(transparent)]
     Process(#[from] ProcessError),
-    /// The law of the fluctuation is none.
+    /// The marginal distribution of the fluctuation is invalid.
     #[error(transparent)]
-    Law(#[from] asperity_base::law::LawError),
+    Distribution(#[from] asperity_base::law::LawError),
     /// Too few trajectories are valid for statistics.
-    #[error("{valid} of {total} trajectories are valid, wanted a share of {wanted}; the first failure: {first}")]
+    #[error(
+        "{valid} of {total} trajectories are valid, at least the fraction {wanted} must be; first failure: {first}"
+    )]
     TooFewValid {
-        /// Valid trajectories.
+        /// Number of valid trajectories.
         valid: usize,
-        /// All trajectories.
+        /// Number of all trajectories.
         total: usize,
-        /// Least valid share.
+        /// Least valid fraction.
         wanted: f64,
         /// Reason of the first failure.
         first: String,
     },
-    /// Stopped from outside.
+    /// The caller cancelled the computation.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// A number without hundreds of zeros.
+/// Formats a number, very small and very large ones with an exponent.
 fn shown(value: f64) -> String {
     if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }

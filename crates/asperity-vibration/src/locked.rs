@@ -1,31 +1,31 @@
-//! The end of the forced cycle that is locked to its force.
+//! End of the forced cycle that is locked to the force.
 
 use std::f64::consts::TAU;
 
 use super::critical::critical_damping;
+use super::scaled_forcing::ScaledForcing;
 use super::slip_orbit::first_minimum;
 use super::structure::grazing::grazing_damping;
-use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
 use asperity_base::numeric::try_root_between;
 
-/// Detachment phases at which the orbit is first looked at.
+/// Number of detachment phases on the first grid.
 const PHASES: usize = 96;
 
-/// Largest damping ratio at which a stick-slip cycle with one slip per forcing period can touch its end.
+/// Returns the largest damping ratio at which a stick-slip cycle with one slip per forcing period can end by grazing.
 ///
-/// At the boundary the slip orbit from F = μ_st only touches the belt velocity and is back at its start, in displacement
-/// and phase, after 2π/η (with a jump of the law, after the stick that the jump leaves). For each phase of the detachment
-/// the damping ratio at which the orbit grazes is found; among the phases at which it also closes, the largest damping
-/// ratio is the answer. The oscillator's own damping ratio is left aside.
+/// At the boundary the slip orbit from F = μ_st touches the belt velocity and returns to its start, in displacement and
+/// phase, after 2π/η. With a jump of the law it returns after the stick that the jump causes. For each phase of the
+/// detachment the damping ratio at which the orbit grazes is computed. Among the phases at which the orbit also closes,
+/// the largest damping ratio is returned. The oscillator's own damping ratio is ignored.
 ///
-/// Fails without forcing and when no phase closes the orbit, which happens far from resonance.
+/// Fails without forcing, and if no phase closes the orbit, which happens far from resonance.
 pub fn locked_boundary(oscillator: &Oscillator) -> Result<f64, VibrationError> {
     Ok(grazing_lock(oscillator)?.1)
 }
 
-/// Time of the detachment of that orbit, and its damping ratio.
+/// Returns the time of the detachment of that orbit, and its damping ratio.
 pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), VibrationError> {
     let what = "locked cycle";
     let Some(forcing) = oscillator.forcing() else {
@@ -33,16 +33,16 @@ pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), Vibrat
     };
     let period = TAU / forcing.frequency;
     let free = critical_damping(oscillator)?.critical_damping_ratio;
-    let (sway, jump) = (Sway::new(oscillator), Weakening::new(oscillator).jump);
+    let (scaled_forcing, jump) = (ScaledForcing::new(oscillator), Weakening::new(oscillator).jump);
     let mismatch = |phase: f64| -> Result<Option<(f64, f64)>, VibrationError> {
-        if 1.0 + sway.rate(phase) <= 0.0 {
+        if 1.0 + scaled_forcing.rate(phase) <= 0.0 {
             return Ok(None);
         }
         let Some(damping) = grazing_damping(oscillator, phase, free.max(0.01), 60.0 * free.max(0.01))? else {
             return Ok(None);
         };
         let Some(minimum) = first_minimum(&oscillator.with_damping(damping)?, phase)? else { return Ok(None) };
-        let stick = sway.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
+        let stick = scaled_forcing.release(1.0, 1.0, -jump, phase + minimum.time, f64::INFINITY);
         Ok(stick.map(|stick| (minimum.time + stick - period, damping)))
     };
     let mut best: Option<(f64, f64)> = None;
@@ -51,7 +51,7 @@ pub(super) fn grazing_lock(oscillator: &Oscillator) -> Result<(f64, f64), Vibrat
         let phase = period * i as f64 / PHASES as f64;
         let here = mismatch(phase)?.map(|(value, _)| (phase, value));
         if let (Some((a, at_a)), Some((b, at_b))) = (last, here) {
-            // The mismatch is a circle's angle: a jump of nearly a turn is no zero.
+            // The mismatch is an angle: a jump of nearly a full turn is not a zero.
             if at_a * at_b <= 0.0 && (at_a - at_b).abs() < 0.5 * period {
                 let value = |phase: f64| -> Result<f64, VibrationError> {
                     Ok(mismatch(phase)?.map_or(f64::INFINITY, |(value, _)| value))
@@ -79,7 +79,7 @@ mod tests {
             let oscillator = Oscillator::stribeck(0.2, 4.2, 0.0, 0.1).unwrap();
             let forced = oscillator.with_forcing(Some(Forcing { amplitude: 0.01, frequency })).unwrap();
             let found = locked_boundary(&forced).unwrap();
-            // A unit of the last published digit, which may be truncated or rounded.
+            // One unit of the last published digit, which may be truncated or rounded.
             assert!((found - wanted).abs() < 1e-10, "{found:.13} instead of {wanted}");
         }
     }

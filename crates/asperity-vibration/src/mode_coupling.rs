@@ -1,16 +1,17 @@
-//! Mode coupling: a mass with two degrees of freedom on a belt, under friction that follows its normal force.
+//! Mode coupling: a mass with two degrees of freedom on a belt, with friction proportional to its normal force.
 //!
-//! Two inclined springs hold a mass, a third presses it on the belt. Motion along the belt (x) and into it (y) are coupled
-//! by the inclined springs both ways, and by friction μk₃y one way: the stiffness is not symmetric, and two modes whose
-//! frequencies meet as μ grows exchange energy and grow without any fall of friction with velocity.
+//! Two inclined springs hold a mass, and a third one presses it on the belt. The inclined springs couple the motion
+//! along the belt (x) and into it (y) in both directions; friction, μk₃y, couples it in one direction only. The
+//! stiffness matrix is therefore not symmetric. Two modes whose frequencies meet as μ grows exchange energy and grow,
+//! even if friction does not fall with velocity.
 //!
-//! Dimensionless as the rest of this stage, with the static normal force N₀ and a reference stiffness c = mω₀²:
-//! displacements in N₀/c, stiffnesses in c, τ = ω₀t, V = v_b·mω₀/N₀, forces in N₀, sliding distance in N₀/c.
+//! All quantities are dimensionless, with the static normal force N₀ and a reference stiffness c = mω₀²: displacements
+//! in N₀/c, stiffnesses in c, τ = ω₀t, V = v_b·mω₀/N₀, forces in N₀, sliding distance in N₀/c.
 //!
-//! [`Model`] → [`eigenvalue_scan`] (modes against μ), [`Model::coalescence`] and [`critical_friction`] (where the sliding
-//! state loses its stability), [`Trajectory`] (stick, slip and flight of one realisation of the friction process),
-//! [`limit_cycle`], [`growth_rates`] (how fast small motion grows under fluctuating friction), [`Ensemble`] (how surely
-//! it becomes a vibration).
+//! [`Model`] → [`eigenvalue_scan`] (modes against μ), [`Model::coalescence`] and [`critical_friction`] (loss of
+//! stability of steady sliding), [`Trajectory`] (stick, slip and flight under one realisation of the friction process),
+//! [`limit_cycle`], [`growth_rates`] (growth of small motion under fluctuating friction), [`Ensemble`] (probability of
+//! vibration).
 //!
 //! # References
 //! Hoffmann, Fischer, Allgaier & Gaul, *Mechanics Research Communications* **29** (2002) 197,

@@ -1,7 +1,7 @@
-//! A slow, obviously right integration, against which the fast one is tested.
+//! Slow and simple reference integration for the tests.
 //!
-//! Displacement and velocity by the classical Runge–Kutta rule in small fixed steps, on the slip branch of a fixed sign;
-//! events and knots by bisection of the step.
+//! The classical Runge–Kutta method in small fixed steps integrates displacement and velocity on the slip branch of a
+//! fixed sign. Events and grid points are found by bisection of the step.
 
 use super::{Drive, EventKind, Oscillator, Trajectory, TrajectorySettings};
 use asperity_process::Cell;
@@ -16,7 +16,7 @@ struct Oracle<'a> {
     x: f64,
     velocity: f64,
     s: f64,
-    /// The cell of the process, changed only at its ends.
+    /// Cell of the process, which changes only at its ends.
     cell: usize,
     /// Sign of the relative velocity, 0 in stick.
     sign: f64,
@@ -39,7 +39,7 @@ impl Oracle<'_> {
         self.oscillator.forcing().map_or(0.0, |f| f.amplitude * (f.frequency * tau).cos())
     }
 
-    /// (X′, X″, s′).
+    /// Returns (X′, X″, s′).
     fn rate(&self, tau: f64, [x, velocity, s]: [f64; 3]) -> [f64; 3] {
         let belt = self.oscillator.belt_velocity();
         if self.sign == 0.0 {
@@ -51,7 +51,7 @@ impl Oracle<'_> {
         [velocity, force - x - 2.0 * self.oscillator.damping_ratio() * velocity, relative]
     }
 
-    /// The state after dt.
+    /// Returns the state after dt.
     fn advanced(&self, dt: f64) -> [f64; 3] {
         let y = [self.x, self.velocity, self.s];
         let add = |k: [f64; 3], h: f64| [y[0] + h * k[0], y[1] + h * k[1], y[2] + h * k[2]];
@@ -62,7 +62,7 @@ impl Oracle<'_> {
         std::array::from_fn(|i| y[i] + dt / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// Force needed to stick.
+    /// Returns the force required to stick.
     fn stick_force(&self, tau: f64, x: f64) -> f64 {
         x + 2.0 * self.oscillator.damping_ratio() * self.oscillator.belt_velocity() - self.external(tau)
     }
@@ -71,7 +71,7 @@ impl Oracle<'_> {
         self.oscillator.static_friction() + self.friction_fluctuation(tau, s)
     }
 
-    /// Whether a step of dt goes past an event, and past a knot.
+    /// Returns whether a step of dt passes an event, and whether it passes a grid point.
     fn passes(&self, dt: f64) -> (bool, bool) {
         let [x, velocity, s] = self.advanced(dt);
         let tau = self.tau + dt;
@@ -103,7 +103,7 @@ impl Oracle<'_> {
                     if self.passes(middle) == (false, false) { low = middle } else { high = middle }
                 }
             }
-            let (event, knot) = if passed == (false, false) { passed } else { self.passes(high) };
+            let (event, grid_point) = if passed == (false, false) { passed } else { self.passes(high) };
             let [x, velocity, s] = self.advanced(high);
             let stuck = self.sign == 0.0;
             (self.tau, self.x, self.velocity, self.s) = (self.tau + high, x, velocity, s);
@@ -119,7 +119,7 @@ impl Oracle<'_> {
                 };
                 assert!(stuck || self.sign != before, "an arrival cannot slip on in its direction");
                 events.push((kind, self.tau, self.x, self.s));
-            } else if knot {
+            } else if grid_point {
                 self.cell += 1;
             }
         }
@@ -165,7 +165,8 @@ mod tests {
         assert_eq!(fast.events.len(), slow.len());
         for (event, (kind, tau, x, s)) in fast.events.iter().zip(slow) {
             assert_eq!(event.kind, kind, "{event:?}");
-            // The rule's error is of the order 50·STEP⁴; at grazing events times are its square root.
+            // The error of the method is of the order 50·STEP⁴; the error of times at grazing events is of the order of
+            // its square root.
             let differences = [event.tau - tau, event.displacement - x, event.sliding_distance - s];
             assert!(differences.iter().all(|d| d.abs() < 1e-8), "{event:?}: {differences:?}");
         }
@@ -194,11 +195,13 @@ mod tests {
             );
             let law = FrictionLaw::Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 };
             compare(Parameters { law, ..base.clone() }, 0.005, 0.1, drive);
-            // On a straight line cubics are the line; the oracle does not see the points, the fast way stops at them.
+            // Monotone cubics through points on a line are the line. The oracle ignores the points; the fast
+            // integration stops at them.
             let line = |v: f64| [v, 0.3 - 0.2 * v];
             let table = FrictionTable::new(&[0.0, 0.03, 0.06, 0.08, 0.1, 1.0].map(line)).unwrap();
             compare(Parameters { law: FrictionLaw::Tabulated(table), ..base.clone() }, 0.005, 0.1, drive);
-            // Weakening continuous at zero: every detachment starts at zero acceleration, and noise makes micro-slips.
+            // Weakening continuous at zero: every detachment starts with zero acceleration, and noise causes
+            // micro-slips.
             let paper = Parameters {
                 static_friction: 0.1,
                 law: FrictionLaw::Stribeck { kinetic: 0.1, decay: 4.2 },

@@ -1,14 +1,14 @@
-//! The mass on the belt in dimensionless form, and the scales that lead there.
+//! Mass on the belt in dimensionless form, and its scales.
 
 use serde::{Deserialize, Serialize};
 
 use super::{FrictionLaw, VibrationError, positive};
 
-/// Share of the static friction force at which the mass starts, sticking, unless told otherwise.
-const DEFAULT_START_SHARE: f64 = 0.97;
+/// Default force at the start, in stick, as a fraction of the static friction force.
+const DEFAULT_START_FRACTION: f64 = 0.97;
 
-/// A closed range of a parameter and its wording. Machines lie well inside; outside, double precision no longer tells
-/// the motion in a slip phase from rounding, and an answer would be a number without meaning.
+/// Closed range of a parameter, and its description. Machines lie well inside. Outside, rounding dominates the motion
+/// in a slip phase in double precision, and results would be meaningless.
 struct Range {
     least: f64,
     most: f64,
@@ -23,8 +23,8 @@ const FORCING_AMPLITUDE: Range = Range { least: 0.0, most: 1e6, wanted: "between
 const FORCING_FREQUENCY: Range = Range { least: 1e-6, most: 1e3, wanted: "between 1e-6 and 1000" };
 
 impl Range {
-    /// NaN lies in no range.
-    fn holds(&self, parameter: &'static str, value: f64) -> Result<(), VibrationError> {
+    /// Fails if the value is outside the range or NaN.
+    fn check(&self, parameter: &'static str, value: f64) -> Result<(), VibrationError> {
         if (self.least..=self.most).contains(&value) {
             Ok(())
         } else {
@@ -43,13 +43,13 @@ pub struct Forcing {
     pub frequency: f64,
 }
 
-/// What an [`Oscillator`] is made of; see there for the meaning.
+/// Parameters of an [`Oscillator`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
     /// μ_st, the stick limit.
     pub static_friction: f64,
-    /// Kinetic law μ(|v|).
+    /// Kinetic friction law μ(|v|).
     pub law: FrictionLaw,
     /// ζ = d/(2mω₀).
     pub damping_ratio: f64,
@@ -59,12 +59,12 @@ pub struct Parameters {
     pub forcing: Option<Forcing>,
 }
 
-/// A mass, spring and damper on a moving belt with dry friction, checked and dimensionless.
+/// Mass, spring and damper on a moving belt with dry friction, with checked dimensionless parameters.
 ///
 /// With the displacement X = x·c/N, the time τ = ω₀t and the friction fluctuation m(s),
 ///
 /// - slip: X″ + 2ζX′ + X = q cos ητ + sign(V − X′)·\[μ(|V − X′|) + m\],
-/// - stick, X′ = V, as long as |X + 2ζV − q cos ητ| ≤ μ_st + m.
+/// - stick, X′ = V, while |X + 2ζV − q cos ητ| ≤ μ_st + m.
 ///
 /// # References
 /// Gaus, Proppe & Zaccardi, *Meccanica dei Materiali e delle Strutture* VI (2016) 1, 115–122, §5.
@@ -74,17 +74,17 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// Checks the parameters: 10⁻¹² ≤ μ_k ≤ μ_st ≤ 10³, weakening rate 0 … 10⁶, ζ = 0 … 10³, V = 10⁻¹² … 10⁶,
-    /// q = 0 … 10⁶, η = 10⁻⁶ … 10³.
+    /// Checks the parameters: 10⁻¹² ≤ μ_k ≤ μ_st ≤ 10³, weakening rate 0 … 10⁶, ζ = 0 … 10³, V = 10⁻¹² … 10⁶, q = 0 …
+    /// 10⁶, η = 10⁻⁶ … 10³.
     pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
         let Parameters { static_friction, ref law, damping_ratio, belt_velocity, forcing } = parameters;
-        FRICTION.holds("static_friction", static_friction)?;
-        FRICTION.holds("kinetic_friction", law.kinetic())?;
+        FRICTION.check("static_friction", static_friction)?;
+        FRICTION.check("kinetic_friction", law.kinetic())?;
         law.validate()?;
         if let FrictionLaw::Stribeck { decay, .. } = *law {
-            WEAKENING.holds("velocity weakening of the friction law", decay)?;
+            WEAKENING.check("velocity weakening of the friction law", decay)?;
         } else {
-            WEAKENING.holds("velocity weakening of the friction law", law.steepest())?;
+            WEAKENING.check("velocity weakening of the friction law", law.steepest())?;
         }
         if law.kinetic() > static_friction {
             return Err(VibrationError::Parameter {
@@ -93,16 +93,16 @@ impl Oscillator {
                 wanted: "at most the static friction",
             });
         }
-        DAMPING.holds("damping_ratio", damping_ratio)?;
-        BELT_VELOCITY.holds("belt_velocity", belt_velocity)?;
+        DAMPING.check("damping_ratio", damping_ratio)?;
+        BELT_VELOCITY.check("belt_velocity", belt_velocity)?;
         if let Some(Forcing { amplitude, frequency }) = forcing {
-            FORCING_AMPLITUDE.holds("forcing amplitude", amplitude)?;
-            FORCING_FREQUENCY.holds("forcing_frequency", frequency)?;
+            FORCING_AMPLITUDE.check("forcing amplitude", amplitude)?;
+            FORCING_FREQUENCY.check("forcing_frequency", frequency)?;
         }
         Ok(Self { parameters })
     }
 
-    /// The paper's law: μ_st/(1 + a|v|) in slip and μ_st in stick, without forcing.
+    /// Creates an oscillator with the paper's law: μ_st/(1 + a|v|) in slip and μ_st in stick, without forcing.
     pub fn stribeck(
         static_friction: f64,
         decay: f64,
@@ -113,13 +113,13 @@ impl Oscillator {
         Self::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
     }
 
-    /// The same oscillator with another damping ratio.
+    /// Returns the same oscillator with another damping ratio.
     pub fn with_damping(&self, damping_ratio: f64) -> Result<Self, VibrationError> {
         Self::new(Parameters { damping_ratio, ..self.parameters.clone() })
     }
 
-    /// The same machine under `ratio` times its normal force, in the units of that force: velocities, the law over the velocity
-    /// and the harmonic force stay what they are in SI.
+    /// Returns the same machine under `ratio` times its normal force, in the units of the new force. Velocities, the
+    /// friction law over the velocity and the harmonic force keep their SI values.
     pub fn under_load(&self, ratio: f64) -> Result<Self, VibrationError> {
         super::positive("load ratio", ratio)?;
         let force = |forcing: Forcing| Forcing { amplitude: forcing.amplitude / ratio, ..forcing };
@@ -131,53 +131,53 @@ impl Oscillator {
         })
     }
 
-    /// The same oscillator with another harmonic force, or none.
+    /// Returns the same oscillator with another harmonic force, or none.
     pub fn with_forcing(&self, forcing: Option<Forcing>) -> Result<Self, VibrationError> {
         Self::new(Parameters { forcing, ..self.parameters.clone() })
     }
 
-    /// The parameters it was made of.
+    /// Returns the parameters of the oscillator.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// Stick limit μ_st.
+    /// Returns the stick limit μ_st.
     pub fn static_friction(&self) -> f64 {
         self.parameters.static_friction
     }
 
-    /// Kinetic law.
+    /// Returns the kinetic friction law.
     pub fn law(&self) -> &FrictionLaw {
         &self.parameters.law
     }
 
-    /// Damping ratio ζ.
+    /// Returns the damping ratio ζ.
     pub fn damping_ratio(&self) -> f64 {
         self.parameters.damping_ratio
     }
 
-    /// Belt velocity V.
+    /// Returns the belt velocity V.
     pub fn belt_velocity(&self) -> f64 {
         self.parameters.belt_velocity
     }
 
-    /// Whether steady sliding is unstable, 2ζ < −dμ/d|v| at the belt velocity; forcing is left aside.
+    /// Returns whether steady sliding is unstable, 2ζ < −dμ/d|v| at the belt velocity, ignoring forcing.
     pub fn sliding_is_unstable(&self) -> bool {
         2.0 * self.damping_ratio() < self.law().weakening(self.belt_velocity())
     }
 
-    /// Harmonic force; none when its amplitude is zero.
+    /// Returns the harmonic force; none if its amplitude is zero.
     pub fn forcing(&self) -> Option<Forcing> {
         self.parameters.forcing.filter(|f| f.amplitude > 0.0)
     }
 
-    /// Where a mass starts unless told: X = 0.97 μ_st − 2ζV, which sticks without fluctuation and forcing.
+    /// Returns the default start X = 0.97 μ_st − 2ζV, at which the mass sticks without fluctuation and forcing.
     pub fn default_start(&self) -> f64 {
-        DEFAULT_START_SHARE * self.static_friction() - 2.0 * self.damping_ratio() * self.belt_velocity()
+        DEFAULT_START_FRACTION * self.static_friction() - 2.0 * self.damping_ratio() * self.belt_velocity()
     }
 }
 
-/// The dimensional machine: it turns metres and seconds into the oscillator's numbers and back.
+/// Scales of a machine in SI, which convert between metres and seconds and the variables of the oscillator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
     mass_kg: f64,
@@ -186,7 +186,7 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// A mass m on a spring c = mω₀², pressed on the belt by the force N; all positive.
+    /// Creates the scales of a mass m on a spring c = mω₀², pressed on the belt by the force N; all must be positive.
     pub fn new(mass_kg: f64, natural_frequency_rad_per_s: f64, normal_force_n: f64) -> Result<Self, VibrationError> {
         positive("mass", mass_kg)?;
         positive("natural_frequency", natural_frequency_rad_per_s)?;
@@ -194,22 +194,22 @@ impl Scales {
         Ok(Self { mass_kg, natural_frequency_rad_per_s, normal_force_n })
     }
 
-    /// Spring stiffness c = mω₀² in N/m.
+    /// Returns the spring stiffness c = mω₀² in N/m.
     pub fn stiffness_n_per_m(&self) -> f64 {
         self.mass_kg * self.natural_frequency_rad_per_s.powi(2)
     }
 
-    /// Unit of displacement N/c in metre: X = x/(N/c), and λ = ℓ_μ/(N/c).
+    /// Returns the unit of displacement N/c in metre: X = x/(N/c), and λ = ℓ_μ/(N/c).
     pub fn length_m(&self) -> f64 {
         self.normal_force_n / self.stiffness_n_per_m()
     }
 
-    /// Unit of time 1/ω₀ in second.
+    /// Returns the unit of time 1/ω₀ in second.
     pub fn time_s(&self) -> f64 {
         self.natural_frequency_rad_per_s.recip()
     }
 
-    /// Unit of velocity N/(mω₀) in m/s: V = v_b/(N/(mω₀)).
+    /// Returns the unit of velocity N/(mω₀) in m/s: V = v_b/(N/(mω₀)).
     pub fn velocity_m_per_s(&self) -> f64 {
         self.length_m() / self.time_s()
     }
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_at_the_door() {
+    fn invalid_parameters_are_refused() {
         assert!(Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).is_ok());
         for (static_friction, decay, damping, velocity) in [
             (0.0, 4.2, 0.17, 0.003),
@@ -269,7 +269,7 @@ mod tests {
         ] {
             assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_err());
         }
-        // The ends of the ranges belong to them.
+        // The ends of the ranges are allowed.
         for (static_friction, decay, damping, velocity) in [(1e3, 1e6, 1e3, 1e6), (1e-12, 0.0, 0.0, 1e-12)] {
             assert!(Oscillator::stribeck(static_friction, decay, damping, velocity).is_ok());
         }

@@ -1,21 +1,21 @@
-//! Values and first zeros of the polynomials that one integration step is made of.
+//! Values and first zeros of the polynomials of an integration step.
 //!
 //! Coefficients are in ascending order: p(t) = c\[0\] + c\[1\]·t + …
 
-/// Most coefficients a polynomial of this module may have.
+/// Largest number of coefficients of a polynomial in this module.
 pub(super) const CAPACITY: usize = 28;
 
-/// Relative width below which a bracket of a zero counts as a point.
+/// Relative width below which the bracket of a zero counts as a point.
 const RESOLUTION: f64 = 1e-15;
 
-/// p(t) by Horner's rule.
+/// Returns p(t) by Horner's rule.
 #[inline]
 pub(super) fn value(c: &[f64], t: f64) -> f64 {
     c.iter().rev().fold(0.0, |sum, coefficient| sum * t + coefficient)
 }
 
-/// p(t), p a whole number of quadruples of coefficients, as four polynomials in t⁴: a quarter of the chain of dependent
-/// operations.
+/// Returns p(t) as the sum of four polynomials in t⁴, which shortens the chain of dependent operations to a quarter.
+/// The number of coefficients must be a multiple of four.
 #[inline(always)]
 pub(super) fn split_value(c: &[f64], t: f64) -> f64 {
     let square = t * t;
@@ -29,8 +29,8 @@ pub(super) fn split_value(c: &[f64], t: f64) -> f64 {
     (sums[0] + t * sums[1]) + square * (sums[2] + t * sums[3])
 }
 
-/// Σ a_k b_{n−k} over 0 < k < n, in two chains. The terms of high and low order, which a recurrence knows last, are added
-/// last, and that of b_{n−1} at the very end.
+/// Returns Σ a_k b_{n−k} over 0 < k < n, in two chains. The terms of high and low order, which a recurrence computes
+/// last, are added last; the term of b_{n−1} is the very last.
 #[inline(always)]
 pub(super) fn cross<const N: usize>(a: &[f64; N], b: &[f64; N], n: usize) -> f64 {
     let half = n / 2;
@@ -45,13 +45,13 @@ pub(super) fn cross<const N: usize>(a: &[f64; N], b: &[f64; N], n: usize) -> f64
     if n > 2 { (sum + a[n - 1] * b[1]) + a[1] * b[n - 1] } else { sum }
 }
 
-/// p(t) and p′(t).
+/// Returns p(t) and p′(t).
 #[inline]
 pub(super) fn value_and_slope(c: &[f64], t: f64) -> (f64, f64) {
     c.iter().rev().fold((0.0, 0.0), |(sum, slope), coefficient| (sum * t + coefficient, slope * t + sum))
 }
 
-/// Coefficients of p′.
+/// Returns the coefficients of p′.
 pub(super) fn derivative(c: &[f64]) -> [f64; CAPACITY] {
     let mut d = [0.0; CAPACITY];
     for k in 1..c.len() {
@@ -60,13 +60,13 @@ pub(super) fn derivative(c: &[f64]) -> [f64; CAPACITY] {
     d
 }
 
-/// A number below p on [0, h], from the signs of the coefficients.
+/// Returns a lower bound of p on [0, h] from the signs of the coefficients.
 #[inline]
 pub(super) fn lower_bound(c: &[f64], h: f64) -> f64 {
     let square = h * h;
     let (mut even, mut odd) = (0.0, 0.0);
     for pair in c[1..].rchunks(2) {
-        // Pairs from the highest power down; the lowest may stand alone.
+        // Pairs of coefficients from the highest power down; the lowest one may be unpaired.
         if let [low, high] = pair {
             even = even * square + low.min(0.0);
             odd = odd * square + high.min(0.0);
@@ -77,7 +77,7 @@ pub(super) fn lower_bound(c: &[f64], h: f64) -> f64 {
     c[0] + h * (even + h * odd)
 }
 
-/// A number above p on [0, h], from the signs of the coefficients, as [`lower_bound`].
+/// Returns an upper bound of p on [0, h] from the signs of the coefficients, like [`lower_bound`].
 pub(super) fn upper_bound(c: &[f64], h: f64) -> f64 {
     let square = h * h;
     let mut sums = [0.0; 2];
@@ -91,7 +91,7 @@ pub(super) fn upper_bound(c: &[f64], h: f64) -> f64 {
     c[0] + h * (sums[0] + h * sums[1])
 }
 
-/// A number above p′ on [0, h], from the signs of the coefficients.
+/// Returns an upper bound of p′ on [0, h] from the signs of the coefficients.
 fn slope_upper_bound(c: &[f64], h: f64) -> f64 {
     let mut order = c.len() as f64;
     let tail = c[2..].iter().rev().fold(0.0, |sum, &coefficient| {
@@ -101,9 +101,10 @@ fn slope_upper_bound(c: &[f64], h: f64) -> f64 {
     c[1] + h * tail
 }
 
-/// Zero of a function that falls or rises through it once in [low, high], by Newton's method inside a bracket.
+/// Returns the zero of a function with a single sign change in [low, high], by Newton's method inside a bracket.
 ///
-/// `function` returns value and slope; `start` is a guess. The answer is good to rounding in the argument.
+/// `function` returns value and slope; `start` is a guess. The error of the result is of the order of rounding in the
+/// argument.
 #[inline]
 pub(super) fn bracketed_zero(
     function: impl Fn(f64) -> (f64, f64),
@@ -113,7 +114,7 @@ pub(super) fn bracketed_zero(
     start: f64,
 ) -> f64 {
     let mut t = start;
-    // Sixty halvings exhaust the digits; Newton's steps rarely need six.
+    // Sixty halvings exhaust the digits; Newton's method rarely needs six steps.
     for _ in 0..100 {
         let (y, dy) = function(t);
         if y == 0.0 {
@@ -127,7 +128,7 @@ pub(super) fn bracketed_zero(
         let newton = t - y / dy;
         let inside = newton > low && newton < high;
         let next = if inside { newton } else { 0.5 * (low + high) };
-        // Newton's error after a step is of the order of that step squared.
+        // The error of Newton's method after a step is of the order of the square of that step.
         if high - low <= RESOLUTION * high || (next - t).abs() <= RESOLUTION * high {
             return next;
         }
@@ -141,7 +142,7 @@ pub(super) fn bracketed_zero(
     t
 }
 
-/// Shifts the origin: the coefficients of p(a + t).
+/// Returns the coefficients of p(a + t).
 pub(super) fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
     let mut s = [0.0; CAPACITY];
     s[..c.len()].copy_from_slice(c);
@@ -154,10 +155,11 @@ pub(super) fn shifted(c: &[f64], a: f64) -> [f64; CAPACITY] {
     s
 }
 
-/// First zero in (0, h] of a polynomial that is positive at 0, none if it stays positive.
+/// Returns the first zero in (0, h] of a polynomial that is positive at 0; none if it stays positive.
 ///
-/// Intervals are excluded by coefficient bounds, or hold one zero because the polynomial falls in all of them; all others
-/// are halved. No zero is missed, however close to another one, unless the two are closer than rounding.
+/// Intervals without a zero are excluded by coefficient bounds. In intervals in which the polynomial falls
+/// monotonically, the single zero is located; all others are halved. No zero is missed, even next to another one,
+/// unless the distance of the two is below rounding.
 pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
     if lower_bound(c, h) > 0.0 {
         return None;
@@ -185,7 +187,7 @@ pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
             }
             width *= 0.5;
         }
-        // The last interval ends at h exactly.
+        // The last interval ends exactly at h.
         a = if width >= h - a { h } else { a + width };
         width *= 2.0;
     }
@@ -196,7 +198,7 @@ pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Π (r_i − t), positive at 0 for positive roots.
+    /// Returns Π (r_i − t), positive at 0 for positive roots.
     fn from_roots(roots: &[f64]) -> Vec<f64> {
         let mut c = vec![1.0];
         for r in roots {
@@ -211,17 +213,17 @@ mod tests {
     }
 
     #[test]
-    fn the_first_zero_is_found_however_close_the_next_one() {
+    fn the_first_zero_is_found_next_to_close_zeros() {
         for roots in
             [&[0.3, 0.31, 0.9][..], &[0.5, 0.5 + 1e-6], &[0.7], &[1.0, 2.0], &[0.2, 0.2001, 0.2002, 0.8, 0.9, 3.0]]
         {
             let c = from_roots(roots);
             let found = first_zero(&c, 1.0).unwrap();
-            // A zero of a polynomial moves by (rounding of its value)/slope.
+            // Rounding moves a zero of a polynomial by (rounding of its value)/slope.
             assert!((found - roots[0]).abs() < 1e-14 / value_and_slope(&c, roots[0]).1.abs(), "{roots:?}: {found}");
         }
         assert_eq!(first_zero(&from_roots(&[1.5, 2.0]), 1.0), None);
-        // Lifted above the axis by 1e-9: touches nothing.
+        // Raised by 1e-9, the polynomial stays above the axis.
         let mut above = from_roots(&[0.5, 0.5]);
         above[0] += 1e-9;
         assert_eq!(first_zero(&above, 1.0), None);

@@ -8,7 +8,7 @@ use super::trajectory::started;
 use super::{Oscillator, Regime, TrajectorySettings, VibrationError};
 use asperity_process::{Fluctuation, Steady};
 
-/// A point of a phase portrait.
+/// Point of a phase portrait.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PhasePoint {
     /// Time τ.
@@ -19,16 +19,17 @@ pub struct PhasePoint {
     pub velocity: f64,
 }
 
-/// One period of the limit cycle at `points` ≥ 2 equal times, from detachment to detachment if it sticks; none without a cycle.
+/// Returns one period of the limit cycle at `points` ≥ 2 equal times, from detachment to detachment if it sticks; none
+/// without a cycle.
 pub fn cycle_portrait(oscillator: &Oscillator, points: usize) -> Result<Option<Vec<PhasePoint>>, VibrationError> {
     let (Regime::Cycle(cycle), state) = locate(oscillator)? else { return Ok(None) };
-    let motion = Motion::in_slip(oscillator, Steady, state)?;
+    let motion = Motion::from_slip_state(oscillator, Steady, state)?;
     sampled(motion, state.tau, state.tau + cycle.period, points).map(Some)
 }
 
-/// One trajectory at `points` ≥ 2 equal times from τ = `from` to the end.
+/// Returns one trajectory at `points` ≥ 2 equal times from τ = `from` to the end.
 ///
-/// Fails as [`super::Trajectory::simulate`] does, and if `from` is not between 0 and the duration.
+/// Fails like [`super::Trajectory::simulate`], and if `from` is not between 0 and the duration.
 pub fn trajectory_portrait(
     oscillator: &Oscillator,
     fluctuation: impl Fluctuation,
@@ -82,7 +83,7 @@ mod tests {
             assert!((last.tau - first.tau - cycle.period).abs() < 1e-12);
             assert!((last.displacement - first.displacement).abs() < 1e-11);
             assert!((first.velocity - oscillator.belt_velocity()).abs() < 1e-15);
-            // Between samples an extreme hides by half a curvature times a quarter of the squared spacing.
+            // Between samples the extreme may be missed by half the curvature times a quarter of the squared spacing.
             let spacing = cycle.period / 4000.0;
             let highest = portrait.iter().map(|p| p.displacement).fold(f64::NEG_INFINITY, f64::max);
             let lowest = portrait.iter().map(|p| p.displacement).fold(f64::INFINITY, f64::min);
@@ -93,7 +94,7 @@ mod tests {
             {
                 assert!((found - wanted).abs() < hidden, "{found} and {wanted}");
             }
-            // The velocity is the derivative of the displacement, but at the two kinks of the velocity.
+            // The velocity is the derivative of the displacement, except at the two kinks of the velocity.
             let wrong = portrait
                 .windows(3)
                 .filter(|w| {
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_portrait_passes_through_the_events_of_its_trajectory_whatever_drives_friction() {
+    fn a_portrait_passes_through_the_events_of_its_trajectory_for_any_drive() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let values = (0..4000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
         let process = RecordedProcess::new(0.0005, values).unwrap();
@@ -119,9 +120,9 @@ mod tests {
             for event in &trajectory.events {
                 let left = ((event.tau / 60.0) * (points - 1) as f64) as usize;
                 let (a, b) = (portrait[left], portrait[left + 1]);
-                let share = (event.tau - a.tau) / (b.tau - a.tau);
-                let x = a.displacement + share * (b.displacement - a.displacement);
-                // Chord of a spacing of 0.01 in an orbit of acceleration below 0.01.
+                let fraction = (event.tau - a.tau) / (b.tau - a.tau);
+                let x = a.displacement + fraction * (b.displacement - a.displacement);
+                // Error of a chord of spacing 0.01 in an orbit with accelerations below 0.01.
                 assert!((x - event.displacement).abs() < 2e-7, "{drive:?}: {x} and {event:?}");
             }
         }

@@ -1,11 +1,12 @@
-//! Random machines under random friction: no motion may be lost, stand still, or break the laws of mechanics.
+//! Random machines under random friction: every motion must be complete, progress in time and obey the laws of
+//! mechanics.
 
+#[cfg(test)]
+mod check;
 #[cfg(test)]
 mod draw;
 #[cfg(test)]
-mod reading;
-#[cfg(test)]
-mod watch;
+mod reader;
 
 #[cfg(test)]
 mod tests {
@@ -15,24 +16,24 @@ mod tests {
         Count, Drive, Ensemble, EnsembleSettings, FrictionLaw, Method, Oscillator, Parameters, Trajectory,
         TrajectorySettings,
     };
+    use super::check::{Checked, check};
     use super::draw::case;
-    use super::watch::{Seen, watch};
     use asperity_base::monitor::Silent;
     use asperity_process::Steady;
 
     const SEED: u64 = 20_260_301;
-    /// Machines that are followed before their cycles are counted, and motions of each.
+    /// Number of machines between two checks of the time limit, and number of motions of each machine.
     const BLOCK: u64 = 64;
     const MOTIONS: u64 = 4;
 
-    /// What was seen of many motions.
+    /// Totals over many motions.
     #[derive(Debug, Default)]
     struct Tally {
         cycles: u64,
         micro_slips: u64,
         events: u64,
         steps: u64,
-        knots: u64,
+        cells_read: u64,
         undecided: u64,
         touches: u64,
         lost: u64,
@@ -40,12 +41,12 @@ mod tests {
     }
 
     impl Tally {
-        fn add(&mut self, seen: &Seen) {
+        fn add(&mut self, seen: &Checked) {
             self.cycles += seen.slips.cycles;
             self.micro_slips += seen.slips.micro_slips;
             self.events += seen.events.len() as u64;
             self.steps += seen.steps;
-            self.knots += seen.knots;
+            self.cells_read += seen.cells_read;
             self.undecided += seen.undecided;
             self.touches += seen.touches;
             self.lost += u64::from(seen.lost);
@@ -55,10 +56,10 @@ mod tests {
         }
     }
 
-    /// Follows the motions of machine `index`, and one of them by the front door.
-    fn motions(index: u64) -> Vec<Seen> {
+    /// Checks the motions of machine `index`, and one of them through the public interface.
+    fn motions(index: u64) -> Vec<Checked> {
         let case = case(SEED, index);
-        let seen: Vec<Seen> = (0..MOTIONS).map(|motion| watch(&case, SEED, MOTIONS * index + motion)).collect();
+        let seen: Vec<Checked> = (0..MOTIONS).map(|motion| check(&case, SEED, MOTIONS * index + motion)).collect();
         let found = Trajectory::simulate(&case.oscillator, case.process.path(SEED, MOTIONS * index), &case.settings);
         match found {
             Ok(found) => {
@@ -71,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn no_motion_of_random_machines_is_lost_or_breaks_a_law() {
+    fn motions_of_random_machines_obey_the_equations() {
         let wanted = std::env::var("ASPERITY_CYCLES").map_or(3_000, |count| count.parse::<u64>().unwrap());
         let begun = std::time::Instant::now();
         let mut tally = Tally::default();
@@ -82,20 +83,21 @@ mod tests {
             machines += BLOCK;
         }
         println!("{machines} machines, {MOTIONS} motions each: {tally:?} in {:.1?}", begun.elapsed());
-        // What rounding decides is rare.
+        // Cases that rounding decides are rare.
         assert!(10_000 * (tally.undecided + tally.touches) <= tally.events);
-        // Most of the motions have a friction that bears its fluctuation.
+        // In most motions friction stays positive.
         assert!(10 * tally.lost < machines * MOTIONS);
     }
 
     #[test]
     fn a_slip_is_a_cycle_although_the_mass_turns_twice_in_a_step() {
-        // Under a fast force this mass moves backwards between a step's start and its end, slowing down at neither.
+        // Under a fast force this mass moves backwards between the start and the end of a step, at neither of which it
+        // slows down.
         assert!(motions(37_455)[0].slips.cycles > 500);
     }
 
-    /// Whether the energy of a slip is kept, so that it comes back just to the velocity of the belt and rounding decides whether
-    /// it sticks.
+    /// Returns whether a slip conserves energy. It then returns just to the velocity of the belt, and rounding decides
+    /// whether the mass sticks.
     fn grazes(oscillator: &Oscillator) -> bool {
         let law = oscillator.law();
         let keeps = oscillator.damping_ratio() == 0.0 && law.is_constant();
@@ -103,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_count_what_the_single_mass_does_of_random_machines() {
+    fn batches_and_single_simulations_of_random_machines_count_the_same() {
         let wanted = std::env::var("ASPERITY_CYCLES").map_or(120, |count| count.parse::<u64>().unwrap() / 100);
         let compared: Vec<[u64; 3]> = (0..wanted)
             .into_par_iter()
@@ -142,8 +144,8 @@ mod tests {
     }
 
     #[test]
-    fn a_law_that_rises_at_the_last_moment_is_not_stepped_over() {
-        // Belts of many Stribeck velocities: all of the weakening lies in the last few hundredths of a slip.
+    fn a_late_steep_weakening_is_not_stepped_over() {
+        // Belts of many Stribeck velocities: the whole weakening acts in the last few hundredths of a slip.
         for (belt_velocity, stribeck_velocity) in [(0.24, 0.012), (0.24, 0.003), (0.05, 0.002), (0.8, 0.005)] {
             let law = FrictionLaw::Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity };
             let parameters =

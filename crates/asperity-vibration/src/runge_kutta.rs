@@ -1,8 +1,8 @@
 //! Runge–Kutta steps as polynomials.
 //!
-//! A step makes polynomials of W, e and S like the Taylor series does, so the same search for events works on them: Hermite's
-//! through values and derivatives at both ends. The derivatives are exact, from the Taylor recurrence at the two ends, and as
-//! many as keep the error of the polynomial below that of the step.
+//! A step yields polynomials of W, e and S like a Taylor series does, so the same search for events applies to them.
+//! They are the Hermite polynomials through values and derivatives at both ends. The derivatives come from the Taylor
+//! recurrence at the two ends; their number keeps the error of the polynomial below the error of the step.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,11 +12,11 @@ use super::series::{Loading, Series, root};
 use super::tableau::{DORMAND_PRINCE, ErrorEstimate, FEHLBERG, Tableau};
 use super::weakening::Weakening;
 
-/// How the motion in slip is integrated. Events are found on the polynomials of the steps, to rounding, with all methods.
+/// Integration method of slip. All methods find events on the polynomials of the steps, to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Method {
-    /// Taylor series of up to 24 terms, whose dropped ones are at most some 10⁻¹⁴ of the state: the fastest.
+    /// Taylor series of up to 24 terms, whose dropped terms are below about 10⁻¹⁴ of the state: the fastest method.
     #[default]
     Taylor,
     /// Fehlberg's method of orders 4 and 5, as in the paper.
@@ -31,18 +31,18 @@ pub enum Method {
     },
 }
 
-/// Tries to find a step.
+/// Largest number of attempts at a step.
 const MAX_TRIES: usize = 200;
 const FIRST_STEP: f64 = 0.05;
-/// Bounds of the change of the step, and the share of the estimate that is used.
+/// Bounds of the change of the step size, and the safety factor.
 const LEAST_CHANGE: f64 = 0.2;
 const MOST_CHANGE: f64 = 5.0;
 const SAFETY: f64 = 0.9;
-/// The continuation of a law below W = 0 that a stage may use, as [`Weakening::curvature_of`].
+/// Continuation of a law below W = 0 that a stage may use, as in [`Weakening::curvature_of`].
 const CONTINUATION: f64 = -0.5;
 
 impl Method {
-    /// Fails if a tolerance is out of range.
+    /// Returns the integrator; fails if a tolerance is out of range.
     pub(super) fn stepper(self) -> Result<Option<Stepper>, VibrationError> {
         let (tableau, tolerance) = match self {
             Self::Taylor => return Ok(None),
@@ -57,7 +57,7 @@ impl Method {
     }
 }
 
-/// A Runge–Kutta method with its step size.
+/// Runge–Kutta method with its step size.
 #[derive(Debug, Clone)]
 pub(super) struct Stepper {
     tableau: &'static Tableau,
@@ -66,7 +66,8 @@ pub(super) struct Stepper {
 }
 
 impl Stepper {
-    /// Puts a step from (w, e) of at most `wanted` into the series; its length, or none if no step is small enough.
+    /// Writes a step from (w, e) of at most `wanted` into the series. Returns its length, or none if no step is small
+    /// enough.
     pub(super) fn step(
         &mut self,
         series: &mut Series,
@@ -85,7 +86,7 @@ impl Stepper {
             let change = SAFETY * root(allowed / error.max(f64::MIN_POSITIVE), self.tableau.order);
             let next = h * change.clamp(LEAST_CHANGE, MOST_CHANGE);
             if error <= allowed {
-                // A step that was cut short says nothing against a longer one.
+                // A shortened step is no reason to reduce the step size.
                 self.step = if h < self.step { next.max(self.step) } else { next };
                 series.interpolate(weakening, loading, (w, e), end, h, self.tableau.order / 2 + 1);
                 return Some(h);
@@ -95,7 +96,7 @@ impl Stepper {
         None
     }
 
-    /// (W, e, S) after h and the estimated error of W and e; none if the law has no value on the way.
+    /// Returns (W, e, S) after h and the estimated error of W and e; none if the law has no value at a stage.
     fn attempt(&self, weakening: &Weakening, loading: &Loading, start: [f64; 3], h: f64) -> Option<([f64; 3], f64)> {
         let mut slopes = [[0.0; 3]; 12];
         let sum = |weights: &[f64], slopes: &[[f64; 3]; 12]| -> [f64; 3] {
@@ -127,20 +128,21 @@ impl Stepper {
     }
 }
 
-/// Coefficients of the polynomial of degree 2n − 1 in t with the n first Taylor coefficients `start` at 0 and `end` at h.
+/// Returns the coefficients of the polynomial of degree 2n − 1 in t with the n first Taylor coefficients `start` at 0
+/// and `end` at h.
 ///
-/// It is A(t) + tⁿB(t), where A is given by the start and B, about the end, is the quotient of what is missing there by tⁿ.
+/// It is A(t) + tⁿB(t). A follows from the start; B, expanded about the end, is the remaining difference divided by tⁿ.
 pub(super) fn hermite(start: &[f64], end: &[f64], h: f64) -> [f64; CAPACITY] {
     let n = start.len();
     let mut c = [0.0; CAPACITY];
     let mut power = 1.0;
-    // In units of h. The second half holds B.
+    // In units of h. The second half stores B.
     for i in 0..n {
         c[i] = start[i] * power;
         c[n + i] = end[i] * power;
         power *= h;
     }
-    // A about the end, by Horner's scheme, is taken off.
+    // A, expanded about the end by Horner's scheme, is subtracted.
     let mut about = c;
     shift(&mut about[..n], 1.0);
     for i in 0..n {
@@ -161,7 +163,7 @@ pub(super) fn hermite(start: &[f64], end: &[f64], h: f64) -> [f64; CAPACITY] {
     c
 }
 
-/// The coefficients of p(a + t).
+/// Replaces the coefficients by those of p(a + t).
 fn shift(c: &mut [f64], a: f64) {
     for i in 0..c.len() {
         for k in (i..c.len() - 1).rev() {
@@ -191,20 +193,20 @@ mod tests {
             shift(&mut at_end, h);
             let found = hermite(&c[..n], &at_end[..n], h);
             for (found, wanted) in found.iter().zip(c.iter().chain([&0.0; 8])) {
-                // The coefficient of h^9 is a sum of 9th differences.
+                // The coefficient of h⁹ is a sum of ninth differences.
                 assert!((found - wanted).abs() < 1e-13 * h.powi(-(2 * n as i32)), "{n}: {found} {wanted}");
             }
         }
     }
 
-    /// A forced slip of the paper's law away from events.
+    /// Returns a forced slip of the paper's law away from events.
     fn slip() -> (Weakening, Loading) {
         let oscillator = Oscillator::stribeck(0.3, 4.2, 0.1, 0.2).unwrap();
         let loading = Loading { base: 1.0, kappa: 1.2, swing: 0.3, frequency: 0.8, phase: 0.4 };
         (Weakening::new(&oscillator), loading)
     }
 
-    /// The state after a time by Taylor series.
+    /// Returns the state after a time by Taylor series.
     fn exact(time: f64) -> [f64; 3] {
         let (weakening, loading) = slip();
         let mut series = Series::new();
@@ -240,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn the_polynomials_of_a_step_are_as_good_as_its_end() {
+    fn the_polynomials_of_a_step_are_as_accurate_as_its_end() {
         let (weakening, loading) = slip();
         for tableau in [&FEHLBERG, &DORMAND_PRINCE] {
             let error = |h: f64| {
@@ -309,7 +311,7 @@ mod tests {
             ProcessModel { steps_per_length: 4, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.002, 0.05) };
         let random = FrictionProcess::new(model).unwrap();
         let mut path = random.path(11, 0);
-        let values: Vec<f64> = (0..4000).map(|_| path.next_knot()).collect();
+        let values: Vec<f64> = (0..4000).map(|_| path.next_value()).collect();
         let record: &'static RecordedProcess =
             Box::leak(Box::new(RecordedProcess::new(random.step(), values).unwrap()));
         let mut reversals = 0.0;
@@ -320,7 +322,8 @@ mod tests {
                 for noisy in [false, true] {
                     let process =
                         || -> Box<dyn Fluctuation> { if noisy { Box::new(record.path()) } else { Box::new(Steady) } };
-                    // Errors of steps add up, and a slip that hardly begins, or grazes, takes their square root.
+                    // Errors of steps accumulate; a slip that barely starts, or grazes, amplifies them to their square
+                    // root.
                     for (method, allowed) in [(DORMAND_PRINCE_AT(1e-13), 1e-8), (FEHLBERG_AT(1e-11), 1e-6)] {
                         let [tau, x, s, turns] = differences(parameters.clone(), &process, method);
                         assert!(
@@ -336,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_follow_the_tolerance_and_nonsense_is_refused() {
+    fn errors_follow_the_tolerance_and_invalid_tolerances_are_refused() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let period = |method| {
             let settings = TrajectorySettings { duration: 66.0, start: None, drive: Drive::Distance, method };

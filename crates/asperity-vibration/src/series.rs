@@ -5,20 +5,21 @@
 //!
 //! W′ = e + (μ_st − μ(VW))/V − 2ζW,  e′ = ±1 − κW ± (qη/V) sin ητ,  S′ = W,  κ = 1 + dm/ds.
 //!
-//! Nothing cancels when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every detachment is (0, 0).
+//! No nearly equal numbers are subtracted when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every
+//! detachment is the state (0, 0).
 
 use super::polynomial::{self, CAPACITY};
 use super::runge_kutta::hermite;
 use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
 use asperity_base::wide::{Kernel, wide};
 
-/// Coefficients of steps that nothing shortens.
+/// Number of coefficients of unshortened steps.
 const LONG: usize = 24;
-/// Last kept term of a series, relative to the state; the first dropped one is at most a third of it.
+/// Last kept term of a series, relative to the state; the first dropped term is at most a third of it.
 const TOLERANCE: f64 = 1e-13;
 
-/// Exponent cW at which e^{−cW} is no part of the force, also of one a million times the scale.
-const NO_WALL: f64 = 50.0;
+/// Exponent cW above which e^{−cW} does not contribute to the force, even a million times the scale.
+const NO_EXPONENTIAL: f64 = 50.0;
 /// Distance of extrema, relative to the step, below which they count as one.
 const RESOLVED: f64 = 1e-12;
 
@@ -33,7 +34,7 @@ pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
     r
 };
 
-/// Runs a block for the orders 1, 2, … below a limit, each with its order as a constant, so that no loop is left.
+/// Repeats a block for the orders 1, 2, … below a limit, each as a constant, so that the compiler unrolls the loop.
 macro_rules! for_orders {
     ($n:ident < $limit:expr, $body:block) => {
         for_orders!(@ $n, $limit, $body, 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
@@ -46,7 +47,7 @@ macro_rules! for_orders {
     };
 }
 
-/// tⁿ.
+/// Returns tⁿ.
 #[inline(always)]
 fn power(t: f64, n: usize) -> f64 {
     let (mut power, mut square, mut rest) = (1.0, t, n);
@@ -60,28 +61,30 @@ fn power(t: f64, n: usize) -> f64 {
     power
 }
 
-/// About x^{1/n} of a number x > 0, within 1 % for n > 6, from the bits of x: the same on every machine.
+/// Returns approximately x^{1/n} for x > 0, within 1 % for n > 6, from the bits of x; the result is the same on every
+/// machine.
 pub(super) fn root(x: f64, n: usize) -> f64 {
     const BIAS: f64 = 1023.0;
-    // Exponent and mantissa in a row are log₂ x, at most 0.086 too small.
+    // Exponent and mantissa together are log₂ x, at most 0.086 too small.
     let logarithm = x.to_bits() as i64 as f64 * (1.0 / (1_i64 << 52) as f64) - BIAS;
     let scaled = logarithm * RECIPROCAL[n] + BIAS;
     let exponent = scaled as i64;
-    let share = scaled - exponent as f64;
-    // 2^share within 0.4 %.
-    f64::from_bits((exponent << 52) as u64) * (1.0 + share * (0.65 + 0.35 * share))
+    let fraction = scaled - exponent as f64;
+    // 2^fraction within 0.4 %.
+    f64::from_bits((exponent << 52) as u64) * (1.0 + fraction * (0.65 + 0.35 * fraction))
 }
 
-/// A step ≤ h on which a law with e^{−cW} rises no steeper than its series can follow; `decay` is c, 0 of other laws.
+/// Returns a step ≤ h on which a law with e^{−cW} rises no more steeply than its series represents; `decay` is c, 0 for
+/// other laws.
 ///
-/// The terms of e^x grow up to the order x, so the last kept one bounds the dropped ones only if x is a third of it. Where
-/// e^{−cW} stays below rounding the law is a constant.
+/// The terms of e^x grow up to the order x, so the last kept term bounds the dropped ones only if x is at most a third
+/// of that order. Where e^{−cW} stays below rounding, the law is constant.
 #[inline]
-pub(super) fn before_the_wall(w: &[f64], decay: f64, mut h: f64) -> f64 {
+pub(super) fn exponential_step(w: &[f64], decay: f64, mut h: f64) -> f64 {
     let steepest = w.len() as f64 / 3.0;
     let too_steep = |h: f64| {
         let lowest = decay * polynomial::lower_bound(w, h);
-        lowest <= NO_WALL && decay * w[0] - lowest > steepest
+        lowest <= NO_EXPONENTIAL && decay * w[0] - lowest > steepest
     };
     while decay > 0.0 && too_steep(h) {
         h *= 0.5;
@@ -89,7 +92,7 @@ pub(super) fn before_the_wall(w: &[f64], decay: f64, mut h: f64) -> f64 {
     h
 }
 
-/// The constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
+/// Constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loading {
     pub(super) base: f64,
@@ -103,23 +106,23 @@ pub(super) struct Loading {
 }
 
 impl Loading {
-    /// The constants of a step that begins t later.
+    /// Returns the constants of a step that starts later by t.
     pub(super) fn later(&self, t: f64) -> Self {
         Self { phase: self.phase + self.frequency * t, ..*self }
     }
 
-    /// e′ at the start.
+    /// Returns e′ at the start.
     #[inline(always)]
     pub(super) fn rate(&self, w: f64) -> f64 {
-        let sway = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
-        self.base + sway - self.kappa * w
+        let scaled_forcing = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
+        self.base + scaled_forcing - self.kappa * w
     }
 }
 
-/// [`Series::expand_with`]: instructions of newer processors need no copies of registers that they overwrite.
+/// Compiles [`Series::expand_with`] for newer processors, which need fewer copies of registers.
 struct Expansion<const N: usize>;
 
-/// What an expansion is made of.
+/// Arguments of an expansion.
 type Parts<'a, M> = (&'a mut Series, M, &'a Weakening, &'a Loading, [f64; 2]);
 
 impl<const N: usize, T: Recurrence<N>, M: FnOnce() -> T> Kernel<Parts<'_, M>> for Expansion<N> {
@@ -140,7 +143,7 @@ pub(super) struct Series {
     /// Coefficients of S(t)/t.
     s: [f64; CAPACITY],
     scale: f64,
-    /// Rate c of a law with e^{−cW}; 0 of others.
+    /// Rate c of a law with e^{−cW}; 0 for other laws.
     decay: f64,
 }
 
@@ -149,40 +152,41 @@ impl Series {
         Self { len: 1, w: [0.0; CAPACITY], e: [0.0; CAPACITY], s: [0.0; CAPACITY], scale: 1.0, decay: 0.0 }
     }
 
-    /// Coefficients of W.
+    /// Returns the coefficients of W.
     #[inline]
     pub(super) fn w(&self) -> &[f64] {
         &self.w[..self.len]
     }
 
-    /// W(t), e(t).
+    /// Returns W(t) and e(t).
     #[inline]
     pub(super) fn state(&self, t: f64) -> (f64, f64) {
         (polynomial::split_value(self.w(), t), polynomial::split_value(&self.e[..self.len], t))
     }
 
-    /// S(t) = ∫₀ᵗ W and W(t).
+    /// Returns S(t) = ∫₀ᵗ W and W(t).
     #[inline]
     pub(super) fn distance(&self, t: f64) -> (f64, f64) {
         (t * polynomial::split_value(&self.s[..self.len], t), polynomial::split_value(self.w(), t))
     }
 
-    /// W and W′ at the start.
+    /// Returns W and W′ at the start.
     #[inline(always)]
     pub(super) fn start(&self) -> [f64; 2] {
         [self.w[0], self.w[1]]
     }
 
-    /// e at the start.
+    /// Returns e at the start.
     #[inline(always)]
     pub(super) fn e_at_start(&self) -> f64 {
         self.e[0]
     }
 
-    /// Time in [0, h] at which S = `distance` by Newton's method from a close guess; none if that fails.
+    /// Returns the time in [0, h] at which S = `distance`, by Newton's method from a close guess; none if it does not
+    /// converge.
     #[inline]
     pub(super) fn near_distance(&self, distance: f64, h: f64, guess: f64) -> Option<f64> {
-        // Two steps on the leading terms are nearly free and leave one or two on the whole series.
+        // Two iterations on the leading terms are cheap and leave one or two on the whole series.
         let [s0, s1, s2, s3] = [self.s[0], self.s[1], self.s[2], self.s[3]];
         let mut t = if guess < h { guess } else { h };
         for _ in 0..2 {
@@ -196,7 +200,7 @@ impl Series {
             let (s, w) = self.distance(t);
             let step = (s - distance) / w;
             t -= step;
-            // Newton's error after a step is about its square times W′/2W.
+            // The error of Newton's method after an iteration is about its square times W′/2W.
             if step.abs() <= 1e-8 * t && step * step * self.scale <= 1e-17 * w {
                 return (t <= h).then_some(t);
             }
@@ -204,7 +208,7 @@ impl Series {
         None
     }
 
-    /// Time at which S = `distance`, which is reached before h.
+    /// Returns the time at which S = `distance`, which is reached before h.
     pub(super) fn time_of_distance(&self, distance: f64, h: f64) -> f64 {
         if distance <= 0.0 {
             return 0.0;
@@ -216,7 +220,7 @@ impl Series {
         polynomial::bracketed_zero(excess, 0.0, h, false, 0.5 * h)
     }
 
-    /// Expands about (w, e) with as many coefficients as a step of the length `horizon` needs.
+    /// Expands about (w, e) with the number of coefficients that a step of length `horizon` needs.
     pub(super) fn expand(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64, horizon: f64) {
         // Terms fall like (√κ h)ⁿ/n!.
         let scaled = horizon * loading.kappa.max(1.0).sqrt();
@@ -241,7 +245,7 @@ impl Series {
         }
     }
 
-    /// The recurrence, with N coefficients; dispatch pays for many only.
+    /// Computes the recurrence with N coefficients, compiled for several instruction sets only if N is large.
     fn expand_with<const N: usize, T: Recurrence<N>>(
         &mut self,
         terms: impl FnOnce() -> T,
@@ -281,7 +285,7 @@ impl Series {
         for_orders!(n < N - 1, {
             let e = (external[n - 1] - loading.kappa * w[n - 1]) * RECIPROCAL[n];
             let e = if n == 1 { e + loading.base } else { e };
-            // Products that are known early leave a short chain from order to order.
+            // Products that are known early leave a short dependency chain from order to order.
             w[n + 1] = (slope * RECIPROCAL[n + 1]) * w[n] + (e + terms.rest(&w, n)) * RECIPROCAL[n + 1];
         });
         let (mut e, mut s) = ([0.0; N], [0.0; N]);
@@ -301,7 +305,7 @@ impl Series {
         self.decay = weakening.decay();
     }
 
-    /// Polynomials through `count` Taylor coefficients of W, e and S at the start and, after h, at `end`.
+    /// Sets polynomials through `count` Taylor coefficients of W, e and S at the start and, after h, at `end`.
     pub(super) fn interpolate(
         &mut self,
         weakening: &Weakening,
@@ -321,14 +325,14 @@ impl Series {
         self.w = hermite(&self.w[..count], &last.w[..count], h);
         self.e = hermite(&self.e[..count], &last.e[..count], h);
         self.s = std::array::from_fn(|k| s.get(k + 1).copied().unwrap_or(0.0));
-        // Values are summed in quadruples.
+        // Values are summed in groups of four.
         self.len = (2 * count).next_multiple_of(4);
     }
 
-    /// The longest step ≤ `wanted` on which the dropped terms stay below rounding.
+    /// Returns the longest step ≤ `wanted` on which the dropped terms stay below rounding.
     ///
-    /// The last term of order n bounds them, and so does the one before times h²/n(n+1), in case the last vanishes, and the
-    /// one before that times h³/(n−1)n(n+1), in case both do.
+    /// The last term of order n bounds them. In case it vanishes, so does the previous term times h²/n(n+1), and in
+    /// case both vanish, the term before that times h³/(n−1)n(n+1).
     #[inline]
     pub(super) fn reach(&self, wanted: f64) -> f64 {
         let n = self.len - 1;
@@ -339,15 +343,15 @@ impl Series {
         if wanted < 1.0 {
             let power = power(wanted, n);
             if last * power <= allowed && before * power * wanted <= allowed {
-                return before_the_wall(self.w(), self.decay, wanted);
+                return exponential_step(self.w(), self.decay, wanted);
             }
         }
         let h = wanted.min(root(allowed / last, n));
         let h = if before * h <= last { h } else { h.min(root(allowed / before, n + 1)) };
-        before_the_wall(self.w(), self.decay, h)
+        exponential_step(self.w(), self.decay, h)
     }
 
-    /// First extremum of W in (0, h]: a maximum if W rises at 0, else a minimum.
+    /// Returns the first extremum of W in (0, h]: a maximum if W rises at 0, otherwise a minimum.
     pub(super) fn first_extremum(&self, h: f64) -> Option<f64> {
         let mut slope = polynomial::derivative(self.w());
         let leading = slope.iter().take(2).take_while(|c| **c == 0.0).count();
@@ -357,14 +361,14 @@ impl Series {
         polynomial::first_zero(&slope[leading..self.len - 1], h)
     }
 
-    /// All extrema of W in (0, h), rising.
+    /// Returns all extrema of W in (0, h) in order.
     pub(super) fn extrema(&self, h: f64) -> Vec<f64> {
         let slope = polynomial::derivative(self.w());
         let mut found: Vec<f64> = Vec::new();
         loop {
             let since = found.last().copied().unwrap_or(0.0);
             let mut local = polynomial::shifted(&slope[..self.len - 1], since);
-            // The zero just found, up to its rounding, is divided off.
+            // The zero just found is divided out, up to its rounding.
             let zeros = if since > 0.0 { 1 } else { local.iter().take(2).take_while(|c| **c == 0.0).count() };
             if local[zeros] < 0.0 {
                 local.iter_mut().for_each(|c| *c = -*c);
@@ -376,13 +380,13 @@ impl Series {
         }
     }
 
-    /// Whether W, at most `level` at 0, exceeds it in (0, h], however many extrema lie between.
+    /// Returns whether W, at most `level` at 0, exceeds it in (0, h], for any number of extrema in between.
     #[inline]
     pub(super) fn exceeds(&self, level: f64, h: f64) -> bool {
         self.ceiling(h) > level && self.first_crossing(level, -1.0, h).is_some()
     }
 
-    /// A number above W on [0, h].
+    /// Returns an upper bound of W on [0, h].
     pub(super) fn ceiling(&self, h: f64) -> f64 {
         polynomial::upper_bound(self.w(), h)
     }

@@ -1,34 +1,35 @@
-//! The slip orbit from a detachment, continued smoothly past the belt velocity.
+//! Slip orbit from a detachment, continued smoothly past the belt velocity.
 
+use super::scaled_forcing::ScaledForcing;
 use super::series::{Loading, Series};
 use super::structure::tangent::Step;
-use super::sway::Sway;
 use super::weakening::Weakening;
 use super::{Oscillator, VibrationError};
 
-/// The law 1/(1 + aVW) is continued to this value of aVW and no farther; its pole lies at −1.
+/// Least aVW to which the law 1/(1 + aVW) is continued; its pole lies at −1.
 const CONTINUATION: f64 = -0.5;
-/// W and W′ closer than this to steady sliding have no minimum at zero ahead.
+/// Distance of W and W′ from steady sliding below which the orbit has no further minimum near zero.
 const SETTLED: f64 = 1e-6;
 const MAX_STEPS: usize = 1_000_000;
 
-/// The first minimum of W on a slip orbit.
+/// First minimum of W on a slip orbit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Minimum {
     /// Time since the detachment.
     pub(super) time: f64,
-    /// W there; negative when the orbit reaches the belt velocity before.
+    /// Least W; negative if the orbit reaches the belt velocity before.
     pub(super) w: f64,
 }
 
-/// The first minimum of W after a detachment at the time τ, none if the orbit slides into rest without one.
+/// Returns the first minimum of W after a detachment at the time τ; none if the orbit ends in rest without a minimum.
 ///
-/// An orbit that dives far below zero is stopped on the way; its value is then negative, but no minimum.
+/// An orbit that falls far below zero is stopped; its value is then negative, but not a minimum.
 pub(super) fn first_minimum(oscillator: &Oscillator, tau: f64) -> Result<Option<Minimum>, VibrationError> {
     first_minimum_from(oscillator, tau, 0.0, |_, _| {})
 }
 
-/// The same for an orbit from (W, e) = (0, e) that rises; `visit` sees each step and the time since the start before it.
+/// Returns the first minimum of an orbit from (W, e) = (0, e) that rises; `visit` receives each step and the time since
+/// the start before it.
 pub(super) fn first_minimum_from(
     oscillator: &Oscillator,
     tau: f64,
@@ -36,7 +37,7 @@ pub(super) fn first_minimum_from(
     mut visit: impl FnMut(Step, f64),
 ) -> Result<Option<Minimum>, VibrationError> {
     let mut weakening = Weakening::new(oscillator);
-    let sway = Sway::new(oscillator);
+    let scaled_forcing = ScaledForcing::new(oscillator);
     let mut series = Series::new();
     let (mut w, mut e, mut time) = (0.0, excess, 0.0);
     let mut falling = false;
@@ -44,9 +45,9 @@ pub(super) fn first_minimum_from(
         let loading = Loading {
             base: 1.0,
             kappa: 1.0,
-            swing: sway.amplitude * sway.frequency,
-            frequency: sway.frequency,
-            phase: sway.frequency * (tau + time),
+            swing: scaled_forcing.amplitude * scaled_forcing.frequency,
+            frequency: scaled_forcing.frequency,
+            phase: scaled_forcing.frequency * (tau + time),
         };
         weakening.select(w, e, &loading);
         series.expand(&weakening, &loading, w, e, f64::INFINITY);
@@ -70,7 +71,7 @@ pub(super) fn first_minimum_from(
             return Ok(Some(Minimum { time, w }));
         }
         falling = acceleration < 0.0;
-        if sway.amplitude == 0.0 && (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED {
+        if scaled_forcing.amplitude == 0.0 && (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED {
             return Ok(None);
         }
     }

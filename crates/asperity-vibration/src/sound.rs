@@ -1,4 +1,4 @@
-//! How loud the vibration is, and at which frequencies.
+//! Loudness and spectrum of the vibration.
 
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,56 +13,56 @@ use super::{
 use asperity_base::correlation::{RecordEnds, record_spectrum};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{Moments, NORMAL_95};
-use asperity_process::{FrictionProcess, Watched};
+use asperity_process::{Cancellable, FrictionProcess};
 
-/// Points of the limit cycle from which its mean square velocity is summed.
+/// Number of points of the limit cycle for its mean square velocity.
 const CYCLE_POINTS: usize = 8193;
 
-/// How velocities are recorded.
+/// Settings of the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoundSettings {
-    /// Trajectories recorded, at least 2; the first of the ensemble.
+    /// Number of recorded trajectories, at least 2; they are the first ones of the ensemble.
     pub trajectories: usize,
-    /// Values per natural period 2π, at least 4.
+    /// Number of values per natural period 2π, at least 4.
     pub points_per_period: usize,
-    /// Time τ before the record begins.
+    /// Time τ before the recording starts.
     pub from: f64,
     /// Seed; trajectory i reads realisation i of the process, as in an ensemble.
     pub seed: u64,
-    /// How each is followed.
+    /// Settings of each trajectory.
     pub followed: TrajectorySettings,
 }
 
-/// The velocity X′ of a mass in frequency and loudness.
+/// Level and spectrum of the velocity X′ of a mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sound {
     /// Kind of motion without fluctuation.
     pub kind: MotionKind,
-    /// Root of the mean square of the velocity's deviation from its mean.
+    /// Root mean square of the deviation of the velocity from its mean.
     pub velocity_rms: f64,
-    /// 95 % interval over trajectories.
+    /// 95 % interval of the root mean square, over trajectories.
     pub velocity_rms_interval: [f64; 2],
-    /// The same of the limit cycle without fluctuation, if there is one.
+    /// Root mean square velocity of the limit cycle without fluctuation, if there is one.
     pub cycle_velocity_rms: Option<f64>,
     /// Level of the velocity relative to the limit cycle, 20 lg(rms/rms of the cycle), in dB.
     pub level_db: Option<f64>,
     /// 95 % interval of the level.
     pub level_db_interval: Option<[f64; 2]>,
-    /// Frequencies in natural frequencies ω/ω₀, of bins a sixth of an octave wide, or as wide as the records resolve.
+    /// Frequencies ω/ω₀ of the bins, which are a sixth of an octave wide, or as wide as the resolution of the records.
     pub frequency: Vec<f64>,
-    /// One-sided power spectral density of X′ over ω/ω₀; its integral is the variance.
+    /// One-sided power spectral density of X′ over ω/ω₀. Its integral is the variance.
     pub density: Vec<f64>,
-    /// 95 % band of the density.
+    /// Lower end of the 95 % band of the density.
     pub density_low: Vec<f64>,
-    /// Upper end of the band.
+    /// Upper end of the 95 % band of the density.
     pub density_high: Vec<f64>,
 }
 
 impl Sound {
     /// Records the velocity of several trajectories.
     ///
-    /// Fails if settings are out of range, if a trajectory fails, and when cancelled.
+    /// Fails if settings are out of range, if a trajectory fails, or when cancelled.
     pub fn record(
         oscillator: &Oscillator,
         process: &FrictionProcess,
@@ -91,7 +91,7 @@ impl Sound {
                 if monitor.cancelled() {
                     return Err(Cancelled.into());
                 }
-                let path = Watched::new(process.path(settings.seed, index as u64), monitor);
+                let path = Cancellable::new(process.path(settings.seed, index as u64), monitor);
                 let portrait = trajectory_portrait(oscillator, path, &followed, settings.from, points)
                     .map_err(|error| if monitor.cancelled() { Cancelled.into() } else { error })?;
                 monitor.progress("paths", finished.fetch_add(1, Ordering::Relaxed) + 1, settings.trajectories);
@@ -127,10 +127,10 @@ impl Sound {
     }
 }
 
-/// Root mean square velocity of the limit cycle, whose mean is zero.
+/// Returns the root mean square velocity of the limit cycle, whose mean is zero.
 fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
     let Some(points) = cycle_portrait(oscillator, CYCLE_POINTS)? else { return Ok(None) };
-    // The trapezoidal rule; first and last point are the same.
+    // Trapezoidal rule; the first and the last point are the same.
     let squares: f64 = points[1..].iter().map(|point| point.velocity.powi(2)).sum();
     Ok(Some((squares / (points.len() - 1) as f64).sqrt()))
 }
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_coulomb_cycle_has_the_mean_square_of_its_arcs() {
-        // Slip is X = μ_k + A cos, of duration 2π − 2 atan(Δ/V), and a stick of 2Δ/V at V.
+        // Slip is X = μ_k + A cos with the duration 2π − 2 atan(Δ/V); stick lasts 2Δ/V at the velocity V.
         let law = FrictionLaw::Coulomb { kinetic: 0.3 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
@@ -177,7 +177,7 @@ mod tests {
         // Bins are a sixth of an octave wide.
         let octaves = (found.frequency[loudest] * period / TAU).log2();
         assert!(octaves.abs() < 0.5 / 6.0, "{octaves}");
-        // The density holds the variance.
+        // The integral of the density is the variance.
         let mut power = 0.0;
         for k in 1..found.frequency.len() {
             power += 0.5 * (found.density[k] + found.density[k - 1]) * (found.frequency[k] - found.frequency[k - 1]);
@@ -187,8 +187,9 @@ mod tests {
 
     #[test]
     #[expect(clippy::approx_constant, reason = "a published belt velocity, which is not π")]
-    fn overtaking_sounds_like_its_cycle() {
-        // Periods at these dampings, without stick: 6.29467 and 6.29499; an independent integrator in `tests/vibration_kinds.rs` agrees.
+    fn the_spectrum_of_overtaking_peaks_at_its_cycle() {
+        // Periods at these dampings, without stick: 6.29467 and 6.29499. An independent integrator in
+        // `tests/vibration/kinds.rs` agrees.
         for (damping, period) in [(0.001, 6.294_67), (0.002, 6.294_99)] {
             let oscillator = Oscillator::stribeck(0.432_353, 4.2, damping, 3.1416).unwrap();
             let settings = SoundSettings { trajectories: 2, from: 3000.0, ..settings(3500.0) };

@@ -1,4 +1,4 @@
-//! The stability map: how surely vibration sustains itself, over two parameters of a machine.
+//! Stability map: probability of sustained vibration over two parameters of a machine.
 
 mod contour;
 
@@ -9,18 +9,18 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::contour::{boundary, contour};
-use super::{Ensemble, EnsembleSettings, Oscillator, Share, VibrationError, limit_cycle, limit_damping};
+use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, VibrationError, limit_cycle, limit_damping};
 use asperity_base::monitor::{Cancelled, Monitor, Quiet};
 use asperity_process::FrictionProcess;
 
-/// Share of the trajectories after which a point where all of them agree is decided.
-const FIRST_SHARE: f64 = 0.25;
+/// Fraction of the trajectories after which a point is decided if all of them agree.
+const FIRST_FRACTION: f64 = 0.25;
 /// Least number of trajectories that may decide a point.
 const FIRST_COUNT: usize = 64;
-/// Most halvings of a cell.
-const DEEPEST: u32 = 8;
+/// Largest number of halvings of a cell.
+const MAX_DEPTH: u32 = 8;
 
-/// One axis of the map.
+/// Axis of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapAxis {
@@ -28,15 +28,15 @@ pub struct MapAxis {
     pub from: f64,
     /// Largest value.
     pub to: f64,
-    /// Cells of the first grid.
+    /// Number of cells of the first grid.
     pub cells: usize,
 }
 
 impl MapAxis {
-    /// The axis again, or what it lacks.
+    /// Returns the axis if it is valid, otherwise the reason.
     ///
     /// # Errors
-    /// It does not rise, an end is not finite, or it has not 1 to 1000 cells.
+    /// Fails if the axis does not rise, if an end is not finite, or if the number of cells is not 1 to 1000.
     pub fn check(self) -> Result<Self, &'static str> {
         if !(self.from.is_finite() && self.to.is_finite() && self.from < self.to) {
             return Err("the last value of an axis must be above the first");
@@ -47,13 +47,13 @@ impl MapAxis {
         Ok(self)
     }
 
-    /// Value at the index i of n + 1 equal places.
+    /// Returns the value at index i of n + 1 equally spaced values.
     fn at(&self, i: usize, n: usize) -> f64 {
         if i == n { self.to } else { self.from + (self.to - self.from) * (i as f64 / n as f64) }
     }
 }
 
-/// What a map is made of.
+/// Settings of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapSettings {
@@ -61,33 +61,33 @@ pub struct MapSettings {
     pub x: MapAxis,
     /// Second axis.
     pub y: MapAxis,
-    /// How often a cell is halved where a level passes through it, 0 … 8.
+    /// Largest number of halvings of a cell through which a level passes, 0 … 8.
     pub depth: u32,
-    /// The ensemble at every point; all points read the same realisations.
+    /// Settings of the ensemble at every point; all points use the same realisations.
     pub ensemble: EnsembleSettings,
 }
 
-/// A machine: an oscillator and its friction fluctuation, if any.
+/// Machine: an oscillator and its friction fluctuation, if any.
 pub type Machine = (Oscillator, Option<FrictionProcess>);
 
-/// One point of the map.
+/// Point of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MapPoint {
     /// First parameter.
     pub x: f64,
     /// Second parameter.
     pub y: f64,
-    /// Share of the trajectories that sustain vibration; see [`super::Passages::sustained`].
-    pub sustained: Share,
-    /// Trajectories it is a share of; 1 without fluctuation.
+    /// Fraction of the trajectories that sustain vibration; see [`super::Passages::sustained`].
+    pub sustained: Fraction,
+    /// Number of trajectories of this fraction; 1 without fluctuation.
     pub trajectories: usize,
-    /// Largest damping ratio at which the machine there vibrates without fluctuation, if there is one.
+    /// Largest damping ratio at which the machine vibrates without fluctuation, if there is one.
     pub limit_damping_ratio: Option<f64>,
-    /// ζ of the machine there.
+    /// Damping ratio ζ of the machine.
     pub damping_ratio: f64,
 }
 
-/// A cell of the map, whose corners are points.
+/// Cell of the map, whose corners are points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MapCell {
     /// Lower and upper end along x.
@@ -98,19 +98,19 @@ pub struct MapCell {
     pub probability: f64,
 }
 
-/// How finely a map resolves the fall of the probability.
+/// Resolution of the transition of the probability.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MapResolution {
     /// Width of the smallest cells along x.
     pub x: f64,
     /// Width of the smallest cells along y.
     pub y: f64,
-    /// Share of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %, so that the width of the transition
-    /// is less than a cell and not known.
+    /// Fraction of the cells on the contour of 50 % in which the probability falls from 95 % to 5 %. The width of the
+    /// transition is then less than a cell and unknown.
     pub unresolved_share: f64,
 }
 
-/// A level of the map.
+/// Contour of the map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapContour {
     /// Probability.
@@ -119,30 +119,30 @@ pub struct MapContour {
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
-/// The probability of sustained vibration over two parameters.
+/// Probability of sustained vibration over two parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StabilityMap {
     /// All points, by y and then by x.
     pub points: Vec<MapPoint>,
-    /// The cells that were not halved.
+    /// Cells that were not halved.
     pub cells: Vec<MapCell>,
-    /// The levels 5, 50 and 95 %. Those of 5 and 95 % have no lines in the cells that do not resolve the transition.
+    /// Contours at 5, 50 and 95 %. The contours of 5 and 95 % omit the cells that do not resolve the transition.
     pub contours: Vec<MapContour>,
-    /// Where vibration ends without fluctuation.
+    /// Lines (x, y) at which vibration without fluctuation ends.
     pub limit: Vec<Vec<[f64; 2]>>,
-    /// Widths of the smallest cells, and whether they resolve the transition.
+    /// Widths of the smallest cells, and how many of them do not resolve the transition.
     pub resolution: MapResolution,
 }
 
 impl StabilityMap {
-    /// The levels of a map.
+    /// Levels of the contours.
     pub const LEVELS: [f64; 3] = [0.05, 0.5, 0.95];
 }
 
-/// A place on the finest grid.
+/// Point (column, row) of the finest grid.
 type Place = (usize, usize);
 
-/// A square of the quadtree: its lower corner and its side, on the finest grid.
+/// Square of the quadtree: its lower corner and its side, on the finest grid.
 #[derive(Debug, Clone, Copy)]
 struct Square {
     corner: Place,
@@ -165,12 +165,13 @@ impl Square {
 
 /// Computes the map of the machines `machine(x, y)`.
 ///
-/// A first grid is refined where a level of [`StabilityMap::LEVELS`], or the end of vibration without fluctuation, passes between
-/// the corners of a cell. A smallest cell through which both 5 and 95 % pass does not resolve the transition: it has only the
-/// contour of 50 %, and counts in [`MapResolution::unresolved_share`]. All points share their realisations of friction, so the map has less noise than its points. A point
-/// where the first quarter of the trajectories agree is not computed further.
+/// A first grid is refined where a level of [`StabilityMap::LEVELS`], or the end of vibration without fluctuation, lies
+/// between the corners of a cell. A smallest cell that contains both 5 and 95 % does not resolve the transition: only
+/// the contour of 50 % is drawn in it, and it counts in [`MapResolution::unresolved_share`]. All points use the same
+/// realisations of friction, so the differences between points have less noise than the points. A point is finished
+/// early if the first quarter of its trajectories agree.
 ///
-/// Fails as [`Ensemble::simulate`] does at the first point that fails, if an axis is empty, and when cancelled.
+/// Fails like [`Ensemble::simulate`] at the first point that fails, if an axis is empty, or when cancelled.
 pub fn stability_map(
     machine: &(dyn Fn(f64, f64) -> Result<Machine, VibrationError> + Sync),
     settings: &MapSettings,
@@ -179,7 +180,7 @@ pub fn stability_map(
     for (parameter, axis) in [("end of the x axis", settings.x), ("end of the y axis", settings.y)] {
         axis.check().map_err(|wanted| VibrationError::Parameter { parameter, value: axis.to, wanted })?;
     }
-    if settings.depth > DEEPEST {
+    if settings.depth > MAX_DEPTH {
         let value = f64::from(settings.depth);
         return Err(VibrationError::Parameter { parameter: "map depth", value, wanted: "at most 8" });
     }
@@ -208,7 +209,7 @@ pub fn stability_map(
             })
             .collect::<Result<_, VibrationError>>()?;
         points.extend(found);
-        // A square is judged by all points on its sides, of which its neighbours may have made some since.
+        // Each square is checked with all points on its sides, including points that neighbours added later.
         leaves.append(&mut squares);
         let (halved, kept): (Vec<Square>, Vec<Square>) =
             leaves.into_iter().partition(|square| square.side > 1 && is_crossed(square, &points));
@@ -248,7 +249,7 @@ pub fn stability_map(
     Ok(StabilityMap { points, cells, contours: contours.into(), limit, resolution })
 }
 
-/// Whether a level or the deterministic limit passes between points on the sides.
+/// Returns whether a level or the deterministic limit passes between points on the sides.
 fn is_crossed(square: &Square, points: &BTreeMap<Place, MapPoint>) -> bool {
     let sides: Vec<MapPoint> = boundary(square, points).iter().map(|place| points[place]).collect();
     let between = |value: &dyn Fn(&MapPoint) -> f64, level: f64| {
@@ -271,13 +272,13 @@ fn point(
     let at = |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
         let value = if limit_cycle(&oscillator)?.kind().is_vibration() { 1.0 } else { 0.0 };
-        return Ok(at(Share { value, interval: [value, value] }, 1));
+        return Ok(at(Fraction { value, interval: [value, value] }, 1));
     };
-    let of = |trajectories| -> Result<Share, VibrationError> {
+    let of = |trajectories| -> Result<Fraction, VibrationError> {
         let settings = EnsembleSettings { trajectories, sample_capacity: 0, ..*settings };
         Ok(Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?.passages.sustained)
     };
-    let first = ((FIRST_SHARE * settings.trajectories as f64) as usize).max(FIRST_COUNT);
+    let first = ((FIRST_FRACTION * settings.trajectories as f64) as usize).max(FIRST_COUNT);
     if first < settings.trajectories {
         let sustained = of(first)?;
         if sustained.value == 0.0 || sustained.value == 1.0 {
@@ -311,14 +312,15 @@ mod tests {
         assert_eq!(map.limit.len(), 1);
         for [damping, velocity] in &map.limit[0] {
             let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
-            // Linear interpolation over a cell of ζ_c, whose second derivative in V is below 3·μ_st·a³/2 = 11 (Hopf's formula).
+            // Error of linear interpolation over a cell of ζ_c, whose second derivative in V is below 3·μ_st·a³/2 = 11
+            // (Hopf's formula).
             let cell: f64 = 0.198 / 3.0 / 32.0;
             assert!(
                 (damping - wanted.critical_damping_ratio).abs() < 0.5 * 11.2 * cell.powi(2),
                 "{damping} at {velocity}"
             );
         }
-        // A jump has no width that a cell could resolve: 5 and 95 % are not drawn a cell apart.
+        // A jump has no width that a cell could resolve: 5 and 95 % are not drawn one cell apart.
         assert_eq!(map.resolution.unresolved_share, 1.0);
         assert!((map.resolution.x / spacing - 1.0).abs() < 1e-12, "{:?}", map.resolution);
         for contour in &map.contours {
@@ -327,7 +329,7 @@ mod tests {
             assert!((line[0][1] - 0.002).abs() < 1e-12 || (line[line.len() - 1][1] - 0.002).abs() < 1e-12);
             for [damping, velocity] in line {
                 let wanted = critical_damping(&Oscillator::stribeck(0.1, 4.2, 0.1, *velocity).unwrap()).unwrap();
-                // Within the cell that the front crosses, along ζ and along V (slope of ζ_c below 1.8).
+                // Within the cell that the contour crosses, along ζ and along V (slope of ζ_c below 1.8).
                 let cell = spacing + 1.8 * 0.198 / 96.0;
                 assert!((damping - wanted.critical_damping_ratio).abs() < cell, "{damping} at {velocity}");
             }
@@ -340,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_moves_the_contours_apart_and_the_point_is_the_ensemble() {
+    fn noise_separates_the_contours_and_a_point_equals_its_ensemble() {
         let machine = |x: f64, y: f64| {
             let model = ProcessModel::new("beta:2.1,5".parse()?, 0.001, 0.01);
             Ok((Oscillator::stribeck(0.1, 4.2, x, 0.003 + 0.001 * y)?, Some(FrictionProcess::new(model)?)))
@@ -359,7 +361,7 @@ mod tests {
         };
         assert!(place(0.95) < place(0.5) - 0.01 && place(0.5) < place(0.05) - 0.01, "{:?}", map.contours);
         assert_eq!(map.resolution.unresolved_share, 0.0);
-        // Hardly any noise has a transition within a cell, and the map says so.
+        // With very little noise the transition lies within a cell, and the map reports it.
         let quiet = |x: f64, y: f64| {
             let model = ProcessModel::new("beta:2.1,5".parse()?, 1e-7, 0.01);
             Ok((machine(x, y)?.0, Some(FrictionProcess::new(model)?)))

@@ -1,10 +1,10 @@
-//! Deterministic structure: what the motion without fluctuation can end in, and where that changes.
+//! Deterministic structure: attractors of the motion without fluctuation, and the parameters at which they change.
 //!
-//! - [`slip_cycles`]: cycles that stay slower than the belt, such as the unstable one between ζ_H and ζ_c.
+//! - [`slip_cycles`]: cycles slower than the belt, such as the unstable cycle between ζ_H and ζ_c.
 //! - [`forced_cycles`]: cycles with stick under a harmonic force, stable and unstable, with their multipliers.
-//! - [`critical_curve`], [`locked_curve`]: the end of the cycle over another parameter.
-//! - [`basin`], [`separatrix`], [`smallest_kick`]: which starts end in steady sliding.
-//! - [`bifurcation_diagram`]: what a parameter that rises and falls leads through.
+//! - [`critical_curve`], [`locked_curve`]: end of the cycle as a function of another parameter.
+//! - [`basin`], [`separatrix`], [`smallest_kick`]: starts that end in steady sliding, and their border.
+//! - [`bifurcation_diagram`]: attractors over a rising and then falling parameter.
 
 mod basin;
 mod bifurcation;

@@ -1,4 +1,4 @@
-//! Ensembles over damping: how noise smears the end of vibration.
+//! Ensembles over damping, and the damping ratios at which vibration ends under noise.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,38 +7,38 @@ use asperity_base::monitor::{Cancelled, Monitor, Quiet};
 use asperity_base::stats::NORMAL_95;
 use asperity_process::FrictionProcess;
 
-/// Width of the bracket of a crossing, relative to its damping ratio and absolute.
+/// Relative and absolute width of the bracket of a crossing.
 const TOLERANCE: f64 = 5e-4;
 const LEAST_TOLERANCE: f64 = 1e-6;
-/// Difference of φ at the ends of a bracket, over the half-width of its interval, below which sampling errors hide the rest.
+/// Difference of φ at the ends of a bracket, over the half-width of its interval, below which sampling errors dominate.
 const RESOLVED: f64 = 0.1;
-/// Damping ratio up to which crossings are searched, over the largest at which the oscillator without fluctuation vibrates.
+/// Upper end of the search for crossings, relative to the largest damping ratio with vibration without fluctuation.
 const REACH: f64 = 2.0;
 
-/// Ensembles at rising damping ratios under the same realisations of friction.
+/// Ensembles at rising damping ratios with the same realisations of friction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DampingSweep {
     /// Damping ratios, rising.
     pub damping_ratios: Vec<f64>,
-    /// One ensemble for each.
+    /// Ensemble at each damping ratio.
     pub ensembles: Vec<Ensemble>,
 }
 
 /// Damping ratio at which vibration falls through a level.
 ///
-/// With φ(ζ) the mean over the realisations of friction of the fraction of the second half of the time spent in vibration
-/// ([`super::Passages::late_share`]), it is the largest ζ at which φ equals the level. Without fluctuation φ is 1 or 0, and all
-/// crossings are the largest damping ratio with vibration.
+/// φ(ζ) is the mean, over the realisations of friction, of the fraction of the second half of the time spent in
+/// vibration ([`super::Passages::late_share`]). The crossing is the largest ζ at which φ equals the level. Without
+/// fluctuation φ is 1 or 0, and all crossings equal the largest damping ratio with vibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Crossing {
     /// Level of φ.
     pub share: f64,
     /// Damping ratio; none if φ does not fall through the level in the range of the search.
     pub damping_ratio: Option<f64>,
-    /// 95 % interval: the damping ratios at which the level lies within 1.96 standard errors of the mean over the trajectories. An end
-    /// that the search did not reach is the end of its range.
+    /// 95 % interval: the damping ratios at which the level lies within 1.96 standard errors of the mean over the
+    /// trajectories. An end that the search did not reach is the end of its range.
     pub interval: Option<[f64; 2]>,
-    /// Why there is none.
+    /// Reason why there is no crossing.
     pub reason: Option<String>,
 }
 
@@ -49,15 +49,16 @@ impl Crossing {
 }
 
 impl DampingSweep {
-    /// Where vibration falls through each of the levels.
+    /// Returns the crossings of φ through each of the levels.
     ///
-    /// Every crossing is bracketed by the damping ratios of the sweep, by 0, or by twice the damping ratio at which vibration ends
-    /// without fluctuation, and bisected with further ensembles of the same realisations: until the bracket is narrower than 0.05 % of
-    /// the damping ratio, or φ differs between its ends by less than a tenth of the half-width of its interval. The ends of the
-    /// interval are found in the same way.
+    /// Every crossing is bracketed by the damping ratios of the sweep, by 0, or by twice the damping ratio at which
+    /// vibration ends without fluctuation. It is then bisected with further ensembles of the same realisations, until
+    /// the bracket is narrower than 0.05 % of the damping ratio, or until φ differs between its ends by less than a
+    /// tenth of the half-width of its interval. The ends of the interval are found in the same way.
     ///
-    /// `oscillator`, `process` and `settings` are those of the sweep. Fails if settings are out of range, and when cancelled; a damping
-    /// ratio without valid ensemble, such as 0 where friction does not stay positive, is a reason for no crossing.
+    /// `oscillator`, `process` and `settings` must be the ones of the sweep. Fails if settings are out of range, or
+    /// when cancelled. If an ensemble is invalid at a damping ratio, for example at 0 because friction does not stay
+    /// positive, the crossing has a reason instead of a value.
     pub fn crossings(
         &self,
         oscillator: &Oscillator,
@@ -79,19 +80,21 @@ impl DampingSweep {
     }
 }
 
-/// End of the search for crossings, at least `least`.
+/// Returns the end of the search for crossings, at least `least`.
 fn top(oscillator: &Oscillator, least: f64) -> f64 {
-    // Where the limit cannot be computed, the search ends with the sweep.
+    // If the limit cannot be computed, the search ends with the sweep.
     let limit = limit_damping(oscillator).unwrap_or(0.0);
     least.max(REACH * limit)
 }
 
-/// Crossings of an oscillator without fluctuation, which are all the same: the largest damping ratio at which it vibrates.
+/// Returns the crossings of an oscillator without fluctuation, which all equal the largest damping ratio at which it
+/// vibrates.
 ///
-/// Under forcing this damping ratio is bisected between 0 and the larger of `least` and twice the one without forcing.
+/// Under forcing this damping ratio is bisected between 0 and the larger of `least` and twice the limit without
+/// forcing.
 ///
 /// # Errors
-/// As [`super::critical_damping`] and [`super::limit_cycle`]; cancelled.
+/// Fails like [`super::critical_damping`] and [`super::limit_cycle`], or when cancelled.
 pub fn crossings_without_fluctuation(
     oscillator: &Oscillator,
     levels: &[f64],
@@ -138,7 +141,7 @@ enum Fall {
 }
 
 struct Search<'a> {
-    /// By rising damping ratio.
+    /// Points by rising damping ratio.
     points: Vec<Point>,
     top: f64,
     share: &'a dyn Fn(f64) -> Result<Count, VibrationError>,
@@ -172,7 +175,7 @@ impl Search<'_> {
                 return Ok(Crossing::none(level, reason));
             }
         };
-        // Where all trajectories agree on both sides, φ jumps between them.
+        // If all trajectories agree on both sides, φ jumps between them.
         let jumps = low.share.se == 0.0 && high.share.se == 0.0;
         let fraction = if jumps { 0.5 } else { (low.share.mean - level) / (low.share.mean - high.share.mean) };
         let damping_ratio = low.damping + fraction * (high.damping - low.damping);
@@ -190,7 +193,7 @@ impl Search<'_> {
         Ok(Crossing { share: level, damping_ratio: Some(damping_ratio), interval: Some([first, last]), reason: None })
     }
 
-    /// The fall through a level that may lie beyond the range of φ.
+    /// Returns the fall through a level that may lie outside the range of φ.
     fn fall_within(&mut self, level: f64) -> Result<Fall, VibrationError> {
         if level > 1.0 {
             Ok(Fall::Below)
@@ -221,7 +224,7 @@ impl Search<'_> {
             if width <= TOLERANCE * high.damping + LEAST_TOLERANCE || drop <= resolved {
                 return Ok(Fall::Between(low, high));
             }
-            // Regula falsi in turn with bisection, off the ends.
+            // Alternates regula falsi with bisection, away from the ends.
             let fraction = if halve { 0.5 } else { ((low.share.mean - level) / drop).clamp(0.1, 0.9) };
             let added = self.add(low.damping + fraction * width)?;
             at = if self.points[added].share.mean >= level { added } else { added - 1 };
@@ -238,10 +241,10 @@ impl Search<'_> {
     }
 }
 
-/// Ensembles of one oscillator at several damping ratios, which must rise.
+/// Simulates ensembles of one oscillator at several damping ratios, which must rise.
 ///
-/// Trajectory i reads the same realisation at every damping, so differences along the sweep have less noise than counts.
-/// Fails as [`Ensemble::simulate`] does.
+/// Trajectory i uses the same realisation at every damping ratio, so differences along the sweep have less noise than
+/// counts. Fails like [`Ensemble::simulate`].
 pub fn damping_sweep(
     oscillator: &Oscillator,
     damping_ratios: &[f64],
@@ -272,8 +275,8 @@ mod tests {
 
     const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
 
-    /// Mean and standard error over paths that vibrate below thresholds, which are normal about 0.2 with a deviation of 0.02, for all
-    /// of the time, and above them for none.
+    /// Returns a function with the mean and standard error of φ over trajectories. Each trajectory vibrates all of the
+    /// time below its threshold and never above; thresholds are normal about 0.2 with a standard deviation of 0.02.
     fn thresholds(count: usize, seed: u64) -> impl Fn(f64) -> Result<Count, VibrationError> {
         let normal = random::standard_normal(&mut random::stream(seed, "thresholds", 0), count);
         move |damping| {
@@ -285,8 +288,8 @@ mod tests {
     }
 
     #[test]
-    fn crossings_are_those_of_the_mean_to_the_stated_tolerance_whatever_the_sweep() {
-        // φ = 1/(1 + e^{(ζ − .2)/.004}), known without error.
+    fn crossings_match_the_mean_within_the_tolerance_for_any_sweep() {
+        // Without sampling error: φ = 1/(1 + e^{(ζ − .2)/.004}).
         let logistic =
             |damping: f64| Ok(Count { mean: (1.0 + ((damping - 0.2) / 0.004).exp()).recip(), std: 0.0, se: 0.0 });
         for known in [&[][..], &[0.1, 0.3], &[0.01, 0.02], &[0.3, 0.39], &[0.1, 0.15, 0.2, 0.25]] {
@@ -328,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn more_noise_smears_the_end_of_vibration_more() {
+    fn more_noise_widens_the_end_of_vibration() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let settings = EnsembleSettings::new(20, 200.0, 9);
         let width = |std| {
@@ -356,7 +359,7 @@ mod tests {
         let free = Oscillator::stribeck(0.1, 4.2, 0.1, 0.003).unwrap();
         let found = crossings(&free);
         assert!((found.damping_ratio.unwrap() - 0.204_830_150_584_523_17).abs() < 1e-12);
-        // The boundary of the 1:1 locked orbit.
+        // Boundary of the 1:1 locked orbit.
         let forced = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         let forced = forced.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let found = crossings(&forced);

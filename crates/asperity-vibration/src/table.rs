@@ -1,4 +1,4 @@
-//! A friction law given by points.
+//! Friction law given by points.
 
 use std::sync::Arc;
 
@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{VibrationError, positive};
 
-/// A kinetic friction law through points (|v|, μ): monotone cubics between them, constant beyond the last.
+/// Kinetic friction law through points (|v|, μ): monotone cubics between them, constant beyond the last.
 ///
-/// The slopes at the points are weighted harmonic means of the neighbouring secants, and zero where these differ in sign,
-/// so the law rises and falls only where its points do. It is continuous; its slope is too, but at the last point, unless
-/// the last two coefficients are equal. As text it is a list of pairs, `points = [[0.0, 0.3], [0.1, 0.25]]`.
+/// The slopes at the points are weighted harmonic means of the neighbouring secants, and zero where these differ in
+/// sign, so the law rises and falls only where its points do. The law is continuous. Its slope is continuous except at
+/// the last point, unless the last two coefficients are equal. As text the law is a list of pairs, `points = [[0.0,
+/// 0.3], [0.1, 0.25]]`.
 ///
 /// # References
 /// Fritsch & Carlson, *SIAM Journal on Numerical Analysis* **17** (1980) 238, <https://doi.org/10.1137/0717021>, with the slopes of
@@ -18,7 +19,7 @@ use super::{VibrationError, positive};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Points", into = "Points")]
 pub struct FrictionTable {
-    /// One for each point, the last without end.
+    /// One piece per point; the last one has no end.
     pieces: Arc<[Piece]>,
 }
 
@@ -28,7 +29,7 @@ struct Points {
     points: Vec<[f64; 2]>,
 }
 
-/// A cubic in the speed beyond `from`.
+/// Cubic in the speed beyond `from`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
     pub(super) from: f64,
@@ -38,7 +39,7 @@ pub(super) struct Piece {
 }
 
 impl FrictionTable {
-    /// A law through two points at least, with speeds rising from 0 and positive coefficients.
+    /// Creates a law from at least two points, with speeds rising from 0 and positive coefficients.
     pub fn new(points: &[[f64; 2]]) -> Result<Self, VibrationError> {
         let count = points.len();
         let first = points.first().map_or(f64::NAN, |point| point[0]);
@@ -74,7 +75,7 @@ impl FrictionTable {
         Ok(Self { pieces })
     }
 
-    /// The law μ(f|v|), f > 0: the same points at speeds over f.
+    /// Returns the law μ(f|v|), f > 0: the same points at speeds divided by f.
     pub(super) fn rescaled(&self, factor: f64) -> Self {
         let pieces = self.pieces.iter().map(|piece| {
             let [y, a, b, c] = piece.coefficients;
@@ -84,7 +85,7 @@ impl FrictionTable {
         Self { pieces: pieces.collect() }
     }
 
-    /// The points (|v|, μ) it was made of.
+    /// Returns the points (|v|, μ) of the law.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
         self.pieces.iter().map(|piece| [piece.from, piece.coefficients[0]])
     }
@@ -111,7 +112,7 @@ impl FrictionTable {
         -(b + x * (2.0 * c + x * 3.0 * d))
     }
 
-    /// Least coefficient at speeds up to this one: a piece is monotone.
+    /// Returns the least coefficient at speeds up to this one; each piece is monotone.
     pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
         self.piece(speed).least.min(self.coefficient(speed))
     }
@@ -120,7 +121,7 @@ impl FrictionTable {
         self.pieces[0].coefficients[0]
     }
 
-    /// Largest |dμ/d|v||: slopes of a monotone cubic are at most three times its secant.
+    /// Returns the largest |dμ/d|v||: slopes of a monotone cubic are at most three times its secant.
     pub(super) fn steepest(&self) -> f64 {
         let points: Vec<_> = self.points().collect();
         (0..points.len() - 1).map(|i| 3.0 * secant(&points, i).1.abs()).fold(0.0, f64::max)
@@ -131,13 +132,13 @@ impl FrictionTable {
     }
 }
 
-/// Width and slope of the interval after point i.
+/// Returns the width and slope of the interval after point i.
 fn secant(points: &[[f64; 2]], i: usize) -> (f64, f64) {
     let width = points[i + 1][0] - points[i][0];
     (width, (points[i + 1][1] - points[i][1]) / width)
 }
 
-/// Slopes at the points.
+/// Returns the slopes at the points.
 fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     let last = points.len() - 1;
     if last == 1 {
@@ -161,7 +162,8 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
         .collect()
 }
 
-/// Slope at an end: of the parabola through three points, as far as that keeps the cubic monotone.
+/// Returns the slope at an end: the slope of the parabola through three points, limited so that the cubic stays
+/// monotone.
 fn end_slope((width, secant): (f64, f64), (next_width, next): (f64, f64)) -> f64 {
     let slope = ((2.0 * width + next_width) * secant - width * next) / (width + next_width);
     if slope * secant <= 0.0 {
@@ -194,8 +196,8 @@ mod tests {
     const POINTS: [[f64; 2]; 6] = [[0.0, 0.3], [0.05, 0.27], [0.2, 0.2], [0.3, 0.22], [0.5, 0.22], [0.9, 0.25]];
 
     #[test]
-    fn the_cubics_are_those_of_an_independent_code() {
-        // scipy 1.17.1, scipy.interpolate.PchipInterpolator and its derivative.
+    fn the_cubics_match_an_independent_code() {
+        // Reference: scipy 1.17.1, scipy.interpolate.PchipInterpolator and its derivative.
         let table = FrictionTable::new(&POINTS).unwrap();
         for (speed, wanted) in [
             (0.02, 0.287_453_617_021_276_6),
@@ -251,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_are_no_law_are_refused() {
+    fn invalid_points_are_refused() {
         for points in [
             &[][..],
             &[[0.0, 0.3]],

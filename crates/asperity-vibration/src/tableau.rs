@@ -1,27 +1,27 @@
 //! Runge–Kutta methods as data.
 
-/// An explicit method with an estimate of its error.
+/// Explicit method with an error estimate.
 #[derive(Debug)]
 pub(super) struct Tableau {
-    /// Order of the solution that is carried on.
+    /// Order of the solution that is used for the next step.
     pub(super) order: usize,
     pub(super) nodes: &'static [f64],
-    /// Row i has the weights of the first i slopes.
+    /// Weights of the first i slopes in row i.
     pub(super) stages: &'static [&'static [f64]],
     pub(super) weights: &'static [f64],
     pub(super) error: ErrorEstimate,
 }
 
-/// How the error of a step follows from its slopes.
+/// Formula of the error of a step from its slopes.
 #[derive(Debug)]
 pub(super) enum ErrorEstimate {
-    /// The difference of two solutions.
+    /// Difference of two solutions.
     Difference(&'static [f64]),
     /// ε₅²/√(ε₅² + ε₃²/100) from the weights of ε₅ and ε₃.
     Pair(&'static [f64], &'static [f64]),
 }
 
-/// Fehlberg's method of order 5 with the error of the embedded one of order 4.
+/// Fehlberg's method of order 5, with the embedded method of order 4 as error estimate.
 ///
 /// # References
 /// Fehlberg, *Computing* **6** (1970) 61, <https://doi.org/10.1007/BF02241732>.

@@ -1,4 +1,4 @@
-//! One trajectory under one realisation of the friction process.
+//! Trajectory under one realisation of the friction process.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,22 +7,22 @@ use super::{Drive, Event, EventKind, Method, Oscillator, VibrationError, positiv
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_process::Fluctuation;
 
-/// How a mass is followed.
+/// Settings of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectorySettings {
-    /// Time τ to follow.
+    /// Duration τ.
     pub duration: f64,
-    /// Displacement X at τ = 0, at the velocity of the belt; none: [`Oscillator::default_start`].
+    /// Displacement X at τ = 0, at the velocity of the belt; [`Oscillator::default_start`] if none.
     pub start: Option<f64>,
-    /// What the friction process is a function of.
+    /// Independent variable of the friction process.
     pub drive: Drive,
-    /// How slip is integrated.
+    /// Integration method of slip.
     #[serde(default)]
     pub method: Method,
 }
 
-/// Counts of finished slips. A slip ends when the mass sticks, or when it returns from over-slip without having stuck.
+/// Counts of finished slips. A slip ends when the mass sticks, or when it returns from over-slip without stick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Slips {
     /// Slips that reached ẋ < 0: the cycles.
@@ -31,7 +31,7 @@ pub struct Slips {
     pub micro_slips: u64,
 }
 
-/// The events of one trajectory.
+/// Events of one trajectory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
     /// Events in order.
@@ -41,7 +41,7 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Follows a mass from rest on the belt under one realisation of m(s).
+    /// Simulates a mass from rest on the belt under one realisation of m(s).
     ///
     /// Fails if the friction coefficient does not stay positive or a record is too short.
     pub fn simulate(
@@ -55,17 +55,17 @@ impl Trajectory {
     }
 }
 
-/// The mass at τ = 0.
+/// Returns the motion at τ = 0.
 pub(super) fn started<F: Fluctuation>(
     oscillator: &Oscillator,
     fluctuation: F,
     settings: &TrajectorySettings,
 ) -> Result<Motion<F>, VibrationError> {
     positive("duration", settings.duration)?;
-    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)?.by(settings.method)
+    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)?.with_method(settings.method)
 }
 
-/// The displacement X at τ = 0.
+/// Returns the displacement X at τ = 0.
 pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -> Result<f64, VibrationError> {
     let start = settings.start.unwrap_or_else(|| oscillator.default_start());
     if start.is_finite() {
@@ -75,30 +75,30 @@ pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -
     }
 }
 
-/// Steps between two looks at the monitor.
+/// Number of steps between two checks of the monitor.
 const STEPS: u32 = 16_384;
 
 /// Receives the events of one trajectory.
 pub(super) trait Observer {
     /// Receives an event and the kind of slip that it finished.
-    fn see(&mut self, event: Event, slipped: Slipped);
+    fn on_event(&mut self, event: Event, slipped: Slipped);
 
     /// Receives the time at which a swing of the velocity past the swing level ended, X′ = 0.
-    fn see_swing(&mut self, _tau: f64) {}
+    fn on_swing(&mut self, _tau: f64) {}
 }
 
 /// Ignores all events.
 pub(super) struct NoObserver;
 
 impl Observer for NoObserver {
-    fn see(&mut self, _: Event, _: Slipped) {}
+    fn on_event(&mut self, _: Event, _: Slipped) {}
 }
 
 /// Stores all events.
 struct Events(Vec<Event>);
 
 impl Observer for Events {
-    fn see(&mut self, event: Event, _: Slipped) {
+    fn on_event(&mut self, event: Event, _: Slipped) {
         self.0.push(event);
     }
 }
@@ -118,7 +118,7 @@ pub(super) fn follow(
     let mut motion = started(oscillator, fluctuation, settings)?;
     let mut slips = Slips::default();
     if let Some(event) = motion.first_event() {
-        observer.see(event, Slipped::Not);
+        observer.on_event(event, Slipped::Not);
     }
     let mut swings = false;
     let mut steps = 0_u32;
@@ -133,12 +133,12 @@ pub(super) fn follow(
                 motion.reached_backward = false;
             }
             slips.add(slipped);
-            observer.see(event, slipped);
+            observer.on_event(event, slipped);
             swings = false;
         } else if swing_level.is_finite() {
             swings |= motion.exceeds(swing_level);
             if swings && let Some(tau) = motion.turned_forward() {
-                observer.see_swing(tau);
+                observer.on_swing(tau);
                 swings = false;
             }
         }
@@ -231,7 +231,7 @@ mod tests {
         let model = ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01);
         let process = FrictionProcess::new(model).unwrap();
         let mut path = process.path(21, index);
-        RecordedProcess::new(process.step(), (0..8000).map(|_| path.next_knot()).collect()).unwrap()
+        RecordedProcess::new(process.step(), (0..8000).map(|_| path.next_value()).collect()).unwrap()
     }
 
     #[test]

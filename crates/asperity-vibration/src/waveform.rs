@@ -1,4 +1,4 @@
-//! The velocity of one trajectory as something to listen to.
+//! Velocity of one trajectory as an audio signal.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,20 +10,20 @@ use super::{
 };
 use asperity_process::Fluctuation;
 
-/// Peak of the limit cycle over full scale, −6 dB.
+/// Peak of the limit cycle relative to full scale, −6 dB.
 const PEAK_DB: f64 = -6.0;
 /// Length of the fades in seconds, at most a quarter of the record each.
 const FADE_S: f64 = 0.01;
-/// Points of the limit cycle among which its largest velocity is looked for.
+/// Number of points of the limit cycle in the search for its largest velocity.
 const CYCLE_POINTS: usize = 8193;
 /// Longest record in seconds.
 const LONGEST_S: f64 = 600.0;
 
-/// How a trajectory becomes sound.
+/// Settings of an audio signal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WaveformSettings {
-    /// f₀ = ω₀/2π in hertz, which gives τ = ω₀t its scale.
+    /// Natural frequency f₀ = ω₀/2π in hertz, which sets the scale of τ = ω₀t.
     pub natural_frequency_hz: f64,
     /// Samples per second.
     pub sampling_rate_hz: f64,
@@ -31,19 +31,19 @@ pub struct WaveformSettings {
     pub seconds: f64,
     /// Time τ before the first sample.
     pub from: f64,
-    /// How the mass is followed; its duration is that of the record.
+    /// Settings of the trajectory; its duration is replaced by the length of the record.
     pub followed: TrajectorySettings,
 }
 
-/// The velocity X′ of a mass at equal times, as shares of full scale.
+/// Velocity X′ of a mass at equal times, as fractions of full scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Waveform {
     /// Samples per second.
     pub sampling_rate_hz: f64,
-    /// Samples; beyond ±1 they do not fit a file of integers.
+    /// Samples; values beyond ±1 exceed the range of an integer file.
     pub samples: Vec<f64>,
-    /// The velocity X′ whose size is −6 dB of full scale: the largest of the limit cycle without fluctuation, or of the
-    /// record where there is no cycle.
+    /// Velocity X′ at −6 dB of full scale: the largest velocity of the limit cycle without fluctuation, or of the
+    /// record if there is no cycle.
     pub reference_velocity: f64,
     /// Frequency of the limit cycle in hertz, if there is one.
     pub cycle_frequency_hz: Option<f64>,
@@ -52,12 +52,13 @@ pub struct Waveform {
 impl Waveform {
     /// Records one trajectory.
     ///
-    /// Every sample is a value of the motion itself at τ = `from` + 2πf₀k/rate; nothing is interpolated between coarser
-    /// ones, and nothing filtered: kinks of the velocity, where stick ends and begins, have waves beyond half the rate, whose
-    /// density falls with the fourth power of their frequency. The first and the last 10 ms fade in and out.
+    /// Every sample is a value of the motion itself at τ = `from` + 2πf₀k/rate, without interpolation and without
+    /// filter. The velocity has kinks where stick ends and begins; their frequency components above half the sampling
+    /// rate have a density that falls with the fourth power of the frequency. The first and the last 10 ms fade in and
+    /// out.
     ///
-    /// Fails if the natural frequency, that of the force or that of the cycle is not below half the sampling rate, if
-    /// settings are out of range, and as [`super::Trajectory::simulate`] does.
+    /// Fails if the natural frequency, the frequency of the force or of the cycle is not below half the sampling rate,
+    /// if settings are out of range, and like [`super::Trajectory::simulate`].
     pub fn record(
         oscillator: &Oscillator,
         fluctuation: impl Fluctuation,
@@ -88,14 +89,14 @@ impl Waveform {
         let fade = (FADE_S * sampling_rate_hz).min(0.25 * count);
         let samples = record.iter().enumerate().map(|(k, point)| {
             let from_end = (k as f64).min(count - 1.0 - k as f64);
-            let share = (from_end / fade).min(1.0);
-            scale * point.velocity * 0.5 * (1.0 - (PI * share).cos())
+            let fraction = (from_end / fade).min(1.0);
+            scale * point.velocity * 0.5 * (1.0 - (PI * fraction).cos())
         });
         Ok(Self { sampling_rate_hz, samples: samples.collect(), reference_velocity, cycle_frequency_hz })
     }
 }
 
-/// Largest speed of a portrait.
+/// Returns the largest speed of a portrait.
 fn largest(points: &[PhasePoint]) -> f64 {
     points.iter().fold(0.0, |most, point| point.velocity.abs().max(most))
 }
@@ -121,7 +122,8 @@ mod tests {
         let wave = Waveform::record(&machine(0.17), Steady, &settings(440.0, 0.5)).unwrap();
         assert_eq!(wave.samples.len(), 22_050);
         let peak = wave.samples.iter().fold(0.0_f64, |most, sample| sample.abs().max(most));
-        // Between samples, 0.063 of τ apart, the peak hides by a half of curvature times their squared half distance.
+        // Between samples, 0.063 of τ apart, the peak may be missed by half the curvature times the squared half
+        // distance.
         assert!((peak / 10_f64.powf(-0.3) - 1.0).abs() < 1e-3, "{peak}");
         assert_eq!((wave.samples[0], wave.samples[22_049]), (0.0, 0.0));
         let slowest = limit_cycle(&machine(0.17)).unwrap().cycle().unwrap().velocity_min.abs();
@@ -129,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn the_dominant_frequency_is_that_of_the_cycle() {
+    fn the_dominant_frequency_is_the_frequency_of_the_cycle() {
         let wave = Waveform::record(&machine(0.17), Steady, &settings(500.0, 0.2)).unwrap();
         let power = |bin: usize| {
             let turn = TAU * bin as f64 / wave.samples.len() as f64;
@@ -139,7 +141,7 @@ mod tests {
             sum(&wave.samples, f64::cos).powi(2) + sum(&wave.samples, f64::sin).powi(2)
         };
         let loudest = (1..400).max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap();
-        // T is that of a high-precision solver; a bin is 5 Hz wide.
+        // T from a high-precision solver; a bin is 5 Hz wide.
         let wanted = 500.0 * TAU / 6.372_163_483_739_709;
         assert!((5.0 * loudest as f64 - wanted).abs() <= 2.5, "bin {loudest}, wanted {wanted} Hz");
         assert!((wave.cycle_frequency_hz.unwrap() / wanted - 1.0).abs() < 1e-10);
@@ -154,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn frequencies_that_sampling_would_fold_are_refused() {
+    fn frequencies_above_half_the_sampling_rate_are_refused() {
         let refused = |oscillator: &Oscillator, settings| Waveform::record(oscillator, Steady, &settings).is_err();
         assert!(refused(&machine(0.17), settings(22_050.0, 0.1)));
         assert!(refused(&machine(0.17), settings(0.0, 0.1)));

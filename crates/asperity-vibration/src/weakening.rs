@@ -1,10 +1,10 @@
-//! The friction law in the slip equation W′ = e + jump + linear·W + r(W), and the Taylor coefficients of r(W).
+//! Friction law in the slip equation W′ = e + jump + linear·W + r(W), and the Taylor coefficients of r(W).
 
 use super::polynomial::cross;
 use super::series::{Loading, RECIPROCAL};
 use super::{FrictionLaw, FrictionTable, Oscillator};
 
-/// The constants of W′; r(0) = 0.
+/// Constants of W′; r(0) = 0.
 #[derive(Debug, Clone)]
 pub(super) struct Weakening {
     /// (μ_st − μ_k)/V.
@@ -12,27 +12,27 @@ pub(super) struct Weakening {
     /// −2ζ, less the slope of a linear law.
     pub(super) linear: f64,
     pub(super) curve: Curve,
-    /// Largest |dW′/dW| at W ≥ 0; none if not known.
+    /// Largest |dW′/dW| at W ≥ 0; none if unknown.
     steepest: Option<f64>,
-    /// Of a tabulated law, with V.
+    /// Table of a tabulated law, with V.
     table: Option<(FrictionTable, f64)>,
 }
 
-/// The nonlinear part r(W) of a law.
+/// Nonlinear part r(W) of a law.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Curve {
-    /// 0.
+    /// r = 0.
     Straight,
-    /// gW/(1 + cW).
+    /// r = gW/(1 + cW).
     Quotient(Quotient),
-    /// (g/c)(1 − e^{−cW}).
+    /// r = (g/c)(1 − e^{−cW}).
     Exponential(Exponential),
-    /// A cubic between two points of a table.
+    /// r is a cubic between two points of a table.
     Cubic(Cubic),
 }
 
 impl Curve {
-    /// g and c, zero without a curve; none of a table.
+    /// Returns g and c, zero without a nonlinear part; none for a table.
     pub(super) fn gain_and_curvature(&self) -> Option<[f64; 2]> {
         match self {
             Self::Straight => Some([0.0, 0.0]),
@@ -58,10 +58,10 @@ pub(super) struct Exponential {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cubic {
     index: usize,
-    /// The cubic holds at W from `from` to `to`.
+    /// Range `from` … `to` of W in which the cubic is valid.
     pub(super) from: f64,
     pub(super) to: f64,
-    /// In powers of W − from.
+    /// Coefficients in powers of W − from.
     coefficients: [f64; 4],
 }
 
@@ -79,7 +79,7 @@ impl Weakening {
                 (damping, Curve::Exponential(Exponential { gain, curvature: v / stribeck_velocity }))
             }
             FrictionLaw::Linear { slope, .. } => (damping + slope, Curve::Straight),
-            FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::of(table, v, 0))),
+            FrictionLaw::Tabulated(table) => (damping, Curve::Cubic(Cubic::new(table, v, 0))),
             _ => (damping, Curve::Straight),
         };
         let steepest = curve.gain_and_curvature().map(|[gain, _]| linear.abs().max((linear + gain).abs()));
@@ -90,7 +90,7 @@ impl Weakening {
         Self { jump, linear, curve, steepest, table }
     }
 
-    /// Turns to the interval of a table in which W lies, or into which it moves from a point.
+    /// Selects the interval of a table in which W lies, or into which it moves from a point.
     #[inline(always)]
     pub(super) fn select(&mut self, w: f64, e: f64, loading: &Loading) {
         if self.table.is_some() {
@@ -108,22 +108,22 @@ impl Weakening {
         while index + 1 < table.pieces().len() && at_least(index + 1) {
             index += 1;
         }
-        self.curve = Curve::Cubic(Cubic::of(table, *v, index));
+        self.curve = Curve::Cubic(Cubic::new(table, *v, index));
         let a = self.acceleration(w, e);
-        // At W′ = 0 the law has no part in W″.
+        // At W′ = 0 the law does not contribute to W″.
         let falls = a < 0.0 || (a == 0.0 && e_rate < 0.0);
         if index > 0 && falls && table.pieces()[index].from / v == w {
-            self.curve = Curve::Cubic(Cubic::of(table, *v, index - 1));
+            self.curve = Curve::Cubic(Cubic::new(table, *v, index - 1));
         }
     }
 
-    /// Bounds of W where the present curve ends, if it does.
+    /// Returns the bounds of W of the present curve, if there are any.
     #[inline(always)]
     pub(super) fn bounds(&self) -> Option<(f64, f64)> {
         if let Curve::Cubic(cubic) = &self.curve { Some((cubic.from, cubic.to)) } else { None }
     }
 
-    /// How far the continuation of a law below W = 0 has come: −1 is the pole of 1/(1 + cW).
+    /// Returns the argument cW of a law continued below W = 0; the pole of 1/(1 + cW) lies at −1.
     pub(super) fn curvature_of(&self, w: f64) -> f64 {
         match &self.curve {
             Curve::Straight => 0.0,
@@ -133,13 +133,13 @@ impl Weakening {
         }
     }
 
-    /// Rate c of a law with e^{−cW}; 0 of others.
+    /// Returns the rate c of a law with e^{−cW}; 0 for other laws.
     #[inline(always)]
     pub(super) fn decay(&self) -> f64 {
         if let Curve::Exponential(x) = &self.curve { x.curvature } else { 0.0 }
     }
 
-    /// W′.
+    /// Returns W′.
     #[inline(always)]
     pub(super) fn acceleration(&self, w: f64, e: f64) -> f64 {
         let r = match &self.curve {
@@ -151,7 +151,7 @@ impl Weakening {
         e + self.jump + self.linear * w + r
     }
 
-    /// dW′/dW at fixed e.
+    /// Returns dW′/dW at fixed e.
     #[inline]
     pub(super) fn slope(&self, w: f64) -> f64 {
         let slope = match &self.curve {
@@ -166,7 +166,7 @@ impl Weakening {
         self.linear + slope
     }
 
-    /// Largest |dW′/dW| at W ≥ 0; none if not known.
+    /// Returns the largest |dW′/dW| at W ≥ 0; none if unknown.
     #[inline(always)]
     pub(super) fn steepest(&self) -> Option<f64> {
         self.steepest
@@ -180,15 +180,15 @@ impl Exponential {
 }
 
 impl Cubic {
-    /// (μ_k − μ(VW))/V in the interval of a table.
-    fn of(table: &FrictionTable, v: f64, index: usize) -> Self {
+    /// Creates (μ_k − μ(VW))/V in an interval of a table.
+    fn new(table: &FrictionTable, v: f64, index: usize) -> Self {
         let piece = &table.pieces()[index];
         let to = table.pieces().get(index + 1).map_or(f64::INFINITY, |next| next.from / v);
         let [y, b, c, d] = piece.coefficients;
         Self { index, from: piece.from / v, to, coefficients: [(table.kinetic() - y) / v, -b, -c * v, -d * v * v] }
     }
 
-    /// r, r′, r″/2, r‴/6.
+    /// Returns r, r′, r″/2, r‴/6.
     #[inline(always)]
     fn derivatives(&self, w: f64) -> [f64; 4] {
         let [a, b, c, d] = self.coefficients;
@@ -199,14 +199,14 @@ impl Cubic {
 
 /// Taylor coefficients of r(W(t)) from those of W(t), order by order.
 pub(super) trait Recurrence<const N: usize> {
-    /// dr/dW at the start.
+    /// Returns dr/dW at the start.
     fn slope(&self) -> f64;
 
-    /// r_n − slope·w_n, for n = 1, 2, … in turn; w is known up to n.
+    /// Returns r_n − slope·w_n, for n = 1, 2, … in turn; w is known up to n.
     fn rest(&mut self, w: &[f64; N], n: usize) -> f64;
 }
 
-/// Of a law without a curve.
+/// Coefficients of a law without nonlinear part.
 pub(super) struct NoTerms;
 
 impl<const N: usize> Recurrence<N> for NoTerms {
@@ -221,7 +221,8 @@ impl<const N: usize> Recurrence<N> for NoTerms {
     }
 }
 
-/// r(1 + cW) = gW gives r_n = slope·w_n − c′·Σ w_k r_{n−k} over 0 < k < n, with c′ = c/(1 + cW_0).
+/// Coefficients of a quotient: r(1 + cW) = gW gives r_n = slope·w_n − c′·Σ w_k r_{n−k} over 0 < k < n, with c′ = c/(1 +
+/// cW_0).
 pub(super) struct QuotientTerms<const N: usize> {
     slope: f64,
     curvature: f64,
@@ -258,7 +259,8 @@ impl<const N: usize> Recurrence<N> for QuotientTerms<N> {
     }
 }
 
-/// r′ = cW′(g/c − r) gives n·r_n = n·slope·w_n − c·Σ k·w_k r_{n−k} over 0 < k < n, with slope = g − c·r_0.
+/// Coefficients of an exponential: r′ = cW′(g/c − r) gives n·r_n = n·slope·w_n − c·Σ k·w_k r_{n−k} over 0 < k < n, with
+/// slope = g − c·r_0.
 pub(super) struct ExponentialTerms<const N: usize> {
     slope: f64,
     curvature: f64,
@@ -290,7 +292,7 @@ impl<const N: usize> Recurrence<N> for ExponentialTerms<N> {
     }
 }
 
-/// r = r_0 + r′u + (r″/2)u² + (r‴/6)u³ with u = W − W_0.
+/// Coefficients of a cubic: r = r_0 + r′u + (r″/2)u² + (r‴/6)u³ with u = W − W_0.
 pub(super) struct CubicTerms<const N: usize> {
     derivatives: [f64; 4],
     /// u².

@@ -7,7 +7,7 @@
 use std::error::Error;
 
 use asperity::friction::measured::{
-    Abscissa, ColumnTable, FittedRecord, LawChoice, MeasuredRecord, Preparation, RecordColumns,
+    Abscissa, ColumnTable, DistributionChoice, FittedRecord, MeasuredRecord, Preparation, RecordColumns,
 };
 use asperity::friction::process::{Correlation, FrictionProcess, ProcessModel};
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut path = process.path(11, 0);
     let mut text = String::from("s [mm], mu [-]\n");
     for i in 0..60_000 {
-        text += &format!("{:.2},{:.6}\n", 0.01 * f64::from(i), mean + path.next_knot());
+        text += &format!("{:.2},{:.6}\n", 0.01 * f64::from(i), mean + path.next_value());
     }
 
     let columns = RecordColumns {
@@ -31,7 +31,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         normal_force: None,
     };
     let record = MeasuredRecord::new(&ColumnTable::read(text.as_bytes())?, &columns)?;
-    let fitted = FittedRecord::of(&Preparation::default().apply(&record)?, LawChoice::Auto, "simulated")?.process;
+    let fitted =
+        FittedRecord::new(&Preparation::default().apply(&record)?, DistributionChoice::Auto, "simulated")?.process;
 
     let interval = |ends: Option<[f64; 2]>, unit: f64, digits: usize| match ends {
         Some([low, high]) => format!("[{:.digits$}, {:.digits$}]", low * unit, high * unit),

@@ -113,5 +113,5 @@ fn wrong_requests_and_unusable_records_say_what_is_wanted() {
     simulate("m.csv --out x.csv").refuses(3, &["m.csv", "not JSON"]);
     simulate("process.json --out process.json").refuses(2, &[".csv or .npy"]);
     fs::write(at.join("wrong.json"), PROCESS.replace("\"std\"", "\"sdt\"")).unwrap();
-    simulate("wrong.json --out x.csv").refuses(3, &["`sdt`", "known are"]);
+    simulate("wrong.json --out x.csv").refuses(3, &["`sdt`", "known fields"]);
 }

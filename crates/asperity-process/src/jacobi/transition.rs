@@ -1,12 +1,12 @@
-//! The transition law of the Jacobi diffusion as a spectral sum.
+//! Transition distribution of the Jacobi diffusion as a spectral sum.
 
 use asperity_base::law::{Marginal, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 
-/// Terms below it are dropped: −ln of it.
+/// Negative logarithm of the size below which terms are dropped.
 const NEGLIGIBLE: f64 = 39.0;
-/// End points per start point of a table.
+/// Number of end points per start point of a table.
 const ENDS_PER_START: usize = 4;
-/// Tail probability at which the search for quantiles ends: the sum's rounding, far out.
+/// Tail probability at which the search for quantiles ends: the rounding error of the sum.
 const LEAST_TAIL: f64 = 2e-12;
 
 /// P(X_{s+h} ≤ y | X_s = x) = I_y(a, b) + Σ e^{−λ_n h} p_n(x) ∫₀^y p_n dI, for scores of x and y on a grid.
@@ -17,7 +17,7 @@ const LEAST_TAIL: f64 = 2e-12;
 pub(super) struct Transition {
     law: Marginal,
     mirrored: Marginal,
-    /// ln of 1/B(a, b), a, b.
+    /// Logarithms of 1/B(a, b), a and b.
     normaliser: [f64; 3],
     polynomials: Polynomials,
     derivatives: Polynomials,
@@ -30,14 +30,14 @@ pub(super) struct Transition {
     ends: Vec<End>,
 }
 
-/// p_n and ∫p_n dI at one point, n ≥ 1.
+/// Values p_n and ∫p_n dI at one point, n ≥ 1.
 struct End {
     values: Vec<f64>,
     integrals: Vec<f64>,
 }
 
 impl Transition {
-    /// For a step of so many correlation lengths; start points |g| ≤ `reach`, `density` per unit.
+    /// Creates the distribution for a step in correlation lengths; start points |g| ≤ `reach`, `density` per unit.
     pub(super) fn new(a: f64, b: f64, step: f64, reach: f64, density: f64) -> Self {
         let total = a + b;
         let rate = |n: usize| n as f64 * ((n - 1) as f64 + total);
@@ -45,7 +45,7 @@ impl Transition {
         while decay.len() < 2 || rate(decay.len()) / total * step < NEGLIGIBLE {
             decay.push((-rate(decay.len() + 1) / total * step).exp());
         }
-        // ∫ y(1 − y) dI.
+        // Integral ∫ y(1 − y) dI.
         let spread = a * b / (total * (total + 1.0));
         let to_integral = (1..=decay.len()).map(|n| -1.0 / (spread * rate(n)).sqrt()).collect();
         let law = Marginal::Beta { a, b, low: 0.0, high: 1.0 };
@@ -70,7 +70,7 @@ impl Transition {
         transition
     }
 
-    /// Number of start points.
+    /// Returns the number of start points.
     pub(super) fn starts(&self) -> usize {
         self.scores.len() / ENDS_PER_START + 1
     }
@@ -84,13 +84,13 @@ impl Transition {
         values.remove(0);
         let [log_constant, a, b] = self.normaliser;
         let flux = (log_constant + a * x.ln() + b * rest.ln()).exp();
-        // At an end of the support the flux is nothing.
+        // At an end of the support the flux is zero.
         let integrals = slopes.iter().zip(&self.to_integral).map(|(slope, c)| flux * c * slope).collect();
         End { values, integrals }
     }
 
-    /// Normal score of the conditional probability of ending below `end`, of score g, and its slope in g; given the
-    /// decayed polynomials of the start. The tail instead, where that is all the sum can tell.
+    /// Returns the normal score of the conditional probability of ending below `end`, of score g, and its slope in g,
+    /// from the decayed polynomials of the start. Returns the tail if the sum resolves only that.
     fn score(&self, weights: &[f64], g: f64, end: &End) -> Result<(f64, f64), Tail> {
         let (mut change, mut density) = (0.0, 1.0);
         for ((weight, value), integral) in weights.iter().zip(&end.values).zip(&end.integrals) {
@@ -113,13 +113,14 @@ impl Transition {
         self.decay.iter().zip(&start.values).map(|(decay, value)| decay * value).collect()
     }
 
-    /// Scores g′ after a step from start point i, at rising innovations ξ: the conditional quantiles at Φ(ξ).
+    /// Computes the scores g′ after a step from start point i at rising innovations ξ: the conditional quantiles at
+    /// Φ(ξ).
     pub(super) fn quantiles(&self, i: usize, innovations: &[f64], quantiles: &mut [f64]) {
         let centre = i * ENDS_PER_START;
         let weights = self.weights(&self.ends[centre]);
         let of = |j: usize| self.score(&weights, self.scores[j], &self.ends[j]);
         let (least, most) = (innovations[0], innovations[innovations.len() - 1]);
-        // A point of the bulk, and from there down and up until the innovations are covered.
+        // From a point of the bulk, extends down and up until the innovations are covered.
         let middle = self.bulk(&of, centre);
         let mut points = vec![];
         let mut above = f64::INFINITY;
@@ -159,7 +160,7 @@ impl Transition {
         }
     }
 
-    /// An end point whose conditional probability is neither small nor large.
+    /// Returns an end point whose conditional probability is neither small nor large.
     fn bulk(&self, of: &impl Fn(usize) -> Result<(f64, f64), Tail>, guess: usize) -> usize {
         let (mut low, mut high) = (0, self.scores.len() - 1);
         let mut j = guess;
@@ -175,12 +176,12 @@ impl Transition {
         j
     }
 
-    /// The decayed polynomials of any start.
+    /// Returns the decayed polynomials of a start.
     pub(super) fn from(&self, start: f64) -> Vec<f64> {
         self.weights(&self.end(start))
     }
 
-    /// The same quantile at any innovation, by Newton's method on the sum itself.
+    /// Returns the same quantile at any innovation, by Newton's method on the sum itself.
     pub(super) fn quantile(&self, weights: &[f64], innovation: f64, guess: f64) -> f64 {
         let mut g = guess;
         for _ in 0..4 {
@@ -195,14 +196,14 @@ impl Transition {
     }
 }
 
-/// Which tail of the conditional law an end point lies in.
+/// Tail of the conditional distribution that contains an end point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Tail {
     Lower,
     Upper,
 }
 
-/// g at ξ between two points (z, g, dz/dg), by the cubic through g and dg/dz; level beyond them.
+/// Returns g at ξ between two points (z, g, dz/dg), by the cubic through g and dg/dz; constant beyond them.
 fn inverse((z0, g0, s0): (f64, f64, f64), (z1, g1, s1): (f64, f64, f64), xi: f64) -> f64 {
     let width = z1 - z0;
     let t = ((xi - z0) / width).clamp(0.0, 1.0);
@@ -240,7 +241,7 @@ impl Polynomials {
         Self { steps }
     }
 
-    /// p_0 … p_terms at t.
+    /// Computes p_0 … p_terms at t.
     fn fill(&self, t: f64, values: &mut [f64]) {
         let (mut before, mut here) = (0.0, 1.0);
         values[0] = 1.0;

@@ -1,22 +1,22 @@
-//! Text files of columns, as data loggers write them.
+//! Text files of columns, as written by data loggers.
 
 use std::borrow::Cow;
 
 use super::MeasuredError;
 
-/// What a cell says that holds no value.
+/// Texts of cells without a value.
 const MISSING: [&str; 10] = ["", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
-/// Lines by which the layout is known.
+/// Number of lines from which the layout is determined.
 const PROBE: usize = 1000;
-/// Letters that begin a comment.
+/// Characters that start a comment.
 const COMMENT: [char; 2] = ['#', '%'];
 
-/// Columns of numbers with the names and units that the header gives them.
+/// Columns of numbers with the names and units of the header.
 ///
-/// Fields are separated by semicolons, tabs, commas or spaces, whichever reads most lines alike. The decimal sign is the
-/// point or, where commas separate nothing, the comma. `#` and `%` begin comments; the last line before the numbers that has
-/// as many fields is the header, in a comment or not, and a line of units may follow it. Empty cells, `nan`, `NA` and
-/// infinities are missing values.
+/// Fields are separated by semicolons, tabs, commas or spaces; the separator that reads most lines consistently is
+/// used. The decimal sign is the point or, if commas do not separate fields, the comma. `#` and `%` start comments. The
+/// last line before the numbers with the same number of fields is the header, in a comment or not; a line of units may
+/// follow it. Empty cells, `nan`, `NA` and infinities are missing values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnTable {
     columns: Vec<Column>,
@@ -30,11 +30,11 @@ struct Column {
     name: String,
     unit: Option<String>,
     values: Vec<f64>,
-    /// The first cell that holds no number: line and text.
+    /// First cell that is not a number: line and text.
     wrong: Option<(usize, String)>,
 }
 
-/// A named column.
+/// Selected column.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chosen<'a> {
     pub(super) name: &'a str,
@@ -51,7 +51,7 @@ enum Separator {
 impl Separator {
     const ALL: [Self; 4] = [Self::Sign(';'), Self::Sign('\t'), Self::Sign(','), Self::Space];
 
-    /// The fields of a line; quotes may hold separators.
+    /// Returns the fields of a line; quoted fields may contain separators.
     fn fields<'a>(self, line: &'a str) -> Vec<&'a str> {
         let mut fields = Vec::new();
         let (mut start, mut quoted) = (0, false);
@@ -82,7 +82,7 @@ impl Separator {
     }
 }
 
-/// A line that is not empty: its number, counted from 1, and its text, without the sign of a comment.
+/// Nonempty line: its number, counted from 1, and its text without the comment character.
 struct Line<'a> {
     number: usize,
     text: &'a str,
@@ -90,11 +90,11 @@ struct Line<'a> {
 }
 
 impl ColumnTable {
-    /// Reads a text in UTF-8, in UTF-16 with a mark, or in Latin-1.
+    /// Reads a text in UTF-8, in UTF-16 with a byte-order mark, or in Latin-1.
     ///
     /// # Errors
-    /// No row of numbers, or rows of different length. A cell that holds no number is an error of the column that is asked
-    /// for.
+    /// Fails if there is no row of numbers, or if rows differ in length. A cell that is not a number is an error only
+    /// when its column is requested.
     pub fn read(bytes: &[u8]) -> Result<Self, MeasuredError> {
         let text = decoded(bytes);
         let lines: Vec<Line<'_>> = text
@@ -108,29 +108,30 @@ impl ColumnTable {
                 Line { number, text, comment }
             })
             .collect();
-        let layouts = Separator::ALL.into_iter().filter_map(|separator| Layout::of(&lines, separator));
-        // Of equals the first: semicolons and tabs are seldom anything else.
+        let layouts = Separator::ALL.into_iter().filter_map(|separator| Layout::new(&lines, separator));
+        // The first of equally good layouts: semicolons and tabs rarely have another meaning.
         let best = layouts.reduce(|best, next| if next.rank() > best.rank() { next } else { best });
         let layout = best.ok_or(MeasuredError::NoRows)?;
         layout.read(&lines)
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.lines.len()
     }
 
-    /// Names of the columns; empty without a header.
+    /// Returns the names of the columns; empty without a header.
     pub fn names(&self) -> Vec<&str> {
         self.columns.iter().map(|column| column.name.as_str()).collect()
     }
 
-    /// Line of a row, counted from 1.
+    /// Returns the line of a row, counted from 1.
     pub(super) fn line(&self, row: usize) -> usize {
         self.lines[row]
     }
 
-    /// The column of that name, in any case and with or without its unit, or of that number counted from 1.
+    /// Returns the column with that name, in any case and with or without its unit, or with that number, counted from
+    /// 1.
     pub(super) fn column(&self, wanted: &str) -> Result<Chosen<'_>, MeasuredError> {
         let plain = wanted.trim();
         let alike = |own: &Column| {
@@ -176,26 +177,26 @@ impl ColumnTable {
     }
 }
 
-/// Names of columns without a header, in messages.
+/// Returns the name of a column without a header for messages.
 fn wanted_name(index: usize) -> &'static str {
     const NUMBERS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
     NUMBERS.get(index).copied().unwrap_or("of that number")
 }
 
-/// How the lines read under one separator.
+/// Layout of the lines for one separator.
 struct Layout {
     separator: Separator,
     /// Index of the first row among the lines.
     first: usize,
     columns: usize,
-    /// Columns that hold numbers.
+    /// Number of columns of numbers.
     numeric: usize,
     names: Option<Vec<(String, Option<String>)>>,
 }
 
 impl Layout {
-    /// `None` where no line reads as a row.
-    fn of(lines: &[Line<'_>], separator: Separator) -> Option<Self> {
+    /// Returns the layout for a separator; `None` if no line is a row.
+    fn new(lines: &[Line<'_>], separator: Separator) -> Option<Self> {
         let probe: Vec<(usize, Vec<&str>)> = (0..lines.len())
             .filter(|index| !lines[*index].comment)
             .take(PROBE)
@@ -204,7 +205,7 @@ impl Layout {
             .collect();
         let columns = most_frequent(probe.iter().map(|(_, fields)| fields.len()))?;
         let alike = || probe.iter().filter(|(_, fields)| fields.len() == columns);
-        // Columns of numbers, gaps among them; others hold words, such as remarks.
+        // Columns of numbers, possibly with gaps; the other columns contain text, such as remarks.
         let numeric: Vec<usize> = (0..columns)
             .filter(|column| {
                 let numbers = alike().filter(|(_, fields)| number(fields[*column]).is_some()).count();
@@ -212,7 +213,7 @@ impl Layout {
                 values && 2 * numbers > alike().count()
             })
             .collect();
-        // Numbers in most columns, or in some and gaps in the others.
+        // Numbers in most columns, or numbers in some and gaps in the others.
         let is_row = |fields: &[&str]| {
             let cells = || numeric.iter().map(|column| number(fields[*column]));
             let numbers = cells().filter(|cell| cell.is_some_and(|value| !value.is_nan())).count();
@@ -224,7 +225,7 @@ impl Layout {
         Some(Self { separator, first, columns, numeric: numeric.len(), names })
     }
 
-    /// Better layouts rank higher: with a header, with many columns of numbers.
+    /// Returns the rank of the layout: layouts with a header and with many columns of numbers rank higher.
     fn rank(&self) -> (bool, usize) {
         (self.names.is_some(), self.numeric)
     }
@@ -252,14 +253,14 @@ impl Layout {
                 column.values.push(value.unwrap_or(f64::NAN));
             }
         }
-        // A separator at the end of every line leaves a column of nothing.
+        // A separator at the end of every line creates an empty column.
         columns.pop_if(|last| last.name.is_empty() && last.wrong.is_none() && last.values.iter().all(|v| v.is_nan()));
         Ok(ColumnTable { columns, lines: numbers })
     }
 }
 
-/// Names and units by the last lines before the first row, if they have as many fields; rows that are `open` end with a
-/// separator, which the header need not do.
+/// Returns names and units from the last lines before the first row, if they have as many fields. Rows that are `open`
+/// end with a separator, which the header may omit.
 fn header_of(
     above: &[Line<'_>],
     separator: Separator,
@@ -301,7 +302,7 @@ fn header_of(
     }
 }
 
-/// The number that occurs most often, of equals the largest.
+/// Returns the most frequent number; the largest of several.
 fn most_frequent(numbers: impl Iterator<Item = usize>) -> Option<usize> {
     let mut counts = std::collections::BTreeMap::new();
     for number in numbers {
@@ -310,7 +311,7 @@ fn most_frequent(numbers: impl Iterator<Item = usize>) -> Option<usize> {
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(number, _)| number)
 }
 
-/// The value of a cell, NaN where it is missing; `None` where it is something else.
+/// Returns the value of a cell, NaN if it is missing; `None` if it is not a number.
 fn number(field: &str) -> Option<f64> {
     let field = field.trim();
     let parse = |text: &str| text.parse::<f64>().ok().map(|value| if value.is_finite() { value } else { f64::NAN });
@@ -322,7 +323,7 @@ fn number(field: &str) -> Option<f64> {
     parse(field).or_else(comma).or_else(missing)
 }
 
-/// Name and unit of a header field: `Force [N]`, `t (s)`, `force / N`, `force_n`.
+/// Returns name and unit of a header field: `Force [N]`, `t (s)`, `force / N`, `force_n`.
 fn header(field: &str) -> (&str, Option<&str>) {
     let field = field.trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')] {
@@ -339,7 +340,7 @@ fn header(field: &str) -> (&str, Option<&str>) {
         }
     }
     match field.rsplit_once('_') {
-        // As in our own tables, where `force_n` is in newton.
+        // Names like `force_n` in newton, as in the tables of asperity.
         Some((name, "n")) if !name.is_empty() => (name, Some("N")),
         Some((name, unit)) if !name.is_empty() && known(unit) => (name, Some(unit)),
         _ => (field, None),
@@ -375,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn separators_decimal_signs_and_headers_are_known_by_the_lines() {
+    fn separators_decimal_signs_and_headers_are_recognised() {
         for text in [
             "time [s];force [N]\n0;1.5\n0.001;1.75\n",
             "time (s),force (N)\r\n0,1.5\r\n0.001,1.75\r\n",
@@ -409,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_cells_are_gaps_and_words_are_errors_of_their_column_alone() {
+    fn missing_cells_are_gaps_and_text_is_an_error_of_its_column_alone() {
         let table = read("t;F;note\n0;1;start\n1;;\n2;NaN;\n3;inf;x\n4;#N/A;end\n");
         let force = table.column("F").unwrap().values;
         assert!(force[0] == 1.0 && force[1..].iter().all(|value| value.is_nan()));
@@ -421,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_are_no_tables_are_refused_with_the_place() {
+    fn files_without_a_table_are_refused_with_the_line() {
         for text in ["", "\n\n", "time;force\n", "no numbers at all\nhere\n"] {
             assert_eq!(ColumnTable::read(text.as_bytes()), Err(MeasuredError::NoRows), "{text}");
         }

@@ -1,4 +1,4 @@
-//! A prepared record as a process: its moments, its law, its correlation, and tables that show how well they fit.
+//! Process fitted to a prepared record: moments, distribution, correlation, and tables for the quality of the fit.
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,36 +18,37 @@ use asperity_base::stats::{
     Estimate, Histogram, Moments, NORMAL_95, ProcessMoments, StatsError, quantile_sorted, sorted_present,
 };
 
-/// Least number of independent values that a record must be worth.
+/// Least effective sample size of a record.
 const LEAST_INDEPENDENT: f64 = 5.0;
-/// A polynomial of this degree that leaves less than this share of the variance says that the record is a slow curve.
+/// Degree of a polynomial; if it leaves less than the fraction `SLOW_REST` of the variance, the record is a slow curve.
 const SLOW_DEGREE: usize = 3;
 const SLOW_REST: f64 = 0.1;
-/// Simulated records behind a p-value, and their seed.
+/// Number of simulated records for a p-value, and their seed.
 const DRAWS: usize = 499;
 const SEED: u64 = 0;
-/// Share of a step that stands for a length below it.
+/// Length, as a fraction of a step, that replaces shorter lengths.
 const LEAST_LENGTH: f64 = 0.05;
-/// Mean friction coefficient above which a unit is likely to be wrong.
+/// Mean friction coefficient above which a wrong unit is likely.
 const LARGEST_FRICTION: f64 = 2.0;
-/// Lengths below which moments have the intervals of the correlation's model where those are wider.
+/// Number of correlation lengths below which moments use the intervals of the correlation model where these are wider.
 const SHORT: f64 = 100.0;
-/// Values that an empirical law keeps.
+/// Number of values of an empirical distribution.
 const EMPIRICAL_VALUES: usize = 1001;
 
-/// Which law is taken.
+/// Choice of the distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum LawChoice {
-    /// The first by Akaike's criterion whose ends the record sees, its own quantiles among the laws.
+pub enum DistributionChoice {
+    /// The first distribution by Akaike's criterion whose ends the record covers; the candidates include the quantiles
+    /// of the record.
     #[default]
     Auto,
     /// One family.
     One(Family),
-    /// The record's own quantiles.
+    /// Quantiles of the record.
     Empirical,
 }
 
-impl FromStr for LawChoice {
+impl FromStr for DistributionChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -66,13 +67,13 @@ impl FromStr for LawChoice {
         match bounds.map(|(low, high)| (number(low), number(high))) {
             Some((Some(low), Some(high))) if low < high => Ok(Self::One(Family::Beta { low, high })),
             _ => Err(format!(
-                "`{text}` is no law to fit; write auto, normal, lognormal, weibull, beta, beta:LOW,HIGH, johnson or empirical"
+                "`{text}` is not a distribution to fit; write auto, normal, lognormal, weibull, beta, beta:LOW,HIGH, johnson or empirical"
             )),
         }
     }
 }
 
-impl fmt::Display for LawChoice {
+impl fmt::Display for DistributionChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Auto => f.write_str("auto"),
@@ -86,40 +87,43 @@ impl fmt::Display for LawChoice {
 /// Named columns of equal length.
 pub type Series = Vec<(String, Vec<f64>)>;
 
-/// A record with the process fitted to it.
+/// Record with its fitted process.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedRecord {
-    /// The process.
+    /// Fitted process.
     pub process: FittedProcess,
-    /// Moments of μ with intervals that know the correlation.
+    /// Moments of μ with intervals that account for the correlation.
     pub moments: ProcessMoments,
-    /// Laws by Akaike's criterion.
+    /// Distributions ranked by Akaike's criterion.
     pub laws: Ranking,
-    /// How well the law of the process fits, with p-values that know the fit and the correlation; none for the record's own
-    /// quantiles.
+    /// Quality of fit of the distribution, with p-values that account for the fit and the correlation; none for the
+    /// quantiles of the record.
     pub goodness: Option<FitGoodness>,
     /// Autocorrelation up to half the record.
     pub correlation: RecordCorrelation,
-    /// Its models, the most likely first.
+    /// Correlation models, the most likely first.
     pub models: Vec<RankedLength>,
-    /// The one of the process, with the noise that was found beside it.
+    /// Correlation model of the process, with the noise found beside it.
     pub length: LengthFit,
-    /// How the values come from the process.
+    /// Relation between the values and the process: points, means or a moving average.
     pub observation: Observation,
-    /// Standard deviation of the values, noise and averaging included; that of the process is without.
+    /// Standard deviation of the values, including noise and averaging, which the standard deviation of the process
+    /// excludes.
     pub std_measured: f64,
-    /// What to be wary of, in words.
+    /// Warnings in words.
     pub warnings: Vec<String>,
 }
 
-/// The laws tried, and the one to go on with.
-fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
+/// Returns the ranked distributions and the selected one.
+fn law(choice: DistributionChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
     let families = match choice {
-        LawChoice::One(family) => vec![family],
-        LawChoice::Auto | LawChoice::Empirical => [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat(),
+        DistributionChoice::One(family) => vec![family],
+        DistributionChoice::Auto | DistributionChoice::Empirical => {
+            [&Family::ANYWHERE[..], &Family::EMPIRICAL].concat()
+        }
     };
     let ranking = rank_by_aic(&families, values, Some(effective_size));
-    let law = if choice == LawChoice::Empirical {
+    let law = if choice == DistributionChoice::Empirical {
         let sorted = sorted_present(values.iter().copied());
         let count = sorted.len().min(EMPIRICAL_VALUES);
         let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
@@ -134,7 +138,7 @@ fn law(choice: LawChoice, values: &[f64], effective_size: f64) -> Result<(Rankin
     Ok((ranking, law))
 }
 
-/// Correlation up to half the record, and its models.
+/// Returns the correlation up to half the record, and its models.
 fn correlate(
     pieces: &[&[f64]],
     step_m: f64,
@@ -145,38 +149,39 @@ fn correlate(
     Ok((found, ObservedLengths::of(pieces, step_m, history)?))
 }
 
-/// Standard deviation of the process over that of the values: less noise, and what averaging took.
+/// Returns the standard deviation of the process over the one of the values, which excludes noise and the effect of
+/// averaging.
 fn std_ratio(fit: &LengthFit) -> f64 {
     let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
     let left = if fit.length_m > 0.0 { window.covariance(0.0, fit.length_m) } else { 1.0 };
     ((1.0 - fit.noise_share) / left).sqrt()
 }
 
-/// Moments whose intervals know the fitted correlation where the record is short.
+/// Returns moments whose intervals account for the fitted correlation if the record is short.
 fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthFit) -> ProcessMoments {
     let moments = ProcessMoments::of(pieces, false);
     let lengths = moments.moments.n as f64 * step_m / fit.length_m;
-    // A filter that takes slow waves out makes another correlation than the model's.
+    // A filter that removes slow waves changes the correlation.
     if moments.mean.is_some() && lengths > SHORT || history.band.high_pass_m.is_some() || fit.length_m == 0.0 {
         return moments;
     }
     let window = WindowedModel::new(fit.model, fit.window_m).on_cells(fit.cell_m);
-    let share = 1.0 - fit.noise_share;
+    let fraction = 1.0 - fit.noise_share;
     let rho = |lag: usize| match lag {
         0 => 1.0,
-        _ => share * window.correlation(lag as f64 * step_m, fit.length_m),
+        _ => fraction * window.correlation(lag as f64 * step_m, fit.length_m),
     };
     let error = (fit.interval.high / fit.interval.low).ln() / (2.0 * NORMAL_95);
     moments.with_correlation(pieces, false, &rho, if error.is_finite() { error } else { 1.0 })
 }
 
 impl FittedRecord {
-    /// Fits a process to a prepared record; `description` says where it comes from.
+    /// Fits a process to a prepared record; `description` states its source.
     ///
     /// # Errors
-    /// Fewer than 10 values, or so few correlation lengths that they are worth fewer than 5; values that do not vary; a law
-    /// that cannot be fitted.
-    pub fn of(prepared: &Prepared, choice: LawChoice, description: &str) -> Result<Self, MeasuredError> {
+    /// Fails if the record has fewer than 10 values or an effective sample size below 5, if the values do not vary, or
+    /// if the distribution cannot be fitted.
+    pub fn new(prepared: &Prepared, choice: DistributionChoice, description: &str) -> Result<Self, MeasuredError> {
         let record = &prepared.record;
         let values = &record.friction[..];
         let (present, pieces) = (record.present(), record.pieces());
@@ -184,9 +189,9 @@ impl FittedRecord {
             return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
         }
         if Moments::of(values).std == 0.0 {
-            return Err(StatsError::Constant { statistic: "the law of friction", n: present }.into());
+            return Err(StatsError::Constant { statistic: "the distribution of friction", n: present }.into());
         }
-        // A slow curve has the correlation of nothing.
+        // The correlation of a slow curve is meaningless.
         let rest: Vec<f64> = values.iter().zip(polynomial(values, SLOW_DEGREE)).map(|(mu, curve)| mu - curve).collect();
         if Moments::of(&rest).std.powi(2) < SLOW_REST * Moments::of(values).std.powi(2) {
             let effective = SLOW_DEGREE as f64 + 1.0;
@@ -194,7 +199,7 @@ impl FittedRecord {
         }
         let (correlation, ObservedLengths { models, chosen: best, observation, narrowed_to_per_m }) =
             correlate(&pieces, record.step_m, prepared.history)?;
-        // A slow wave looks like many values; it is few lengths all the same.
+        // A slow wave has many values but few correlation lengths.
         let effective = 0.5 * present as f64 * record.step_m / best.length_m;
         if effective < LEAST_INDEPENDENT {
             return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
@@ -206,9 +211,10 @@ impl FittedRecord {
             laws.assess(&null, values);
         }
         let goodness = laws.fits.iter().position(|fit| fit.law == marginal).and_then(|place| laws.distance(place));
-        // What a narrowed band calls noise is not that of the values.
+        // With a narrowed band, the fitted noise is not the noise of the values.
         let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
-        let (shape, length_m) = CorrelationShape::of(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
+        let (shape, length_m) =
+            CorrelationShape::from_record_model(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
         let process = FittedProcess {
             mean: moments.moments.mean,
             mean_interval: moments.mean.filter(|_| prepared.history.band.high_pass_m.is_none()).map(pair),
@@ -233,47 +239,46 @@ impl FittedRecord {
         let filtered = prepared.history.band.high_pass_m.is_some();
         if (moments.mean.is_none() && !filtered) || moments.std.is_none() {
             warnings.push(
-                "the record holds too few correlation lengths for intervals: measure longer, or take a trend out"
-                    .into(),
+                "the record covers too few correlation lengths for intervals: measure longer, or remove a trend".into(),
             );
         }
         if filtered {
             warnings.push(
-                "the slow waves that were taken out would tell how the mean scatters from record to record: it has no \
-                 interval"
+                "the mean has no interval, because the removed slow waves determine its variability from record to \
+                 record"
                     .into(),
             );
         }
-        warnings.extend(said_of(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
+        warnings.extend(notes_on(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
         if best.length_m < 2.0 * record.step_m {
             warnings.push(format!(
-                "the correlation length of {:.3e} m is hardly longer than the step of {:.3e} m: sampled more finely, it may be \
+                "the correlation length of {:.3e} m is not much longer than the step of {:.3e} m: with finer sampling it may be \
                  shorter",
                 best.length_m, record.step_m
             ));
         }
         if let Some(fit) = goodness.filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
             warnings.push(format!(
-                "the law does not fit: its distribution function is off by {:.3}, which chance would do with probability {:.1e}; \
+                "the distribution does not fit: the largest difference of the distribution functions is {:.3} (p = {:.1e}); \
                  another may fit better",
                 fit.kolmogorov_smirnov.statistic, fit.kolmogorov_smirnov.p_value
             ));
         }
         if process.mean > LARGEST_FRICTION {
             warnings.push(format!(
-                "a mean friction coefficient of {:.3} is hardly one: are the units of friction and normal force right?",
+                "a mean friction coefficient of {:.3} is implausible: check the units of friction and normal force",
                 process.mean
             ));
         }
         let negative = values.iter().filter(|mu| **mu < 0.0).count();
         if negative > 0 {
             warnings.push(format!(
-                "{negative} of {present} values are below zero, which friction is not: is there an offset?"
+                "{negative} of {present} values are negative, but friction is positive: check for an offset"
             ));
         }
         if let Some(large) = prepared.removed.iter().find(|removal| removal.variance_share > 0.5) {
             warnings.push(format!(
-                "{:.0} % of the variance went with the {}: what is left is the smaller part of the record",
+                "the {1} removed {0:.0} % of the variance: the result describes the smaller part of the record",
                 100.0 * large.variance_share,
                 large.step.replace('_', "-")
             ));
@@ -292,7 +297,8 @@ impl FittedRecord {
         })
     }
 
-    /// What the figures show: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`, `friction_acf`.
+    /// Returns the tables of the figures: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`,
+    /// `friction_acf`.
     pub fn tables(&self, prepared: &Prepared) -> Vec<(&'static str, Series)> {
         let mut tables = vec![("friction_record", record_table(prepared))];
         tables.extend(self.histogram(prepared).map(|table| ("friction_histogram", table)));
@@ -312,7 +318,7 @@ impl FittedRecord {
         let chosen = self.process.marginal.as_ref();
         let density = |law: &Marginal| centres.iter().map(|mu| law.pdf(*mu)).collect::<Vec<f64>>();
         let mut columns = vec![("mu".to_owned(), centres.clone()), ("density".into(), histogram.density())];
-        // Densities of a measured law are steps of its own noise.
+        // The density of an empirical distribution follows its own noise.
         columns.extend(
             chosen
                 .filter(|law| !matches!(law, Marginal::Empirical { .. }))
@@ -326,7 +332,7 @@ impl FittedRecord {
 
     fn correlations(&self) -> Series {
         let step_m = self.correlation.step_m;
-        // What follows ten lengths is the noise of the estimate.
+        // Beyond ten lengths the estimate is noise.
         let likely = self.models.iter().filter(|model| !model.worse);
         let reach = likely.map(|model| 10.0 * model.fit.length_m / step_m).fold(20.0, f64::max);
         let lags = self.correlation.correlation.len().min(reach.ceil().min(1e9) as usize);
@@ -337,25 +343,25 @@ impl FittedRecord {
         };
         let mut columns =
             vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];
-        // A model that is worse beyond chance may fit a scale that is not seen.
+        // A model that is significantly worse may fit a scale that is not shown.
         columns.extend(self.models.iter().filter(|ranked| !ranked.worse).map(|ranked| model(&ranked.fit)));
         columns
     }
 }
 
-/// What the fit of the correlation found beside the length, in words.
-fn said_of(
+/// Returns notes on the fit of the correlation.
+fn notes_on(
     fit: &LengthFit,
     observation: Observation,
     narrowed_to_per_m: Option<f64>,
     std: f64,
     ratio: f64,
 ) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut notes = Vec::new();
     let whole = narrowed_to_per_m.is_none();
     if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_share > 0.0) {
-        said.push(format!(
-            "white noise makes {:.2} % ({:.2} to {:.2} %) of the variance: the correlation length is without it",
+        notes.push(format!(
+            "white noise is {:.2} % ({:.2} to {:.2} %) of the variance; the correlation length excludes it",
             100.0 * fit.noise_share,
             100.0 * interval.low,
             100.0 * interval.high
@@ -363,38 +369,38 @@ fn said_of(
     }
     match observation {
         Observation::Points => {}
-        Observation::Means => said.push(
-            "the spectrum is that of means over the step, not of values at points: the correlation length is without that \
-             averaging"
+        Observation::Means => notes.push(
+            "the spectrum is consistent with means over the step, not with values at points; the correlation length excludes \
+             this averaging"
                 .into(),
         ),
-        Observation::MovingAverage { values } => said.push(format!(
-            "the spectrum is that of a moving average of {values} values, as of a sensor's filter: the correlation length is \
-             without it"
+        Observation::MovingAverage { values } => notes.push(format!(
+            "the spectrum is consistent with a moving average of {values} values, such as a sensor's filter; the correlation \
+             length excludes it"
         )),
     }
     if (ratio - 1.0).abs() > 0.005 {
-        said.push(format!(
-            "the standard deviation of the values is {std:.4e}; without noise and averaging, that of the process is {:.4e}",
+        notes.push(format!(
+            "the standard deviation of the values is {std:.4e}; without noise and averaging, the process has {:.4e}",
             ratio * std
         ));
     }
     if let Some(highest_per_m) = narrowed_to_per_m {
-        said.push(format!(
-            "no correlation model fits the fast waves, as behind a filter of the instrument: only waves longer than {:.3e} m \
-             were used for the correlation length, and the standard deviation is that of the values as they are",
+        notes.push(format!(
+            "no correlation model fits the fast waves, possibly because of a filter of the instrument: the correlation length \
+             uses only waves longer than {:.3e} m, and the standard deviation includes noise and filter",
             highest_per_m.recip()
         ));
     }
     if let Some(test) = fit.lack_of_fit.filter(|test| test.significant()) {
-        said.push(format!(
-            "no correlation model fits the record (its spectrum departs as chance would do with probability {:.1e}): the \
-             correlation length and its interval hold for the shape {} alone; look at friction_acf",
+        notes.push(format!(
+            "no correlation model fits the record (p = {:.1e} for its spectrum): the correlation length and its interval are \
+             valid only for the shape {}; compare friction_acf",
             test.p_value,
             fit.model.name()
         ));
     }
-    said
+    notes
 }
 
 fn pair(estimate: Estimate) -> [f64; 2] {

@@ -1,4 +1,4 @@
-//! What is done to a record before anything is read off it: cut, trend, noise.
+//! Preparation of a record before its analysis: cut, trend, noise.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,23 +9,23 @@ use asperity_base::correlation::{RecordBand, RecordHistory};
 use asperity_base::quantity::Length;
 use asperity_base::stats::Moments;
 
-/// Highest degree of a trend; more is a filter by another name.
+/// Highest degree of a trend; a higher degree would act as a filter.
 const HIGHEST_DEGREE: usize = 30;
 
-/// What is done to a record, in this order.
+/// Steps of the preparation, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Preparation {
-    /// The part that is kept.
+    /// Part of the record that is kept.
     pub cut: Option<Cut>,
-    /// The trend that is taken out; the mean stays.
+    /// Trend that is removed; the mean is kept.
     pub detrend: Detrend,
-    /// Cutoff length in metre of a Gaussian filter that takes faster waves out.
+    /// Cutoff length in metre of a Gaussian filter that removes faster waves.
     pub low_pass_m: Option<f64>,
-    /// Number of values that become their mean.
+    /// Number of values that are replaced by their mean.
     pub decimation: usize,
 }
 
-/// A part of a record, as the file counts.
+/// Part of a record, in the coordinates of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cut {
     /// From one distance to another, in metre.
@@ -34,15 +34,15 @@ pub enum Cut {
     Time(f64, f64),
 }
 
-/// A trend.
+/// Trend of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Detrend {
-    /// None; as `mean`, since the mean stays.
+    /// No trend; the same as `mean`, because the mean is kept.
     #[default]
     None,
-    /// The polynomial of this degree by least squares; 0 is the mean, 1 the line.
+    /// Least-squares polynomial of this degree; 0 is the mean, 1 the line.
     Polynomial(usize),
-    /// The Gaussian mean line of this cutoff length in metre, after a line by least squares.
+    /// Gaussian mean line with this cutoff length in metre, after a least-squares line.
     HighPass {
         /// Cutoff length in metre; waves of that length are halved.
         cutoff_m: f64,
@@ -91,27 +91,27 @@ impl fmt::Display for Detrend {
     }
 }
 
-/// What one step took out.
+/// Effect of one step of the preparation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Removal {
-    /// `trend`, `low_pass` or `decimation`.
+    /// Name of the step: `trend`, `low_pass` or `decimation`.
     pub step: &'static str,
-    /// Share of the variance that it found and that is gone.
+    /// Removed fraction of the variance before the step.
     pub variance_share: f64,
 }
 
-/// A record that is ready to be read off.
+/// Record that is ready for analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
     /// The record; its warnings include those of the preparation.
     pub record: MeasuredRecord,
-    /// The record before, where it was kept, at the same positions.
+    /// Measured values of the kept part before the other steps, at the same positions.
     pub measured: Vec<f64>,
-    /// The trend, the mean included, at the same positions.
+    /// Trend including the mean, at the same positions.
     pub trend: Vec<f64>,
-    /// What was taken out, step by step.
+    /// Effect of each step.
     pub removed: Vec<Removal>,
-    /// What that leaves of the correlation to be seen.
+    /// Band of the correlation that remains visible.
     pub history: RecordHistory,
 }
 
@@ -119,8 +119,8 @@ impl Preparation {
     /// Prepares a record.
     ///
     /// # Errors
-    /// A cut that leaves fewer than 10 values or is one of time without a velocity; a degree above 30; a cutoff or a
-    /// decimation that does not fit the record.
+    /// Fails if a cut leaves fewer than 10 values or is a cut of time without a velocity, if a degree exceeds 30, or if
+    /// a cutoff or a decimation does not fit the record.
     pub fn apply(&self, record: &MeasuredRecord) -> Result<Prepared, MeasuredError> {
         let mut record = self.cut(record)?;
         let (step_m, length_m) = (record.step_m, record.step_m * record.friction.len() as f64);
@@ -156,14 +156,14 @@ impl Preparation {
         };
         if !matches!(self.detrend, Detrend::None | Detrend::Polynomial(0)) {
             let rest: Vec<f64> = measured.iter().zip(&trend).map(|(mu, trend)| mu - trend).collect();
-            // A filter leaves a little of the mean behind; the mean of the record is kept exactly.
+            // A filter removes a small part of the mean; the mean of the record is restored exactly.
             let shift = mean - Moments::of(&rest).mean;
             record.friction = rest.into_iter().map(|mu| mu + shift).collect();
             taken("trend", &measured, &record.friction);
         }
         if let Some(cutoff_m) = self.low_pass_m {
             let smooth = gaussian(&record.friction, fits("cutoff of the low-pass filter", cutoff_m)?);
-            // What is missing stays missing.
+            // Missing values remain missing.
             let kept =
                 record.friction.iter().zip(&smooth).map(|(mu, smooth)| if mu.is_nan() { f64::NAN } else { *smooth });
             let kept: Vec<f64> = kept.collect();
@@ -172,7 +172,7 @@ impl Preparation {
         }
         let degree = if let Detrend::Polynomial(degree) = self.detrend { degree } else { 0 };
         let band = RecordBand {
-            // A polynomial takes half a wave along the record for every degree.
+            // A polynomial removes half a wave along the record for every degree.
             lowest_per_m: if degree > 0 { (0.5 * degree as f64 + 1.0) / length_m } else { 0.0 },
             high_pass_m: if let Detrend::HighPass { cutoff_m } = self.detrend { Some(cutoff_m) } else { None },
             low_pass_m: self.low_pass_m,
@@ -203,7 +203,7 @@ impl Preparation {
             return Err(MeasuredError::Option { option, value: to_m, wanted });
         }
         let index = |position_m: f64| (position_m - record.start_m) / record.step_m;
-        // A value on an end of the cut is inside, in spite of rounding.
+        // Tolerance for rounding: a value at an end of the cut is inside.
         let first = (index(from_m) - 1e-6).ceil().max(0.0) as usize;
         let end = ((index(to_m) + 1e-6).floor() + 1.0).clamp(0.0, record.friction.len() as f64) as usize;
         let kept = record.friction.get(first..end).unwrap_or(&[]).to_vec();
@@ -216,7 +216,8 @@ impl Preparation {
 }
 
 impl Prepared {
-    /// Replaces every `count` values by the mean of those present, a gap where they are fewer than half.
+    /// Replaces every `count` values by the mean of the present ones; the result is a gap if fewer than half are
+    /// present.
     fn decimate(&mut self, count: usize) -> Result<(), MeasuredError> {
         if count * 10 > self.record.friction.len() {
             let (option, wanted) = ("decimation", "at most a tenth of the values");
@@ -229,7 +230,7 @@ impl Prepared {
             };
             values.chunks_exact(count).map(mean).collect()
         };
-        // The mean stands in the middle of its values.
+        // The position of the mean is the centre of its values.
         self.record.start_m += 0.5 * (count - 1) as f64 * self.record.step_m;
         self.record.step_m *= count as f64;
         self.record.friction = blocks(&self.record.friction);
@@ -259,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_taken_out_the_mean_stays_and_the_share_is_told() {
+    fn a_removed_line_keeps_the_mean_and_reports_its_fraction() {
         let values = waves(2001);
         let before = Moments::of(&values);
         let prepared = Preparation { detrend: Detrend::Polynomial(1), ..Preparation::default() };
@@ -290,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn cuts_count_as_the_file_does() {
+    fn cuts_use_the_coordinates_of_the_file() {
         let values: Vec<f64> = (0..1000).map(f64::from).collect();
         let cut = |cut| Preparation { cut: Some(cut), ..Preparation::default() }.apply(&record(values.clone()));
         let part = cut(Cut::Distance(0.011, 0.021)).unwrap().record;
@@ -302,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn decimation_averages_and_keeps_gaps_and_places() {
+    fn decimation_averages_and_keeps_gaps_and_positions() {
         let mut values: Vec<f64> = (0..1003).map(f64::from).collect();
         values[10..13].fill(f64::NAN);
         values[25] = f64::NAN;
@@ -314,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn trends_read_back_what_they_show() {
+    fn trends_parse_their_own_text() {
         for text in ["none", "mean", "linear", "polynomial:3", "high_pass:5 mm"] {
             assert_eq!(text.parse::<Detrend>().unwrap().to_string(), text);
         }

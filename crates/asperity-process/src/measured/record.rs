@@ -1,4 +1,4 @@
-//! From columns to μ over the sliding distance.
+//! Conversion of columns to μ over the sliding distance.
 
 use super::columns::{Chosen, ColumnTable};
 use super::sampling::{Grid, even};
@@ -6,104 +6,104 @@ use super::strokes::{Signs, Strokes, signs};
 use super::{MeasuredError, sampling};
 use asperity_base::quantity::{Force, Length, Time};
 
-/// Which columns of a file hold the record, by name or by number counted from 1.
+/// Columns of a file that contain the record, by name or by number counted from 1.
 ///
-/// A unit that is given here counts before that of the header.
+/// A unit given here takes precedence over the unit of the header.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordColumns {
-    /// The friction force or coefficient.
+    /// Column of the friction force or coefficient.
     pub column: String,
-    /// Its unit; a coefficient has none, `1` or `-`.
+    /// Unit of the column; for a coefficient none, `1` or `-`.
     pub unit: Option<String>,
-    /// What the values follow one another in.
+    /// Independent variable of the values.
     pub abscissa: Abscissa,
-    /// Sliding velocity in m/s, which makes a distance of a time.
+    /// Sliding velocity in m/s, which converts time to distance.
     pub velocity_m_per_s: Option<f64>,
-    /// The force that presses, which makes a coefficient of a force.
+    /// Normal force, which converts a friction force to a coefficient.
     pub normal_force: Option<NormalForce>,
 }
 
-/// What the values of a record follow one another in.
+/// Independent variable of the values of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Abscissa {
     /// A column of times.
     Time {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Its unit.
+        /// Unit of the column.
         unit: Option<String>,
     },
     /// A column of sliding distances.
     Distance {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Its unit.
+        /// Unit of the column.
         unit: Option<String>,
     },
-    /// Equal times, values per second.
+    /// Equal time steps.
     SamplingRate {
-        /// The rate in hertz.
+        /// Sampling rate in hertz.
         hertz: f64,
     },
 }
 
-/// The force that presses.
+/// Normal force.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NormalForce {
-    /// The same throughout.
+    /// Constant force.
     Constant {
-        /// In newton.
+        /// Force in newton.
         newton: f64,
     },
     /// A column of the file.
     Column {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Its unit.
+        /// Unit of the column.
         unit: Option<String>,
     },
 }
 
-/// A friction coefficient at equal steps of the sliding distance; NaN in gaps.
+/// Friction coefficient at equal steps of the sliding distance; NaN in gaps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRecord {
-    /// Distance of the first value in metre, as the file counts.
+    /// Distance of the first value in metre, in the coordinates of the file.
     pub start_m: f64,
     /// Step in metre.
     pub step_m: f64,
-    /// μ.
+    /// Friction coefficient μ.
     pub friction: Vec<f64>,
-    /// Sliding velocity in m/s, where it is known.
+    /// Sliding velocity in m/s, if known.
     pub velocity_m_per_s: Option<f64>,
-    /// Distances in metre at which strokes of a reciprocating machine begin, the first left out.
+    /// Distances in metre of the starts of the strokes of a reciprocating machine, except the first.
     pub strokes_m: Vec<f64>,
-    /// What was done to the record, in words; each is worth a look.
+    /// Changes made to the record, in words.
     pub warnings: Vec<String>,
 }
 
-/// Whether a text is a unit that this module knows.
+/// Returns whether a text is a unit supported by this module.
 pub(super) fn is_unit(text: &str) -> bool {
-    is_none(text) || [of_time(text), of_length(text), of_force(text)].iter().any(Option::is_some)
+    is_none(text) || [time_factor(text), length_factor(text), force_factor(text)].iter().any(Option::is_some)
 }
 
 fn is_none(unit: &str) -> bool {
     matches!(unit, "" | "1" | "-" | "–" | "—" | "[-]")
 }
 
-fn of_time(unit: &str) -> Option<f64> {
+fn time_factor(unit: &str) -> Option<f64> {
     let unit = if unit == "sec" { "s" } else { unit };
     format!("1 {unit}").parse::<Time>().ok().map(|time| time.0)
 }
 
-fn of_length(unit: &str) -> Option<f64> {
+fn length_factor(unit: &str) -> Option<f64> {
     format!("1 {unit}").parse::<Length>().ok().map(|length| length.0)
 }
 
-fn of_force(unit: &str) -> Option<f64> {
+fn force_factor(unit: &str) -> Option<f64> {
     format!("1 {unit}").parse::<Force>().ok().map(|force| force.0)
 }
 
-/// Factor to SI of a column of a known dimension.
+/// Returns the factor to SI of a column with a known dimension.
 fn factor(
     chosen: &Chosen<'_>,
     stated: Option<&str>,
@@ -117,16 +117,18 @@ fn factor(
 }
 
 impl MeasuredRecord {
-    /// μ over the sliding distance of the columns of a file.
+    /// Computes μ over the sliding distance from the columns of a file.
     ///
-    /// A force F is divided by the normal force N row by row; rows with N ≤ 0 are gaps. Times are distances at the sliding
-    /// velocity. Rows that are missing from an even sampling are gaps. Steps that differ by less than 1 % are resampled,
-    /// with a warning; steps that differ by more are refused. A record that is negative, from sliding the other way,
-    /// is reversed, with a warning. Strokes of alternating sign become |μ| stroke by stroke, their reversals gaps, with a warning.
+    /// A friction force F is divided by the normal force N row by row; rows with N ≤ 0 are gaps. Times are multiplied
+    /// by the sliding velocity. Rows that are missing from an even sampling are gaps. Steps that differ by less than
+    /// 1 % are resampled with a warning; larger differences are an error. A negative record, from sliding in the other
+    /// direction, is reversed with a warning. Strokes of alternating sign become |μ| stroke by stroke, with gaps at
+    /// their reversals, also with a warning.
     ///
     /// # Errors
-    /// Columns that are not there or hold words, units that are absent or of another kind, a time without velocity, a
-    /// force without normal force, uneven sampling, fewer than 2 rows, values on both sides of zero that are no strokes.
+    /// Fails if columns are missing or contain text, if units are absent or have the wrong dimension, if the velocity
+    /// for a time or the normal force for a force is missing, if the sampling is uneven, if there are fewer than 2
+    /// rows, or if values lie on both sides of zero without being strokes.
     pub fn new(table: &ColumnTable, columns: &RecordColumns) -> Result<Self, MeasuredError> {
         if table.rows() < 2 {
             return Err(MeasuredError::TooFew { present: table.rows(), what: "are in the file", wanted: 2 });
@@ -147,12 +149,12 @@ impl MeasuredRecord {
             }
             Abscissa::Time { column, unit } => {
                 let chosen = table.column(column)?;
-                let factor = factor(&chosen, unit.as_deref(), of_time, "time", "s or ms")?;
+                let factor = factor(&chosen, unit.as_deref(), time_factor, "time", "s or ms")?;
                 scaled(even(table, &chosen, values, &mut warnings)?, factor)
             }
             Abscissa::Distance { column, unit } => {
                 let chosen = table.column(column)?;
-                let factor = factor(&chosen, unit.as_deref(), of_length, "length", "m or mm")?;
+                let factor = factor(&chosen, unit.as_deref(), length_factor, "length", "m or mm")?;
                 scaled(even(table, &chosen, values, &mut warnings)?, factor)
             }
         };
@@ -174,9 +176,9 @@ impl MeasuredRecord {
             }
             Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_share }) => {
                 warnings.push(format!(
-                    "friction alternates its sign: {} strokes to and fro count as pieces of one process, by their |μ| without \
-                     the reversals, {:.1} % of the values; strokes over one track repeat each other, which the intervals do not \
-                     know",
+                    "friction alternates its sign: |μ| of {} reciprocating strokes is analysed as pieces of one process, \
+                     without the reversals ({:.1} % of the values); strokes over the same track are correlated, which the \
+                     intervals ignore",
                     found.len() + 1,
                     100.0 * reversal_share
                 ));
@@ -186,8 +188,8 @@ impl MeasuredRecord {
         }
         let gaps = friction.len() - present;
         if gaps > 0 {
-            let share = 100.0 * gaps as f64 / friction.len() as f64;
-            warnings.push(format!("{gaps} of {} values are missing ({share:.2} %) and stay gaps", friction.len()));
+            let fraction = 100.0 * gaps as f64 / friction.len() as f64;
+            warnings.push(format!("{gaps} of {} values are missing ({fraction:.2} %) and remain gaps", friction.len()));
         }
         let (start_m, step_m) = (start * per_axis, step * per_axis);
         Ok(Self {
@@ -200,7 +202,7 @@ impl MeasuredRecord {
         })
     }
 
-    /// The record, or its strokes one by one, without missing values at their ends.
+    /// Returns the record, or its strokes one by one, without missing values at their ends.
     pub fn pieces(&self) -> Vec<&[f64]> {
         let index = |position_m: &f64| ((position_m - self.start_m) / self.step_m).ceil().max(0.0) as usize;
         let n = self.friction.len();
@@ -218,12 +220,12 @@ impl MeasuredRecord {
         pieces
     }
 
-    /// Values that are present.
+    /// Returns the number of present values.
     pub fn present(&self) -> usize {
         sampling::sum(&self.friction).1
     }
 
-    /// Distance in metre of the value `index`.
+    /// Returns the distance in metre of the value `index`.
     pub fn position_m(&self, index: usize) -> f64 {
         self.start_m + self.step_m * index as f64
     }
@@ -233,7 +235,7 @@ fn scaled(grid: Grid, factor: f64) -> Grid {
     Grid { start: grid.start * factor, step: grid.step * factor, values: grid.values }
 }
 
-/// μ row by row.
+/// Returns μ row by row.
 fn coefficient(
     table: &ColumnTable,
     columns: &RecordColumns,
@@ -245,12 +247,12 @@ fn coefficient(
     let force = match unit {
         Some(unit) if is_none(unit) => None,
         Some("%") => return Ok(chosen.values.iter().map(|mu| 0.01 * mu).collect()),
-        Some(unit) => Some(of_force(unit).ok_or_else(|| MeasuredError::WrongUnit {
+        Some(unit) => Some(force_factor(unit).ok_or_else(|| MeasuredError::WrongUnit {
             column: column(),
             unit: unit.into(),
-            wanted: "force, nor is it none, as of a coefficient (- or 1)",
+            wanted: "force; a friction coefficient has no unit (- or 1)",
         })?),
-        // Without a unit it can only be a coefficient, unless a normal force says otherwise.
+        // Without a unit the column is a coefficient, unless a normal force is given.
         None if columns.normal_force.is_some() => {
             return Err(MeasuredError::NoUnit { column: column(), example: "N or mN" });
         }
@@ -273,10 +275,10 @@ fn coefficient(
         }
         Some(NormalForce::Column { column, unit }) => {
             let pressing = table.column(column)?;
-            let normal_newton = factor(&pressing, unit.as_deref(), of_force, "force", "N or mN")?;
+            let normal_newton = factor(&pressing, unit.as_deref(), force_factor, "force", "N or mN")?;
             let idle = pressing.values.iter().filter(|normal| **normal <= 0.0).count();
             if idle > 0 {
-                warnings.push(format!("in {idle} rows the normal force is not above zero; they count as gaps"));
+                warnings.push(format!("in {idle} rows the normal force is not above zero; these rows are gaps"));
             }
             let quotient = |(force, normal): (&f64, &f64)| {
                 if *normal > 0.0 { force * newton / (normal * normal_newton) } else { f64::NAN }

@@ -1,12 +1,12 @@
-//! Even sampling: gaps found, small jitter resampled, more refused.
+//! Even sampling: finds gaps, resamples small jitter and refuses larger jitter.
 
 use super::MeasuredError;
 use super::columns::{Chosen, ColumnTable};
 use asperity_base::stats::upper_median;
 
-/// Largest deviation of a step from the usual one that is resampled, and the smallest that is noticed, over the step.
+/// Largest relative deviation of a step from the usual one that is resampled.
 const LARGEST_JITTER: f64 = 0.01;
-/// Distance from an even grid, in steps, up to which values count as lying on it.
+/// Distance from an even grid, in steps, up to which values count as being on it.
 const ON_GRID: f64 = 1e-3;
 
 /// Values at equal steps, in the unit of the file.
@@ -17,15 +17,15 @@ pub(super) struct Grid {
     pub(super) values: Vec<f64>,
 }
 
-/// Sum and number of the values that are present.
+/// Returns the sum and the number of the present values.
 pub(super) fn sum(values: &[f64]) -> (f64, usize) {
     values.iter().filter(|value| !value.is_nan()).fold((0.0, 0), |(sum, n), value| (sum + value, n + 1))
 }
 
-/// Puts values that follow one another in a column on an even grid.
+/// Assigns the values of a column to an even grid.
 ///
-/// The usual step is the median; a step of about k of them leaves a gap of k − 1 values. Positions on the grid are those of
-/// the line of least squares through (number of steps, position).
+/// The usual step is the median; a step of about k usual ones leaves a gap of k − 1 values. Positions on the grid
+/// follow from the least-squares line through (number of steps, position).
 pub(super) fn even(
     table: &ColumnTable,
     column: &Chosen<'_>,
@@ -33,7 +33,7 @@ pub(super) fn even(
     warnings: &mut Vec<String>,
 ) -> Result<Grid, MeasuredError> {
     let name = || column.name.to_owned();
-    // Rows that lack both are gaps that the next position tells the length of.
+    // Rows without position and value are gaps; the next position determines their length.
     let rows: Vec<usize> = (0..values.len()).filter(|row| !column.values[*row].is_nan()).collect();
     if let Some(row) = (0..values.len()).find(|row| column.values[*row].is_nan() && !values[*row].is_nan()) {
         return Err(MeasuredError::NoAbscissa { line: table.line(row), column: name() });
@@ -69,7 +69,7 @@ pub(super) fn even(
     if worst.0 > LARGEST_JITTER {
         return Err(MeasuredError::Uneven { column: name(), line: line(worst.1), jitter: worst.0, step: usual });
     }
-    // Gaps in every row would still fill memory.
+    // Otherwise gaps in every row would still fill the memory.
     let total = index[rows.len() - 1];
     if total > 100.0 * rows.len() as f64 {
         return Err(MeasuredError::LongGap { line: line(rows.len() - 1), steps: total, rows: rows.len() });
@@ -85,12 +85,12 @@ pub(super) fn even(
         return Ok(Grid { start, step, values: even });
     }
     warnings.push(format!(
-        "`{}` is not quite even: steps differ by up to {:.2} % and positions by {off:.2} steps; values were interpolated \
-         linearly, which smooths them a little",
+        "`{}` is slightly uneven: steps differ by up to {:.2} % and positions by {off:.2} steps; values were interpolated \
+         linearly, which smooths them slightly",
         column.name,
         100.0 * worst.0
     ));
-    // Between neighbours, never across a gap.
+    // Interpolates between neighbours, but never across a gap.
     let mut place = 0;
     for (k, value) in even.iter_mut().enumerate() {
         let wanted = start + step * k as f64;
@@ -98,28 +98,28 @@ pub(super) fn even(
             place += 1;
         }
         let (low, high) = (at(place), at(place + 1));
-        let share = (wanted - low) / (high - low);
+        let fraction = (wanted - low) / (high - low);
         let joined = index[place + 1] - index[place] == 1.0;
-        if joined && (-1.0..=2.0).contains(&share) {
-            let share = share.clamp(0.0, 1.0);
+        if joined && (-1.0..=2.0).contains(&fraction) {
+            let fraction = fraction.clamp(0.0, 1.0);
             let (a, b) = (values[rows[place]], values[rows[place + 1]]);
-            *value = if share == 0.0 {
+            *value = if fraction == 0.0 {
                 a
-            } else if share == 1.0 {
+            } else if fraction == 1.0 {
                 b
             } else {
-                a + share * (b - a)
+                a + fraction * (b - a)
             };
         }
     }
     Ok(Grid { start, step, values: even })
 }
 
-/// Start and step of the line of least squares through positions over their indices.
+/// Returns start and step of the least-squares line through positions over their indices.
 fn line_through(index: &[f64], position: impl Fn(usize) -> f64) -> (f64, f64) {
     let n = index.len() as f64;
     let mean_index = index.iter().sum::<f64>() / n;
-    // Counted from the first, so that large clocks lose no digits.
+    // Relative to the first position, so that large clock values lose no digits.
     let first = position(0);
     let mean_position = (0..index.len()).map(|place| position(place) - first).sum::<f64>() / n;
     let (mut products, mut squares) = (0.0, 0.0);
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_left_out_are_gaps_of_their_length() {
+    fn missing_rows_are_gaps_of_their_length() {
         let (grid, warnings) = read("1.5;1\n1.6;2\n1.9;5\n2.0;\n2.1;7\n");
         let grid = grid.unwrap();
         assert!((grid.start - 1.5).abs() < 1e-12 && (grid.step - 0.1).abs() < 1e-12 && warnings.is_empty());
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn small_jitter_is_interpolated_and_said() {
+    fn small_jitter_is_interpolated_with_a_warning() {
         // μ = t, which linear interpolation keeps exactly.
         let times: Vec<f64> = (0..200).map(|i| f64::from(i) + 0.004 * f64::from(i).sin()).collect();
         let text: String = times.iter().map(|t| format!("{t:?};{t:?}\n")).collect();
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn uneven_falling_and_endless_clocks_are_refused_with_their_line() {
+    fn uneven_decreasing_and_long_clocks_are_refused_with_their_line() {
         let (found, _) = read("0;1\n1;1\n2;1\n3.05;1\n4;1\n5;1\n");
         assert!(
             matches!(found, Err(MeasuredError::Uneven { line: 5, jitter, .. }) if (jitter - 0.05).abs() < 1e-9),

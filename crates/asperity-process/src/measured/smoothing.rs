@@ -2,13 +2,13 @@
 
 use asperity_base::fourier::{RealFft2, good_length};
 
-/// α of the Gaussian filter of ISO 16610-21: √(ln 2/π), so that a wave of the cutoff length passes by half.
+/// Constant α of the Gaussian filter of ISO 16610-21: √(ln 2/π); a wave of the cutoff length is halved.
 const ALPHA: f64 = 0.469_718_639_349_825_56;
 
-/// The polynomial of least squares through the values present, at all positions.
+/// Returns the least-squares polynomial through the present values, at all positions.
 ///
-/// Discrete orthogonal polynomials by their three-term recurrence (Forsythe, *J. SIAM* **5** (1957) 74), so that no degree
-/// is ill-conditioned. The degree falls to what the values present determine.
+/// Uses discrete orthogonal polynomials by their three-term recurrence (Forsythe, *J. SIAM* **5** (1957) 74), so that
+/// no degree is ill-conditioned. The degree is reduced to the highest one that the present values determine.
 pub(super) fn polynomial(values: &[f64], degree: usize) -> Vec<f64> {
     let n = values.len();
     let present: Vec<usize> = (0..n).filter(|i| !values[*i].is_nan()).collect();
@@ -19,10 +19,10 @@ pub(super) fn polynomial(values: &[f64], degree: usize) -> Vec<f64> {
     let mut square_before = 1.0;
     for k in 0..=degree.min(present.len().saturating_sub(1)) {
         let square = dot(&|i| here[i] * here[i]);
-        // What is left of the curve's error: rounding of earlier terms is corrected by later ones.
-        let share = dot(&|i| here[i] * (values[i] - curve[i])) / square;
+        // Remaining error of the curve: later terms correct the rounding of earlier terms.
+        let fraction = dot(&|i| here[i] * (values[i] - curve[i])) / square;
         for (value, term) in curve.iter_mut().zip(&here) {
-            *value += share * term;
+            *value += fraction * term;
         }
         let middle = dot(&|i| x[i] * here[i] * here[i]) / square;
         let back = if k == 0 { 0.0 } else { square / square_before };
@@ -33,10 +33,10 @@ pub(super) fn polynomial(values: &[f64], degree: usize) -> Vec<f64> {
     curve
 }
 
-/// The Gaussian weighted mean of the values present around every position; NaN where none is in reach.
+/// Returns the Gaussian weighted mean of the present values around every position; NaN if none is within reach.
 ///
-/// Weights e^{−π(x/(αλ))²} of the cutoff λ = `cutoff_steps`, as ISO 16610-21 has them, divided by their sum over the values
-/// present, so that ends and gaps need no continuation.
+/// Weights are e^{−π(x/(αλ))²} with the cutoff λ = `cutoff_steps`, as in ISO 16610-21, divided by their sum over the
+/// present values, so that ends and gaps need no continuation.
 pub(super) fn gaussian(values: &[f64], cutoff_steps: f64) -> Vec<f64> {
     let n = values.len();
     let weight = |distance: usize| (-std::f64::consts::PI * (distance as f64 / (ALPHA * cutoff_steps)).powi(2)).exp();
@@ -62,7 +62,7 @@ pub(super) fn gaussian(values: &[f64], cutoff_steps: f64) -> Vec<f64> {
     };
     let sums = smoothed(values.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect());
     let weights = smoothed(values.iter().map(|value| if value.is_nan() { 0.0 } else { 1.0 }).collect());
-    // A weight of rounding alone is none.
+    // A weight of the order of rounding counts as zero.
     let mean = |(sum, weight): (f64, f64)| if weight > 1e-9 { sum / weight } else { f64::NAN };
     sums.into_iter().zip(weights).map(mean).collect()
 }
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_polynomial_is_found_again_whatever_its_degree_and_gaps() {
+    fn a_polynomial_is_recovered_for_any_degree_and_gaps() {
         let exact = |x: f64| 0.2 + 0.1 * x - 0.3 * x.powi(2) + 0.05 * x.powi(7);
         let x = |i: usize| 2.0 * i as f64 / 500.0 - 1.0;
         let values: Vec<f64> = (0..501).map(|i| if (100..180).contains(&i) { f64::NAN } else { exact(x(i)) }).collect();
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gaussian_mean_is_the_direct_sum_and_passes_a_wave_of_the_cutoff_by_half() {
+    fn the_gaussian_mean_is_the_direct_sum_and_halves_a_wave_of_the_cutoff() {
         let n = 400;
         let mut values: Vec<f64> = (0..n).map(|i| (0.37 * f64::from(i)).sin() + 1e-3 * f64::from(i)).collect();
         values[50..90].fill(f64::NAN);

@@ -1,48 +1,49 @@
-//! Strokes of alternating sign, as a reciprocating tribometer records them.
+//! Strokes of alternating sign in the records of reciprocating tribometers.
 
 use super::sampling;
 use asperity_base::stats::sorted_present;
 
-/// Share of the typical |μ| below which a value belongs to a reversal.
+/// Fraction of the typical |μ| below which a value belongs to a reversal.
 const REVERSAL: f64 = 0.5;
-/// Largest share of such values, and largest scatter of |μ| without them over its mean: noise about zero has .26 and .52.
+/// Largest fraction of such values, and largest ratio of the standard deviation of |μ| without them to its mean. For
+/// noise about zero they are .26 and .52.
 const MOST_REVERSING: f64 = 0.22;
-const LARGEST_SCATTER: f64 = 0.42;
-/// Smallest share of either sign, and fewest values of a stroke on average.
+const LARGEST_VARIATION: f64 = 0.42;
+/// Least fraction of values of each sign, and least mean number of values per stroke.
 const LEAST_OF_A_SIGN: f64 = 0.1;
 const LEAST_VALUES: usize = 8;
-/// Mean below which, over mean |μ|, friction has no direction.
+/// Ratio of mean to mean |μ| below which friction has no direction.
 const NO_DIRECTION: f64 = 0.25;
 
-/// What the signs of a record say.
+/// Interpretation of the signs of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Signs {
     /// One direction; negative on average if `reversed`.
     One {
-        /// Whether it is negative.
+        /// Whether friction is negative on average.
         reversed: bool,
     },
-    /// Strokes to and fro.
+    /// Reciprocating strokes.
     Strokes(Strokes),
-    /// Neither: values on both sides of zero without a direction, and the mean over mean |μ|.
+    /// Neither: values on both sides of zero without a direction.
     None {
-        /// Mean over mean |μ|.
+        /// Ratio of mean to mean |μ|.
         ratio: f64,
     },
 }
 
-/// Strokes to and fro, reversals left out.
+/// Reciprocating strokes without their reversals.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Strokes {
     /// |μ|, NaN at reversals.
     pub(super) friction: Vec<f64>,
-    /// First value of every stroke but the first.
+    /// First value of every stroke except the first.
     pub(super) starts: Vec<usize>,
-    /// Share of the values present that were reversals.
+    /// Fraction of the present values that were reversals.
     pub(super) reversal_share: f64,
 }
 
-/// Reads the signs of a record.
+/// Classifies the signs of a record.
 pub(super) fn signs(friction: &[f64]) -> Signs {
     let (sum, present) = sampling::sum(friction);
     let sizes = sorted_present(friction.iter().map(|mu| mu.abs()));
@@ -68,11 +69,11 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
     let scatter = (sliding.iter().map(|mu| (mu.abs() - mean).powi(2)).sum::<f64>() / n).sqrt() / mean;
     if positive.min(1.0 - positive) < LEAST_OF_A_SIGN
         || n < (1.0 - MOST_REVERSING) * present
-        || scatter > LARGEST_SCATTER
+        || scatter > LARGEST_VARIATION
     {
         return None;
     }
-    // Every change of direction: the last value one way, and the first the other.
+    // Every change of direction: the last value in one direction and the first in the other.
     let (mut changes, mut last) = (Vec::new(), None::<(usize, f64)>);
     for (index, mu) in friction.iter().enumerate().filter(|(_, mu)| high(mu)) {
         if let Some((before, _)) = last.filter(|(_, sign)| sign * mu < 0.0) {
@@ -85,11 +86,11 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
     }
     let mut sizes: Vec<f64> = friction.iter().map(|mu| mu.abs()).collect();
     for (before, after) in &changes {
-        // A straight ramp is half as long again on either side as between half the height.
+        // On either side a straight ramp is half as long as its part between half the heights.
         let ramp = (after - before).div_ceil(2);
         sizes[before.saturating_sub(ramp) + 1..(after + ramp).min(friction.len())].fill(f64::NAN);
     }
-    // A record may begin and end within a reversal.
+    // A record may start and end within a reversal.
     if let (Some(first), Some((end, _))) = (friction.iter().position(|mu| high(&mu)), last) {
         let behind = friction.len() - 1 - end;
         sizes[..(2 * first).min(friction.len())].fill(f64::NAN);
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn one_direction_is_one_and_noise_about_zero_none() {
+    fn one_direction_is_recognised_and_noise_about_zero_is_refused() {
         let one: Vec<f64> = noise(2000, 2).iter().map(|g| -0.3 + 0.05 * g).collect();
         assert_eq!(signs(&one), Signs::One { reversed: true });
         assert!(matches!(signs(&noise(4000, 3)), Signs::None { ratio } if ratio.abs() < 0.25));

@@ -1,11 +1,11 @@
-//! Measured friction records: a planted process is found again from the files of a tribometer.
+//! Measured friction records: recovers a known process from the files of a tribometer.
 use std::fmt::Write;
 
 use asperity_base::law::Marginal;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::measured::{
-    Abscissa, ColumnTable, Detrend, FittedRecord, LawChoice, MeasuredError, MeasuredRecord, NormalForce, Preparation,
-    Prepared, RecordColumns,
+    Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
+    Preparation, Prepared, RecordColumns,
 };
 use asperity_process::{Correlation, CorrelationShape, FittedProcess, FrictionProcess, ProcessModel};
 
@@ -14,17 +14,18 @@ const STEP_M: f64 = 10e-6;
 const MEAN: f64 = 0.21;
 const STD: f64 = 0.008;
 
-/// Ornstein–Uhlenbeck under a copula with Beta(2.1, 5) margins, 1 kHz at 10 mm/s over 60 s, and a drift of zero mean.
+/// Returns an Ornstein–Uhlenbeck process under a copula with Beta(2.1, 5) margins, 1 kHz at 10 mm/s over 60 s, and a
+/// drift of zero mean.
 fn planted() -> Vec<f64> {
     let law: Marginal = "beta:2.1,5".parse().unwrap();
     let model = ProcessModel { correlation: Correlation::Corrected, ..ProcessModel::new(law, STD, LENGTH_M) };
     let process = FrictionProcess::with_step(model, STEP_M).unwrap();
     let mut path = process.path(11, 0);
     let n = 60_000;
-    (0..n).map(|i| MEAN + path.next_knot() + 0.02 * (i as f64 / (n - 1) as f64 - 0.5)).collect()
+    (0..n).map(|i| MEAN + path.next_value() + 0.02 * (i as f64 / (n - 1) as f64 - 0.5)).collect()
 }
 
-/// Time over force under 20 N, as a logger of a country of decimal commas writes it.
+/// Returns a file of force over time under 20 N, in the format of a logger with decimal commas.
 fn time_file(mu: &[f64]) -> String {
     let mut text = String::from("Rig 3; pin on disc\nOperator;A. B.\nZeit;Reibkraft;Kommentar\nms;mN;\n");
     for (i, mu) in mu.iter().enumerate() {
@@ -33,7 +34,7 @@ fn time_file(mu: &[f64]) -> String {
     text.replace('.', ",")
 }
 
-/// Distance over μ.
+/// Returns a file of μ over distance.
 fn distance_file(mu: &[f64]) -> String {
     let mut text = String::from("# track 2\n# s [mm], mu [-]\n");
     for (i, mu) in mu.iter().enumerate() {
@@ -68,7 +69,7 @@ fn prepared(text: &str, columns: &RecordColumns) -> Prepared {
     Preparation { detrend: Detrend::Polynomial(1), ..Preparation::default() }.apply(&record).unwrap()
 }
 
-/// Asserts that a value lies within four standard errors, read off its 95 % interval.
+/// Asserts that a value lies within four standard errors, computed from its 95 % interval.
 fn within_four_errors(name: &str, found: f64, interval: Option<[f64; 2]>, wanted: f64) {
     let [low, high] = interval.unwrap();
     let error = 0.5 * (high - low) / NORMAL_95;
@@ -77,31 +78,31 @@ fn within_four_errors(name: &str, found: f64, interval: Option<[f64; 2]>, wanted
 }
 
 #[test]
-fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu() {
+fn a_known_process_is_recovered_from_time_and_force_and_from_distance_and_mu() {
     let mu = planted();
     let of_time = prepared(&time_file(&mu), &by_time("Reibkraft"));
     let of_distance = prepared(&distance_file(&mu), &by_distance());
     assert!((of_time.record.step_m / STEP_M - 1.0).abs() < 1e-9 && of_time.record.warnings.is_empty());
-    let fitted = FittedRecord::of(&of_time, LawChoice::Auto, "rig").unwrap();
+    let fitted = FittedRecord::new(&of_time, DistributionChoice::Auto, "rig").unwrap();
     let FittedProcess { mean, std, correlation, .. } = fitted.process.clone();
     let correlation = correlation.unwrap();
     assert_eq!(correlation.shape, CorrelationShape::Exponential);
     within_four_errors("mean", mean, fitted.process.mean_interval, MEAN);
     within_four_errors("std", std, fitted.process.std_interval, STD);
     within_four_errors("length", correlation.length_m, correlation.length_interval_m, LENGTH_M);
-    // The line of ±0.01 has the variance 0.02²/12 beside that of the process.
+    // The line of ±0.01 has the variance 0.02²/12 in addition to the variance of the process.
     let line = 0.02_f64.powi(2) / 12.0;
     let share = of_time.removed[0].variance_share;
     assert!((share - line / (line + STD * STD)).abs() < 0.05, "{share}");
     assert!(fitted.goodness.unwrap().kolmogorov_smirnov.p_value > 1e-3, "{:?}", fitted.goodness);
-    // 60,000 values are worth L/2ℓ independent ones.
+    // The effective sample size of the 60,000 values is L/2ℓ.
     assert!((fitted.moments.effective_size / 1200.0 - 1.0).abs() < 0.25, "{}", fitted.moments.effective_size);
 
-    let other = FittedRecord::of(&of_distance, LawChoice::Auto, "rig").unwrap().process;
+    let other = FittedRecord::new(&of_distance, DistributionChoice::Auto, "rig").unwrap().process;
     assert!((other.mean / mean - 1.0).abs() < 1e-9 && (other.std / std - 1.0).abs() < 1e-9);
     assert!((other.correlation.unwrap().length_m / correlation.length_m - 1.0).abs() < 1e-6);
 
-    // What the figures show agrees with the law and the correlation that were planted.
+    // The tables of the figures agree with the known distribution and correlation.
     let tables = fitted.tables(&of_time);
     let column = |table: &str, name: &str| {
         let (_, columns) = tables.iter().find(|(own, _)| *own == table).unwrap();
@@ -118,14 +119,14 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
     let (acf, model) = (column("friction_acf", "acf"), column("friction_acf", "exponential"));
     assert!(acf.iter().zip(&model).all(|(a, b)| (a - b).abs() < 0.15));
 
-    // A record drawn from the fitted process is like the one it was fitted to.
+    // A record simulated from the fitted process has the statistics of the original record.
     let file = fitted.process.to_json().unwrap();
     let process = FittedProcess::from_json(&file).unwrap();
     assert_eq!(process, fitted.process);
     let twin = process.simulate(0.6, STEP_M, 5, 0).unwrap();
     let record = MeasuredRecord { friction: twin, ..of_time.record.clone() };
     let twin = Preparation::default().apply(&record).unwrap();
-    let again = FittedRecord::of(&twin, LawChoice::Auto, "twin").unwrap().process;
+    let again = FittedRecord::new(&twin, DistributionChoice::Auto, "twin").unwrap().process;
     within_four_errors("mean of the twin", again.mean, again.mean_interval, mean);
     within_four_errors("std of the twin", again.std, again.std_interval, std);
     let length = again.correlation.unwrap();
@@ -133,32 +134,32 @@ fn a_planted_process_is_found_again_from_time_and_force_and_from_distance_and_mu
 }
 
 #[test]
-fn known_bounds_the_normal_law_and_the_record_itself_can_be_chosen() {
+fn bounds_the_normal_distribution_and_the_empirical_one_can_be_selected() {
     let mu: Vec<f64> = planted().into_iter().take(12_000).collect();
     let prepared = prepared(&distance_file(&mu), &by_distance());
     for (choice, name) in
         [("beta:0.15,0.4", "beta"), ("normal", "normal"), ("weibull", "weibull"), ("empirical", "empirical")]
     {
-        let choice: LawChoice = choice.parse().unwrap();
-        let fitted = FittedRecord::of(&prepared, choice, "rig").unwrap();
+        let choice: DistributionChoice = choice.parse().unwrap();
+        let fitted = FittedRecord::new(&prepared, choice, "rig").unwrap();
         assert_eq!(fitted.process.marginal.as_ref().unwrap().name(), name);
         assert_eq!(fitted.process.marginal.as_ref().unwrap().name() == "empirical", fitted.goodness.is_none());
         fitted.process.model(1.0).unwrap();
     }
-    let outside = FittedRecord::of(&prepared, "beta:0.2,0.21".parse().unwrap(), "rig").unwrap_err();
-    assert!(matches!(outside, MeasuredError::Law(_)), "{outside}");
+    let outside = FittedRecord::new(&prepared, "beta:0.2,0.21".parse().unwrap(), "rig").unwrap_err();
+    assert!(matches!(outside, MeasuredError::Distribution(_)), "{outside}");
     for text in ["gamma", "beta:1", "beta:2,1", ""] {
-        assert!(text.parse::<LawChoice>().is_err(), "{text}");
+        assert!(text.parse::<DistributionChoice>().is_err(), "{text}");
     }
 }
 
 #[test]
-fn gaps_stay_gaps_and_change_little() {
+fn gaps_remain_gaps_and_have_little_effect() {
     let mut mu = planted();
     let whole = prepared(&distance_file(&mu), &by_distance());
     let text = distance_file(&mu);
     mu[20_000..21_000].fill(f64::NAN);
-    // Some rows without a value, others not there at all.
+    // Some rows have no value; others are missing.
     let holed: String = text
         .lines()
         .enumerate()
@@ -171,16 +172,16 @@ fn gaps_stay_gaps_and_change_little() {
     let holed = prepared(&holed, &by_distance());
     assert_eq!(holed.record.friction.len(), whole.record.friction.len());
     assert_eq!(holed.record.present(), whole.record.present() - 2000);
-    assert!(holed.record.warnings.iter().any(|warning| warning.contains("stay gaps")), "{:?}", holed.record.warnings);
+    assert!(holed.record.warnings.iter().any(|warning| warning.contains("remain gaps")), "{:?}", holed.record.warnings);
     let [whole, holed] =
-        [whole, holed].map(|record| FittedRecord::of(&record, LawChoice::Auto, "rig").unwrap().process);
+        [whole, holed].map(|record| FittedRecord::new(&record, DistributionChoice::Auto, "rig").unwrap().process);
     assert!((holed.std / whole.std - 1.0).abs() < 0.02);
     let [whole, holed] = [whole, holed].map(|process| process.correlation.unwrap().length_m);
     assert!((holed / whole - 1.0).abs() < 0.05);
 }
 
 #[test]
-fn wrong_requests_say_what_there_is_and_what_is_wanted() {
+fn wrong_requests_report_the_value_found_and_the_value_wanted() {
     let mu: Vec<f64> = planted().into_iter().take(500).collect();
     let table = ColumnTable::read(time_file(&mu).as_bytes()).unwrap();
     let refused = |columns: &RecordColumns, words: &[&str]| {
@@ -203,8 +204,8 @@ fn wrong_requests_say_what_there_is_and_what_is_wanted() {
     let rate = Abscissa::SamplingRate { hertz: 0.0 };
     refused(&RecordColumns { abscissa: rate, ..right.clone() }, &["sampling rate is 0"]);
     let normal_force = Some(NormalForce::Column { column: "Kommentar".into(), unit: None });
-    refused(&RecordColumns { normal_force, ..right.clone() }, &["`Kommentar` states no unit", "N or mN"]);
-    // Without a time column the rate says the same.
+    refused(&RecordColumns { normal_force, ..right.clone() }, &["`Kommentar` has no unit", "N or mN"]);
+    // Without a time column the sampling rate gives the same result.
     let rate = Abscissa::SamplingRate { hertz: 1000.0 };
     let by_rate = MeasuredRecord::new(&table, &RecordColumns { abscissa: rate, ..right.clone() }).unwrap();
     let by_column = MeasuredRecord::new(&table, &right).unwrap();
@@ -225,13 +226,13 @@ fn forces_are_divided_row_by_row_and_the_other_direction_is_reversed() {
     let record = MeasuredRecord::new(&table, &columns).unwrap();
     assert!((record.friction[0] - 0.1).abs() < 1e-15 && (record.friction[1] - 0.1).abs() < 1e-15);
     assert!(record.friction[2].is_nan() && (record.friction[3] - 0.25).abs() < 1e-15 && record.step_m == 0.5);
-    for word in ["not above zero", "sign was reversed", "stay gaps"] {
+    for word in ["not above zero", "sign was reversed", "remain gaps"] {
         assert!(record.warnings.iter().any(|warning| warning.contains(word)), "{:?}", record.warnings);
     }
 }
 
 #[test]
-fn records_that_are_too_short_or_constant_say_so() {
+fn too_short_or_constant_records_are_errors() {
     let record = |friction: Vec<f64>| {
         let record = MeasuredRecord {
             start_m: 0.0,
@@ -242,7 +243,7 @@ fn records_that_are_too_short_or_constant_say_so() {
             warnings: vec![],
         };
         let prepared = Preparation::default().apply(&record).unwrap();
-        FittedRecord::of(&prepared, LawChoice::Auto, "rig").err().unwrap()
+        FittedRecord::new(&prepared, DistributionChoice::Auto, "rig").err().unwrap()
     };
     assert!(record(vec![0.1, 0.2, 0.3]).is_too_few());
     let slow: Vec<f64> = (0..4000).map(|i| 0.2 + 0.01 * (1e-3 * f64::from(i)).sin()).collect();

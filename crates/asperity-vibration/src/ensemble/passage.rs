@@ -1,67 +1,68 @@
-//! What one trajectory tells of its vibration: where it sticks and slides, and when vibration is lost and found.
+//! Vibration of one trajectory: times of stick, of loss of vibration and of its return.
 
 use std::f64::consts::TAU;
 
-use super::super::sample_law::Gathering;
+use super::super::sample_distribution::SampleCollector;
 use super::super::trajectory::{Observer, Slipped};
 use super::super::{Event, EventKind, MotionKind};
 
-/// Time of slip without a swing after which vibration counts as lost: three natural periods. A slip of a cycle is shorter than one,
-/// whatever the time in stick.
-const PATIENCE: f64 = 3.0 * TAU;
+/// Time of slip without a swing after which vibration counts as lost: three natural periods. A slip of a cycle is
+/// shorter than one natural period; the time in stick does not count.
+const LOSS_TIME: f64 = 3.0 * TAU;
 
-/// Kinds of vibration, in the order of [`Passage::kinds`].
+/// Kinds of vibration in the order of [`Passage::kinds`].
 pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Overtaking, MotionKind::SlipCycle];
 
 /// The vibration of one trajectory.
 ///
-/// A mass vibrates as long as swing follows swing. A swing is a slip that reached ẋ < 0 and ended in stick, the same with a passage
-/// of the velocity of the belt instead of stick, or a swing of the velocity past the level of a slip cycle; see
-/// [`super::super::swing_level`].
+/// A mass vibrates while swings follow each other. A swing is one of three motions: a slip that reaches ẋ < 0 and ends
+/// in stick; a slip that reaches ẋ < 0 and then passes the velocity of the belt without stick; or a slip slower than
+/// the belt whose velocity exceeds the level of a slip cycle, see [`super::super::swing_level`].
 #[derive(Debug, Clone)]
 pub(super) struct Passage {
     duration: f64,
     /// Displacements at the ends of the slips of cycles.
-    pub(super) reattachments: Gathering,
-    /// Displacements at detachments after a stick that is not the first.
-    pub(super) releases: Gathering,
-    /// Times from the beginning of a swing to that of the next, where vibration was not lost between.
-    pub(super) periods: Gathering,
+    pub(super) reattachments: SampleCollector,
+    /// Displacements at detachments, except the detachment from the first stick.
+    pub(super) releases: SampleCollector,
+    /// Times from the start of a swing to the start of the next, unless vibration was lost in between.
+    pub(super) periods: SampleCollector,
     /// Time in stick.
     pub(super) stick: f64,
-    /// Times in vibration and out of it, and the former in the second half.
+    /// Times in vibration and out of it, and the time in vibration in the second half.
     pub(super) inside: f64,
     pub(super) outside: f64,
     pub(super) late_inside: f64,
     /// Time in each of the [`KINDS`] of vibration.
     pub(super) kinds: [f64; 3],
-    /// Number of ways out of vibration and back.
+    /// Numbers of exits from vibration and of returns.
     pub(super) exits: u64,
     pub(super) entries: u64,
-    /// When vibration was lost first.
+    /// Time of the first loss of vibration.
     pub(super) first_exit: Option<f64>,
     stuck_since: Option<f64>,
     /// Whether the mass has left the belt.
     detached: bool,
-    /// Beginning of the present slip; slips slower than the belt begin with a detachment or with the end of over-slip.
+    /// Start of the present slip. A slip slower than the belt starts with a detachment or with the end of over-slip.
     start: f64,
-    /// Beginning of the last swing, and its kind.
+    /// Start of the last swing, and its kind.
     last_start: Option<(f64, usize)>,
-    /// End of the last swing, or the start.
+    /// End of the last swing, or the start of the trajectory.
     last_end: f64,
-    /// When the mass came into vibration.
+    /// Time at which vibration started.
     entered: f64,
     /// Time of slip since the end of the last swing, up to `slides_from`.
     slipped: f64,
     slides_from: f64,
-    /// End of a swing slower than the belt, which may yet end in stick or over-slip.
+    /// End of a swing slower than the belt that may still end in stick or over-slip.
     pending: Option<f64>,
 }
 
 impl Passage {
-    /// The trajectory of an index, which begins in stick, vibrating; of each law at most `capacity` values are kept.
+    /// Creates the record of a trajectory that starts in stick, vibrating; each distribution keeps at most `capacity`
+    /// values.
     pub(super) fn new(trajectory: usize, duration: f64, capacity: usize) -> Self {
-        let [reattachments, releases, periods] = [(); 3].map(|()| Gathering::new(trajectory as u64, capacity));
+        let [reattachments, releases, periods] = [(); 3].map(|()| SampleCollector::new(trajectory as u64, capacity));
         Self {
             duration,
             reattachments,
@@ -87,14 +88,14 @@ impl Passage {
         }
     }
 
-    /// The end: what is open is closed.
+    /// Closes the open intervals at the end of the trajectory.
     pub(super) fn finish(&mut self) {
         self.settle();
         match self.stuck_since {
             Some(since) => self.stick += self.duration - since,
             None => self.slipped += self.duration - self.slides_from,
         }
-        if self.slipped > PATIENCE {
+        if self.slipped > LOSS_TIME {
             self.lose();
             self.outside += self.duration - self.last_end;
         } else {
@@ -104,25 +105,25 @@ impl Passage {
         }
     }
 
-    /// Share of the second half of the time in vibration.
+    /// Returns the fraction of the second half of the time in vibration.
     pub(super) fn late_share(&self) -> f64 {
         (self.late_inside / (0.5 * self.duration)).min(1.0)
     }
 
-    /// Adds the time in vibration, up to its end.
+    /// Adds the time in vibration up to its end.
     fn stay(&mut self, end: f64) {
         self.inside += end - self.entered;
         self.late_inside += (end - self.entered.max(0.5 * self.duration)).max(0.0);
     }
 
-    /// Vibration was lost with the end of the last swing.
+    /// Records that vibration was lost at the end of the last swing.
     fn lose(&mut self) {
         self.stay(self.last_end);
         self.exits += 1;
         self.first_exit.get_or_insert(self.last_end);
     }
 
-    /// Counts a swing slower than the belt after which the mass did not reach the belt.
+    /// Counts a swing slower than the belt after which the mass did not reach the belt velocity.
     fn settle(&mut self) {
         if let Some(tau) = self.pending.take() {
             self.slipped += tau - self.slides_from;
@@ -130,9 +131,9 @@ impl Passage {
         }
     }
 
-    /// A slip that ended in stick or over-slip.
+    /// Records a slip that ended in stick or over-slip.
     fn contact(&mut self, tau: f64) {
-        // From X′ = 0 to the velocity of the belt it takes less than a natural period.
+        // Reaching the belt velocity from X′ = 0 takes less than a natural period.
         if self.pending.is_some_and(|swung| tau - swung < TAU) {
             self.pending = None;
         }
@@ -140,16 +141,16 @@ impl Passage {
         self.slipped += tau - self.slides_from;
     }
 
-    /// A swing of one of the [`KINDS`].
+    /// Records a swing of one of the [`KINDS`].
     fn swing(&mut self, kind: usize, start: f64, end: f64) {
-        if self.slipped > PATIENCE {
+        if self.slipped > LOSS_TIME {
             self.lose();
             self.outside += end - self.last_end;
             self.entries += 1;
             self.entered = end;
         } else {
             self.kinds[kind] += end - self.last_end;
-            // Swings of slip cycles begin elsewhere in the period.
+            // Swings of slip cycles start at another phase of the period.
             if let Some((before, _)) = self.last_start.filter(|(_, last)| (*last == 2) == (kind == 2)) {
                 self.periods.add(start - before);
             }
@@ -159,7 +160,7 @@ impl Passage {
 }
 
 impl Observer for Passage {
-    fn see(&mut self, event: Event, slipped: Slipped) {
+    fn on_event(&mut self, event: Event, slipped: Slipped) {
         let tau = event.tau;
         match event.kind {
             EventKind::Detach => {
@@ -188,7 +189,7 @@ impl Observer for Passage {
         }
     }
 
-    fn see_swing(&mut self, tau: f64) {
+    fn on_swing(&mut self, tau: f64) {
         self.settle();
         self.pending = Some(tau);
     }
@@ -202,17 +203,17 @@ mod tests {
         Event { kind, tau, displacement: tau, sliding_distance: 0.0 }
     }
 
-    /// The passage of events: detachments (D), ends of cycles (C) and of micro-slips (M), over-slips that end without stick (O) and
-    /// swings slower than the belt (S).
-    fn told(duration: f64, events: &[(char, f64)]) -> Passage {
+    /// Returns the record of a list of events: detachments (D), ends of cycles (C) and of micro-slips (M), over-slips
+    /// that end without stick (O) and swings slower than the belt (S).
+    fn recorded(duration: f64, events: &[(char, f64)]) -> Passage {
         let mut passage = Passage::new(0, duration, 100);
         for &(kind, tau) in events {
             match kind {
-                'D' => passage.see(event(EventKind::Detach, tau), Slipped::Not),
-                'C' => passage.see(event(EventKind::Restick, tau), Slipped::Cycle),
-                'O' => passage.see(event(EventKind::Reverse, tau), Slipped::Cycle),
-                'S' => passage.see_swing(tau),
-                _ => passage.see(event(EventKind::Restick, tau), Slipped::Micro),
+                'D' => passage.on_event(event(EventKind::Detach, tau), Slipped::Not),
+                'C' => passage.on_event(event(EventKind::Restick, tau), Slipped::Cycle),
+                'O' => passage.on_event(event(EventKind::Reverse, tau), Slipped::Cycle),
+                'S' => passage.on_swing(tau),
+                _ => passage.on_event(event(EventKind::Restick, tau), Slipped::Micro),
             }
         }
         passage.finish();
@@ -221,11 +222,11 @@ mod tests {
 
     #[test]
     fn a_steady_cycle_is_never_left() {
-        let passage = told(100.0, &[('D', 1.0), ('C', 6.0), ('D', 8.0), ('C', 13.0), ('D', 15.0), ('C', 20.0)]);
+        let passage = recorded(100.0, &[('D', 1.0), ('C', 6.0), ('D', 8.0), ('C', 13.0), ('D', 15.0), ('C', 20.0)]);
         assert_eq!(passage.periods.clone().values(), [7.0, 7.0]);
         assert_eq!(passage.reattachments.clone().values().len(), 3);
         assert_eq!(passage.releases.clone().values(), [8.0, 15.0]);
-        // However long the last stick lasts, it is a stick of the cycle.
+        // A long last stick belongs to the cycle.
         assert_eq!((passage.stick, passage.inside, passage.outside), (85.0, 100.0, 0.0));
         assert_eq!((passage.exits, passage.entries, passage.first_exit, passage.late_inside), (0, 0, None, 50.0));
     }
@@ -243,10 +244,10 @@ mod tests {
             ('C', 46.0),
             ('D', 47.0),
         ];
-        let passage = told(100.0, &events);
+        let passage = recorded(100.0, &events);
         assert_eq!(passage.periods.clone().values(), [35.0]);
         assert_eq!((passage.exits, passage.entries, passage.first_exit), (2, 1, Some(6.0)));
-        // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and from 46 on.
+        // In the cycle from 0 to 6 and from 40 to 46; out of it from 6 to 40 and after 46.
         assert_eq!((passage.inside, passage.outside, passage.late_inside), (12.0, 88.0, 0.0));
         assert_eq!(passage.stick, 1.0 + 2.0 + 1.0 + 1.0 + 1.0);
     }
@@ -256,14 +257,14 @@ mod tests {
         // Stick-slip up to 8, overtaking up to 26, slip cycles up to 50; then steady sliding.
         let events = [('D', 1.0), ('S', 5.0), ('C', 8.0), ('D', 9.0), ('O', 14.0), ('O', 20.0), ('O', 26.0)];
         let swings = [32.0, 38.0, 44.0, 50.0].map(|tau| ('S', tau));
-        let passage = told(100.0, &[&events[..], &swings[..]].concat());
+        let passage = recorded(100.0, &[&events[..], &swings[..]].concat());
         assert_eq!(passage.kinds, [8.0, 18.0, 24.0]);
         assert_eq!((passage.inside, passage.outside, passage.first_exit), (50.0, 50.0, Some(50.0)));
         // From detachment to detachment, from one end of over-slip to the next, and from swing to swing.
         assert_eq!(passage.periods.clone().values(), [8.0, 5.0, 6.0, 6.0, 6.0, 6.0]);
         assert_eq!((passage.reattachments.clone().values().len(), passage.stick), (1, 2.0));
         // The same swings up to the end.
-        let lasting = told(52.0, &[&events[..], &swings[..]].concat());
+        let lasting = recorded(52.0, &[&events[..], &swings[..]].concat());
         assert_eq!((lasting.exits, lasting.inside, lasting.kinds), (0, 52.0, [8.0, 18.0, 26.0]));
         assert_eq!(lasting.late_share(), 1.0);
     }
@@ -271,7 +272,7 @@ mod tests {
     #[test]
     fn a_mass_that_never_sticks_has_lost_the_cycle_from_the_beginning() {
         let mut passage = Passage::new(0, 50.0, 100);
-        passage.see(event(EventKind::Detach, 0.0), Slipped::Not);
+        passage.on_event(event(EventKind::Detach, 0.0), Slipped::Not);
         passage.finish();
         assert_eq!((passage.exits, passage.first_exit, passage.outside), (1, Some(0.0), 50.0));
     }

@@ -1,35 +1,35 @@
-//! How often vibration is lost and found.
+//! Rates of losing and regaining vibration.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::super::MotionKind;
-use super::super::sample_law::RunningMoments;
+use super::super::sample_distribution::RunningMoments;
 use super::Count;
 use super::passage::{KINDS, Passage};
 use asperity_base::law::Marginal;
 use asperity_base::stats::wilson_interval;
 
-/// Least fraction of the second half of the time that sustained vibration takes.
+/// Least fraction of the second half of the time in vibration at which vibration counts as sustained.
 const SUSTAINED: f64 = 0.5;
 
-/// Events per unit of τ.
+/// Rate of events per unit of τ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rate {
-    /// Events per time.
+    /// Events per unit of τ.
     pub value: f64,
     /// 95 % interval of a Poisson count, exact (Garwood 1936).
     pub interval: [f64; 2],
 }
 
 impl Rate {
-    /// The rate of `events` in the time `exposure`; none without exposure.
-    pub(super) fn of(events: u64, exposure: f64) -> Option<Self> {
+    /// Returns the rate of `events` in the time `exposure`; none without exposure.
+    pub(super) fn from_count(events: u64, exposure: f64) -> Option<Self> {
         if exposure.is_nan() || exposure <= 0.0 {
             return None;
         }
-        // Half the quantiles of χ² with twice the count of degrees of freedom.
+        // Half the quantiles of χ², with degrees of freedom of twice the count.
         let quantile =
             |shape: f64, probability| Marginal::Gamma { shape, scale: 1.0, shift: 0.0 }.quantile(probability);
         let count = events as f64;
@@ -38,51 +38,52 @@ impl Rate {
     }
 }
 
-/// A share of the trajectories.
+/// Fraction of the trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Share {
-    /// The share.
+pub struct Fraction {
+    /// Value, 0 … 1.
     pub value: f64,
     /// 95 % interval (Wilson).
     pub interval: [f64; 2],
 }
 
-impl Share {
-    pub(crate) fn of(count: u64, total: u64) -> Self {
+impl Fraction {
+    pub(crate) fn from_count(count: u64, total: u64) -> Self {
         let interval = wilson_interval(count as usize, total as usize);
         Self { value: count as f64 / total as f64, interval: [interval.low, interval.high] }
     }
 }
 
-/// First passages between vibration and steady sliding, over all trajectories, which begin in stick, vibrating.
+/// Passages between vibration and steady sliding over all trajectories, which start in stick, vibrating.
 ///
-/// All kinds of vibration count: slips that reach ẋ < 0 and end in stick (the cycles of stick-slip) or pass the velocity of the belt
-/// without stick (overtaking), and swings slower than the belt of an oscillator with an attracting slip cycle that reach midway
-/// between this cycle and the border of its basin. Vibration is lost when the mass slips for three natural periods without
-/// finishing one of them; it was left with the end of the last one. It is found again with the end of the next.
+/// All kinds of vibration count: slips that reach ẋ < 0 and end in stick (cycles of stick-slip) or pass the velocity of
+/// the belt without stick (overtaking). If a slip cycle attracts the motion, swings slower than the belt also count if
+/// they exceed the level midway between this cycle and the border of its basin. Vibration is lost when the mass slips
+/// for three natural periods without finishing a swing; the loss is dated to the end of the last swing. Vibration
+/// returns at the end of the next swing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Passages {
-    /// Trajectories that are counted.
+    /// Number of trajectories.
     pub trajectories: u64,
-    /// Ways out of vibration.
+    /// Number of exits from vibration.
     pub exits: u64,
-    /// Ways back.
+    /// Number of returns to vibration.
     pub entries: u64,
-    /// Share of the time in vibration.
+    /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
-    /// Share of the time in each kind of motion.
+    /// Fraction of the time in each kind of motion.
     pub kinds: BTreeMap<MotionKind, f64>,
-    /// Fraction of the second half of the time in vibration, over the trajectories; its mean is φ.
+    /// Fraction of the second half of the time in vibration, over the trajectories. Its mean is φ.
     pub late_share: Count,
-    /// Exits per time in vibration.
+    /// Exits per unit of τ in vibration.
     pub exit_rate: Option<Rate>,
-    /// Entries per time out of it.
+    /// Entries per unit of τ out of vibration.
     pub entry_rate: Option<Rate>,
-    /// Share of the trajectories that leave vibration at all.
-    pub left: Share,
-    /// Share of the trajectories that vibrate for at least half of the second half of their time.
-    pub sustained: Share,
-    /// Times τ at which trajectories leave vibration first, rising; those that do not are no part.
+    /// Fraction of the trajectories that leave vibration at least once.
+    pub left: Fraction,
+    /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
+    pub sustained: Fraction,
+    /// Times τ of the first exit, rising, of the trajectories that leave vibration.
     pub first_exits: Vec<f64>,
     #[serde(skip)]
     sums: Sums,
@@ -107,8 +108,8 @@ impl Passages {
         late_share: Count { mean: f64::NAN, std: f64::NAN, se: f64::NAN },
         exit_rate: None,
         entry_rate: None,
-        left: Share { value: f64::NAN, interval: [0.0, 1.0] },
-        sustained: Share { value: f64::NAN, interval: [0.0, 1.0] },
+        left: Fraction { value: f64::NAN, interval: [0.0, 1.0] },
+        sustained: Fraction { value: f64::NAN, interval: [0.0, 1.0] },
         first_exits: Vec::new(),
         sums: Sums { sustained: 0, inside: 0.0, outside: 0.0, kinds: [0.0; 3], late: RunningMoments::EMPTY },
     };
@@ -126,26 +127,26 @@ impl Passages {
         sums.late.add(passage.late_share());
     }
 
-    /// Draws the conclusions after the last trajectory.
-    pub(super) fn conclude(&mut self) {
+    /// Computes the results after the last trajectory.
+    pub(super) fn finish(&mut self) {
         let Sums { sustained, inside, outside, kinds, late } = self.sums;
         self.share_in_cycle = inside / (inside + outside);
         let times = KINDS.into_iter().zip(kinds).chain([(MotionKind::None, outside)]);
         self.kinds = times.map(|(kind, time)| (kind, time / (inside + outside))).collect();
-        self.late_share = Count::of(&late);
-        self.exit_rate = Rate::of(self.exits, inside);
-        self.entry_rate = Rate::of(self.entries, outside);
+        self.late_share = Count::from_moments(&late);
+        self.exit_rate = Rate::from_count(self.exits, inside);
+        self.entry_rate = Rate::from_count(self.entries, outside);
         if self.trajectories > 0 {
-            self.left = Share::of(self.first_exits.len() as u64, self.trajectories);
-            self.sustained = Share::of(sustained, self.trajectories);
+            self.left = Fraction::from_count(self.first_exits.len() as u64, self.trajectories);
+            self.sustained = Fraction::from_count(sustained, self.trajectories);
         }
         self.first_exits.sort_by(f64::total_cmp);
     }
 
-    /// Share of the trajectories that have not left vibration up to τ, at most their duration.
-    pub fn survival(&self, tau: f64) -> Share {
+    /// Returns the fraction of the trajectories that have not left vibration up to τ, at most their duration.
+    pub fn survival(&self, tau: f64) -> Fraction {
         let gone = self.first_exits.partition_point(|exit| *exit <= tau) as u64;
-        Share::of(self.trajectories - gone, self.trajectories)
+        Fraction::from_count(self.trajectories - gone, self.trajectories)
     }
 }
 
@@ -154,23 +155,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cycle_survives_in_what_has_not_left_it() {
+    fn survival_counts_the_trajectories_that_have_not_left_vibration() {
         let passages = Passages { trajectories: 8, first_exits: vec![1.0, 2.0, 2.0, 7.5], ..Passages::EMPTY };
         for (tau, wanted) in [(0.0, 8), (0.99, 8), (1.0, 7), (2.0, 5), (7.0, 5), (9.0, 4)] {
-            let share = passages.survival(tau);
-            assert_eq!(share, Share::of(wanted, 8));
-            assert!(share.interval[0] < share.value && share.value <= share.interval[1]);
+            let fraction = passages.survival(tau);
+            assert_eq!(fraction, Fraction::from_count(wanted, 8));
+            assert!(fraction.interval[0] < fraction.value && fraction.value <= fraction.interval[1]);
         }
     }
 
     #[test]
-    fn poisson_intervals_are_the_tabulated_ones() {
+    fn poisson_intervals_match_the_table() {
         // Garwood, Biometrika 28 (1936) 437: 95 % limits of a mean after counts of 0, 1, 10 and 50.
         for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.390), (50, 37.11, 65.92)] {
-            let rate = Rate::of(count, 2.0).unwrap();
+            let rate = Rate::from_count(count, 2.0).unwrap();
             assert_eq!(rate.value, count as f64 / 2.0);
             assert!((2.0 * rate.interval[0] - low).abs() < 5e-3 && (2.0 * rate.interval[1] - high).abs() < 5e-3);
         }
-        assert_eq!(Rate::of(3, 0.0), None);
+        assert_eq!(Rate::from_count(3, 0.0), None);
     }
 }

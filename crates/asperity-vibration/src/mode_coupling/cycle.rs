@@ -1,4 +1,4 @@
-//! The motion without fluctuation, followed until it repeats.
+//! Motion without fluctuation, followed until it repeats.
 
 use std::collections::VecDeque;
 
@@ -10,19 +10,19 @@ use super::trajectory::default_start;
 use super::{Contact, EventKind, Model, State};
 use asperity_process as process;
 
-/// Difference of two states, relative to the size of the vibration, that counts as a repetition.
+/// Difference of two states, relative to the size of the vibration, below which the motion counts as repeated.
 const REPEATED: f64 = 1e-11;
-/// Size of a vibration, relative to the displacement, below which the mass counts as resting in space.
+/// Size of a vibration, relative to the displacement, below which the mass counts as being at rest in space.
 const SETTLED: f64 = 1e-8;
-/// Largest number of summits in one period that is looked for.
+/// Largest number of maxima of x per period in the search for a cycle.
 const MAX_MULTIPLICITY: usize = 32;
-/// Summits of x after which a motion counts as irregular.
-const MAX_SUMMITS: usize = 40_000;
-/// Difference at which two states may still become the same, and the summits that are given to them when others, further apart
-/// in time, already are: a motion that spirals into its cycle comes near after several turns first.
+/// Number of maxima of x after which a motion counts as irregular.
+const MAX_MAXIMA: usize = 40_000;
+/// Difference below which two states may still converge, and the number of maxima allowed for this after states further
+/// apart in time already agree. A motion that spirals into its cycle first comes close to itself after several turns.
 const NEAR: f64 = 1e-3;
 const MAX_SPIRAL: usize = 8_000;
-/// Time without a summit after which a motion is given up, in the unit 1 + μ_s/(k₁₁V) of a stick.
+/// Largest time without a maximum of x, in the unit 1 + μ_s/(k₁₁V) of a stick.
 const MAX_WAIT: f64 = 1e3;
 
 /// One period of the limit cycle.
@@ -36,39 +36,39 @@ pub struct LimitCycle {
     pub normal: [f64; 2],
     /// Largest normal force, 1 + k₃y.
     pub normal_force_max: f64,
-    /// Share of the period in stick.
+    /// Fraction of the period in stick.
     pub stick_share: f64,
-    /// Share of the period off the belt.
+    /// Fraction of the period off the belt.
     pub flight_share: f64,
-    /// Times that stick ends in a period.
+    /// Number of ends of stick per period.
     pub detachments: usize,
-    /// Times that the mass leaves the belt in a period.
+    /// Number of lift-offs from the belt per period.
     pub lift_offs: usize,
-    /// Summits of x in a period.
+    /// Number of maxima of x per period.
     pub summits: usize,
-    /// Where the period begins: a summit.
+    /// State at the start of the period, a maximum of x.
     pub start: State,
     /// Difference of the states one period apart, relative to the size of the vibration.
     pub residual: f64,
 }
 
-/// How the motion without fluctuation ends.
+/// Long-term motion without fluctuation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
-    /// It repeats itself.
+    /// The motion is periodic.
     Cycle(LimitCycle),
-    /// It comes to rest in space, in steady sliding.
+    /// The mass comes to rest in space: steady sliding.
     Steady,
-    /// The belt carries it away: it sticks, and the normal force grows faster than the force that would release it, because
-    /// det K(μ_s) ≤ 0 (self-locking).
+    /// The belt carries the mass away. The mass sticks, and the normal force grows faster than the force that would
+    /// release it, because det K(μ_s) ≤ 0 (self-locking).
     Locked,
-    /// It did not repeat itself, with up to 32 summits of x in a period, within 40,000 summits.
+    /// The motion did not repeat, with up to 32 maxima of x per period, within 40,000 maxima.
     Irregular,
 }
 
 impl Regime {
-    /// The cycle, if there is one.
+    /// Returns the cycle if the motion is periodic.
     pub fn cycle(&self) -> Option<&LimitCycle> {
         match self {
             Self::Cycle(cycle) => Some(cycle),
@@ -77,16 +77,16 @@ impl Regime {
     }
 }
 
-/// A summit of x: x′ falls through zero.
+/// Maximum of x: x′ falls through zero.
 #[derive(Debug, Clone, Copy)]
-struct Summit {
+struct Maximum {
     state: State,
-    /// Fall of x before it.
+    /// Decrease of x before the maximum.
     fall: f64,
 }
 
-impl Summit {
-    /// Largest difference to another one, relative to the size of the vibration.
+impl Maximum {
+    /// Returns the largest difference from another maximum, relative to the size of the vibration.
     fn difference(&self, other: &Self) -> f64 {
         let size = self.fall.max(other.fall).max(f64::MIN_POSITIVE);
         let (a, b) = (self.state, other.state);
@@ -95,23 +95,25 @@ impl Summit {
     }
 }
 
-/// Follows the motion from a state until it repeats itself or comes to rest; none: 1 % away from steady sliding.
+/// Follows the motion from a state until it repeats or comes to rest. The default start is 1 % away from steady
+/// sliding.
 ///
-/// States are compared at the summits of x, where x′ falls through zero; the answer is as near to the limit cycle as
-/// 10⁻¹¹ of its size divided by the rate at which it attracts per period. Of several cycles it is the one that the start
-/// leads to; without damping, friction below the coalescence leaves a motion of two frequencies that is irregular.
+/// States are compared at the maxima of x, where x′ falls through zero. The distance of the result from the limit cycle
+/// is at most 10⁻¹¹ of its size divided by the rate at which it attracts per period. If several cycles exist, the
+/// result depends on the start. Without damping and with friction below the coalescence, the motion has two frequencies
+/// and is irregular.
 ///
-/// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, and if the
-/// mass does not come back.
+/// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, or if
+/// the mass does not return.
 pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, VibrationError> {
     let start = start.map_or_else(|| default_start(model), Ok)?;
     let mut motion = Motion::new(model, process::Steady, start)?;
-    let mut summits: VecDeque<Summit> = VecDeque::with_capacity(MAX_MULTIPLICITY);
-    // A small wave alone may belong to an irregular motion.
+    let mut summits: VecDeque<Maximum> = VecDeque::with_capacity(MAX_MULTIPLICITY);
+    // A single small wave may belong to an irregular motion.
     let mut small = 0;
     let mut spiral = 0;
-    for _ in 0..MAX_SUMMITS {
-        let Some(summit) = next_summit(&mut motion, |_, _| {})? else {
+    for _ in 0..MAX_MAXIMA {
+        let Some(summit) = next_maximum(&mut motion, |_, _| {})? else {
             let Now { x, u, y, v, .. } = motion.now;
             return if u.abs() + v.abs() <= SETTLED * (x.abs() + y.abs()) {
                 Ok(Regime::Steady)
@@ -126,7 +128,7 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
         if small == MAX_MULTIPLICITY {
             return Ok(Regime::Steady);
         }
-        let repeated = |earlier: &Summit| !settled && summit.difference(earlier) < REPEATED;
+        let repeated = |earlier: &Maximum| !settled && summit.difference(earlier) < REPEATED;
         if let Some(back) = summits.iter().position(repeated) {
             if spiral == MAX_SPIRAL || !summits.iter().take(back).any(|earlier| summit.difference(earlier) < NEAR) {
                 return measured(&mut motion, summit, back + 1).map(Regime::Cycle);
@@ -140,29 +142,33 @@ pub fn limit_cycle(model: &Model, start: Option<State>) -> Result<Regime, Vibrat
 }
 
 fn lost() -> VibrationError {
-    VibrationError::NotFound { what: "vibration", reason: "the mass does not come back" }
+    VibrationError::NotFound { what: "vibration", reason: "the mass does not return" }
 }
 
-/// Follows the mass to its next summit and shows every step; none if it does not come back.
-fn next_summit(
+/// Follows the mass to its next maximum of x and passes every step to `visit`; returns none if it does not return.
+fn next_maximum(
     motion: &mut Motion<process::Steady>,
     mut show: impl FnMut(&Motion<process::Steady>, Cut),
-) -> Result<Option<Summit>, VibrationError> {
+) -> Result<Option<Maximum>, VibrationError> {
     let until = motion.now.tau + MAX_WAIT * motion.stick_time();
     let mut lowest = motion.now.x;
     while motion.now.tau < until {
         let cut = motion.step(until)?;
         lowest = lowest.min(motion.now.x);
         show(motion, cut);
-        if cut == Cut::Summit {
-            return Ok(Some(Summit { state: motion.now.state(), fall: motion.now.x - lowest }));
+        if cut == Cut::Maximum {
+            return Ok(Some(Maximum { state: motion.now.state(), fall: motion.now.x - lowest }));
         }
     }
     Ok(None)
 }
 
-/// One more period, measured; extremes lie at ends of steps.
-fn measured(motion: &mut Motion<process::Steady>, first: Summit, summits: usize) -> Result<LimitCycle, VibrationError> {
+/// Follows one more period and measures it; extremes lie at ends of steps.
+fn measured(
+    motion: &mut Motion<process::Steady>,
+    first: Maximum,
+    summits: usize,
+) -> Result<LimitCycle, VibrationError> {
     let contact = motion.contact_stiffness();
     let began = motion.now.tau;
     let mut tangential = [motion.now.x; 2];
@@ -170,7 +176,7 @@ fn measured(motion: &mut Motion<process::Steady>, first: Summit, summits: usize)
     let (mut stick, mut flight, mut detachments, mut lift_offs) = (0.0, 0.0, 0, 0);
     let mut last = first;
     for _ in 0..summits {
-        last = next_summit(motion, |motion, cut| {
+        last = next_maximum(motion, |motion, cut| {
             let now = motion.now;
             tangential = [tangential[0].min(now.x), tangential[1].max(now.x)];
             normal = [normal[0].min(now.y), normal[1].max(now.y)];
@@ -220,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_repeats_itself_and_attracts_from_elsewhere() {
+    fn a_cycle_repeats_and_attracts_other_starts() {
         for model in [model(0.8, 0.05, 0.05), model(0.9, 0.05, 0.5), model(0.9, 0.01, 0.05)] {
             let found = cycle(&model);
             let settings = TrajectorySettings { duration: found.period, start: Some(found.start) };
@@ -249,9 +255,9 @@ mod tests {
     }
 
     #[test]
-    fn without_coupling_it_is_the_cycle_of_one_degree_of_freedom() {
-        // Springs along and across the belt: y stays 0, and x is the oscillator with one degree of freedom. Periods and largest
-        // and least x of that one, by 30-digit integration; of Coulomb friction in closed form.
+    fn without_coupling_the_cycle_has_one_degree_of_freedom() {
+        // Springs along and across the belt: y stays 0, and x is the oscillator with one degree of freedom. Reference
+        // periods and extremes of x come from 30-digit integration; with Coulomb friction from the closed form.
         let (drop, v) = (0.1_f64, 0.05_f64);
         let closed = std::f64::consts::TAU - 2.0 * (drop / v).atan() + 2.0 * drop / v;
         let coulomb = FrictionLaw::Coulomb { kinetic: 0.3 };
@@ -297,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn damped_motion_rests_below_the_onset_and_flies_above() {
+    fn damped_motion_rests_below_the_onset_and_lifts_off_above() {
         let onset = |ratio: f64| critical_friction(&model(0.8, ratio, 0.5), 2.0).unwrap().unwrap().friction;
         assert!(onset(0.05) > 0.75 && onset(0.05) < 0.77);
         assert_eq!(limit_cycle(&model(0.75, 0.05, 0.5), None).unwrap(), Regime::Steady);
@@ -307,16 +313,16 @@ mod tests {
     }
 
     #[test]
-    fn belts_that_the_mass_never_overtakes_are_all_alike_under_coulomb_friction() {
-        // Flight alone limits the vibration then, and the velocity of the belt does not enter.
+    fn the_belt_velocity_has_no_effect_on_a_slower_mass_under_coulomb_friction() {
+        // Only flight limits the vibration, so the velocity of the belt has no effect.
         let (slow, fast) = (cycle(&model(0.9, 0.05, 0.6)), cycle(&model(0.9, 0.05, 3.0)));
         assert_eq!(slow.detachments, 0);
         assert!((slow.period - fast.period).abs() < 1e-9 && (slow.normal[0] - fast.normal[0]).abs() < 1e-9);
     }
 
     #[test]
-    fn springs_that_lean_the_other_way_lock() {
-        // det K(μ) = 3 − 4μ/3 then.
+    fn springs_with_the_opposite_inclination_lock() {
+        // det K(μ) = 3 − 4μ/3.
         let springs = Parameters::default().springs;
         let leaning = |friction: f64| {
             let parameters = model(friction, 0.05, 0.3).parameters().clone();
@@ -335,7 +341,7 @@ mod tests {
 
     #[test]
     fn a_motion_that_spirals_into_its_cycle_has_the_period_of_one_turn() {
-        // Periods of an independent simulation; the motion comes near itself after several turns first.
+        // Periods of an independent simulation; the motion first comes close to itself after several turns.
         for (friction, period) in [(0.85, 4.989_417_7), (0.9, 5.027_113_47), (1.0, 5.092_547_6)] {
             let law = crate::FrictionLaw::Coulomb { kinetic: friction };
             let damping = Damping::Modal { ratios: [0.01, 0.02] };

@@ -1,88 +1,89 @@
-//! Many trajectories, and how surely they become a vibration.
+//! Ensembles of trajectories and the probability that they become a vibration.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::super::sample_law::RunningMoments;
+use super::super::sample_distribution::RunningMoments;
 use super::super::{Count, Failure, VibrationError, positive};
 use super::motion::Cut;
 use super::trajectory::started;
 use super::{Contact, Model, State, TrajectorySettings};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::wilson_interval;
-use asperity_process::{Fluctuation, FrictionProcess, Steady, Watched};
+use asperity_process::{Cancellable, Fluctuation, FrictionProcess, Steady};
 
-/// Trajectories computed before cancellation is looked for in order.
+/// Number of trajectories between checks for cancellation.
 const BLOCK: usize = 256;
-/// Last share of the time in which a vibration counts as sustained.
-const LAST_SHARE: f64 = 0.25;
+/// Last fraction of the time, in which a vibration counts as sustained.
+const LAST_FRACTION: f64 = 0.25;
 
-/// How an ensemble is computed.
+/// Settings of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnsembleSettings {
     /// Number of trajectories, at least 2.
     pub trajectories: usize,
-    /// Time τ of each.
+    /// Duration τ of each trajectory.
     pub duration: f64,
-    /// Amplitude |x − x_s| that is a vibration, x_s of steady sliding without fluctuation.
+    /// Amplitude |x − x_s| above which motion counts as vibration; x_s is x in steady sliding without fluctuation.
     pub threshold: f64,
     /// Seed; trajectory i reads realisation i of the process.
     pub seed: u64,
-    /// State at τ = 0; none: as [`TrajectorySettings::start`].
+    /// State at τ = 0; the default is given at [`TrajectorySettings::start`].
     pub start: Option<State>,
-    /// Least share of valid trajectories.
+    /// Least fraction of valid trajectories.
     pub least_valid_share: f64,
 }
 
-/// The law of many trajectories.
+/// Statistics of many trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
-    /// Trajectories asked for.
+    /// Number of requested trajectories.
     pub trajectories: usize,
-    /// Share of the trajectories whose amplitude passes the threshold.
+    /// Fraction of the trajectories whose amplitude exceeds the threshold.
     pub passed: f64,
-    /// 95 % interval of that share (Wilson).
+    /// 95 % interval of that fraction (Wilson).
     pub passed_interval: [f64; 2],
-    /// Time of the first passage, over the trajectories that pass; none if fewer than two do.
+    /// Time of the first passage, over the trajectories that exceed the threshold; none if fewer than two do.
     pub passage_time: Option<Count>,
-    /// Share whose amplitude passes the threshold in the last quarter of the time: a sustained vibration.
+    /// Fraction of the trajectories whose amplitude exceeds the threshold in the last quarter of the time: a sustained
+    /// vibration.
     pub sustained: f64,
-    /// 95 % interval of that share (Wilson).
+    /// 95 % interval of that fraction (Wilson).
     pub sustained_interval: [f64; 2],
-    /// Largest amplitude in the last quarter.
+    /// Largest amplitude in the last quarter of the time.
     pub amplitude: Count,
-    /// Share of the time in stick.
+    /// Fraction of the time in stick.
     pub stick_share: Count,
-    /// Share of the time off the belt.
+    /// Fraction of the time off the belt.
     pub flight_share: Count,
-    /// The same without fluctuation.
+    /// Result without fluctuation.
     pub deterministic: Outcome,
-    /// Trajectories without a valid end.
+    /// Trajectories that failed.
     pub failures: Vec<Failure>,
 }
 
-/// What one trajectory leaves.
+/// Result of one trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// When the amplitude first passed the threshold.
+    /// Time at which the amplitude first exceeded the threshold.
     pub passage: Option<f64>,
     /// Largest amplitude in the last quarter of the time.
     pub amplitude: f64,
-    /// Share of the time in stick.
+    /// Fraction of the time in stick.
     pub stick_share: f64,
-    /// Share of the time off the belt.
+    /// Fraction of the time off the belt.
     pub flight_share: f64,
 }
 
 impl Ensemble {
-    /// Follows many trajectories in parallel. The amplitude is read where x turns. The result does not depend on the number
-    /// of threads.
+    /// Simulates many trajectories in parallel. Amplitudes are evaluated at the extremes of x. The result does not
+    /// depend on the number of threads.
     ///
-    /// Fails if settings are out of range, if no steady sliding exists, if the motion without fluctuation is invalid, if too few
-    /// trajectories are valid, and when cancelled.
+    /// Fails if settings are out of range, if no steady sliding exists, if the motion without fluctuation is invalid,
+    /// if too few trajectories are valid, or when cancelled.
     pub fn simulate(
         model: &Model,
         process: &FrictionProcess,
@@ -92,18 +93,18 @@ impl Ensemble {
         positive("threshold", settings.threshold)?;
         let deterministic = follow(model, Steady, settings)?;
         let run = |index| {
-            let mut path = Watched::new(process.path(settings.seed, index), monitor);
+            let mut path = Cancellable::new(process.path(settings.seed, index), monitor);
             follow(model, &mut path, settings)
         };
         let Runs { values, failures } = run_all(settings.trajectories, settings.least_valid_share, monitor, run)?;
         let count = |of: fn(&Outcome) -> f64| counted(values.iter().map(of));
-        let share = |of: &dyn Fn(&Outcome) -> bool| {
+        let fraction = |of: &dyn Fn(&Outcome) -> bool| {
             let met = values.iter().filter(|outcome| of(outcome)).count();
             let interval = wilson_interval(met, values.len());
             (met as f64 / values.len() as f64, [interval.low, interval.high])
         };
-        let (passed, passed_interval) = share(&|outcome| outcome.passage.is_some());
-        let (sustained, sustained_interval) = share(&|outcome| outcome.amplitude >= settings.threshold);
+        let (passed, passed_interval) = fraction(&|outcome| outcome.passage.is_some());
+        let (sustained, sustained_interval) = fraction(&|outcome| outcome.amplitude >= settings.threshold);
         let passages: Vec<f64> = values.iter().filter_map(|outcome| outcome.passage).collect();
         Ok(Self {
             trajectories: settings.trajectories,
@@ -128,7 +129,7 @@ fn follow(
     settings: &EnsembleSettings,
 ) -> Result<Outcome, VibrationError> {
     let EnsembleSettings { duration, threshold, start, .. } = *settings;
-    let reason = "friction draws the mass away";
+    let reason = "friction pulls the mass away";
     let missing = VibrationError::NotFound { what: "state of steady sliding", reason };
     let rest = model.steady(model.sliding_friction()).ok_or(missing)?.tangential;
     let mut motion = started(model, fluctuation, &TrajectorySettings { duration, start })?;
@@ -141,34 +142,34 @@ fn follow(
             (Contact::Flight, since) => flight += now.tau - since,
             _ => {}
         }
-        if !matches!(cut, Cut::Summit | Cut::Valley) {
+        if !matches!(cut, Cut::Maximum | Cut::Minimum) {
             continue;
         }
         let size = (now.x - rest).abs();
         if size >= threshold && passage.is_none() {
             passage = Some(now.tau);
         }
-        if now.tau >= (1.0 - LAST_SHARE) * duration {
+        if now.tau >= (1.0 - LAST_FRACTION) * duration {
             amplitude = amplitude.max(size);
         }
     }
     Ok(Outcome { passage, amplitude, stick_share: stick / duration, flight_share: flight / duration })
 }
 
-/// Mean and spread.
+/// Returns the mean, standard deviation and standard error.
 fn counted(values: impl Iterator<Item = f64>) -> Count {
     let mut sums = RunningMoments::EMPTY;
     values.for_each(|value| sums.add(value));
     Count { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
 }
 
-/// Valid results in the order of their trajectories, and the others.
+/// Valid results in the order of their trajectories, and the failures.
 pub(super) struct Runs<T> {
     pub(super) values: Vec<T>,
     pub(super) failures: Vec<Failure>,
 }
 
-/// Runs trajectories in parallel; at least the given share must be valid.
+/// Runs trajectories in parallel; at least the given fraction must be valid.
 pub(super) fn run_all<T: Send>(
     total: usize,
     least_valid_share: f64,
@@ -200,7 +201,7 @@ pub(super) fn run_all<T: Send>(
         for (trajectory, value) in (first..).zip(block) {
             match value {
                 Ok(value) => runs.values.push(value),
-                // Whatever a path ended in then, it was not followed to its end.
+                // A cancelled trajectory may end in any error, because it was not followed to its end.
                 Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
                 Err(error) => runs.failures.push(Failure { trajectory, reason: error.to_string() }),
             }
@@ -247,26 +248,26 @@ mod tests {
         assert!((found.amplitude.mean - amplitude).abs() < 1e-10, "{} {amplitude}", found.amplitude.mean);
         assert_eq!((found.passed, found.sustained), (1.0, 1.0));
         assert!((found.passage_time.unwrap().mean - found.deterministic.passage.unwrap()).abs() < 1e-9);
-        // Over a time that is no whole number of periods.
+        // The duration is not a whole number of periods.
         let difference = found.flight_share.mean - cycle.flight_share;
         assert!(difference.abs() < cycle.period / settings.duration, "{difference}");
     }
 
     #[test]
     fn the_first_passage_follows_the_growth_rate() {
-        // From a to A in linear growth takes ln(A/a)/growth; both thresholds lie within it.
+        // In linear growth the time from a to A is ln(A/a)/growth; both thresholds lie in the linear range.
         let model = model(0.85);
         let growth = super::super::modes(&model, 0.85)[0].growth.max(super::super::modes(&model, 0.85)[1].growth);
         let passage = |threshold: f64| {
             Ensemble::simulate(&model, &process(1e-13), &settings(2, threshold), &Silent).unwrap().deterministic.passage
         };
         let (early, late) = (passage(0.02).unwrap(), passage(0.08).unwrap());
-        // A half period of resolution, because amplitudes are read where x turns.
+        // Amplitudes are evaluated at extremes of x, so times are known to half a period.
         assert!(((late - early) - 4.0_f64.ln() / growth).abs() < 2.5, "{early} {late}");
     }
 
     #[test]
-    fn threads_change_nothing_and_noise_shakes_a_stable_mass() {
+    fn results_do_not_depend_on_threads_and_noise_excites_a_stable_mass() {
         let model = model(0.7);
         let run = |threads: usize, std: f64| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -282,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_and_rare_validity_are_errors() {
+    fn invalid_settings_and_too_many_failures_are_errors() {
         let (model, process) = (model(0.8), process(0.3));
         assert!(matches!(
             Ensemble::simulate(&model, &process, &settings(8, 0.1), &Silent),

@@ -1,23 +1,23 @@
-//! How fast small motion about steady sliding grows under fluctuating friction.
+//! Growth of small motion about steady sliding under fluctuating friction.
 
 use serde::{Deserialize, Serialize};
 
-use super::super::sample_law::RunningMoments;
+use super::super::sample_distribution::RunningMoments;
 use super::super::{Failure, VibrationError, positive};
 use super::ensemble::{Runs, run_all};
 use super::{Model, modes};
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::{quantile_sorted, sorted_present, wilson_interval};
-use asperity_process::{Cell, Fluctuation, FrictionProcess, Watched};
+use asperity_process::{Cancellable, Cell, Fluctuation, FrictionProcess};
 
-/// Coefficients of the series of one step.
+/// Number of coefficients of the series of one step.
 const TERMS: usize = 16;
 /// Last kept term of a series, relative to the state.
 const TOLERANCE: f64 = 1e-17;
-/// Size beyond which a state is scaled back.
-const HUGE: f64 = 1e100;
+/// Size above which a state is scaled back.
+const RESCALING_SIZE: f64 = 1e100;
 
-/// How growth rates are computed.
+/// Settings of the growth rates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrowthSettings {
@@ -25,49 +25,50 @@ pub struct GrowthSettings {
     pub trajectories: usize,
     /// Time τ over which growth is measured.
     pub duration: f64,
-    /// Time before that, in which the motion turns into the one that grows most.
+    /// Time before the measurement, in which the motion turns into the fastest-growing mode.
     pub settling: f64,
-    /// Seed; realisation i is that of the process.
+    /// Seed; realisation i is the one of the friction process.
     pub seed: u64,
-    /// Least share of valid realisations.
+    /// Least fraction of valid realisations.
     pub least_valid_share: f64,
 }
 
-/// The law of the growth rate of small motion, finite-time Lyapunov exponents of realisations.
+/// Distribution of the growth rate of small motion (finite-time Lyapunov exponents) over realisations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GrowthRates {
     /// μ of steady sliding.
     pub friction: f64,
     /// Largest growth rate without fluctuation.
     pub deterministic: f64,
-    /// Mean rate: the Lyapunov exponent, but for an end effect of the order of 1/duration.
+    /// Mean rate: the Lyapunov exponent, except for an end effect of the order of 1/duration.
     pub mean: f64,
     /// Standard deviation over realisations, divisor n − 1.
     pub std: f64,
     /// Standard error of the mean.
     pub se: f64,
-    /// 5, 50 and 95 % of the rates lie below.
+    /// Quantiles of the rates at 5, 50 and 95 %.
     pub quantiles: [f64; 3],
-    /// Share of the realisations in which motion grows.
+    /// Fraction of the realisations in which motion grows.
     pub growing: f64,
-    /// 95 % interval of that share (Wilson).
+    /// 95 % interval of that fraction (Wilson).
     pub growing_interval: [f64; 2],
-    /// Realisations without a valid end.
+    /// Realisations that failed.
     pub failures: Vec<Failure>,
 }
 
-/// Growth rates of small motion about steady sliding at the friction coefficient μ under m(s), s = Vτ.
+/// Returns growth rates of small motion about steady sliding at the friction coefficient μ under m(s), s = Vτ.
 ///
-/// Linearised, a small motion ξ along the belt also reads friction elsewhere, m(Vτ − ξ), which stiffens the mass by
-/// m′·n, n the steady normal force:
+/// A small motion ξ along the belt shifts the position at which friction is evaluated, m(Vτ − ξ). Linearised, this
+/// stiffens the mass by m′·n, with n the steady normal force:
 ///
 /// ξ″ + c₁₁ξ′ + c₁₂η′ + (k₁₁ + m′n)ξ + (k₁₂ − (μ + m)k₃)η = 0,  η″ + c₁₂ξ′ + c₂₂η′ + k₁₂ξ + k₂₂η = 0.
 ///
-/// The rate is that of √E, with the energy E = ½(ξ′² + η′²) + ½(ξ, η)·K(0)(ξ, η), over the duration; the force m·n, which shakes
-/// the mass but does not make motion grow, is left out. The result does not depend on the number of threads.
+/// The rate is the growth rate of √E over the duration, with the energy E = ½(ξ′² + η′²) + ½(ξ, η)·K(0)(ξ, η). The
+/// force m·n is left out: it excites the mass but does not make motion grow. The result does not depend on the number
+/// of threads.
 ///
-/// Fails if steady sliding does not exist, settings are out of range, too few realisations are valid (the friction coefficient
-/// must stay positive), and when cancelled.
+/// Fails if steady sliding does not exist, if settings are out of range, if too few realisations are valid (the
+/// friction coefficient must stay positive), or when cancelled.
 ///
 /// # References
 /// Arnold, *Random Dynamical Systems*, Springer (1998), for Lyapunov exponents of linear systems driven by noise.
@@ -80,7 +81,7 @@ pub fn growth_rates(
 ) -> Result<GrowthRates, VibrationError> {
     let GrowthSettings { trajectories, duration, settling, seed, least_valid_share } = *settings;
     let system = Linear::new(model, friction, duration, settling)?;
-    let run = |index| system.rate(Watched::new(process.path(seed, index), monitor));
+    let run = |index| system.rate(Cancellable::new(process.path(seed, index), monitor));
     let Runs { values: rates, failures } = run_all(trajectories, least_valid_share, monitor, run)?;
     let mut sums = RunningMoments::EMPTY;
     rates.iter().for_each(|rate| sums.add(*rate));
@@ -102,11 +103,11 @@ pub fn growth_rates(
     })
 }
 
-/// The linearised system.
+/// Linearised equations of motion.
 #[derive(Debug, Clone, Copy)]
 struct Linear {
     stiffness: [f64; 3],
-    /// c₁₁ with the fall of friction, c₁₂, c₂₂.
+    /// c₁₁ with the weakening of friction, c₁₂, c₂₂.
     damping: [f64; 3],
     contact: f64,
     normal_force: f64,
@@ -121,7 +122,7 @@ impl Linear {
         positive("duration", duration)?;
         positive("friction coefficient", friction)?;
         super::super::non_negative("settling time", settling)?;
-        let reason = "friction draws the mass away";
+        let reason = "friction pulls the mass away";
         let missing = VibrationError::NotFound { what: "state of steady sliding", reason };
         let normal_force = model.steady(friction).ok_or(missing)?.normal_force;
         let [_, c12, c22] = model.damping;
@@ -137,15 +138,15 @@ impl Linear {
         })
     }
 
-    /// Growth rate under one realisation.
+    /// Returns the growth rate under one realisation.
     fn rate(&self, mut fluctuation: impl Fluctuation) -> Result<f64, VibrationError> {
-        // Neither mode is absent from this state but by chance.
+        // This state contains both modes, except by coincidence.
         let mut state = [1.0, 0.3, -0.5, 0.2];
         let end = self.settling + self.duration;
         let (mut tau, mut log_size, mut at_start) = (0.0, 0.0, None);
         while tau < end {
             let cell = self.cell(&mut fluctuation, tau)?;
-            // The times of knots are not summed up.
+            // Times of grid points are not accumulated, so rounding does not add up.
             let next = cell.end / self.velocity;
             let slope = if cell.length.is_finite() { cell.slope() * self.velocity } else { 0.0 };
             let began = tau;
@@ -161,7 +162,7 @@ impl Linear {
                 }
             }
             let largest = state.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            if !(HUGE.recip()..=HUGE).contains(&largest) {
+            if !(RESCALING_SIZE.recip()..=RESCALING_SIZE).contains(&largest) {
                 log_size += largest.ln();
                 state.iter_mut().for_each(|z| *z /= largest);
             }
@@ -182,13 +183,13 @@ impl Linear {
         }
     }
 
-    /// ln √E.
+    /// Returns ln √E.
     fn log_size(&self, [x, u, y, v]: &[f64; 4]) -> f64 {
         let [k11, k12, k22] = self.stiffness;
         0.5 * (0.5 * (u * u + v * v + k11 * x * x + k22 * y * y) + k12 * x * y).ln()
     }
 
-    /// One Taylor step of at most `wanted`, with m + slope·t; returns its length.
+    /// Advances by one Taylor step of at most `wanted`, with m + slope·t; returns its length.
     fn advance(&self, state: &mut [f64; 4], m: f64, slope: f64, wanted: f64) -> f64 {
         let [k11, k12, k22] = self.stiffness;
         let [c11, c12, c22] = self.damping;
@@ -201,11 +202,11 @@ impl Linear {
         c[0] = *state;
         for k in 0..terms - 1 {
             let [x, u, y, v] = c[k];
-            let share = 1.0 / (k as f64 + 1.0);
+            let fraction = 1.0 / (k as f64 + 1.0);
             let before = if k == 0 { 0.0 } else { c[k - 1][2] };
             let pull = -k11 * x - across * y - c11 * u - c12 * v + drift * before;
             let push = -k12 * x - k22 * y - c12 * u - c22 * v;
-            c[k + 1] = [u * share, pull * share, v * share, push * share];
+            c[k + 1] = [u * fraction, pull * fraction, v * fraction, push * fraction];
         }
         let size = |c: &[f64; 4]| c.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         let allowed = TOLERANCE * size(&c[0]);
@@ -245,7 +246,7 @@ mod tests {
         let model = Model::new(Parameters { damping, law, static_friction: 0.9, ..Parameters::default() }).unwrap();
         for friction in [0.3, 0.8, 1.2] {
             let wanted = leading(&model, friction);
-            // Over whole periods √E grows by e^{growth·τ} exactly, once the other mode is gone.
+            // Over whole periods √E grows by exactly e^{growth·τ} once the other mode has decayed.
             let duration = 10.0 * TAU / wanted.frequency;
             let system = Linear::new(&model, friction, duration, 900.0).unwrap();
             let found = system.rate(Steady).unwrap();
@@ -254,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn under_a_constant_fluctuation_it_is_that_of_the_other_coefficient() {
+    fn a_constant_fluctuation_gives_the_rate_of_the_changed_coefficient() {
         let damping = Damping::Modal { ratios: [0.05, 0.01] };
         let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
         let wanted = leading(&model, 0.8);
@@ -266,10 +267,11 @@ mod tests {
     }
 
     #[test]
-    fn under_a_periodic_fluctuation_it_is_floquet_s() {
-        // Monodromy matrix M by SciPy's DOP853 (rtol 1e-13, atol 1e-14) from knot to knot: K(0) = [2, 1; 1, 2], k₃ = 4/3,
-        // C = diag(0.06, 0.02), μ = 0.8 constant, V = 0.5, n = 3/(3 + 4·0.8/3), m through 0, 0.1, 0.05, −0.12, 0, … at
-        // s = 0, 0.4, 0.8, …; rates of √E of Mz and M¹⁰z, z = (1, 0.3, −0.5, 0.2), and the largest Floquet exponent.
+    fn a_periodic_fluctuation_gives_the_floquet_exponent() {
+        // Reference: monodromy matrix M by SciPy's DOP853 (rtol 1e-13, atol 1e-14) between grid points, with K(0) = [2,
+        // 1; 1, 2], k₃ = 4/3, C = diag(0.06, 0.02), μ = 0.8 constant, V = 0.5, n = 3/(3 + 4·0.8/3), and m through 0,
+        // 0.1, 0.05, −0.12, 0, … at s = 0, 0.4, 0.8, …; growth rates of √E for Mz and M¹⁰z, z = (1, 0.3, −0.5, 0.2),
+        // and the largest Floquet exponent.
         let damping = Damping::Axes { tangential: 0.06, normal: 0.02 };
         let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
         let values = (0..8000).map(|i| [0.0, 0.1, 0.05, -0.12][i % 4]).collect();
@@ -282,7 +284,7 @@ mod tests {
             let found = rate(periods, 0);
             assert!((found - wanted).abs() < 1e-12, "{periods}: {found} {wanted}");
         }
-        // The phase of the mode leaves an end effect, bounded by the eccentricity of its ellipse over the duration.
+        // The phase of the mode causes an end effect, bounded by the eccentricity of its ellipse over the duration.
         for periods in [100, 400, 1600] {
             let found = rate(periods, 100);
             assert!((found - 0.077_701_506_391_896_69).abs() < 1.0 / (3.2 * f64::from(periods)), "{periods}: {found}");
@@ -291,8 +293,8 @@ mod tests {
 
     #[test]
     fn a_slope_of_the_fluctuation_stiffens_the_mass() {
-        // Uncoupled, under m = 0.3 s and the constant normal force 1, motion is linear: the difference of two trajectories from
-        // one place obeys the linearised system.
+        // Without coupling, under m = 0.3 s and the constant normal force 1, motion is linear: the difference of two
+        // trajectories from one point obeys the linearised equations.
         let model = Model::new(Parameters {
             angles_deg: [0.0, 90.0],
             springs: [1.0, 1.0],

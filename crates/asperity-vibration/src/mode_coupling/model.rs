@@ -1,19 +1,20 @@
-//! The oscillator with two degrees of freedom and its state of steady sliding.
+//! Model with two degrees of freedom and its state of steady sliding.
 
 use serde::{Deserialize, Serialize};
 
 use super::super::{FrictionLaw, VibrationError, non_negative, positive};
 
-/// Largest stiffness, velocity, friction coefficient and damping; beyond, an answer would be a number without meaning.
+/// Largest stiffness, velocity, friction coefficient and damping; results for larger values would be meaningless.
 const MOST: f64 = 1e6;
-/// ω₂² − ω₁² over ω₂² below which the modes count as equal.
+/// Value of (ω₂² − ω₁²)/ω₂² below which the modes count as equal.
 const DISTINCT: f64 = 1e-9;
 
-/// How the motion is damped, by a force −C·(x′, y′) that also acts in flight.
+/// Damping of the motion by a force −C·(x′, y′), which also acts in flight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Damping {
-    /// Damping ratios ζ₁, ζ₂ of the modes without friction, the slow one first: C has their shapes and the values 2ζᵢωᵢ.
+    /// Modal damping ratios ζ₁, ζ₂ of the modes without friction, the slow one first. C has their mode shapes and the
+    /// eigenvalues 2ζᵢωᵢ.
     Modal {
         /// ζ₁ and ζ₂.
         ratios: [f64; 2],
@@ -25,7 +26,7 @@ pub enum Damping {
         /// b.
         stiffness: f64,
     },
-    /// One damper along the belt and one across.
+    /// One damper along the belt and one across it.
     Axes {
         /// Along x.
         tangential: f64,
@@ -34,7 +35,7 @@ pub enum Damping {
     },
 }
 
-/// What a [`Model`] is made of; see there for the meaning.
+/// Parameters of a [`Model`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -48,15 +49,16 @@ pub struct Parameters {
     pub damping: Damping,
     /// μ_s, the stick limit.
     pub static_friction: f64,
-    /// Kinetic law μ(|v|).
+    /// Kinetic friction law μ(|v|).
     pub law: FrictionLaw,
     /// V > 0.
     pub belt_velocity: f64,
 }
 
 impl Default for Parameters {
-    /// Springs at 150° and 30° with k₁, k₂ = ⅔(2 ∓ √3) and k₃ = 4/3, without damping, so that K = \[2, 1 − Δ; 1, 2\] with
-    /// Δ = 4μ/3 and ω² = 2 ± √(1 − Δ): the modes meet at μ = ¾. Coulomb friction μ = 0.8, V = 0.5.
+    /// Returns the published example: springs at 150° and 30° with k₁, k₂ = ⅔(2 ∓ √3) and k₃ = 4/3, without damping. K
+    /// = \[2, 1 − Δ; 1, 2\] with Δ = 4μ/3 and ω² = 2 ± √(1 − Δ), so the modes meet at μ = ¾. Coulomb friction μ = 0.8,
+    /// V = 0.5.
     fn default() -> Self {
         let root = 3.0_f64.sqrt();
         Self {
@@ -71,7 +73,7 @@ impl Default for Parameters {
     }
 }
 
-/// The state in which the mass rests in space and the belt slides under it.
+/// State in which the mass rests in space and the belt slides under it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SteadySliding {
     /// x.
@@ -82,17 +84,18 @@ pub struct SteadySliding {
     pub normal_force: f64,
 }
 
-/// A mass on two inclined springs, pressed on a moving belt through a contact spring, checked and dimensionless.
+/// Mass on two inclined springs, pressed on a moving belt through a contact spring, with checked dimensionless
+/// parameters.
 ///
-/// With x along the belt's velocity, y into the belt, zero where the static normal force 1 acts alone, and the contact
-/// force n = max(0, 1 + k₃y),
+/// The coordinate x is along the belt velocity and y into the belt, both zero where the static normal force 1 acts
+/// alone. With the contact force n = max(0, 1 + k₃y),
 ///
 /// - x″ = −k₁₁x − k₁₂y − (C·(x′, y′))ₓ + sign(V − x′)·\[μ(|V − x′|) + m(s)\]·n,
 /// - y″ = −k₁₂x − k_yy·y − (C·(x′, y′))_y + 1 − n,
 /// - k₁₁ = Σkᵢcos²αᵢ, k₁₂ = Σkᵢ sin αᵢ cos αᵢ, k_yy = Σkᵢ sin²αᵢ; in contact k₂₂ = k_yy + k₃;
-/// - stick, x′ = V, as long as the friction that this needs is at most (μ_s + m)·n.
+/// - stick, x′ = V, while the required friction force is at most (μ_s + m)·n.
 ///
-/// The sliding distance s = ∫|V − x′|dτ stands still in stick and in flight.
+/// The sliding distance s = ∫|V − x′|dτ is constant in stick and in flight.
 ///
 /// # References
 /// Hoffmann, Fischer, Allgaier & Gaul, *Mechanics Research Communications* **29** (2002) 197,
@@ -107,8 +110,9 @@ pub struct Model {
 }
 
 impl Model {
-    /// Checks the parameters: finite angles, stiffnesses, damping and friction up to 10⁶, 0 < V ≤ 10⁶, μ_k ≤ μ_s, and
-    /// springs that hold the mass (k₁₁k₂₂ > k₁₂²). Modal damping of two equal modes must have equal ratios.
+    /// Checks the parameters. Angles, stiffnesses, damping and friction must be finite and at most 10⁶, 0 < V ≤ 10⁶,
+    /// μ_k ≤ μ_s, and the springs must hold the mass (k₁₁k₂₂ > k₁₂²). Modal damping of two equal modes must have equal
+    /// ratios.
     pub fn new(parameters: Parameters) -> Result<Self, VibrationError> {
         let Parameters { angles_deg, springs, contact_stiffness, static_friction, belt_velocity, .. } = parameters;
         let law = &parameters.law;
@@ -116,7 +120,7 @@ impl Model {
             if value.abs() <= MOST {
                 Ok(())
             } else {
-                Err(VibrationError::Parameter { parameter, value, wanted: "of a size up to 1e6" })
+                Err(VibrationError::Parameter { parameter, value, wanted: "at most 1e6 in absolute value" })
             }
         };
         angles_deg.iter().try_for_each(|&angle| bounded("angle of a spring", angle))?;
@@ -134,7 +138,7 @@ impl Model {
         }
         law.validate()?;
         if let FrictionLaw::Tabulated(_) = law {
-            let reason = "mode coupling takes laws with a formula, no table";
+            let reason = "mode coupling does not support friction tables; use a law with a formula";
             return Err(VibrationError::NotFound { what: "series of the friction law", reason });
         }
         bounded("velocity weakening of the friction law", law.weakening(0.0))?;
@@ -161,33 +165,33 @@ impl Model {
         Ok(Self { parameters, stiffness, damping })
     }
 
-    /// The parameters it was made of.
+    /// Returns the parameters of the model.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// Stiffness (k₁₁, k₁₂, k₂₂) of the mass in contact, without friction.
+    /// Returns the stiffness (k₁₁, k₁₂, k₂₂) of the mass in contact, without friction.
     pub fn stiffness(&self) -> [f64; 3] {
         self.stiffness
     }
 
-    /// Damping (c₁₁, c₁₂, c₂₂).
+    /// Returns the damping (c₁₁, c₁₂, c₂₂).
     pub fn damping(&self) -> [f64; 3] {
         self.damping
     }
 
-    /// V.
+    /// Returns the belt velocity V.
     pub fn belt_velocity(&self) -> f64 {
         self.parameters.belt_velocity
     }
 
-    /// μ(V), the coefficient of steady sliding.
+    /// Returns μ(V), the coefficient of steady sliding.
     pub fn sliding_friction(&self) -> f64 {
         self.parameters.law.coefficient(self.parameters.belt_velocity)
     }
 
-    /// Steady sliding at the coefficient μ, under the normal force det K(0)/det K(μ); none where the stiffness with friction
-    /// K(μ) has no positive determinant, so that nothing holds the mass.
+    /// Returns steady sliding at the coefficient μ, with the normal force det K(0)/det K(μ). Returns none if the
+    /// stiffness with friction K(μ) has no positive determinant; the springs then do not hold the mass.
     pub fn steady(&self, friction: f64) -> Option<SteadySliding> {
         let [k11, k12, k22] = self.stiffness;
         let determinant = k11 * k22 - k12 * (k12 - friction * self.parameters.contact_stiffness);
@@ -197,9 +201,9 @@ impl Model {
     }
 }
 
-/// C for a given K; both symmetric, as (11, 12, 22).
+/// Returns C for a given K; both are symmetric, stored as (11, 12, 22).
 fn damping_matrix(damping: Damping, stiffness: [f64; 3]) -> Result<[f64; 3], VibrationError> {
-    let (mass, share) = match damping {
+    let (mass, fraction) = match damping {
         Damping::Axes { tangential, normal } => {
             non_negative("tangential damping", tangential)?;
             non_negative("normal damping", normal)?;
@@ -211,27 +215,27 @@ fn damping_matrix(damping: Damping, stiffness: [f64; 3]) -> Result<[f64; 3], Vib
             let (mean, radius) = (0.5 * (k11 + k22), (0.5 * (k11 - k22)).hypot(k12));
             let fast = mean + radius;
             let slow = (k11 * k22 - k12 * k12) / fast;
-            // Every function of a symmetric 2 × 2 matrix is a·1 + b·K.
+            // Every function of a symmetric 2 × 2 matrix has the form a·1 + b·K.
             let wanted = [2.0 * ratios[0] * slow.sqrt(), 2.0 * ratios[1] * fast.sqrt()];
             ratios.iter().try_for_each(|&ratio| non_negative("damping ratio", ratio))?;
             if 2.0 * radius <= DISTINCT * fast {
                 if ratios[0] != ratios[1] {
-                    let wanted = "that of the first mode, because the modes have one frequency";
+                    let wanted = "equal to the first one, because the modes have the same frequency";
                     return Err(VibrationError::Parameter { parameter: "damping ratio", value: ratios[1], wanted });
                 }
                 (wanted[0], 0.0)
             } else {
-                let share = (wanted[1] - wanted[0]) / (fast - slow);
-                return Ok(combination(wanted[0] - share * slow, share, stiffness));
+                let fraction = (wanted[1] - wanted[0]) / (fast - slow);
+                return Ok(combination(wanted[0] - fraction * slow, fraction, stiffness));
             }
         }
     };
     non_negative("damping proportional to the mass", mass)?;
-    non_negative("damping proportional to the stiffness", share)?;
-    Ok(combination(mass, share, stiffness))
+    non_negative("damping proportional to the stiffness", fraction)?;
+    Ok(combination(mass, fraction, stiffness))
 }
 
-/// a·1 + b·K.
+/// Returns a·1 + b·K.
 fn combination(a: f64, b: f64, [k11, k12, k22]: [f64; 3]) -> [f64; 3] {
     [a + b * k11, b * k12, a + b * k22]
 }
@@ -263,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn modal_damping_damps_the_modes_it_names() {
+    fn modal_damping_acts_on_its_modes() {
         let damping = Damping::Modal { ratios: [0.02, 0.07] };
         let model = Model::new(Parameters { damping, ..Parameters::default() }).unwrap();
         let [c11, c12, c22] = model.damping();
@@ -274,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_at_the_door() {
+    fn invalid_parameters_are_refused() {
         let fine = Parameters::default();
         let law = FrictionLaw::Coulomb { kinetic: 0.9 };
         for parameters in [

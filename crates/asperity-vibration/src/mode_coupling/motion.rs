@@ -1,4 +1,4 @@
-//! One trajectory: steps of the Taylor series cut at events.
+//! Motion along one trajectory: steps of the Taylor series that end at events.
 
 mod series;
 
@@ -9,25 +9,25 @@ use super::super::VibrationError;
 use super::Model;
 use asperity_process::{Cell, Fluctuation};
 
-/// Steps in a row that may leave the time where it is.
+/// Largest number of consecutive steps without progress in time.
 const MAX_IDLE_STEPS: usize = 100;
 
-/// How the mass touches the belt.
+/// Contact of the mass with the belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contact {
-    /// It moves with the belt.
+    /// The mass moves with the belt.
     Stick,
-    /// It is slower than the belt.
+    /// The mass is slower than the belt.
     Slip,
-    /// It is faster than the belt.
+    /// The mass is faster than the belt.
     OverSlip,
-    /// It has left the belt.
+    /// The mass has left the belt.
     Flight,
 }
 
 impl Contact {
-    /// Sign of the friction on the mass in slip, else 0.
+    /// Returns the sign of friction on the mass in slip, otherwise 0.
     fn direction(self) -> f64 {
         match self {
             Self::Slip => 1.0,
@@ -37,7 +37,7 @@ impl Contact {
     }
 }
 
-/// What happens.
+/// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventKind {
     /// D: stick ends.
@@ -52,13 +52,13 @@ pub enum EventKind {
     /// F: the mass leaves the belt.
     #[serde(rename = "F")]
     LiftOff,
-    /// L: it lands.
+    /// L: the mass lands.
     #[serde(rename = "L")]
     Landing,
 }
 
 impl EventKind {
-    /// One letter: D, R, O, F or L.
+    /// Returns the letter of the event: D, R, O, F or L.
     pub fn code(self) -> &'static str {
         match self {
             Self::Detach => "D",
@@ -84,33 +84,33 @@ pub struct State {
     pub normal_velocity: f64,
 }
 
-/// One event of a trajectory.
+/// Event of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// What happened.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// When, τ.
+    /// Time τ.
     pub tau: f64,
-    /// The mass.
+    /// State of the mass.
     pub state: State,
     /// Sliding distance since the start.
     pub sliding_distance: f64,
 }
 
-/// What ended a step.
+/// Reason for the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cut {
-    /// The asked time, a knot of the friction process, the reach of the series, or an extreme y.
+    /// The requested time, a grid point of the friction process, the reach of the series, or an extreme of y.
     None,
-    /// x′ passed zero falling: x is largest.
-    Summit,
-    /// x′ passed zero rising: x is least.
-    Valley,
+    /// x′ passed zero while falling: maximum of x.
+    Maximum,
+    /// x′ passed zero while rising: minimum of x.
+    Minimum,
     /// An event.
     Event(Event),
 }
 
-/// The state between two steps.
+/// State between two steps.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Now {
     pub(super) tau: f64,
@@ -119,22 +119,22 @@ pub(super) struct Now {
     pub(super) y: f64,
     pub(super) v: f64,
     pub(super) contact: Contact,
-    /// Friction fluctuation.
+    /// Fluctuation of friction.
     pub(super) m: f64,
     pub(super) sliding_distance: f64,
-    /// Stick ended here: the holding force is the limit exactly.
+    /// Stick ended here: the holding force is exactly at the limit.
     released: bool,
-    /// The normal force is zero exactly.
+    /// The normal force is exactly zero.
     touching: bool,
 }
 
 impl Now {
-    /// 1 + k₃y.
+    /// Returns the normal force 1 + k₃y.
     fn normal(&self, model: &Model) -> f64 {
         if self.touching { 0.0 } else { 1.0 + model.parameters().contact_stiffness * self.y }
     }
 
-    /// |V − x′| in slip, else 0.
+    /// Returns |V − x′| in slip, otherwise 0.
     fn speed(&self, model: &Model) -> f64 {
         self.contact.direction() * (model.belt_velocity() - self.u)
     }
@@ -144,23 +144,23 @@ impl Now {
     }
 }
 
-/// A mass while it is followed.
+/// Motion of a mass under one realisation of the friction process.
 #[derive(Debug)]
 pub(super) struct Motion<'a, F> {
     model: &'a Model,
     fluctuation: F,
     cell: Cell,
-    /// Where it begins.
+    /// Start of the present cell.
     began: f64,
     pub(super) now: Now,
-    /// Contact during the last step, and when it began.
+    /// Contact during the last step, and the start time of that step.
     pub(super) passed: (Contact, f64),
     series: Series,
     idle_steps: usize,
 }
 
 impl<'a, F: Fluctuation> Motion<'a, F> {
-    /// A mass in the given state at τ = 0.
+    /// Creates a motion from the given state at τ = 0.
     pub(super) fn new(model: &'a Model, fluctuation: F, start: State) -> Result<Self, VibrationError> {
         let State { tangential: x, tangential_velocity: u, normal: y, normal_velocity: v } = start;
         for (parameter, value) in [("start x", x), ("start x'", u), ("start y", y), ("start y'", v)] {
@@ -188,18 +188,18 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         if motion.now.normal(model) < 0.0 {
             motion.now.contact = Contact::Flight;
         } else {
-            motion.meet()?;
+            motion.determine_contact()?;
         }
         motion.passed.0 = motion.now.contact;
         Ok(motion)
     }
 
-    /// 1 + μ_s/(k₁₁V), about the longest stick but for coupling.
+    /// Returns 1 + μ_s/(k₁₁V), approximately the longest stick without coupling.
     pub(super) fn stick_time(&self) -> f64 {
         1.0 + self.model.parameters().static_friction / (self.model.stiffness[0] * self.model.belt_velocity())
     }
 
-    /// k₃.
+    /// Returns the contact stiffness k₃.
     pub(super) fn contact_stiffness(&self) -> f64 {
         self.model.parameters().contact_stiffness
     }
@@ -220,13 +220,13 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         Ok(cut)
     }
 
-    /// State at the time τ inside the last step.
+    /// Returns the state at the time τ inside the last step.
     pub(super) fn sample(&self, tau: f64) -> State {
         let [x, u, y, v] = self.series.state(tau - self.passed.1);
         State { tangential: x, tangential_velocity: u, normal: y, normal_velocity: v }
     }
 
-    /// Sliding distance since the start of the last step, at the time τ inside it.
+    /// Returns the sliding distance since the start of the last step at the time τ inside it.
     #[cfg(test)]
     pub(super) fn distance_at(&self, tau: f64) -> f64 {
         self.series.distance(tau - self.passed.1)
@@ -237,12 +237,14 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         self.series.reach(horizon.min(until - self.now.tau))
     }
 
-    /// First in time: arrival or lift-off, a turn, the knot; the knot last, because past an arrival distance runs backwards.
+    /// Advances in slip to the first of: arrival or lift-off, extreme, grid point. Grid points come last, because after
+    /// an arrival the distance runs backwards.
     fn slip(&mut self, until: f64) -> Result<Cut, VibrationError> {
-        let to_knot = self.cell.end - self.now.sliding_distance;
+        let to_grid_point = self.cell.end - self.now.sliding_distance;
         let speed = self.now.speed(self.model);
-        // A little more, so that the knot is inside the step.
-        let estimate = if to_knot.is_finite() && speed > 0.0 { 1.2 * to_knot / speed } else { f64::INFINITY };
+        // Slightly longer, so that the grid point is inside the step.
+        let estimate =
+            if to_grid_point.is_finite() && speed > 0.0 { 1.2 * to_grid_point / speed } else { f64::INFINITY };
         let mut h = self.expand(until, estimate.min(until - self.now.tau));
         let mut kind = None;
         if let Some(t) = self.series.arrival(h) {
@@ -252,9 +254,9 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             (h, kind) = (t, Some(EventKind::LiftOff));
         }
         let turn = self.turn(&mut h, &mut kind);
-        let crossed = to_knot.is_finite() && self.series.distance(h) >= to_knot;
+        let crossed = to_grid_point.is_finite() && self.series.distance(h) >= to_grid_point;
         if crossed {
-            h = self.series.time_of_distance(to_knot.max(0.0), h);
+            h = self.series.time_of_distance(to_grid_point.max(0.0), h);
             kind = None;
         }
         if let Some(t) = self.series.friction_end(h) {
@@ -280,7 +282,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             Some(EventKind::LiftOff) => Ok(self.lift_off()),
             Some(_) => {
                 self.now.u = self.model.belt_velocity();
-                self.meet()?;
+                self.determine_contact()?;
                 let kind = if self.now.contact == Contact::Stick { EventKind::Restick } else { EventKind::Reverse };
                 Ok(self.event(kind))
             }
@@ -292,7 +294,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         let friction = self.model.parameters().static_friction + self.now.m;
         let mut kind = None;
         let mut released = Contact::Slip;
-        // A force that would hold the mass back from the belt is at its limit: the mass becomes slower than the belt.
+        // The force that would hold the mass back is at its limit: the mass becomes slower than the belt.
         for (contact, direction) in [(Contact::Slip, 1.0), (Contact::OverSlip, -1.0)] {
             if let Some(t) = self.series.release(friction, direction, h) {
                 (h, kind, released) = (t, Some(EventKind::Detach), contact);
@@ -331,11 +333,11 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
             return Ok(self.at_turn(turn));
         }
         self.now.touching = true;
-        self.meet()?;
+        self.determine_contact()?;
         Ok(self.event(EventKind::Landing))
     }
 
-    /// Shortens a step to where x′ or y′ changes its sign, before anything else happens.
+    /// Shortens a step to the first sign change of x′ or y′, if it precedes the other events.
     fn turn(&self, h: &mut f64, kind: &mut Option<EventKind>) -> Turn {
         let mut turn = Turn::None;
         if let Some(t) = self.series.tangential_turn(*h).filter(|t| *t < *h) {
@@ -347,7 +349,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         turn
     }
 
-    /// Makes the velocity that turned zero exactly.
+    /// Sets the velocity that changed its sign to exactly zero.
     fn at_turn(&mut self, turn: Turn) -> Cut {
         match turn {
             Turn::None => {}
@@ -356,13 +358,13 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
                 // x′ falls through zero if it was positive half-way.
                 let rising = self.sample(0.5 * (self.passed.1 + self.now.tau)).tangential_velocity < 0.0;
                 self.now.u = 0.0;
-                return if rising { Cut::Valley } else { Cut::Summit };
+                return if rising { Cut::Minimum } else { Cut::Maximum };
             }
         }
         Cut::None
     }
 
-    /// Moves by the time h.
+    /// Advances by the time h.
     fn advance(&mut self, h: f64, until: f64) {
         let [x, u, y, v] = self.series.state(h);
         let now = &mut self.now;
@@ -379,8 +381,9 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         self.event(EventKind::LiftOff)
     }
 
-    /// What a mass on the belt does: by its velocity, and at the velocity of the belt by the force that stick needs.
-    fn meet(&mut self) -> Result<(), VibrationError> {
+    /// Determines the contact of a mass on the belt from its velocity, and at the velocity of the belt from the force
+    /// that stick requires.
+    fn determine_contact(&mut self) -> Result<(), VibrationError> {
         let Now { x, u, y, v, m, tau, sliding_distance, .. } = self.now;
         let ahead = self.model.belt_velocity() - u;
         let coefficient = self.model.parameters().static_friction + m;
@@ -402,7 +405,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         Ok(())
     }
 
-    /// Moves into the next cell of the friction process.
+    /// Enters the next cell of the friction process.
     fn next_cell(&mut self) -> Result<(), VibrationError> {
         let exhausted = VibrationError::ProcessTooShort { tau: self.now.tau, coordinate: self.now.sliding_distance };
         (self.began, self.cell) = (self.cell.end, self.fluctuation.next_cell().ok_or(exhausted)?);
@@ -410,7 +413,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
         Ok(())
     }
 
-    /// dm/ds in this cell.
+    /// Returns dm/ds in this cell.
     fn slope(&self) -> f64 {
         if self.cell.length.is_finite() { self.cell.slope() } else { 0.0 }
     }
@@ -421,7 +424,7 @@ impl<'a, F: Fluctuation> Motion<'a, F> {
     }
 }
 
-/// Which velocity changes its sign.
+/// Velocity that changes its sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Turn {
     None,

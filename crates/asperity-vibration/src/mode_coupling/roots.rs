@@ -2,7 +2,7 @@
 
 use super::spectrum::Mode;
 
-/// A complex number; products are not fused, so that results are the same on every machine.
+/// Complex number. Products are not fused, so results are the same on every machine.
 #[derive(Debug, Clone, Copy)]
 struct Complex {
     re: f64,
@@ -33,13 +33,15 @@ impl Complex {
     }
 }
 
-/// Iterations; Aberth's method needs about ten, about fifty at a double zero.
+/// Largest number of iterations; Aberth's method needs about ten, and about fifty at a double zero.
 const MAX_ITERATIONS: usize = 200;
-/// Imaginary part, relative to the largest zero, below which a zero counts as real: the split of a double zero by rounding.
+/// Imaginary part, relative to the largest zero, below which a zero counts as real: rounding splits a double zero by
+/// this amount.
 const REAL: f64 = 1e-7;
 
-/// Zeros of λ⁴ + a₃λ³ + a₂λ² + a₁λ + a₀ as two pairs: of two conjugates the one above the real axis, of two real zeros
-/// the larger. A double zero is good to half the digits, as for every method that knows only the coefficients.
+/// Returns the zeros of λ⁴ + a₃λ³ + a₂λ² + a₁λ + a₀ as two pairs. Of two conjugate zeros the one above the real axis is
+/// returned, of two real zeros the larger. A double zero is accurate to half the digits, the limit of every method that
+/// uses the coefficients only.
 ///
 /// # References
 /// Aberth, *Math. Comp.* **27** (1973) 339, <https://doi.org/10.1090/S0025-5718-1973-0329236-7>.
@@ -49,7 +51,7 @@ pub(super) fn pairs([a0, a1, a2, a3]: [f64; 4]) -> [Mode; 2] {
     if radius == 0.0 {
         return [Mode { growth: 0.0, frequency: 0.0 }; 2];
     }
-    // Not symmetric to the real axis, or real zeros would never be found from conjugate starts.
+    // The starts are not symmetric about the real axis, because conjugate starts would never find real zeros.
     let start = |angle: f64| Complex { re: 0.5 * radius * angle.cos(), im: 0.5 * radius * angle.sin() };
     let mut zeros = [0.4, 2.1, 3.6, 5.3].map(start);
     for _ in 0..MAX_ITERATIONS {
@@ -97,7 +99,7 @@ pub(super) fn pairs([a0, a1, a2, a3]: [f64; 4]) -> [Mode; 2] {
 mod tests {
     use super::*;
 
-    /// Coefficients of (λ² + pλ + q)(λ² + rλ + s).
+    /// Returns the coefficients of (λ² + pλ + q)(λ² + rλ + s).
     fn product(p: f64, q: f64, r: f64, s: f64) -> [f64; 4] {
         [q * s, p * s + q * r, q + s + p * r, p + r]
     }
@@ -112,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_are_those_of_the_two_quadratic_factors() {
+    fn zeros_match_the_two_quadratic_factors() {
         for (p, q, r, s) in [
             (0.1, 1.0, 0.3, 3.0),
             (-0.2, 2.0, 0.2, 2.0),
@@ -131,13 +133,13 @@ mod tests {
     }
 
     #[test]
-    fn of_four_real_zeros_the_largest_and_the_third_are_shown() {
+    fn four_real_zeros_return_the_largest_and_the_third() {
         let found = pairs(product(3.0, 2.0, 12.0, 35.0));
         assert!((found[0].growth + 5.0).abs() < 1e-12 && (found[1].growth + 1.0).abs() < 1e-12, "{found:?}");
     }
 
     #[test]
-    fn a_double_zero_is_good_to_half_the_digits() {
+    fn a_double_zero_is_accurate_to_half_the_digits() {
         let found = pairs(product(0.2, 2.0, 0.2, 2.0));
         for mode in found {
             let wanted = pair(0.2, 2.0);

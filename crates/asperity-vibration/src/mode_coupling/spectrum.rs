@@ -1,4 +1,4 @@
-//! Modes of small motion about steady sliding, and where they lose their stability.
+//! Modes of small motion about steady sliding and their loss of stability.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,14 +7,15 @@ use super::Model;
 use super::roots;
 use asperity_base::numeric::root_between;
 
-/// Intervals in which a change of stability is looked for when friction falls with velocity.
+/// Number of intervals in the search for a change of stability when friction falls with velocity.
 const INTERVALS: usize = 4096;
-/// Size of a coefficient, relative to the terms it is a difference of, that is rounding.
+/// Size of a coefficient, relative to the terms of its difference, below which it is rounding.
 const ROUNDING: f64 = 1e-13;
-/// How far beyond a scan, the coalescence and the machine's own friction the loss of stability is looked for.
+/// Range of the search for the loss of stability, relative to the largest of the scan, the coalescence and the
+/// machine's own friction.
 const BEYOND: f64 = 10.0;
 
-/// An eigenvalue: motion grows like e^{growth·τ} and oscillates at an angular frequency.
+/// Eigenvalue: motion grows like e^{growth·τ} and oscillates with an angular frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Mode {
     /// Real part.
@@ -33,62 +34,63 @@ impl Mode {
     }
 }
 
-/// How steady sliding loses its stability.
+/// Kind of the loss of stability of steady sliding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Instability {
-    /// A vibration grows.
+    /// A growing vibration.
     Flutter,
-    /// The mass is drawn away without vibration.
+    /// A growing displacement without vibration.
     Divergence,
 }
 
-/// The least friction at which steady sliding is not stable.
+/// Least friction coefficient at which steady sliding is unstable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Critical {
-    /// μ.
+    /// Friction coefficient μ.
     pub friction: f64,
-    /// What happens there.
+    /// Kind of the instability.
     pub instability: Instability,
-    /// Angular frequency of the vibration there, 0 of a divergence.
+    /// Angular frequency of the vibration; 0 for divergence.
     pub frequency: f64,
 }
 
-/// Modes over the friction coefficient.
+/// Modes as functions of the friction coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EigenvalueScan {
     /// μ, from 0 in equal steps.
     pub friction: Vec<f64>,
-    /// The two modes at every μ, each followed continuously; the slow one at μ = 0 first.
+    /// The two modes at every μ, each followed continuously; the slow mode at μ = 0 first.
     pub modes: Vec<[Mode; 2]>,
-    /// μ at which the frequencies meet without damping and without fall of friction with velocity.
+    /// Friction coefficient μ at which the frequencies meet without damping and without weakening of friction.
     pub coalescence: Option<f64>,
-    /// Loss of stability as damped, within the scan or up to ten times as far.
+    /// Loss of stability with damping, within the scan or up to ten times as far.
     pub critical: Option<Critical>,
 }
 
 impl Model {
-    /// μ_c = ((k₁₁ − k₂₂)² + 4k₁₂²)/(4k₁₂k₃), where the discriminant of the quadratic in ω² vanishes: from there on the undamped
-    /// modes share one frequency and one of them grows. None if k₁₂ ≤ 0, where friction drives the frequencies apart.
+    /// Returns μ_c = ((k₁₁ − k₂₂)² + 4k₁₂²)/(4k₁₂k₃), where the discriminant of the quadratic in ω² vanishes. From μ_c
+    /// on the undamped modes share one frequency and one of them grows. Returns none if k₁₂ ≤ 0, because friction then
+    /// separates the frequencies.
     pub fn coalescence(&self) -> Option<f64> {
         let [k11, k12, k22] = self.stiffness;
         let friction = ((k11 - k22).powi(2) + 4.0 * k12 * k12) / (4.0 * k12 * self.parameters().contact_stiffness);
         (k12 > 0.0 && friction.is_finite()).then_some(friction)
     }
 
-    /// μ_d = (k₁₂² − k₁₁k₂₂)/(k₁₂k₃), where the stiffness becomes singular. None if k₁₂ ≥ 0.
+    /// Returns μ_d = (k₁₂² − k₁₁k₂₂)/(k₁₂k₃), where the stiffness becomes singular. Returns none if k₁₂ ≥ 0.
     pub fn divergence(&self) -> Option<f64> {
         let [k11, k12, k22] = self.stiffness;
         let friction = (k12 * k12 - k11 * k22) / (k12 * self.parameters().contact_stiffness);
         (k12 < 0.0 && friction.is_finite()).then_some(friction)
     }
 
-    /// −dμ/dv at the belt velocity, as a share of the coefficient there.
+    /// Returns −dμ/dv at the belt velocity divided by the coefficient there.
     fn relative_weakening(&self) -> f64 {
         self.parameters().law.weakening(self.belt_velocity()) / self.sliding_friction()
     }
 
-    /// Damping along the belt in small motion: c₁₁ less the fall of friction with velocity times the normal force.
+    /// Returns the damping along the belt in small motion: c₁₁ less the weakening of friction times the normal force.
     pub(super) fn effective_damping(&self, friction: f64) -> f64 {
         let weakening = self.relative_weakening() * friction;
         if weakening == 0.0 {
@@ -97,7 +99,8 @@ impl Model {
         self.damping[0] - weakening * self.steady(friction).map_or(f64::NAN, |steady| steady.normal_force)
     }
 
-    /// Coefficients a₀ … a₃ of the characteristic polynomial λ⁴ + a₃λ³ + a₂λ² + a₁λ + a₀ at the friction coefficient μ.
+    /// Returns the coefficients a₀ … a₃ of the characteristic polynomial λ⁴ + a₃λ³ + a₂λ² + a₁λ + a₀ at the friction
+    /// coefficient μ.
     fn characteristic(&self, friction: f64) -> [f64; 4] {
         let [k11, k12, k22] = self.stiffness;
         let [_, c12, c22] = self.damping;
@@ -112,17 +115,17 @@ impl Model {
     }
 }
 
-/// Routh and Hurwitz: H = a₁(a₂a₃ − a₁) − a₃²a₀ is positive in a stable system and zero where a vibration neither grows nor
-/// decays.
+/// Returns H = a₁(a₂a₃ − a₁) − a₃²a₀ (Routh and Hurwitz), which is positive in a stable system and zero where a
+/// vibration neither grows nor decays.
 fn hurwitz([a0, a1, a2, a3]: [f64; 4]) -> f64 {
     a1 * (a2 * a3 - a1) - a3 * a3 * a0
 }
 
-/// The two modes of small motion about steady sliding at the friction coefficient μ, the slow one first.
+/// Returns the two modes of small motion about steady sliding at the friction coefficient μ, the slow one first.
 ///
-/// A friction law that falls with velocity enters by its slope at V, scaled to μ; then they are NaN where no steady sliding
-/// exists. Without damping they come from the closed form, good to rounding also where they meet; with damping equal modes
-/// are good to half the digits. Of two real eigenvalues the larger is shown.
+/// A velocity-weakening law enters by its slope at V, scaled to μ; the modes are then NaN where no steady sliding
+/// exists. Without damping the modes come from the closed form, accurate to rounding also where they meet. With
+/// damping, equal modes are accurate to half the digits. Of two real eigenvalues the larger is returned.
 pub fn modes(model: &Model, friction: f64) -> [Mode; 2] {
     let polynomial = model.characteristic(friction);
     if polynomial.iter().any(|a| !a.is_finite()) {
@@ -153,10 +156,11 @@ pub fn modes(model: &Model, friction: f64) -> [Mode; 2] {
     })
 }
 
-/// Modes at `points` ≥ 2 equal steps of the friction coefficient from 0 to `most`, each followed without swapping.
+/// Returns the modes at `points` ≥ 2 equal steps of the friction coefficient from 0 to `most`, each followed without
+/// swapping.
 ///
-/// Of the two ways to continue a pair of modes the one is taken that lies nearer to their linear continuation, so that modes
-/// that cross keep their names; where they meet and part again the names are free.
+/// Of the two ways to continue a pair of modes, the one nearer to their linear continuation is used, so modes that
+/// cross keep their order. The order is arbitrary after modes have met and separated.
 pub fn eigenvalue_scan(model: &Model, most: f64, points: usize) -> Result<EigenvalueScan, VibrationError> {
     positive("largest friction coefficient", most)?;
     if points < 2 {
@@ -181,18 +185,20 @@ pub fn eigenvalue_scan(model: &Model, most: f64, points: usize) -> Result<Eigenv
         followed.push(if swapped { [b, a] } else { [a, b] });
     }
     let coalescence = model.coalescence();
-    // Damping moves it beyond the coalescence, and a short scan may end before it.
+    // Damping moves the loss of stability beyond the coalescence, and a short scan may end before it.
     let far = BEYOND * coalescence.unwrap_or(0.0).max(model.sliding_friction()).max(most);
     let critical =
         critical_friction(model, most)?.map_or_else(|| critical_friction(model, far), |found| Ok(Some(found)))?;
     Ok(EigenvalueScan { friction, modes: followed, coalescence, critical })
 }
 
-/// The least friction coefficient up to `most` at which steady sliding is not stable; none if it is stable in all of them.
+/// Returns the least friction coefficient up to `most` at which steady sliding is unstable; none if it is always
+/// stable.
 ///
-/// Without damping and fall of friction with velocity it is where the modes meet, or where the stiffness becomes singular.
-/// With damping and a constant coefficient H is quadratic in μ and its zero is closed, good to rounding. With a falling law,
-/// whose slope is scaled to μ, the change is bracketed among 4096 intervals; a stable island narrower than one is missed.
+/// Without damping and weakening of friction it is the point where the modes meet or where the stiffness becomes
+/// singular. With damping and a constant coefficient H is quadratic in μ; its zero has a closed form, accurate to
+/// rounding. With a weakening law, whose slope is scaled to μ, the change is bracketed among 4096 intervals; a stable
+/// island narrower than one interval is missed.
 pub fn critical_friction(model: &Model, most: f64) -> Result<Option<Critical>, VibrationError> {
     positive("largest friction coefficient", most)?;
     let divergence = model.divergence();
@@ -214,7 +220,7 @@ pub fn critical_friction(model: &Model, most: f64) -> Result<Option<Critical>, V
     Ok(first.filter(|critical| critical.friction <= most))
 }
 
-/// Least μ ≥ 0 from which on H < 0, for a constant coefficient: a₁ and a₀ are linear in μ, so that H is quadratic.
+/// Returns the least μ ≥ 0 above which H < 0, for a constant coefficient: a₁ and a₀ are linear in μ, so H is quadratic.
 fn constant(model: &Model) -> Option<f64> {
     let [a0, a1, a2, a3] = model.characteristic(0.0);
     let [_, k12, _] = model.stiffness;
@@ -230,7 +236,7 @@ fn constant(model: &Model) -> Option<f64> {
         // One mode is undamped without friction, and friction couples it to the other.
         return (h0 < 0.0 || h1 < 0.0 || h2 < 0.0).then_some(0.0);
     }
-    // H starts positive and is concave, so its one positive zero is the end.
+    // H is positive at the start and concave, so its only positive zero is the result.
     if h2 == 0.0 {
         return (h1 < 0.0).then_some(-h0 / h1);
     }
@@ -238,17 +244,18 @@ fn constant(model: &Model) -> Option<f64> {
     Some(if h1 < 0.0 { 2.0 * h0 / (-h1 + root) } else { (h1 + root) / (-2.0 * h2) })
 }
 
-/// The same for a law that falls with velocity, by search.
+/// Searches for the same limit under a weakening law.
 fn falling(model: &Model, most: f64) -> Result<Option<f64>, VibrationError> {
     let margin = |friction: f64| {
         let [a0, a1, a2, a3] = model.characteristic(friction);
-        // Where stability ends one of these is the first to vanish; NaN, without steady sliding, counts as its end.
+        // At the loss of stability one of these vanishes first. NaN (no steady sliding) counts as the loss of
+        // stability.
         let least = hurwitz([a0, a1, a2, a3]).min(a3 * a3 * a3);
         if least.is_nan() { -1.0 } else { least }
     };
     if margin(0.0) <= 0.0 {
-        let share = most / INTERVALS as f64;
-        return Ok((margin(1e-6 * share) < 0.0).then_some(0.0));
+        let fraction = most / INTERVALS as f64;
+        return Ok((margin(1e-6 * fraction) < 0.0).then_some(0.0));
     }
     let mut before = 0.0;
     for i in 1..=INTERVALS {
@@ -271,7 +278,8 @@ mod tests {
         Model::new(Parameters { damping, ..Parameters::default() }).unwrap()
     }
 
-    /// The example in modal coordinates (x + y, x − y)/√2: K = [3 − Δ/2, Δ/2; −Δ/2, 1 + Δ/2], damped by d₂ (fast) and d₁.
+    /// Returns damping by d₂ (fast) and d₁ in modal coordinates (x + y, x − y)/√2, where K = [3 − Δ/2, Δ/2; −Δ/2, 1 +
+    /// Δ/2].
     fn modal(d1: f64, d2: f64) -> Damping {
         Damping::Modal { ratios: [0.5 * d1, 0.5 * d2 / 3.0_f64.sqrt()] }
     }
@@ -329,7 +337,7 @@ mod tests {
             assert!((found - wanted).abs() < 20.0 * d * d * (1.0 + ratio * ratio), "{ratio}: {found} {wanted}");
             assert!(found < 1.0 && onset(d, d) > 1.0);
         }
-        // One mode damped alone: no friction is low enough.
+        // With one mode damped alone, no friction is low enough.
         assert_eq!(onset(0.01, 0.0), 0.0);
         assert_eq!(onset(0.0, 0.01), 0.0);
     }
@@ -348,8 +356,8 @@ mod tests {
             let critical = critical_friction(&model, 2.0).unwrap().unwrap();
             let largest = |mu: f64| modes(&model, mu).iter().map(|m| m.growth).fold(f64::MIN, f64::max);
             assert!(largest(critical.friction).abs() < 1e-12, "{damping:?}: {critical:?}");
-            for share in [0.02, 0.3, 0.7, 0.99] {
-                assert!(largest(share * critical.friction) < 0.0, "{damping:?} {share}");
+            for fraction in [0.02, 0.3, 0.7, 0.99] {
+                assert!(largest(fraction * critical.friction) < 0.0, "{damping:?} {fraction}");
             }
             assert!(largest(1.001 * critical.friction) > 0.0);
             let frequencies = modes(&model, critical.friction).map(|m| (m.frequency - critical.frequency).abs());
@@ -358,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scan_that_ends_early_knows_the_onset_all_the_same() {
+    fn a_short_scan_finds_the_onset_beyond_its_end() {
         for damping in [Damping::Modal { ratios: [0.05, 0.01] }, Damping::Modal { ratios: [0.3, 0.3] }] {
             let model = damped(damping);
             let wanted = critical_friction(&model, 20.0).unwrap().unwrap();
@@ -373,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn springs_that_lean_the_other_way_diverge() {
+    fn springs_with_the_opposite_inclination_diverge() {
         let springs = Parameters::default().springs;
         let model = Model::new(Parameters { springs: [springs[1], springs[0]], ..Parameters::default() }).unwrap();
         assert_eq!(model.coalescence(), None);
@@ -394,7 +402,7 @@ mod tests {
                 .flat_map(|pair| [0, 1].map(|i| pair[1][i].minus(pair[0][i]).size()))
                 .fold(0.0, f64::max)
         };
-        // With unequal damping the modes never meet, so that steps shrink with the step of μ.
+        // With unequal damping the modes never meet, so their differences shrink with the step of μ.
         let (coarse, fine) = (step_of(2001), step_of(4001));
         assert!((coarse / fine - 2.0).abs() < 0.05, "{coarse} {fine}");
         let scan = eigenvalue_scan(&model, 1.5, 301).unwrap();

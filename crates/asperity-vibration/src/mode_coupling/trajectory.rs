@@ -1,4 +1,4 @@
-//! One trajectory under one realisation of the friction process.
+//! Trajectory under one realisation of the friction process.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,29 +7,29 @@ use super::motion::{Cut, Motion};
 use super::{Contact, Event, Model, State};
 use asperity_process::Fluctuation;
 
-/// Share of the steady displacement by which the mass starts away from steady sliding, unless told otherwise.
+/// Default distance from steady sliding at the start, as a fraction of the steady displacement.
 const DEFAULT_OFFSET: f64 = 0.01;
 
-/// How a mass is followed.
+/// Settings of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectorySettings {
-    /// Time τ to follow.
+    /// Duration τ.
     pub duration: f64,
-    /// State at τ = 0; none: at rest in space, 1 % further along the belt than in steady sliding.
+    /// State at τ = 0. The default is at rest in space, displaced 1 % further along the belt than steady sliding.
     pub start: Option<State>,
 }
 
-/// The events of one trajectory, and how long the mass did what.
+/// Events of one trajectory and fractions of its time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
     /// Events in order.
     pub events: Vec<Event>,
-    /// Share of the time in stick.
+    /// Fraction of the time in stick.
     pub stick_share: f64,
-    /// Share of the time off the belt.
+    /// Fraction of the time off the belt.
     pub flight_share: f64,
-    /// The state at the end.
+    /// State at the end.
     pub end: State,
 }
 
@@ -38,17 +38,17 @@ pub struct Trajectory {
 pub struct Point {
     /// Time τ.
     pub tau: f64,
-    /// The mass.
+    /// State of the mass.
     pub state: State,
-    /// What it does.
+    /// Contact with the belt.
     pub contact: Contact,
 }
 
 impl Trajectory {
-    /// Follows a mass under one realisation of m(s).
+    /// Simulates a mass under one realisation of m(s).
     ///
-    /// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, if a
-    /// record is too short, and if events follow each other without time between them.
+    /// Fails if no start is given and no steady sliding exists, if the friction coefficient does not stay positive, if
+    /// a record is too short, or if events follow each other without time between them.
     pub fn simulate(
         model: &Model,
         fluctuation: impl Fluctuation,
@@ -71,9 +71,9 @@ impl Trajectory {
         Ok(Self { events, stick_share, flight_share, end: motion.now.state() })
     }
 
-    /// The same trajectory at `points` ≥ 2 equal times from τ = `from` to the end.
+    /// Returns the same trajectory at `points` ≥ 2 equal times from τ = `from` to the end.
     ///
-    /// Fails as [`Trajectory::simulate`], and if `from` is not between 0 and the duration.
+    /// Fails like [`Trajectory::simulate`], and if `from` is not between 0 and the duration.
     pub fn portrait(
         model: &Model,
         fluctuation: impl Fluctuation,
@@ -108,16 +108,16 @@ impl Trajectory {
     }
 }
 
-/// Where a mass starts unless told.
+/// Returns the default start.
 pub(super) fn default_start(model: &Model) -> Result<State, VibrationError> {
-    let reason = "friction draws the mass away; state where it starts";
+    let reason = "friction pulls the mass away; state the start of the mass";
     let missing = VibrationError::NotFound { what: "state of steady sliding", reason };
     let steady = model.steady(model.sliding_friction()).ok_or(missing)?;
     let tangential = steady.tangential * (1.0 + DEFAULT_OFFSET);
     Ok(State { tangential, tangential_velocity: 0.0, normal: steady.normal, normal_velocity: 0.0 })
 }
 
-/// The mass at τ = 0.
+/// Returns the motion at τ = 0.
 pub(super) fn started<'a, F: Fluctuation>(
     model: &'a Model,
     fluctuation: F,
@@ -143,7 +143,7 @@ mod tests {
     }
 
     /// k₃ = 4/3, K(0) = [2, 1; 1, 2], C = diag(0.02, 0.02), V = 0.2, μ_s = 1.3, μ = 1.2/(1 + 0.3|v|).
-    fn lively() -> Model {
+    fn example() -> Model {
         Model::new(Parameters {
             damping: Damping::Axes { tangential: 0.02, normal: 0.02 },
             static_friction: 1.3,
@@ -154,7 +154,7 @@ mod tests {
         .unwrap()
     }
 
-    /// Largest difference of events (letter, τ, x, y, s) and an end (x, x′, y, y′).
+    /// Returns the largest difference from given events (letter, τ, x, y, s) and from a final state (x, x′, y, y′).
     fn difference(found: &Trajectory, wanted: &[(&str, f64, f64, f64, f64)], end: [f64; 4]) -> f64 {
         assert_eq!(found.events.len(), wanted.len(), "{:?}", found.events);
         let mut worst = 0.0_f64;
@@ -173,12 +173,12 @@ mod tests {
         [x, u, y, v].iter().zip(end).fold(worst, |worst, (a, b)| worst.max((a - b).abs()))
     }
 
-    // Both tables: SciPy's DOP853 on each smooth branch (rtol 3e-14, atol 1e-15, steps up to 0.02), events by Brent's method
-    // on its dense output, sampled 41 times per 0.05.
+    // Reference for both tables: SciPy's DOP853 on each smooth branch (rtol 3e-14, atol 1e-15, steps up to 0.02),
+    // events by Brent's method on its dense output, sampled 41 times per 0.05.
     #[test]
-    fn stick_slip_and_flight_are_those_of_an_independent_integration() {
+    fn stick_slip_and_flight_match_an_independent_integration() {
         let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
-        let found = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
+        let found = Trajectory::simulate(&example(), Steady, &settings).unwrap();
         let worst = difference(
             &found,
             &[
@@ -196,12 +196,12 @@ mod tests {
     }
 
     #[test]
-    fn so_they_are_under_a_recorded_fluctuation_and_from_over_slip() {
-        // m through 0.01·((7i² + 3i) mod 11 − 5) at s = 0.03i.
+    fn recorded_fluctuations_and_over_slip_match_an_independent_integration() {
+        // m = 0.01·((7i² + 3i) mod 11 − 5) at s = 0.03i.
         let values = (0..200_i32).map(|i| 0.01 * f64::from((7 * i * i + 3 * i) % 11 - 5)).collect();
         let process = RecordedProcess::new(0.03, values).unwrap();
         let settings = TrajectorySettings { duration: 9.0, start: Some(state(1.4, 0.9, 0.4, 0.1)) };
-        let found = Trajectory::simulate(&lively(), process.path(), &settings).unwrap();
+        let found = Trajectory::simulate(&example(), process.path(), &settings).unwrap();
         let worst = difference(
             &found,
             &[
@@ -221,7 +221,8 @@ mod tests {
     #[test]
     fn small_motion_grows_with_the_real_part_of_the_eigenvalue() {
         let damping = Damping::Modal { ratios: [0.03, 0.01] };
-        // Coulomb friction makes it linear exactly; under a falling law what is not linear is of the order of the amplitude.
+        // With Coulomb friction growth is exactly linear; under a weakening law the nonlinear part is of the order of
+        // the amplitude.
         for (law, a, tolerance) in [
             (FrictionLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
             (FrictionLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
@@ -243,7 +244,7 @@ mod tests {
                 let size = bottom.0 * bottom.0 + bottom.1 * bottom.1;
                 let r = (-(top.0 * bottom.0 + top.1 * bottom.1) / size, -(top.1 * bottom.0 - top.0 * bottom.1) / size);
                 let start = state(steady.tangential + a, a * g, steady.normal + a * r.0, a * (g * r.0 - w * r.1));
-                // After two periods the deviation is the same, e^{growth·τ} as large.
+                // After two periods the deviation is the same, multiplied by e^{growth·τ}.
                 let duration = 2.0 * TAU / w;
                 let settings = TrajectorySettings { duration, start: Some(start) };
                 let Trajectory { events, end, .. } = Trajectory::simulate(&model, Steady, &settings).unwrap();
@@ -263,12 +264,12 @@ mod tests {
 
     #[test]
     fn energy_changes_by_the_work_of_friction_and_dampers() {
-        let model = lively();
+        let model = example();
         let process = FrictionProcess::new(ProcessModel::new("normal".parse().unwrap(), 0.02, 0.3)).unwrap();
         let settings = TrajectorySettings { duration: 60.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
         let ([k11, k12, k22], [c11, _, c22]) = (model.stiffness(), model.damping());
         let contact = model.parameters().contact_stiffness;
-        // Springs, static load and contact spring, the last only under pressure.
+        // Energy of the springs, the static load and the contact spring, the last one only in contact.
         let energy = |s: &State| {
             let (x, y) = (s.tangential, s.normal);
             let springs = 0.5 * (k11 * x * x + (k22 - contact) * y * y) + k12 * x * y;
@@ -276,7 +277,7 @@ mod tests {
             let speeds = s.tangential_velocity.powi(2) + s.normal_velocity.powi(2);
             0.5 * speeds + springs - y + 0.5 * pressure * pressure / contact
         };
-        // Gauss and Legendre, five points.
+        // Five-point Gauss–Legendre rule.
         let (near, far) =
             ((5.0 - 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0, (5.0 + 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0);
         let root = 13.0 * 70.0_f64.sqrt();
@@ -299,16 +300,16 @@ mod tests {
             let pieces = (length / 0.02).ceil().max(1.0) as usize;
             for piece in 0..pieces {
                 for (node, weight) in rule {
-                    let share = (piece as f64 + 0.5 + 0.5 * node) / pieces as f64;
-                    let s = motion.sample(since + share * length);
+                    let fraction = (piece as f64 + 0.5 + 0.5 * node) / pieces as f64;
+                    let s = motion.sample(since + fraction * length);
                     let (u, v) = (s.tangential_velocity, s.normal_velocity);
                     let ahead = model.belt_velocity() - u;
                     let force = match contact_kind {
                         Contact::Flight => 0.0,
                         Contact::Stick => k11 * s.tangential + k12 * s.normal + c11 * u,
                         Contact::Slip | Contact::OverSlip => {
-                            let slid = motion.distance_at(since + share * length);
-                            let m = if slid > 0.0 { m_before + slope * slid } else { m_before };
+                            let distance = motion.distance_at(since + fraction * length);
+                            let m = if distance > 0.0 { m_before + slope * distance } else { m_before };
                             let law = model.parameters().law.coefficient(ahead.abs());
                             ahead.signum() * (law + m) * (1.0 + contact * s.normal)
                         }
@@ -323,10 +324,10 @@ mod tests {
     }
 
     #[test]
-    fn a_portrait_meets_the_events() {
+    fn a_portrait_contains_the_events() {
         let settings = TrajectorySettings { duration: 14.0, start: Some(state(0.5, 0.0, -0.4, 0.1)) };
-        let points = Trajectory::portrait(&lively(), Steady, &settings, 0.0, 14_001).unwrap();
-        let trajectory = Trajectory::simulate(&lively(), Steady, &settings).unwrap();
+        let points = Trajectory::portrait(&example(), Steady, &settings, 0.0, 14_001).unwrap();
+        let trajectory = Trajectory::simulate(&example(), Steady, &settings).unwrap();
         assert_eq!((points.len(), points[14_000].state), (14_001, trajectory.end));
         for (mut points, kind) in [(Contact::Stick, EventKind::Detach), (Contact::Flight, EventKind::Landing)]
             .map(|(contact, kind)| (points.iter().filter(move |p| p.contact == contact), kind))
@@ -335,14 +336,14 @@ mod tests {
             let before = points.rfind(|p| p.tau <= last.tau).unwrap();
             assert!(last.tau - before.tau <= 1e-3 && (last.state.normal - before.state.normal).abs() < 2e-3);
         }
-        let share = points.iter().filter(|p| p.contact == Contact::Flight).count() as f64 / 14_001.0;
-        assert!((share - trajectory.flight_share).abs() < 1e-3);
+        let fraction = points.iter().filter(|p| p.contact == Contact::Flight).count() as f64 / 14_001.0;
+        assert!((fraction - trajectory.flight_share).abs() < 1e-3);
     }
 
     #[test]
-    fn without_coupling_events_are_those_of_one_degree_of_freedom() {
+    fn without_coupling_events_match_one_degree_of_freedom() {
         let stribeck = vibration::Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        // The weakening lies in the last hundredth of a slip.
+        // The weakening acts in the last hundredth of a slip.
         let law = FrictionLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
         let steep =
             vibration::Parameters { law, belt_velocity: 0.04, damping_ratio: 0.005, ..stribeck.parameters().clone() };
@@ -377,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn no_motion_of_random_parameters_is_lost() {
+    fn motions_of_random_parameters_complete() {
         let mut stream = random::stream(17, "mode coupling test", 0);
         let process = FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.02, 0.1)).unwrap();
         for index in 0..300 {
@@ -412,14 +413,14 @@ mod tests {
     }
 
     #[test]
-    fn friction_without_sign_and_short_records_are_errors() {
+    fn negative_friction_and_short_records_are_errors() {
         let settings = TrajectorySettings { duration: 50.0, start: None };
         let run = |values: Vec<f64>| {
-            Trajectory::simulate(&lively(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)
+            Trajectory::simulate(&example(), RecordedProcess::new(0.1, values).unwrap().path(), &settings)
         };
         assert!(matches!(run(vec![0.0; 4]), Err(VibrationError::ProcessTooShort { .. })));
         assert!(matches!(run(vec![-1.25; 1000]), Err(VibrationError::FrictionNotPositive { .. })));
         let nowhere = TrajectorySettings { duration: 1.0, start: Some(state(f64::NAN, 0.0, 0.0, 0.0)) };
-        assert!(Trajectory::simulate(&lively(), Steady, &nowhere).is_err());
+        assert!(Trajectory::simulate(&example(), Steady, &nowhere).is_err());
     }
 }

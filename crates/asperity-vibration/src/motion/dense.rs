@@ -1,4 +1,4 @@
-//! What lies inside the last step.
+//! Dense output inside the last step.
 
 use super::super::polynomial::{self, bracketed_zero};
 use super::super::structure::tangent::Step;
@@ -7,7 +7,7 @@ use super::{Motion, Segment, drift_rate};
 use asperity_process::Fluctuation;
 
 impl<F: Fluctuation> Motion<F> {
-    /// (X, X′) at a time inside the last step.
+    /// Returns (X, X′) at a time inside the last step.
     pub(crate) fn sample(&self, tau: f64) -> (f64, f64) {
         let Segment { tau: start, phase, m, slope, e, .. } = self.segment;
         let t = tau - start;
@@ -16,7 +16,7 @@ impl<F: Fluctuation> Motion<F> {
                 Drive::Distance => 0.0,
                 Drive::Time => slope * self.velocity * t,
             };
-            let excess = e + self.sway.growth(1.0, 1.0 - drift_rate(self.drive, slope), start, t);
+            let excess = e + self.scaled_forcing.growth(1.0, 1.0 - drift_rate(self.drive, slope), start, t);
             return (self.displacement_of(tau, phase, excess, m + drift), self.velocity);
         }
         let (w, e) = self.series.state(t);
@@ -28,7 +28,8 @@ impl<F: Fluctuation> Motion<F> {
         (self.displacement_of(tau, phase, e, m), self.velocity * (1.0 - phase.direction() * w))
     }
 
-    /// Times in the last step at which X′ = 0 or is extreme, and its ends: where displacement and velocity are extreme.
+    /// Returns the times in the last step at which X′ is zero or extreme, and its ends. Displacement and velocity have
+    /// their extremes there.
     pub(crate) fn turning_times(&self) -> Vec<f64> {
         let Segment { tau, duration, phase, .. } = self.segment;
         let mut cuts = vec![0.0];
@@ -37,7 +38,7 @@ impl<F: Fluctuation> Motion<F> {
         }
         cuts.push(duration);
         if phase == Phase::Slip {
-            // W is monotonic between the cuts and passes 1, where X′ = 0, at most once in each.
+            // W is monotonic between the cuts and passes 1, where X′ = 0, at most once in each interval.
             for i in 1..cuts.len() {
                 let (low, high) = (cuts[i - 1], cuts[i]);
                 let excess = |t| {
@@ -53,14 +54,14 @@ impl<F: Fluctuation> Motion<F> {
         cuts.into_iter().map(|t| tau + t).collect()
     }
 
-    /// Whether W exceeded a level in the last step, if the mass was slower than the belt.
+    /// Returns whether W exceeded a level in the last step, if the mass was slower than the belt.
     pub(crate) fn exceeds(&self, level: f64) -> bool {
         let Segment { duration, phase, .. } = self.segment;
         phase == Phase::Slip && (self.w > level || self.series.exceeds(level, duration))
     }
 
-    /// Time in the last step, the last one, at which the mass turned from moving backwards to moving forward; none unless the mass
-    /// moves forward in slip at the end.
+    /// Returns the last time in the last step at which the mass turned from moving backwards to moving forward. Returns
+    /// none if the mass does not move forward in slip at the end.
     pub(crate) fn turned_forward(&self) -> Option<f64> {
         let Segment { tau, duration, phase, .. } = self.segment;
         if phase != Phase::Slip || self.w >= 1.0 {
@@ -81,13 +82,13 @@ impl<F: Fluctuation> Motion<F> {
         None
     }
 
-    /// The last step, if it was slip or over-slip.
+    /// Returns the last step, if it was slip or over-slip.
     pub(crate) fn slip_step(&self) -> Option<Step<'_>> {
         let Segment { duration: length, phase, .. } = self.segment;
         (phase != Phase::Stick).then_some(Step { series: &self.series, length })
     }
 
-    /// Whether W passed a minimum above zero in the last step: it fell at its beginning and rises at its end.
+    /// Returns whether W passed a minimum above zero in the last step: W fell at its start and rises at its end.
     pub(crate) fn passed_minimum(&self) -> bool {
         self.segment.phase == Phase::Slip
             && self.phase == Phase::Slip
@@ -95,7 +96,7 @@ impl<F: Fluctuation> Motion<F> {
             && self.weakening.acceleration(self.w, self.e) > 0.0
     }
 
-    /// Whether the mass is at rest in space but for the tolerance: W = 1, W′ = 0.
+    /// Returns whether the mass is at rest in space within the tolerance: W = 1, W′ = 0.
     pub(crate) fn has_settled(&self, tolerance: f64) -> bool {
         self.phase == Phase::Slip
             && (self.w - 1.0).abs() < tolerance

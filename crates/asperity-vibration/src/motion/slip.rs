@@ -1,4 +1,4 @@
-//! Slip: a Taylor step and its cuts.
+//! Slip: a Taylor step and its end.
 
 use super::super::arrival::Turning;
 use super::super::series::Loading;
@@ -6,28 +6,28 @@ use super::super::{Drive, Event, EventKind, Phase, VibrationError};
 use super::{Motion, Segment};
 use asperity_process::Fluctuation;
 
-/// What ends a step.
+/// Reason for the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cut {
-    /// The reach of the series or the asked time.
+    /// The reach of the series or the requested time.
     None,
     /// An arrival at v_rel = 0.
     Arrival,
-    /// A knot of the friction process.
-    Knot,
+    /// A grid point of the friction process.
+    GridPoint,
     /// A point of a tabulated law, at this W.
     Point(f64),
 }
 
-/// Points at which the friction coefficient is checked when a bound does not settle its sign.
+/// Number of points at which the friction coefficient is checked when a bound does not decide its sign.
 const POSITIVITY_POINTS: usize = 32;
 
 impl<F: Fluctuation> Motion<F> {
-    /// One step of slip, to an arrival at v_rel = 0, a knot, the reach of the series, or `until`.
+    /// Advances by one step of slip, to an arrival at v_rel = 0, a grid point, the reach of the series, or `until`.
     pub(super) fn slip(&mut self, until: f64) -> Result<Option<Event>, VibrationError> {
         let direction = self.phase.direction();
         let remaining = until - self.tau;
-        // The process changes with the sliding distance, or by itself.
+        // The process depends on the sliding distance or on time.
         let (stretch, drift) = match self.drive {
             Drive::Distance => (self.cell.slope, 0.0),
             Drive::Time => (0.0, self.cell.slope),
@@ -35,13 +35,13 @@ impl<F: Fluctuation> Motion<F> {
         let loading = Loading {
             base: direction - drift,
             kappa: 1.0 + stretch,
-            swing: direction * self.sway.amplitude * self.sway.frequency,
-            frequency: self.sway.frequency,
-            phase: self.sway.frequency * self.tau,
+            swing: direction * self.scaled_forcing.amplitude * self.scaled_forcing.frequency,
+            frequency: self.scaled_forcing.frequency,
+            phase: self.scaled_forcing.frequency * self.tau,
         };
         self.weakening.select(self.w, self.e, &loading);
-        let (estimate, to_knot) = self.horizon();
-        // A little more, so that the knot is inside the step.
+        let (estimate, to_grid_point) = self.horizon();
+        // Slightly longer, so that the grid point is inside the step.
         let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
@@ -53,16 +53,16 @@ impl<F: Fluctuation> Motion<F> {
             (self.series.reach(wanted), Turning::new(&self.weakening, &loading))
         };
         if self.drive == Drive::Distance
-            && to_knot.is_finite()
-            && let Some(t) = self.series.near_distance(to_knot, h, estimate)
+            && to_grid_point.is_finite()
+            && let Some(t) = self.series.near_distance(to_grid_point, h, estimate)
         {
             let (w, e) = self.series.state(t);
             let a = self.weakening.acceleration(w, e);
             if self.series.stays(&turning, t, w, a) {
-                return self.finish_slip(t, (w, e, a), Cut::Knot, (until, turning.is_simple(t)));
+                return self.finish_slip(t, (w, e, a), Cut::GridPoint, (until, turning.is_simple(t)));
             }
         }
-        // First the arrival, then the knot: past an arrival the distance would run backwards.
+        // Arrivals are searched before grid points: after an arrival the distance would run backwards.
         let reached = self.series.first_arrival(&self.weakening, &turning, h);
         let (mut h, mut cut) = (reached.t, if reached.arrived { Cut::Arrival } else { Cut::None });
         if let Some(bounds) = self.weakening.bounds()
@@ -71,22 +71,23 @@ impl<F: Fluctuation> Motion<F> {
             (h, cut) = (t, Cut::Point(level));
         }
         if self.drive == Drive::Time {
-            if cut != Cut::Arrival && h >= to_knot {
-                cut = Cut::Knot;
+            if cut != Cut::Arrival && h >= to_grid_point {
+                cut = Cut::GridPoint;
             }
-        } else if to_knot.is_finite() && self.series.distance(h).0 >= to_knot {
-            (h, cut) = (self.series.time_of_distance(to_knot, h), Cut::Knot);
+        } else if to_grid_point.is_finite() && self.series.distance(h).0 >= to_grid_point {
+            (h, cut) = (self.series.time_of_distance(to_grid_point, h), Cut::GridPoint);
         }
         let (w, e) = reached.state.filter(|_| h == reached.t).unwrap_or_else(|| self.series.state(h));
         let w = match cut {
             Cut::Arrival => 0.0,
             Cut::Point(level) => level,
-            Cut::None | Cut::Knot => w.max(0.0),
+            Cut::None | Cut::GridPoint => w.max(0.0),
         };
         self.finish_slip(h, (w, e, self.weakening.acceleration(w, e)), cut, (until, turning.is_simple(h)))
     }
 
-    /// About how long it takes to the next knot, and how far it is: in scaled distance or in time, after [`Drive`].
+    /// Returns the approximate time to the next grid point and the distance to it, in scaled distance or in time
+    /// depending on [`Drive`].
     #[inline]
     fn horizon(&self) -> (f64, f64) {
         let left = (self.cell.end - self.coordinate()) / self.velocity;
@@ -102,7 +103,8 @@ impl<F: Fluctuation> Motion<F> {
         (if discriminant > 0.0 { 2.0 * left / (self.w + discriminant.sqrt()) } else { f64::INFINITY }, left)
     }
 
-    /// Moves to the end of a step of the length h, where W, e and W′ are given; in a simple one W has one extremum at most.
+    /// Moves to the end of a step of length h, where W, e and W′ are given. In a simple step W has at most one
+    /// extremum.
     #[inline]
     fn finish_slip(
         &mut self,
@@ -111,10 +113,10 @@ impl<F: Fluctuation> Motion<F> {
         cut: Cut,
         (until, simple): (f64, bool),
     ) -> Result<Option<Event>, VibrationError> {
-        let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::Knot);
+        let (arrived, crossed) = (cut == Cut::Arrival, cut == Cut::GridPoint);
         let [before, slope] = self.series.start();
         // A force may turn W more than once in a step.
-        let turns = self.sway.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
+        let turns = self.scaled_forcing.amplitude > 0.0 || ((slope > 0.0 || before == 0.0) && (arrived || a < 0.0));
         let m_before = self.m;
         self.segment.duration = h;
         self.tau = if h == until - self.tau { until } else { self.tau + h };
@@ -134,7 +136,7 @@ impl<F: Fluctuation> Motion<F> {
         }
         if crossed {
             self.next_cell()?;
-            // At rest on the very knot the friction behind it decides.
+            // At rest exactly at the grid point, the friction after it determines the phase.
             if self.w == 0.0 && self.e < 0.0 {
                 return self.decide_at_rest();
             }
@@ -142,10 +144,10 @@ impl<F: Fluctuation> Motion<F> {
         Ok(None)
     }
 
-    /// Refuses a friction coefficient that is not positive somewhere in the last step.
+    /// Fails if the friction coefficient is not positive everywhere in the last step.
     #[inline]
     fn check_friction(&self, w_before: f64, m_before: f64, h: f64, turns: bool) -> Result<(), VibrationError> {
-        // Most laws are positive at any speed, and then friction that does not fall below them is.
+        // Most laws are positive at any speed; with m ≥ 0 the coefficient is then positive too.
         if self.law.is_positive() && m_before >= 0.0 && self.m >= 0.0 {
             return Ok(());
         }
@@ -155,12 +157,12 @@ impl<F: Fluctuation> Motion<F> {
         }
         let whole = self.series.distance(h).0;
         for i in 0..=POSITIVITY_POINTS {
-            let share = i as f64 / POSITIVITY_POINTS as f64;
-            let w = self.series.state(share * h).0;
-            let distance = self.series.distance(share * h).0;
+            let fraction = i as f64 / POSITIVITY_POINTS as f64;
+            let w = self.series.state(fraction * h).0;
+            let distance = self.series.distance(fraction * h).0;
             let moved = match self.drive {
                 Drive::Distance => distance / whole.max(f64::MIN_POSITIVE),
-                Drive::Time => share,
+                Drive::Time => fraction,
             };
             let fluctuation = m_before + moved * (self.m - m_before);
             let coefficient = self.law.coefficient(self.velocity * w.max(0.0)) + fluctuation;
@@ -168,7 +170,7 @@ impl<F: Fluctuation> Motion<F> {
                 return Err(VibrationError::FrictionNotPositive {
                     coefficient,
                     fluctuation,
-                    tau: self.segment.tau + share * h,
+                    tau: self.segment.tau + fraction * h,
                     sliding_distance: self.sliding_distance - self.velocity * (whole - distance),
                 });
             }
@@ -176,14 +178,14 @@ impl<F: Fluctuation> Motion<F> {
         Ok(())
     }
 
-    /// The relative speed is zero: stick if the force is within the limit, else slip on.
+    /// Decides at zero relative speed: stick if the force is within the limit, otherwise slip continues.
     fn arrive(&mut self) -> Result<Option<Event>, VibrationError> {
-        // An arrival has W′ = e + jump ≤ 0; anything else is rounding at a grazing arrival.
+        // An arrival has W′ = e + jump ≤ 0; any other value is rounding at a grazing arrival.
         self.e = self.e.min(-self.weakening.jump);
         self.decide_at_rest()
     }
 
-    /// What a mass does that slipped, is at W = 0 and lacks the force to slip on in its direction.
+    /// Decides the phase of a slipping mass at W = 0 whose force is too small to continue slip in its direction.
     fn decide_at_rest(&mut self) -> Result<Option<Event>, VibrationError> {
         if self.phase == Phase::OverSlip {
             self.e = self.opposite_excess();

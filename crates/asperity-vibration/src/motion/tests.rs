@@ -1,4 +1,4 @@
-//! Friction that jumps, against arcs of circles: Coulomb friction without damping.
+//! Friction with jumps, compared with circular arcs: Coulomb friction without damping.
 
 use super::*;
 use crate::Parameters;
@@ -15,10 +15,10 @@ impl Fluctuation for Levels {
     }
 }
 
-/// m = 0 up to `knot` and then `m`, followed from X = `start` to `duration`.
-fn events(knot: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Event> {
+/// Returns the events under m = 0 up to `jump_at` and `m` after it, from X = `start` to `duration`.
+fn events(jump_at: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Event> {
     let cells = vec![
-        Cell { end: knot, length: knot, left: 0.0, right: 0.0 },
+        Cell { end: jump_at, length: jump_at, left: 0.0, right: 0.0 },
         Cell { end: f64::INFINITY, length: f64::INFINITY, left: m, right: m },
     ];
     let law = FrictionLaw::Coulomb { kinetic: KINETIC };
@@ -33,14 +33,14 @@ fn events(knot: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<Eve
     events
 }
 
-/// Duration of a slip from X with the friction μ: X = μ + (X₀ − μ) cos t + V sin t until X′ = V.
+/// Returns the duration of a slip from X with the friction μ: X = μ + (X₀ − μ) cos t + V sin t until X′ = V.
 fn slip(from: f64, friction: f64) -> f64 {
     2.0 * (std::f64::consts::PI - ((from - friction) / BELT).atan())
 }
 
 #[test]
 fn a_jump_in_stick_releases_the_mass_at_once_or_holds_it_longer() {
-    // At the knot, τ = 0.4, the mass is at X = 0.32.
+    // At the grid point, τ = 0.4, the mass is at X = 0.32.
     let found = events(0.02, -0.15, Drive::Time, 0.3, 6.0);
     let friction = KINETIC - 0.15;
     let wanted =
@@ -55,8 +55,8 @@ fn a_jump_in_stick_releases_the_mass_at_once_or_holds_it_longer() {
 }
 
 #[test]
-fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
-    // From rest at X = 0.4 for a distance of 0.3: then about another centre.
+fn a_jump_in_slip_changes_the_circle_but_not_position_or_velocity() {
+    // From rest at X = 0.4 over a distance of 0.3, then about another centre.
     for m in [-0.1, 0.15] {
         let found = events(0.3, m, Drive::Distance, STATIC, 8.0);
         let arc = |t: f64, centre: f64, x: f64, v: f64| {
@@ -70,7 +70,7 @@ fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
         }
         let (x, v) = arc(low, KINETIC, STATIC, BELT);
         let centre = KINETIC + m;
-        // X′ = V: R sin(angle of the arrival − phase), the later of the two in a turn.
+        // X′ = V: R sin(angle of the arrival − phase), the later of the two solutions per turn.
         let radius = (x - centre).hypot(v);
         let phase = v.atan2(x - centre);
         let turn = std::f64::consts::TAU;
@@ -83,18 +83,20 @@ fn a_jump_in_slip_changes_the_circle_and_neither_place_nor_velocity() {
 }
 
 #[test]
-fn an_arrival_on_the_very_knot_is_not_lost() {
+fn an_arrival_exactly_at_a_grid_point_is_found() {
     let duration = slip(STATIC, KINETIC);
     let back = 2.0 * KINETIC - STATIC;
     let distance = BELT * duration + STATIC - back;
     for m in [-0.05, 0.0, 0.05, 0.3] {
         for ulps in -12..=12 {
-            let knot = distance * (1.0 + f64::from(ulps) * f64::EPSILON);
-            let found = events(knot, m, Drive::Distance, STATIC, duration + (STATIC + m - back) / BELT + 1.0);
+            let jump_at = distance * (1.0 + f64::from(ulps) * f64::EPSILON);
+            let found = events(jump_at, m, Drive::Distance, STATIC, duration + (STATIC + m - back) / BELT + 1.0);
             let kinds: Vec<EventKind> = found.iter().map(|event| event.kind).collect();
-            // The next release is at either limit, as the mass arrived before the knot or behind it.
+            // The next release is at either limit, depending on whether the mass arrived before or after the grid
+            // point.
             assert_eq!(kinds[..2], [EventKind::Detach, EventKind::Restick], "{m} {ulps}");
-            // A distance within rounding leaves a velocity within its root.
+            // An error of the distance of the order of rounding causes an error of the velocity of the order of its
+            // square root.
             assert!((found[1].tau - duration).abs() < 1e-6 && (found[1].displacement - back).abs() < 1e-7);
             if let Some(next) = found.get(2) {
                 let limit = (next.displacement - STATIC).abs().min((next.displacement - STATIC - m).abs());
@@ -105,15 +107,15 @@ fn an_arrival_on_the_very_knot_is_not_lost() {
 }
 
 #[test]
-fn a_release_on_the_very_knot_is_not_lost() {
+fn a_release_exactly_at_a_grid_point_is_found() {
     for ulps in -6..=6 {
-        let knot = 0.1 * (1.0 + f64::from(ulps) * f64::EPSILON);
+        let jump_at = 0.1 * (1.0 + f64::from(ulps) * f64::EPSILON);
         // Less friction: one release, at τ = 2.
-        let found = events(knot, -0.05, Drive::Time, 0.3, 3.0);
+        let found = events(jump_at, -0.05, Drive::Time, 0.3, 3.0);
         assert!(found.len() == 1 && found[0].kind == EventKind::Detach, "{ulps}: {found:?}");
         assert!((found[0].tau - 2.0).abs() < 1e-12 && (found[0].displacement - STATIC).abs() < 1e-12);
-        // More, in slip too: the mass is held until τ = 5, whether or not it was free for no time at all.
-        let found = events(knot, 0.15, Drive::Time, 0.3, 6.0);
+        // More friction, also in slip: the mass is held until τ = 5, even if it was free for zero time.
+        let found = events(jump_at, 0.15, Drive::Time, 0.3, 6.0);
         let last = found[found.len() - 1];
         assert!((last.tau - 5.0).abs() < 1e-12 && last.kind == EventKind::Detach, "{ulps}: {found:?}");
         assert!(found.len() == 1 || (found.len() == 3 && (found[1].tau - 2.0).abs() < 1e-12), "{ulps}: {found:?}");
@@ -122,7 +124,7 @@ fn a_release_on_the_very_knot_is_not_lost() {
 
 #[test]
 fn no_extreme_of_a_step_is_missed() {
-    // Fast and strong forces turn the velocity several times in a step.
+    // High frequencies and strong forces turn the velocity several times in a step.
     let mut most = 0;
     for (amplitude, frequency, belt_velocity) in [(0.3, 0.9, 0.05), (0.6, 3.0, 0.2), (2.0, 8.0, 0.5), (0.01, 11.0, 2.0)]
     {
@@ -145,18 +147,18 @@ fn no_extreme_of_a_step_is_missed() {
                         .map(|tau| motion.sample(tau))
                         .fold([f64::INFINITY; 4], |[a, b, c, d], (x, v)| [a.min(x), b.min(-x), c.min(v), d.min(-v)])
                 };
-                let told = extremes(&mut turning.into_iter());
+                let found = extremes(&mut turning.into_iter());
                 let dense = extremes(&mut (0..=300).map(|i| tau + duration * f64::from(i) / 300.0));
-                for (told, dense) in told.into_iter().zip(dense) {
+                for (found, dense) in found.into_iter().zip(dense) {
                     assert!(
-                        told <= dense + 1e-13 * dense.abs().max(1.0),
-                        "{dense} beyond {told} in {:?}",
+                        found <= dense + 1e-13 * dense.abs().max(1.0),
+                        "{dense} beyond {found} in {:?}",
                         motion.segment
                     );
                 }
             }
         }
     }
-    // Ends, two extremes and a passage of X′ = 0 between at least.
+    // At least: two ends, two extremes and a zero of X′ in between.
     assert!(most >= 5, "{most} times at most");
 }

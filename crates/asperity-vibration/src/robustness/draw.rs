@@ -1,4 +1,4 @@
-//! Machines, friction processes and starts at random, over all that is admitted and a little that is not wise.
+//! Random machines, friction processes and starts over the whole allowed range, including unusual values.
 
 use rand::RngExt;
 
@@ -6,11 +6,11 @@ use super::super::{Drive, Forcing, FrictionLaw, FrictionTable, Method, Oscillato
 use asperity_base::random;
 use asperity_process::{Correlation, CorrelationShape, FrictionProcess, Generator, ProcessModel};
 
-/// Knots that one motion may read, about, and time in which it may read more.
-const MOST_KNOTS: f64 = 5_000.0;
+/// Approximate largest number of grid points per motion, and the duration below which more are allowed.
+const MOST_GRID_POINTS: f64 = 5_000.0;
 const LEAST_DURATION: f64 = 10.0;
 
-/// A machine to follow.
+/// Machine, process and settings of a test case.
 pub(super) struct Case {
     pub(super) oscillator: Oscillator,
     pub(super) process: FrictionProcess,
@@ -23,7 +23,7 @@ impl std::fmt::Debug for Case {
     }
 }
 
-/// A generator of uniform choices.
+/// Generator of uniform choices.
 struct Draw(random::Stream);
 
 impl Draw {
@@ -35,7 +35,7 @@ impl Draw {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// Uniform in the logarithm between 10^low and 10^high.
+    /// Returns 10 to the power of a uniform number between `low` and `high`.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         10.0_f64.powf(self.between(low, high))
     }
@@ -92,7 +92,7 @@ impl Draw {
         Parameters { static_friction, law, damping_ratio, belt_velocity, forcing }
     }
 
-    /// A process whose standard deviation is from nothing to more than friction bears.
+    /// Returns a process with a standard deviation from zero to more than friction allows.
     fn model(&mut self, kinetic: f64, speed: f64) -> ProcessModel {
         let exponential = CorrelationShape::Exponential;
         let length = self.decades(-4.0, 1.0);
@@ -123,8 +123,8 @@ impl Draw {
         let std = kinetic / lowest * self.decades(mildest, 0.1);
         let steps_per_length = match generator {
             Generator::Jacobi => self.one_of(&[4, 20]),
-            // Short lengths are passed by the thousands.
-            _ if length * MOST_KNOTS < 2.0 * LEAST_DURATION * speed => self.one_of(&[1, 2]),
+            // Motions pass thousands of short correlation lengths.
+            _ if length * MOST_GRID_POINTS < 2.0 * LEAST_DURATION * speed => self.one_of(&[1, 2]),
             _ => self.one_of(&[1, 2, 5, 20, 80]),
         };
         ProcessModel {
@@ -138,22 +138,22 @@ impl Draw {
     }
 }
 
-/// Case `index` under `seed`.
+/// Returns case `index` under `seed`.
 pub(super) fn case(seed: u64, index: u64) -> Case {
     let mut draw = Draw(random::stream(seed, "robustness of stick-slip", index));
     let parameters = draw.parameters();
     let (static_friction, velocity) = (parameters.static_friction, parameters.belt_velocity);
-    // About the speed at which friction is read: the mass slips about as fast as static friction pulls it.
+    // Approximate sliding speed: the mass slips about as fast as static friction pulls it.
     let drive = draw.one_of(&[Drive::Distance, Drive::Distance, Drive::Time]);
     let push = parameters.forcing.map_or(0.0, |forcing| forcing.amplitude);
     let speed = velocity + if drive == Drive::Distance { 0.3 * (static_friction + push) } else { 0.0 };
     let process = FrictionProcess::new(draw.model(parameters.law.kinetic(), speed)).unwrap();
-    // Renewal processes know no knots but their jumps.
+    // Renewal processes have no grid points except their jumps.
     let spacing = match process.model().generator {
         Generator::Renewal => process.model().correlation_length,
         _ => process.step(),
     };
-    let duration = draw.decades(1.0, 3.0).min((MOST_KNOTS * spacing / speed).max(LEAST_DURATION));
+    let duration = draw.decades(1.0, 3.0).min((MOST_GRID_POINTS * spacing / speed).max(LEAST_DURATION));
     let start = draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0));
     let oscillator = Oscillator::new(parameters).unwrap();
     Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Method::Taylor } }

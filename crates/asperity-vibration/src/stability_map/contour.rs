@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 
 use super::{MapPoint, Place, Square};
 
-/// A vertex of the triangles: a place on a grid of half the finest spacing, so that middles of squares have one.
+/// Vertex of the triangles: a point of a grid with half the finest spacing, so that centres of squares are grid points.
 type Vertex = (usize, usize);
 
-/// Lines on which `value` is zero, in the coordinates of `place`. A square with an unknown value at a vertex has none.
+/// Returns lines on which `value` is zero, in the coordinates of `place`. Squares with an unknown value at a vertex
+/// have no lines.
 ///
-/// Each square is a fan of triangles about its middle, whose value is the mean of its corners'; all points that lie on its
-/// sides are vertices, so lines pass from squares to smaller ones without a gap. In a triangle the value is linear.
+/// Each square is a fan of triangles about its centre, whose value is the mean of the values at the corners. All points
+/// on its sides are vertices, so lines continue without gaps between squares of different sizes. The value is linear in
+/// each triangle.
 pub(super) fn contour(
     squares: &[Square],
     points: &BTreeMap<Place, MapPoint>,
@@ -48,7 +50,7 @@ pub(super) fn contour(
     joined(&segments)
 }
 
-/// All points on the sides of a square, once around.
+/// Returns all points on the sides of a square, in order around it.
 pub(super) fn boundary(square: &Square, points: &BTreeMap<Place, MapPoint>) -> Vec<Place> {
     let ((i, j), side) = (square.corner, square.side);
     let around = (0..side)
@@ -66,7 +68,7 @@ struct Corner {
     place: [f64; 2],
 }
 
-/// Where an edge passes through zero.
+/// Point of an edge at which the value is zero.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     edge: (Vertex, Vertex),
@@ -78,15 +80,15 @@ impl Crossing {
         if (a.value < 0.0) == (b.value < 0.0) {
             return None;
         }
-        // The same arithmetic from either side.
+        // Sorted, so that the arithmetic is the same from both sides.
         let (a, b) = if a.vertex <= b.vertex { (a, b) } else { (b, a) };
-        let share = a.value / (a.value - b.value);
-        let at = |k: usize| a.place[k] + share * (b.place[k] - a.place[k]);
+        let fraction = a.value / (a.value - b.value);
+        let at = |k: usize| a.place[k] + fraction * (b.place[k] - a.place[k]);
         Some(Self { edge: (a.vertex, b.vertex), place: [at(0), at(1)] })
     }
 }
 
-/// Segments joined to lines at the edges that they share.
+/// Joins segments to lines at shared edges.
 fn joined(segments: &[[Crossing; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut at: BTreeMap<(Vertex, Vertex), Vec<usize>> = BTreeMap::new();
     for (index, segment) in segments.iter().enumerate() {
@@ -108,7 +110,7 @@ fn joined(segments: &[[Crossing; 2]]) -> Vec<Vec<[f64; 2]>> {
         }
     };
     let mut lines = Vec::new();
-    // Open lines from their ends, then the closed ones.
+    // Open lines first, from their ends, then closed lines.
     let open = (0..segments.len()).flat_map(|i| [(i, 0), (i, 1)]).filter(|&(i, k)| at[&segments[i][k].edge].len() == 1);
     for (index, end) in open {
         if !used[index] {

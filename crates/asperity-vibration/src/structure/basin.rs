@@ -1,4 +1,4 @@
-//! Which starts end in steady sliding, and which in vibration.
+//! Starts that end in steady sliding, and starts that end in vibration.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::super::cycle::cycle_at_belt;
 use super::super::motion::{Motion, SlipState};
 use super::super::portrait::{PhasePoint, sampled};
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::slip_orbit::first_minimum_from;
-use super::super::sway::Sway;
 use super::super::weakening::Weakening;
 use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
 use super::planar::Planar;
@@ -18,19 +18,20 @@ use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::numeric::{bisect, try_root_between};
 use asperity_process::Steady;
 
-/// W and W′ closer than this to steady sliding end there, if it is stable.
+/// Distance of W and W′ from steady sliding below which the motion ends there, if steady sliding is stable.
 const SETTLED: f64 = 1e-9;
-/// Reversals after which a motion that never sticks counts as overtaking.
+/// Number of reversals after which a motion without stick counts as overtaking.
 const MAX_REVERSALS: usize = 2000;
 const MAX_STEPS: usize = 1_000_000;
 const UNDECIDED: VibrationError =
     VibrationError::NotFound { what: "attractor of a start", reason: "undecided after a million steps" };
 /// Relative error of a kick.
 const KICK_TOLERANCE: f64 = 1e-12;
-/// How far, relatively, rounding may put a crossing of the section beyond that of the orbit from a detachment.
+/// Relative amount by which rounding may put a crossing of the section beyond the crossing of the orbit from a
+/// detachment.
 const ROUNDING: f64 = 1e-9;
 
-/// A rectangle of starts (X, X′).
+/// Rectangle of starts (X, X′).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BasinBox {
@@ -43,7 +44,7 @@ pub struct BasinBox {
 }
 
 impl BasinBox {
-    /// The centre (X, X′) of a cell.
+    /// Returns the centre (X, X′) of a cell.
     pub fn centre(&self, column: usize, row: usize) -> [f64; 2] {
         let at = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
         [at(self.displacement, column, self.cells[0]), at(self.velocity, row, self.cells[1])]
@@ -57,7 +58,7 @@ impl BasinBox {
                 return Err(VibrationError::Parameter {
                     parameter,
                     value: high,
-                    wanted: "finite, and more than its least",
+                    wanted: "finite, and greater than its lower end",
                 });
             }
         }
@@ -68,18 +69,18 @@ impl BasinBox {
     }
 }
 
-/// Motions that the centres of the cells of a box of starts end in.
+/// Attractors of the starts at the centres of the cells of a box.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Basin {
-    /// The box.
+    /// Box of starts.
     pub area: BasinBox,
-    /// Kinds of motion, row by row with rising X′, along rising X in a row.
+    /// Kinds of motion, row by row with rising X′, with rising X in each row.
     pub attractors: Vec<MotionKind>,
-    /// Share of the cells that end in steady sliding.
+    /// Fraction of the cells that end in steady sliding.
     pub sliding_share: f64,
 }
 
-/// A mass at (X, X′) at τ = 0.
+/// Returns the motion of a mass at (X, X′) at τ = 0.
 pub(super) fn started_at(
     oscillator: &Oscillator,
     displacement: f64,
@@ -91,37 +92,37 @@ pub(super) fn started_at(
         return Motion::new(oscillator, Steady, Drive::Distance, displacement);
     }
     let phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
-    let external = belt * Sway::new(oscillator).force(0.0);
+    let external = belt * ScaledForcing::new(oscillator).force(0.0);
     let force = phase.direction() * (displacement + 2.0 * oscillator.damping_ratio() * belt - external);
     let e = (force - oscillator.static_friction()) / belt;
-    Motion::in_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
+    Motion::from_slip_state(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
 }
 
-/// Next place of interest on an orbit.
+/// Next event of an orbit that helps to decide its attractor.
 enum Arrival {
     /// Steady sliding.
     Rest,
     /// Stick.
     Stick,
-    /// Into over-slip or out of it.
+    /// Start or end of over-slip.
     Reversal,
-    /// The section W = 1, crossed upwards at this amplitude r.
+    /// Upward crossing of the section W = 1 at the amplitude r.
     Section(f64),
 }
 
-/// Finds the motion that starts end in: by the return map of slip as soon as an orbit crosses its section, else by following it.
-pub(super) struct Outcomes {
+/// Classifier of starts: by the return map of slip as soon as an orbit crosses its section, otherwise by simulation.
+pub(super) struct StartClassifier {
     oscillator: Oscillator,
     rest: f64,
     map: Option<ReturnMap>,
-    /// Motion that a detachment leads to.
+    /// Kind of motion after a detachment.
     after_stick: MotionKind,
-    /// Least X′ of that motion; 0 of steady sliding.
+    /// Least X′ of that motion; 0 for steady sliding.
     slowest: f64,
 }
 
-impl Outcomes {
-    /// The forcing is left aside.
+impl StartClassifier {
+    /// Creates the classifier of an oscillator, ignoring its forcing.
     pub(super) fn new(oscillator: &Oscillator) -> Result<Self, VibrationError> {
         let oscillator = oscillator.with_forcing(None)?;
         let map = return_map(&oscillator)?;
@@ -136,13 +137,13 @@ impl Outcomes {
         Ok(Self { oscillator, rest, map, after_stick, slowest })
     }
 
-    /// The motion that a small disturbance of steady sliding leads to.
+    /// Returns the kind of motion after a small disturbance of steady sliding.
     pub(super) fn near_rest(&self) -> MotionKind {
         self.map.as_ref().map_or(MotionKind::None, |map| self.within(map, 0.0))
     }
 
-    /// The motion that the start (X, X′) ends in.
-    pub(super) fn of(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
+    /// Returns the kind of motion after the start (X, X′).
+    pub(super) fn kind(&self, displacement: f64, velocity: f64) -> Result<MotionKind, VibrationError> {
         let mut motion = started_at(&self.oscillator, displacement, velocity)?;
         let mut reversals = 0;
         for _ in 0..MAX_STEPS {
@@ -165,7 +166,7 @@ impl Outcomes {
 
     fn next_arrival(&self, motion: &mut Motion<Steady>) -> Result<Arrival, VibrationError> {
         for _ in 0..MAX_STEPS {
-            // Looked at before a step: from rest itself a step has no end.
+            // Checked before a step, because a step from rest itself has no end.
             if motion.has_settled(SETTLED) {
                 return Ok(Arrival::Rest);
             }
@@ -185,7 +186,7 @@ impl Outcomes {
         Err(UNDECIDED)
     }
 
-    /// Where the last step of slip, which began below W = 1, crosses it.
+    /// Returns the crossing of W = 1 in the last step of slip, which started below it.
     fn crossing(&self, motion: &Motion<Steady>) -> Option<f64> {
         let step = motion.slip_step()?;
         if step.series.state(step.length).0 < 1.0 {
@@ -198,10 +199,10 @@ impl Outcomes {
         Some(step.series.state(t).1 - self.rest)
     }
 
-    /// The motion that an orbit settles into which crosses the section at r.
+    /// Returns the long-term motion of an orbit that crosses the section at r.
     fn within(&self, map: &ReturnMap, r: f64) -> MotionKind {
         let inside = map.cycles.iter().take_while(|(radius, _)| *radius < r).count();
-        // An orbit on a stable cycle or next to one stays; growth leads outwards to the next, decay inwards.
+        // An orbit on a stable cycle or close to one stays. Growth leads outwards to the next cycle, decay inwards.
         if map.growth[inside] > 0.0 {
             if inside < map.cycles.len() { MotionKind::SlipCycle } else { self.after_stick }
         } else if inside > 0 {
@@ -212,35 +213,35 @@ impl Outcomes {
     }
 }
 
-/// Returns the smallest kick, |ΔX′| of either sign, after which a machine that slides steadily vibrates for good; forcing is
-/// left aside.
+/// Returns the smallest kick, |ΔX′| of either sign, after which a machine that slides steadily vibrates permanently.
+/// Forcing is ignored.
 ///
-/// None if steady sliding is unstable, so that no kick is needed, and none if every motion ends in steady sliding. The
-/// border of the basin is the innermost unstable slip cycle if it stays slower than the belt, else an orbit through stick;
-/// it is found to twelve digits on exact motions. Orbits in the phase plane do not cross, so all larger kicks
-/// of the same sign end in vibration too.
+/// Returns none if steady sliding is unstable, so that no kick is needed, and none if every motion ends in steady
+/// sliding. The border of the basin is the innermost unstable slip cycle if it stays slower than the belt, otherwise an
+/// orbit through stick. It is found to twelve digits on exact motions. Orbits in the phase plane do not cross, so all
+/// larger kicks of the same sign also end in vibration.
 pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
     if oscillator.sliding_is_unstable() {
         return Ok(None);
     }
     let belt = oscillator.belt_velocity();
-    let outcomes = Outcomes::new(oscillator)?;
-    if !outcomes.after_stick.is_vibration() || outcomes.near_rest().is_vibration() {
+    let classifier = StartClassifier::new(oscillator)?;
+    if !classifier.after_stick.is_vibration() || classifier.near_rest().is_vibration() {
         return Ok(None);
     }
     let rest = oscillator.law().coefficient(belt);
-    // Positive beyond the border of the basin.
+    // Positive outside the basin of steady sliding.
     let excess = |velocity: f64| -> Result<f64, VibrationError> {
-        let Some((border, _)) = outcomes.map.as_ref().and_then(|map| map.cycles.first()) else {
-            return Ok(if outcomes.of(rest, velocity)?.is_vibration() { 1.0 } else { -1.0 });
+        let Some((border, _)) = classifier.map.as_ref().and_then(|map| map.cycles.first()) else {
+            return Ok(if classifier.kind(rest, velocity)?.is_vibration() { 1.0 } else { -1.0 });
         };
-        Ok(match outcomes.next_arrival(&mut started_at(&outcomes.oscillator, rest, velocity)?)? {
+        Ok(match classifier.next_arrival(&mut started_at(&classifier.oscillator, rest, velocity)?)? {
             Arrival::Section(r) => r / border - 1.0,
             Arrival::Rest => -1.0,
             Arrival::Stick | Arrival::Reversal => 1.0,
         })
     };
-    let smooth = outcomes.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
+    let smooth = classifier.map.as_ref().is_some_and(|map| !map.cycles.is_empty());
     let threshold = |sign: f64, high: f64| -> Result<f64, VibrationError> {
         let tolerance = KICK_TOLERANCE * high;
         if smooth {
@@ -251,21 +252,22 @@ pub fn smallest_kick(oscillator: &Oscillator) -> Result<Option<f64>, VibrationEr
         let ends_in_vibration = |velocity| excess(sign * velocity).map(|excess| excess > 0.0);
         Ok(bisect(high, 0.0, tolerance, ends_in_vibration)?[0])
     };
-    // With the velocity of the belt the mass sticks, or is faster than on any orbit that does not reach the belt.
+    // At the velocity of the belt the mass sticks, or it is faster than on any orbit that does not reach the belt.
     let with_belt = threshold(1.0, belt)?;
-    let against_belt = with_belt.min(-outcomes.slowest);
+    let against_belt = with_belt.min(-classifier.slowest);
     Ok(Some(if excess(-against_belt)? > 0.0 { threshold(-1.0, against_belt)? } else { with_belt }))
 }
 
-/// What the starts in a box of the phase plane end in. Forcing is left aside.
+/// Returns the attractors of the starts in a box of the phase plane. Forcing is ignored.
 ///
-/// Each start is followed to stick or to the section X′ = 0, where the return map of slip decides; the answer is exact but
-/// for rounding at the separatrix. Rows are computed in parallel, with the same result on any number of threads.
+/// Each start is followed to stick or to the section X′ = 0, where the return map of slip decides. The result is exact
+/// except for rounding at the separatrix. Rows are computed in parallel; the result does not depend on the number of
+/// threads.
 ///
-/// Fails for an empty box, if friction does not stay positive, and when cancelled.
+/// Fails for an empty box, if friction does not stay positive, or when cancelled.
 pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) -> Result<Basin, VibrationError> {
     area.validate()?;
-    let outcomes = Outcomes::new(oscillator)?;
+    let classifier = StartClassifier::new(oscillator)?;
     let [columns, rows] = area.cells;
     let finished = AtomicUsize::new(0);
     let lines: Vec<Vec<MotionKind>> = (0..rows)
@@ -276,7 +278,7 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
             }
             let start = |column| {
                 let [displacement, velocity] = area.centre(column, row);
-                outcomes.of(displacement, velocity)
+                classifier.kind(displacement, velocity)
             };
             let line = (0..columns).map(start).collect::<Result<Vec<_>, _>>();
             monitor.progress("rows of the basin", finished.fetch_add(1, Ordering::Relaxed) + 1, rows);
@@ -289,28 +291,29 @@ pub fn basin(oscillator: &Oscillator, area: &BasinBox, monitor: &dyn Monitor) ->
     Ok(Basin { area: *area, attractors, sliding_share })
 }
 
-/// What a separatrix is.
+/// Kind of a separatrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SeparatrixKind {
     /// The outermost unstable cycle of slip, a closed orbit.
     UnstableCycle,
-    /// The orbit of slip that only touches the belt velocity, closed by a piece of the line X′ = V on which the mass
-    /// sticks. It takes a jump of the friction force at detachment.
+    /// The orbit of slip that touches the belt velocity, closed by a piece of the line X′ = V on which the mass sticks.
+    /// It exists only if the friction force jumps at detachment.
     GrazingOrbit,
 }
 
-/// The border of the basin of steady sliding, or of what lives next to it.
+/// Border of the basin of steady sliding, or of the inner one of two vibrations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Separatrix {
-    /// What it is.
+    /// Kind of the separatrix.
     pub kind: SeparatrixKind,
-    /// The curve at equal times, its end included.
+    /// Points of the curve at equal times, including its end.
     pub points: Vec<PhasePoint>,
 }
 
 impl Separatrix {
-    /// Area of the (X, X′) plane inside, by the trapezoidal rule on its points and the chord from end to start.
+    /// Returns the area of the (X, X′) plane inside, by the trapezoidal rule on the points and the chord from end to
+    /// start.
     pub fn area(&self) -> f64 {
         let ring = self.points.iter().zip(self.points.iter().cycle().skip(1));
         let sum: f64 = ring.map(|(a, b)| a.displacement * b.velocity - b.displacement * a.velocity).sum();
@@ -318,14 +321,15 @@ impl Separatrix {
     }
 }
 
-/// The curve that separates the starts that end in vibration from those that do not, at `points` ≥ 2 equal times; none if all
-/// end alike. With two stable vibrations it separates the outer one from the inner one. Forcing is left aside.
+/// Returns the curve that separates starts that end in vibration from starts that do not, at `points` ≥ 2 equal times;
+/// none if all starts have the same attractor. With two stable vibrations it separates the outer one from the inner
+/// one. Forcing is ignored.
 pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separatrix>, VibrationError> {
     let free = oscillator.with_forcing(None)?;
-    let outcomes = Outcomes::new(&free)?;
-    let Some(map) = outcomes.map.as_ref().filter(|_| outcomes.after_stick.is_vibration()) else { return Ok(None) };
+    let classifier = StartClassifier::new(&free)?;
+    let Some(map) = classifier.map.as_ref().filter(|_| classifier.after_stick.is_vibration()) else { return Ok(None) };
     let drawn = |kind, state: SlipState, duration: f64| -> Result<Option<Separatrix>, VibrationError> {
-        let motion = Motion::in_slip(&free, Steady, state)?;
+        let motion = Motion::from_slip_state(&free, Steady, state)?;
         Ok(Some(Separatrix { kind, points: sampled(motion, 0.0, duration, points)? }))
     };
     let unstable = map.cycles.iter().zip(&map.growth[1..]).rev().find(|(_, growth)| **growth > 0.0);
@@ -337,7 +341,7 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
     if grows || jump == 0.0 {
         return Ok(None);
     }
-    // The orbit that rises from the belt at an excess between −jump and 0 and comes back to touch it.
+    // The orbit that rises from the belt at an excess between −jump and 0 and returns to touch the belt velocity.
     let least = |e: f64| -> Result<f64, VibrationError> {
         Ok(first_minimum_from(&free, 0.0, e, |_, _| {})?.map_or(1.0, |minimum| minimum.w))
     };
@@ -347,7 +351,7 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
     }
     let Some(e) = try_root_between(least, [0.0, far], [-jump * (1.0 - 1e-9), near], 0.0)? else { return Ok(None) };
     let Some(minimum) = first_minimum_from(&free, 0.0, e, |_, _| {})? else { return Ok(None) };
-    // The touch is tangential: rounding may make it an arrival a little before.
+    // The touch is tangential: with rounding it may be an arrival slightly earlier.
     drawn(SeparatrixKind::GrazingOrbit, SlipState { tau: 0.0, phase: Phase::Slip, w: 0.0, e }, minimum.time)
 }
 
@@ -358,10 +362,10 @@ mod tests {
     use asperity_base::monitor::Silent;
     use asperity_base::random;
 
-    fn midway(friction: f64, velocity: f64, share: f64) -> Oscillator {
+    fn midway(friction: f64, velocity: f64, fraction: f64) -> Oscillator {
         let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
         let ends = critical_damping(&of(0.0)).unwrap();
-        of(ends.hopf_damping_ratio + share * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
+        of(ends.hopf_damping_ratio + fraction * (ends.critical_damping_ratio - ends.hopf_damping_ratio))
     }
 
     fn coulomb(damping_ratio: f64) -> Oscillator {
@@ -372,14 +376,14 @@ mod tests {
 
     const AREA: BasinBox = BasinBox { displacement: [-0.3, 0.8], velocity: [-0.3, 0.3], cells: [120, 90] };
 
-    /// Follows a start until it sticks or has settled, with no look at the return map.
+    /// Simulates a start until it sticks or has settled, without the return map.
     fn followed(oscillator: &Oscillator, [x, velocity]: [f64; 2]) -> MotionKind {
         let belt = oscillator.belt_velocity();
         let (phase, sign) = if velocity < belt { (Phase::Slip, 1.0) } else { (Phase::OverSlip, -1.0) };
         let force = sign * (x + 2.0 * oscillator.damping_ratio() * belt);
         let e = (force - oscillator.static_friction()) / belt;
         let state = SlipState { tau: 0.0, phase, w: (1.0 - velocity / belt).abs(), e };
-        let mut motion = Motion::in_slip(oscillator, Steady, state).unwrap();
+        let mut motion = Motion::from_slip_state(oscillator, Steady, state).unwrap();
         loop {
             if motion.step(f64::INFINITY).unwrap().is_some_and(|event| event.kind == EventKind::Restick) {
                 return MotionKind::StickSlip;
@@ -391,29 +395,29 @@ mod tests {
     }
 
     #[test]
-    fn the_map_decides_as_following_does() {
-        for (oscillator, tell) in [
+    fn the_return_map_agrees_with_simulation() {
+        for (oscillator, case) in [
             (midway(0.3, 0.1, 0.5), "one unstable cycle"),
             (midway(1.0, 0.2, 0.2), "near the Hopf point"),
             (coulomb(0.05), "a grazing orbit"),
         ] {
-            let outcomes = Outcomes::new(&oscillator).unwrap();
+            let classifier = StartClassifier::new(&oscillator).unwrap();
             let scale = oscillator.static_friction();
             let rng = &mut random::stream(8, "test", 0);
             let mut counts = [0, 0];
             for _ in 0..300 {
                 let g = random::standard_normal(rng, 2);
                 let start = [scale * (0.8 + 0.3 * g[0]), 1.3 * oscillator.belt_velocity() * g[1]];
-                let found = outcomes.of(start[0], start[1]).unwrap();
-                assert_eq!(found, followed(&oscillator, start), "{tell}: {start:?}");
+                let found = classifier.kind(start[0], start[1]).unwrap();
+                assert_eq!(found, followed(&oscillator, start), "{case}: {start:?}");
                 counts[usize::from(found == MotionKind::None)] += 1;
             }
-            assert!(counts[0] > 10 && counts[1] > 10, "{tell}: {counts:?}");
+            assert!(counts[0] > 10 && counts[1] > 10, "{case}: {counts:?}");
         }
     }
 
     #[test]
-    fn the_sliding_share_of_a_box_is_the_area_inside_the_separatrix() {
+    fn the_sliding_fraction_of_a_box_is_the_area_inside_the_separatrix() {
         for (oscillator, kind) in [
             (midway(0.3, 0.1, 0.5), SeparatrixKind::UnstableCycle),
             (midway(0.3, 0.1, 0.9), SeparatrixKind::UnstableCycle),
@@ -423,7 +427,7 @@ mod tests {
             let curve = separatrix(&oscillator, 4001).unwrap().unwrap();
             assert_eq!(curve.kind, kind);
             let size = (AREA.displacement[1] - AREA.displacement[0]) * (AREA.velocity[1] - AREA.velocity[0]);
-            // Counting centres errs by much less than a cell for each cell on the curve, about 100 of them.
+            // The error of counting centres is much less than a cell for each cell on the curve, about 100 of them.
             let cell = size / found.attractors.len() as f64;
             assert!((found.sliding_share * size - curve.area()).abs() < 10.0 * cell, "{kind:?}: {}", curve.area());
             assert!(curve.area() > 100.0 * cell);
@@ -437,7 +441,7 @@ mod tests {
         let end = curve.points[300];
         let frequency = f64::sqrt(1.0 - damping * damping);
         for point in &curve.points {
-            // It ends at X′ = V, X″ = 0, where X − μ_k = −2ζV.
+            // The orbit ends at X′ = V, X″ = 0, where X − μ_k = −2ζV.
             let t = point.tau - end.tau;
             let (x0, v0) = (-2.0 * damping * velocity, velocity);
             let (sin, cos) = (frequency * t).sin_cos();
@@ -448,7 +452,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_the_two_critical_dampings_all_starts_end_alike() {
+    fn outside_the_two_critical_dampings_all_starts_have_one_attractor() {
         let ends = critical_damping(&midway(0.3, 0.1, 0.5)).unwrap();
         for (damping, wanted) in [
             (0.9 * ends.hopf_damping_ratio, MotionKind::StickSlip),
@@ -464,13 +468,14 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_kick_is_the_published_one() {
-        // SciPy, DOP853 with bisection.
+    fn the_smallest_kick_matches_the_publication() {
+        // Reference: SciPy, DOP853 with bisection.
         for (damping, wanted) in [(0.111, 0.0966), (0.109, 0.0821)] {
             let found = smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap().unwrap();
             assert!((found - wanted).abs() < 2e-4, "{found} instead of {wanted}");
         }
-        // A kick into a slip cycle, to relative 2e-5: .3 + .1e^{−(v/.08)²} at V = .11 and ζ = .27, with the belt.
+        // A kick into a slip cycle, in the direction of the belt, to relative 2e-5: .3 + .1e^{−(v/.08)²} at V = .11 and
+        // ζ = .27.
         let bell = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
         let points: Vec<_> = (0..=400).map(|i| 1e-3 * f64::from(i)).map(|v| [v, bell(v)]).collect();
         let law = FrictionLaw::Tabulated(FrictionTable::new(&points).unwrap());
@@ -478,7 +483,7 @@ mod tests {
             Parameters { static_friction: 0.4, law, damping_ratio: 0.27, belt_velocity: 0.11, forcing: None };
         let found = smallest_kick(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
         assert!((found / 0.040_666 - 1.0).abs() < 1e-4, "{found}");
-        // Below ζ_H = .104 none is needed, above ζ_c = .1115 none suffices.
+        // Below ζ_H = .104 no kick is needed; above ζ_c = .1115 no kick is sufficient.
         for damping in [0.1041, 0.1116, 0.9] {
             assert_eq!(smallest_kick(&Oscillator::stribeck(0.1, 4.2, damping, 0.1).unwrap()).unwrap(), None);
         }
@@ -491,8 +496,8 @@ mod tests {
         let parameters =
             Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
         let machine = Oscillator::new(parameters).unwrap();
-        let outcomes = Outcomes::new(&machine).unwrap();
-        // Against the belt: the orbit that grazes it at X − μ_k = −2ζV, X′ = V, half a turn back at X = μ_k.
+        let classifier = StartClassifier::new(&machine).unwrap();
+        // Against the belt: the orbit that grazes it at X − μ_k = −2ζV, X′ = V, half a turn earlier at X = μ_k.
         let (x0, frequency) = (-2.0 * damping * belt, (1.0 - damping * damping).sqrt());
         let rate = (belt + damping * x0) / frequency;
         let t = ((-x0 / rate).atan() - std::f64::consts::PI) / frequency;
@@ -501,17 +506,18 @@ mod tests {
             (-damping * t).exp() * ((rate * frequency - damping * x0) * cos - (x0 * frequency + damping * rate) * sin);
         assert!((against + 0.0583).abs() < 1e-4, "{against}");
         for (factor, wanted) in [(1.0 - 1e-9, MotionKind::None), (1.0 + 1e-9, MotionKind::StickSlip)] {
-            assert_eq!(outcomes.of(kinetic, factor * against).unwrap(), wanted);
+            assert_eq!(classifier.kind(kinetic, factor * against).unwrap(), wanted);
         }
-        // With the belt: its own velocity, at which the mass sticks.
+        // In the direction of the belt: the belt velocity, at which the mass sticks.
         assert!((smallest_kick(&machine).unwrap().unwrap() / belt - 1.0).abs() < 1e-11);
     }
 
-    /// Steps of a natural period of the independent integrator.
+    /// Steps per natural period of the independent integrator.
     const STEPS: f64 = 800.0;
 
-    /// Whether a kick ends in vibration: Runge and Kutta's classical method with sign(V − X′) by branches. A period whose
-    /// largest velocity is half of that of the kick has decayed; stick, or 200 periods without decay, is vibration.
+    /// Returns whether a kick ends in vibration, by the classical Runge–Kutta method with separate branches of sign(V −
+    /// X′). The motion has decayed if the largest velocity of a period is at most half of the kick. Stick, or 200
+    /// periods without decay, is vibration.
     fn vibrates(machine: &Oscillator, kick: f64) -> bool {
         let (belt, zeta) = (machine.belt_velocity(), machine.damping_ratio());
         let rest = machine.law().coefficient(belt);
@@ -562,7 +568,7 @@ mod tests {
     }
 
     #[test]
-    fn kicks_of_random_machines_part_vibration_from_decay_in_an_independent_integrator() {
+    fn kicks_of_random_machines_separate_vibration_from_decay_in_an_independent_integrator() {
         let rng = &mut random::stream(17, "test", 0);
         let (mut count, mut slow) = (0, 0);
         for i in 0..40 {
@@ -588,7 +594,7 @@ mod tests {
             };
             let hopf = 0.5 * law.weakening(belt_velocity);
             let limit = limit_damping(&machine(0.0)).unwrap();
-            // Close to the Hopf point motions take hundreds of periods to decide.
+            // Close to the Hopf point, motions take hundreds of periods to grow or decay.
             if limit < hopf + 0.01 {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! What a parameter that rises, and then falls, leads the motion through.
+//! Attractors over a parameter that rises and then falls.
 
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
@@ -11,38 +11,38 @@ use super::super::motion::Motion;
 use super::super::{
     EventKind, MotionKind, Oscillator, Regime, VibrationError, critical_damping, limit_cycle, locked_boundary,
 };
-use super::basin::{Outcomes, started_at};
+use super::basin::{StartClassifier, started_at};
 use super::parameter::Parameter;
 use super::slip_cycle::{SlipCycle, slip_cycles};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::numeric::try_root_between;
 use asperity_process::Steady;
 
-/// Difference of states, relative to the belt velocity and the stick limit, that counts as a repetition.
+/// Difference of states, relative to the belt velocity and the stick limit, below which a motion counts as repeated.
 const REPEATS: f64 = 1e-6;
-/// Most forcing periods in a period of a motion that counts as periodic.
+/// Largest number of forcing periods per period of a periodic motion.
 const MAX_MULTIPLICITY: usize = 32;
-/// Share of its distance from a repetition that a motion which approaches one has left at most after a record: next to a
-/// bifurcation motion creeps.
-const APPROACHES: f64 = 0.999;
-/// Most records of a motion that approaches a repetition.
+/// Largest factor by which the distance from a repetition shrinks during a record while the motion counts as
+/// approaching one. Close to a bifurcation a motion approaches slowly.
+const APPROACH_FACTOR: f64 = 0.999;
+/// Largest number of records of a motion that approaches a repetition.
 const MAX_BLOCKS: usize = 300;
 
-/// How a diagram is computed.
+/// Settings of a diagram.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BifurcationSettings {
     /// Values of the parameter, rising.
     pub values: Vec<f64>,
-    /// Forcing periods that are left out at each value, for the motion to settle.
+    /// Number of forcing periods that are discarded at each value while the motion settles.
     pub transient: usize,
-    /// Forcing periods that are recorded after that, at least 2. Where the motion does not repeat itself in them but comes
-    /// closer to it, as many again follow, up to three hundred times.
+    /// Number of forcing periods that are recorded afterwards, at least 2. While the motion does not repeat but
+    /// approaches a repetition, further records of the same length follow, up to three hundred.
     pub recorded: usize,
 }
 
 impl BifurcationSettings {
-    /// `count` ≥ 2 equally spaced values, 400 forcing periods to settle and 100 to record.
+    /// Creates settings with `count` ≥ 2 equally spaced values, 400 forcing periods to settle and 100 to record.
     pub fn new([low, high]: [f64; 2], count: usize) -> Self {
         let last = count.max(2) - 1;
         let values = (0..=last).map(|i| low + (high - low) * i as f64 / last as f64).collect();
@@ -50,7 +50,7 @@ impl BifurcationSettings {
     }
 }
 
-/// What happens from one detachment to the next.
+/// Motion from one detachment to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Turnover {
     /// Time T between the two.
@@ -61,29 +61,29 @@ pub struct Turnover {
     pub velocity_min: f64,
 }
 
-/// The motion at one value of the parameter.
+/// Motion at one value of the parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BifurcationPoint {
     /// Value of the parameter.
     pub parameter: f64,
-    /// Kind of the motion; under forcing, a periodic response that stays slower than the belt counts as none.
+    /// Kind of the motion. Under forcing, a periodic response slower than the belt counts as none.
     pub attractor: MotionKind,
-    /// Forcing periods in a period of the motion; none if it does not repeat itself within 32 or half of those recorded.
-    /// Always 1 without forcing.
+    /// Number of forcing periods per period of the motion; none if it does not repeat within 32 periods or half of the
+    /// recorded ones. Always 1 without forcing.
     pub multiplicity: Option<usize>,
-    /// False if the motion was still coming closer to a repetition when it was given up, as next to a bifurcation: then it
-    /// is periodic, or hardly anything else, for all that it has no multiplicity.
+    /// False if the motion was still approaching a repetition when the computation stopped, for example close to a
+    /// bifurcation. It is then probably periodic although it has no multiplicity.
     pub settled: bool,
     /// Least and largest X.
     pub displacement: [f64; 2],
     /// Least and largest X′.
     pub velocity: [f64; 2],
-    /// One period of detachments, or all recorded ones of a motion that does not repeat itself. A cycle that passes the belt
-    /// velocity without stick has none under forcing.
+    /// Detachments of one period, or all recorded ones of a motion that does not repeat. Under forcing, a cycle that
+    /// passes the belt velocity without stick has none.
     pub turnovers: Vec<Turnover>,
 }
 
-/// What is marked on a diagram.
+/// Kind of a mark on a diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MarkKind {
@@ -95,10 +95,10 @@ pub enum MarkKind {
     LockedFold,
 }
 
-/// A value of the parameter at which the structure changes.
+/// Value of the parameter at which the attractors change.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Mark {
-    /// What changes.
+    /// Kind of the change.
     pub kind: MarkKind,
     /// Value of the parameter.
     pub parameter: f64,
@@ -109,22 +109,22 @@ pub struct Mark {
 pub struct BifurcationDiagram {
     /// The parameter.
     pub parameter: Parameter,
-    /// What a rising parameter leads through.
+    /// Points for a rising parameter.
     pub upward: Vec<BifurcationPoint>,
-    /// What a falling parameter leads through, also listed by rising parameter.
+    /// Points for a falling parameter, also listed by rising parameter.
     pub downward: Vec<BifurcationPoint>,
-    /// Changes of the structure between the first and the last value. Without forcing all Hopf points and folds that part
-    /// neighbouring values; with forcing the end of the locked cycle, over the damping ratio only.
+    /// Changes between the first and the last value. Without forcing they are all Hopf points and folds between
+    /// neighbouring values; with forcing the end of the locked cycle, for the damping ratio only.
     pub marks: Vec<Mark>,
 }
 
-/// The attractors that a slowly rising and then slowly falling parameter leads through.
+/// Returns the attractors over a parameter that rises slowly and then falls slowly.
 ///
-/// Each value starts where the one before ended, the first from rest on the belt; where the two directions differ, more than
-/// one attractor exists. Without forcing the attractor is exact: the start is put into its basin. With forcing the motion
-/// is followed until it repeats itself or no longer comes closer to that.
+/// Each value starts from the end state of the previous one, the first from rest on the belt. Where the two directions
+/// differ, more than one attractor exists. Without forcing the attractor is exact: the basin of the start determines
+/// it. With forcing the motion is followed until it repeats or no longer approaches a repetition.
 ///
-/// Fails for values that do not rise or are out of range, if friction does not stay positive, and when cancelled.
+/// Fails for values that do not rise or are out of range, if friction does not stay positive, or when cancelled.
 pub fn bifurcation_diagram(
     oscillator: &Oscillator,
     parameter: Parameter,
@@ -166,14 +166,14 @@ pub fn bifurcation_diagram(
     Ok(BifurcationDiagram { parameter, upward: points, downward, marks })
 }
 
-/// The attractor of a start and a state on it.
+/// Returns the attractor of a start and a state on it.
 fn free_point(
     oscillator: &Oscillator,
     value: f64,
     [x, v]: [f64; 2],
 ) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
     let belt = oscillator.belt_velocity();
-    let attractor = Outcomes::new(oscillator)?.of(x, v)?;
+    let attractor = StartClassifier::new(oscillator)?.kind(x, v)?;
     let rest = oscillator.law().coefficient(belt);
     let mut point = BifurcationPoint {
         parameter: value,
@@ -193,7 +193,7 @@ fn free_point(
         reached => reached,
     };
     let Some(LimitCycle { displacement_min, displacement_max, velocity_min, velocity_max, .. }) = cycle else {
-        // Undecided to rounding where a cycle ends: the motion is steady sliding.
+        // Undecided to rounding at the end of a cycle: the motion counts as steady sliding.
         point.attractor = MotionKind::None;
         return Ok((point, [rest, 0.0]));
     };
@@ -214,7 +214,7 @@ fn free_point(
     Ok((point, [detachment, belt]))
 }
 
-/// The motion after its transient, and its state at the end of a forcing period.
+/// Returns the motion after its transient, and its state at the end of a forcing period.
 fn forced_point(
     oscillator: &Oscillator,
     period: f64,
@@ -223,17 +223,17 @@ fn forced_point(
     settings: &BifurcationSettings,
 ) -> Result<(BifurcationPoint, [f64; 2]), VibrationError> {
     let scale = [oscillator.static_friction(), oscillator.belt_velocity()];
-    let mut strokes = Strokes { motion: started_at(oscillator, x, v)?, period, turn: Turn::EMPTY, begun: None };
-    strokes.pass(settings.transient)?;
-    let mut record = strokes.record(settings.recorded)?;
+    let mut forced = ForcedMotion { motion: started_at(oscillator, x, v)?, period, turn: Turn::EMPTY, begun: None };
+    forced.pass(settings.transient)?;
+    let mut record = forced.record(settings.recorded)?;
     let mut settled = false;
-    // What comes closer to a repetition is given time for it.
+    // A motion that approaches a repetition gets further records.
     for _ in 1..MAX_BLOCKS {
         if record.multiplicity(scale) == Some(1) {
             settled = true;
             break;
         }
-        let next = strokes.record(settings.recorded)?;
+        let next = forced.record(settings.recorded)?;
         settled = !next.approaches(&record, scale);
         record = next;
         if settled {
@@ -242,8 +242,8 @@ fn forced_point(
     }
     let multiplicity = record.multiplicity(scale).filter(|_| settled);
     let since = settings.recorded - multiplicity.unwrap_or(settings.recorded);
-    let span = |spans: &[[f64; 2]]| spans[since..].iter().fold(NOWHERE, |[a, b], [c, d]| [a.min(*c), b.max(*d)]);
-    let turnovers = record.turns.iter().filter(|(stroke, _)| *stroke >= since).map(|(_, turn)| Turnover {
+    let span = |spans: &[[f64; 2]]| spans[since..].iter().fold(EMPTY_RANGE, |[a, b], [c, d]| [a.min(*c), b.max(*d)]);
+    let turnovers = record.turns.iter().filter(|(index, _)| *index >= since).map(|(_, turn)| Turnover {
         duration: turn.duration,
         reattachment_displacement: turn.reattachment,
         velocity_min: turn.slowest,
@@ -264,37 +264,37 @@ fn forced_point(
     Ok((point, record.states.last().copied().unwrap_or([x, v])))
 }
 
-/// A span without points.
-const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+/// Empty range.
+const EMPTY_RANGE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// A motion that is followed by forcing periods; its time counts from the last one.
-struct Strokes {
+/// Motion that is followed by forcing periods; its time is counted from the last one.
+struct ForcedMotion {
     motion: Motion<Steady>,
     period: f64,
-    /// What happened since the last recorded detachment, and when that was.
+    /// Turn since the last recorded detachment, and the time of that detachment.
     turn: Turn,
     begun: Option<f64>,
 }
 
-/// What happened in some forcing periods.
+/// Record of several forcing periods.
 struct Record {
-    /// (X, X′) at the end of each.
+    /// (X, X′) at the end of each period.
     states: Vec<[f64; 2]>,
-    /// Extremes in each.
+    /// Extremes in each period.
     displacements: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
-    /// Turns, with the forcing period in which they end.
+    /// Turns, with the forcing period in which each ends.
     turns: Vec<(usize, Turn)>,
     /// Whether the mass reached the belt velocity.
     touched: bool,
-    /// Whether it stuck.
+    /// Whether the mass stuck.
     sticks: bool,
 }
 
-impl Strokes {
-    /// Lets time pass.
-    fn pass(&mut self, strokes: usize) -> Result<(), VibrationError> {
-        for _ in 0..strokes {
+impl ForcedMotion {
+    /// Advances by a number of forcing periods without a record.
+    fn pass(&mut self, periods: usize) -> Result<(), VibrationError> {
+        for _ in 0..periods {
             while self.motion.tau < self.period {
                 self.motion.step(self.period)?;
             }
@@ -303,11 +303,11 @@ impl Strokes {
         Ok(())
     }
 
-    fn record(&mut self, strokes: usize) -> Result<Record, VibrationError> {
+    fn record(&mut self, periods: usize) -> Result<Record, VibrationError> {
         let (mut states, mut displacements, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
         let (mut turns, mut touched, mut sticks) = (Vec::new(), false, self.motion.slip_state().is_none());
-        for stroke in 0..strokes {
-            let (mut displacement, mut velocity) = (NOWHERE, NOWHERE);
+        for index in 0..periods {
+            let (mut displacement, mut velocity) = (EMPTY_RANGE, EMPTY_RANGE);
             while self.motion.tau < self.period {
                 let event = self.motion.step(self.period)?;
                 self.turn.include(&self.motion);
@@ -324,7 +324,7 @@ impl Strokes {
                     Some(EventKind::Detach) => {
                         if let Some(begun) = self.begun {
                             self.turn.duration = self.motion.tau - begun;
-                            turns.push((stroke, self.turn));
+                            turns.push((index, self.turn));
                         }
                         (self.turn, self.begun) = (Turn::EMPTY, Some(self.motion.tau));
                     }
@@ -342,8 +342,9 @@ impl Strokes {
 }
 
 impl Record {
-    /// How far the states of the later half are at most from those k forcing periods before, and from those as many times k
-    /// before as the record holds: a motion that creeps hardly moves in one period.
+    /// Returns the largest distance between the states of the later half and the states k forcing periods before.
+    /// States at the largest multiple of k that the record covers count too, because a slow motion hardly moves in one
+    /// period.
     fn apart(&self, k: usize, scale: [f64; 2]) -> f64 {
         let n = self.states.len();
         let distance = |a: [f64; 2], b: [f64; 2]| (0..2).map(|i| (a[i] - b[i]).abs() / scale[i]).fold(0.0, f64::max);
@@ -352,20 +353,20 @@ impl Record {
         all.fold(0.0, f64::max)
     }
 
-    /// Numbers of forcing periods after which the motion may repeat itself.
+    /// Returns the numbers of forcing periods after which the motion may repeat.
     fn periods(&self) -> RangeInclusive<usize> {
         1..=MAX_MULTIPLICITY.min(self.states.len() / 2)
     }
 
-    /// After how many forcing periods the states repeat.
+    /// Returns the number of forcing periods after which the states repeat.
     fn multiplicity(&self, scale: [f64; 2]) -> Option<usize> {
         self.periods().find(|k| self.apart(*k, scale) < REPEATS)
     }
 
-    /// Whether the motion is closer to a repetition than it was in the record before; if it repeats itself, to one after
-    /// fewer forcing periods.
+    /// Returns whether the motion is closer to a repetition than in the previous record. If it repeats, compares
+    /// repetitions after fewer forcing periods.
     fn approaches(&self, before: &Self, scale: [f64; 2]) -> bool {
-        let closer = |after: f64, before: f64| after < APPROACHES * before;
+        let closer = |after: f64, before: f64| after < APPROACH_FACTOR * before;
         if let Some(multiplicity) = self.multiplicity(scale) {
             return (1..multiplicity).any(|k| closer(self.apart(k, scale), before.apart(k, scale)));
         }
@@ -385,7 +386,7 @@ fn marks(
         if parameter != Parameter::DampingRatio {
             return Ok(Vec::new());
         }
-        // No locked cycle, no mark.
+        // Without a locked cycle there is no mark.
         let boundary = locked_boundary(oscillator).ok().filter(|damping| (low..=high).contains(damping));
         return Ok(boundary.map(|parameter| Mark { kind: MarkKind::LockedFold, parameter }).into_iter().collect());
     }
@@ -434,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn the_section_of_a_cycle_is_the_published_one_and_fast_belts_do_not_vibrate() {
+    fn the_section_of_a_cycle_matches_the_publication_and_fast_belts_do_not_vibrate() {
         let oscillator = Oscillator::stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings =
             BifurcationSettings { values: vec![0.003, 0.02, 0.05], ..BifurcationSettings::new([0.0, 1.0], 2) };
@@ -464,10 +465,10 @@ mod tests {
             assert_eq!(kinds, [MotionKind::Overtaking, MotionKind::Overtaking, MotionKind::StickSlip]);
             assert!(points[0].velocity[1] > belt && points[0].turnovers[0].reattachment_displacement.is_none());
         }
-        // From inside and outside of that cycle.
-        let outcomes = Outcomes::new(&oscillator.with_damping(0.001).unwrap()).unwrap();
+        // Starts inside and outside that cycle.
+        let classifier = StartClassifier::new(&oscillator.with_damping(0.001).unwrap()).unwrap();
         for start in [[0.1, 0.0], [3.0, 0.0], [0.0, 3.2], [4.0, 1.0], [0.0, belt]] {
-            assert_eq!(outcomes.of(start[0], start[1]).unwrap(), MotionKind::Overtaking, "{start:?}");
+            assert_eq!(classifier.kind(start[0], start[1]).unwrap(), MotionKind::Overtaking, "{start:?}");
         }
     }
 
@@ -506,8 +507,8 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_that_settles_slowly_is_followed_until_it_has() {
-        // Slip under a force, without stick, forgets its start as e^{−ζτ}: to 1 % in 100 forcing periods.
+    fn a_slowly_settling_motion_is_followed_until_it_repeats() {
+        // Slip under a force, without stick, loses the effect of its start as e^{−ζτ}: to 1 % in 100 forcing periods.
         let law = crate::FrictionLaw::Coulomb { kinetic: 0.2 };
         let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
         let (damping_ratio, belt_velocity) = (0.005, 0.5);
@@ -521,15 +522,15 @@ mod tests {
             (MotionKind::None, Some(1), true),
             "{point:?}"
         );
-        // The steady swing has the amplitude q/|1 − η² + 2iζη| about μ.
+        // The steady response has the amplitude q/|1 − η² + 2iζη| about μ.
         let amplitude = 0.01 / (1.0_f64 - 0.49).hypot(0.007);
         let [low, high] = point.displacement;
         assert!((high - 0.2 - amplitude).abs() < 1e-6 && (0.2 - low - amplitude).abs() < 1e-6, "{point:?} {amplitude}");
     }
 
     #[test]
-    fn next_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
-        // Multipliers of −.99924 and .99896 a period of the motion.
+    fn close_to_a_period_doubling_the_motion_is_the_stable_cycle_of_the_shooting() {
+        // Multipliers of −.99924 and .99896 per period of the motion.
         let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.2, frequency: 1.0 })).unwrap();
         for frequency in [2.125, 2.115] {

@@ -1,4 +1,4 @@
-//! The end of the cycle as a curve over another parameter.
+//! End of the cycle as a curve over another parameter.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,26 +6,26 @@ use super::super::{Oscillator, VibrationError, critical_damping};
 use super::parameter::Parameter;
 use asperity_base::monitor::{Cancelled, Monitor};
 
-/// Steps shorter than this share of the range end a curve.
+/// Length of a step, as a fraction of the range, below which a curve ends.
 const LEAST_STEP: f64 = 1e-9;
 
-/// How a curve is followed.
+/// Settings of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CurveSettings {
     /// Least and largest value of the parameter.
     pub range: [f64; 2],
-    /// Largest relative difference between ζ_c and its linear prediction from the two points before: how densely a bent
-    /// curve is sampled.
+    /// Largest relative difference between ζ_c and its linear prediction from the two previous points. It controls the
+    /// density of points on curved parts.
     pub deviation: f64,
-    /// Longest step, as a share of the range.
+    /// Longest step, as a fraction of the range.
     pub longest_step: f64,
-    /// Most points of a branch.
+    /// Largest number of points of a branch.
     pub most_points: usize,
 }
 
 impl CurveSettings {
-    /// A range, sampled to a deviation of 0.002 with steps up to a thirtieth of it.
+    /// Creates settings for a range, with a deviation of 0.002 and steps up to a thirtieth of the range.
     pub fn new(range: [f64; 2]) -> Self {
         Self { range, deviation: 2e-3, longest_step: 1.0 / 30.0, most_points: 10_000 }
     }
@@ -36,7 +36,7 @@ impl CurveSettings {
             return Err(VibrationError::Parameter {
                 parameter: "range",
                 value: high,
-                wanted: "finite, and more than its least",
+                wanted: "finite, and greater than its lower end",
             });
         }
         for (parameter, value) in [("deviation", self.deviation), ("longest_step", self.longest_step)] {
@@ -47,7 +47,7 @@ impl CurveSettings {
         Ok(())
     }
 
-    /// The scale on which steps are equal: logarithmic if the range spans more than a factor of 4.
+    /// Returns the scale on which steps are equal: logarithmic if the range spans more than a factor of 4.
     pub(super) fn scale(&self) -> Scale {
         let [low, high] = self.range;
         let logarithmic = low > 0.0 && high > 4.0 * low;
@@ -56,7 +56,7 @@ impl CurveSettings {
     }
 }
 
-/// The range of a parameter as 0 … 1.
+/// Map of the range of a parameter to 0 … 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     logarithmic: bool,
@@ -66,21 +66,21 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// The value at a share of the range; its ends are exact.
-    pub(super) fn value(&self, share: f64) -> f64 {
-        if share == 0.0 || share == 1.0 {
-            return self.range[share as usize];
+    /// Returns the value at a fraction of the range; the ends are exact.
+    pub(super) fn value(&self, fraction: f64) -> f64 {
+        if fraction == 0.0 || fraction == 1.0 {
+            return self.range[fraction as usize];
         }
-        let value = self.low + share * self.width;
+        let value = self.low + fraction * self.width;
         if self.logarithmic { value.exp() } else { value }
     }
 
-    pub(super) fn share(&self, value: f64) -> f64 {
+    pub(super) fn fraction(&self, value: f64) -> f64 {
         ((if self.logarithmic { value.ln() } else { value }) - self.low) / self.width
     }
 }
 
-/// One point of a curve.
+/// Point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BranchPoint {
     /// Value of the parameter.
@@ -93,43 +93,43 @@ pub struct BranchPoint {
     pub detachment_phase: Option<f64>,
 }
 
-/// Why a branch ends.
+/// Reason for the end of a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BranchEnd {
-    /// It reaches the end of the range.
+    /// The branch reaches the end of the range.
     Range,
-    /// It turns back: no such orbit exists beyond this value of the parameter.
+    /// The branch turns back: no such orbit exists beyond this value of the parameter.
     Turns,
-    /// It cannot be followed beyond its last point.
+    /// The computation fails beyond the last point.
     Lost {
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// The most points are reached.
+    /// The largest number of points is reached.
     Points,
 }
 
-/// The end of the cycle over a parameter.
+/// End of the cycle as a function of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Branch {
     /// The parameter.
     pub parameter: Parameter,
     /// Points by rising parameter.
     pub points: Vec<BranchPoint>,
-    /// Why it ends before its first point.
+    /// Reason why the branch ends before its first point.
     pub start: BranchEnd,
-    /// Why it ends after its last point.
+    /// Reason why the branch ends after its last point.
     pub end: BranchEnd,
 }
 
-/// ζ_c and ζ_H over a parameter of the oscillator without forcing.
+/// Returns ζ_c and ζ_H over a parameter of the oscillator without forcing.
 ///
-/// ζ_c is a function of the parameter, so the curve is followed from the least value up; each point is [`critical_damping`],
-/// with its accuracy, and the steps follow the bend of the curve.
+/// ζ_c is a function of the parameter, so the curve is followed upwards from the least value. Each point is computed by
+/// [`critical_damping`], with its accuracy; the step size follows the curvature of the curve.
 ///
-/// Fails if there is no ζ_c at the least value, and when cancelled; if there is none farther on, the branch ends there and
-/// says why.
+/// Fails if there is no ζ_c at the least value, or when cancelled. If there is no ζ_c at a larger value, the branch
+/// ends there and reports the reason.
 pub fn critical_curve(
     oscillator: &Oscillator,
     parameter: Parameter,
@@ -139,8 +139,8 @@ pub fn critical_curve(
     settings.validate()?;
     let scale = settings.scale();
     let free = oscillator.with_forcing(None)?;
-    let point = |share: f64| -> Result<BranchPoint, VibrationError> {
-        let value = scale.value(share);
+    let point = |fraction: f64| -> Result<BranchPoint, VibrationError> {
+        let value = scale.value(fraction);
         let found = critical_damping(&parameter.set(&free, value)?)?;
         Ok(BranchPoint {
             parameter: value,
@@ -159,8 +159,8 @@ pub fn critical_curve(
         }
         let n = points.len();
         let (last, at) = (points[n - 1].critical_damping_ratio, shares[n - 1]);
-        let share = f64::min(at + step, 1.0);
-        let next = match point(share) {
+        let fraction = f64::min(at + step, 1.0);
+        let next = match point(fraction) {
             Ok(next) => next,
             Err(error) if step < LEAST_STEP => {
                 end = BranchEnd::Lost { reason: error.to_string() };
@@ -173,15 +173,15 @@ pub fn critical_curve(
         };
         let found = next.critical_damping_ratio;
         let slope = if n > 1 { (last - points[n - 2].critical_damping_ratio) / (at - shares[n - 2]) } else { 0.0 };
-        let deviation = if n > 1 { (found - last - slope * (share - at)).abs() / found.max(last) } else { 0.0 };
+        let deviation = if n > 1 { (found - last - slope * (fraction - at)).abs() / found.max(last) } else { 0.0 };
         if deviation > settings.deviation && step > LEAST_STEP {
             step *= 0.5;
             continue;
         }
-        shares.push(share);
+        shares.push(fraction);
         points.push(next);
-        monitor.progress("critical curve, parts per thousand", (1000.0 * share) as usize, 1000);
-        if share == 1.0 {
+        monitor.progress("critical curve, parts per thousand", (1000.0 * fraction) as usize, 1000);
+        if fraction == 1.0 {
             end = BranchEnd::Range;
             break;
         }
@@ -210,11 +210,11 @@ mod tests {
         for point in &curve.points {
             let speed = 4.2 * point.parameter;
             let averaged = 0.1 / (speed * point.parameter) * ((1.0 + speed) / (1.0 + 2.0 * speed).sqrt() - 1.0);
-            // First order in the friction coefficient.
+            // Error of first order in the friction coefficient.
             assert!((point.critical_damping_ratio / averaged - 1.0).abs() < 0.01, "{point:?}");
             assert!((point.hopf_damping_ratio - 0.21 / (1.0 + speed).powi(2)).abs() < 1e-15);
         }
-        // Sampled as densely as asked: chords over two steps leave the curve by less than the deviation.
+        // Density of points: chords over two steps deviate from the curve by less than the requested deviation.
         for three in curve.points.windows(3) {
             let [a, b, c] = [0, 1, 2].map(|i| (three[i].parameter.ln(), three[i].critical_damping_ratio));
             let chord = a.1 + (c.1 - a.1) * (b.0 - a.0) / (c.0 - a.0);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn the_linear_law_has_the_line_of_half_its_slope_and_nothing_over_what_it_has_not() {
+    fn the_curve_of_the_linear_law_is_half_its_slope_and_missing_parameters_are_errors() {
         let law = FrictionLaw::Linear { kinetic: 0.4, slope: 0.1 };
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
@@ -237,7 +237,7 @@ mod tests {
             critical_curve(&oscillator, Parameter::StaticFriction, &CurveSettings::new([0.1, 1.0]), &Silent).unwrap();
         assert!(friction.points.iter().all(|p| (p.critical_damping_ratio - 0.05).abs() < 1e-12));
         assert!(critical_curve(&oscillator, Parameter::ForcingFrequency, &settings, &Silent).is_err());
-        // Friction coefficients beyond 1000 are out of range.
+        // Friction coefficients above 1000 are out of range.
         let beyond = CurveSettings::new([300.0, 3000.0]);
         let lost = critical_curve(&oscillator, Parameter::StaticFriction, &beyond, &Silent).unwrap();
         let last = lost.points[lost.points.len() - 1].parameter;

@@ -10,42 +10,43 @@ use super::passage::passage;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::numeric::{bisect, newton_between, try_root_between};
 
-/// Detachment phases at which the map is first looked at, times the slips of the cycle.
+/// Number of detachment phases on the first grid, per slip of the cycle.
 const PHASES: usize = 192;
-/// Difference in units of the forcing period at which a cycle counts as closed.
+/// Difference in units of the forcing period below which a cycle counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Difference of detachment phases, in units of the forcing period, at which two cycles count as one.
+/// Difference of detachment phases, in units of the forcing period, below which two cycles count as one.
 const SAME: f64 = 1e-8;
 
-/// A cycle of a forced oscillator that sticks.
+/// Cycle with stick of a forced oscillator.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ForcedCycle {
     /// Phase ητ mod 2π of a detachment into slip.
     pub detachment_phase: f64,
-    /// Detachments into slip in a period.
+    /// Number of detachments into slip per period.
     pub multiplicity: usize,
-    /// Forcing periods in a period.
+    /// Number of forcing periods per period.
     pub forcing_periods: usize,
-    /// Floquet multiplier: factor of a small deviation of the detachment phase in one period. The other multiplier is zero,
-    /// because stick forgets everything but its end. It may be negative, and is large at a grazing.
+    /// Floquet multiplier: factor of a small deviation of the detachment phase in one period. The other multiplier is
+    /// zero, because the motion after a stick depends only on the time of its end. The multiplier may be negative, and
+    /// it is large close to a grazing.
     pub multiplier: f64,
     /// Extremes and times.
     pub cycle: LimitCycle,
 }
 
 impl ForcedCycle {
-    /// Whether it attracts.
+    /// Returns whether the cycle attracts.
     pub fn is_stable(&self) -> bool {
         self.multiplier.abs() < 1.0
     }
 }
 
-/// k passages from a detachment.
+/// A sequence of k passages from a detachment.
 struct Passages {
     /// τ_k − τ_0.
     advance: f64,
     slope: f64,
-    /// The detachments, but for the last.
+    /// Times of the detachments, except the last.
     taus: Vec<f64>,
     turns: Vec<Turn>,
 }
@@ -64,15 +65,14 @@ fn passages(oscillator: &Oscillator, tau: f64, count: usize, period: f64) -> Res
     Ok(Some(all))
 }
 
-/// All cycles with stick of a forced oscillator that have at most `most` detachments into slip in a period, stable and
-/// unstable, by rising multiplicity and detachment phase.
+/// Returns all cycles with stick of a forced oscillator that have at most `most` detachments into slip per period,
+/// stable and unstable, by rising multiplicity and detachment phase.
 ///
-/// The unknown of the shooting is the time of a detachment, the equation that the k-th detachment after it comes whole
-/// forcing periods later. Zeros are isolated on a grid of 192 k phases, with a look at extremes and at jumps between its nodes, and
-/// found by Newton's method with the exact derivative of the event map. Pairs of cycles that live on a smaller share
-/// of the phases than a node are not seen, nor are cycles without stick.
-///
-/// Fails without forcing, if friction does not stay positive, and when cancelled.
+/// The unknown of the shooting method is the time of a detachment; the equation requires that the k-th detachment after
+/// it comes whole forcing periods later. Zeros are isolated on a grid of 192 k phases, including extremes and jumps
+/// between its nodes, and computed by Newton's method with the exact derivative of the event map. The grid misses pairs
+/// of cycles that exist on a phase range narrower than its spacing. Cycles without stick are not searched.
+/// Fails without forcing, if friction does not stay positive, or when cancelled.
 pub fn forced_cycles(
     oscillator: &Oscillator,
     most: usize,
@@ -131,7 +131,7 @@ pub fn forced_cycles(
     Ok(found)
 }
 
-/// The map at one node of the grid.
+/// Value of the map at one node of the grid.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     tau: f64,
@@ -139,9 +139,9 @@ struct Node {
     slope: f64,
 }
 
-/// The smooth pieces of the map next to two neighbours on the grid.
+/// Returns the smooth pieces of the map next to two neighbours on the grid.
 ///
-/// At a grazing the map jumps by about a forcing period, or ends; there each neighbour's piece is followed to the jump.
+/// At a grazing the map jumps by about a forcing period, or ends; each neighbour's piece is followed up to the jump.
 fn pieces(
     advance: &impl Fn(f64) -> Result<Option<(f64, f64)>, VibrationError>,
     a: Option<Node>,
@@ -169,7 +169,7 @@ fn pieces(
     Ok(pieces)
 }
 
-/// Times between two nodes at which the advance is a whole number of forcing periods.
+/// Returns the times between two nodes at which the advance is a whole number of forcing periods.
 fn roots(
     advance: &impl Fn(f64) -> Result<Option<(f64, f64)>, VibrationError>,
     a: Node,
@@ -215,8 +215,8 @@ mod tests {
 
     #[test]
     fn a_locked_oscillator_has_the_published_stable_and_unstable_cycle() {
-        // Made by SciPy's DOP853 at 1e-13 in displacement and velocity, brentq on the phase, and differences of the fourth
-        // order of the map at ±0.001 and ±0.002 for the multiplier: good to 1e-11.
+        // Reference: SciPy's DOP853 at 1e-13 in displacement and velocity, brentq on the phase, and fourth-order
+        // differences of the map at ±0.001 and ±0.002 for the multiplier; accurate to 1e-11.
         let found = forced_cycles(&forced(0.2, 4.2, 0.1, 0.1, 0.02, 0.85), 2, &Silent).unwrap();
         let wanted = [
             (0.167_718_780_139, 0.798_109_649_788, -0.035_325_585_865_86, true),
@@ -233,8 +233,8 @@ mod tests {
     }
 
     #[test]
-    fn the_attracting_cycle_is_the_one_that_motion_ends_in() {
-        // The third goes through over-slip and sticks twice.
+    fn motion_ends_in_the_attracting_cycle() {
+        // The third cycle includes over-slip and sticks twice.
         for oscillator in [
             forced(0.2, 4.2, 0.2, 0.1, 0.01, 0.98),
             forced(0.2, 4.2, 0.1, 0.1, 0.05, 0.93),
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn without_forcing_there_is_nothing_to_lock_to() {
+    fn without_forcing_there_is_no_forced_cycle() {
         let free = Oscillator::stribeck(0.2, 4.2, 0.1, 0.1).unwrap();
         assert!(matches!(forced_cycles(&free, 1, &Silent), Err(VibrationError::NotFound { .. })));
     }

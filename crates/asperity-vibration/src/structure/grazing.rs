@@ -1,7 +1,7 @@
-//! The slip orbit that touches the belt velocity, with its derivatives.
+//! Slip orbit that touches the belt velocity, and its derivatives.
 
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::slip_orbit::{Minimum, first_minimum_from};
-use super::super::sway::Sway;
 use super::super::{Oscillator, VibrationError};
 use super::tangent::Linear;
 use asperity_base::numeric::newton_between;
@@ -16,22 +16,22 @@ pub(crate) struct Graze {
     pub(crate) time_by: [f64; 2],
 }
 
-/// The first minimum of W after a detachment at the time τ, with derivatives; none if the orbit has none.
+/// Returns the first minimum of W after a detachment at the time τ, with derivatives; none if the orbit has no minimum.
 ///
-/// On an orbit that was stopped below zero the derivatives are those of its end at that time.
+/// For an orbit that was stopped below zero, the derivatives refer to its end at that time.
 pub(crate) fn graze(oscillator: &Oscillator, tau: f64) -> Result<Option<Graze>, VibrationError> {
     let linear = Linear(oscillator);
-    let sway = Sway::new(oscillator);
-    let angular = sway.amplitude * sway.frequency * sway.frequency;
+    let scaled_forcing = ScaledForcing::new(oscillator);
+    let angular = scaled_forcing.amplitude * scaled_forcing.frequency * scaled_forcing.frequency;
     let mut tangents = [[0.0; 2]; 2];
     let minimum = first_minimum_from(oscillator, tau, 0.0, |step, time| {
         linear.carry(step, &mut tangents, |t, w| {
-            [[-2.0 * w, 0.0], [0.0, angular * (sway.frequency * (tau + time + t)).cos()]]
+            [[-2.0 * w, 0.0], [0.0, angular * (scaled_forcing.frequency * (tau + time + t)).cos()]]
         });
     })?;
     Ok(minimum.map(|minimum| {
         // W′ = 0 there, so W″ = e′, and the time moves by −δ(W′)/W″.
-        let curvature = 1.0 - minimum.w + sway.rate(tau + minimum.time);
+        let curvature = 1.0 - minimum.w + scaled_forcing.rate(tau + minimum.time);
         let gain = linear.gain(minimum.w);
         let time = |[w, e]: [f64; 2], source: f64| -(e + gain * w + source) / curvature;
         let time_by = [time(tangents[0], -2.0 * minimum.w), time(tangents[1], 0.0)];
@@ -39,17 +39,17 @@ pub(crate) fn graze(oscillator: &Oscillator, tau: f64) -> Result<Option<Graze>, 
     }))
 }
 
-/// Damping ratio at which the slip orbit of a detachment at the time τ touches the belt velocity.
+/// Returns the damping ratio at which the slip orbit of a detachment at the time τ touches the belt velocity.
 ///
-/// `guess` > 0 is where the search begins and `most` where it ends. None if the orbit of the undamped oscillator does not
-/// reach the belt velocity, or all orbits up to `most` do.
+/// `guess` > 0 is the start of the search and `most` its end. Returns none if the orbit of the undamped oscillator does
+/// not reach the belt velocity, or if all orbits up to `most` do.
 pub(crate) fn grazing_damping(
     oscillator: &Oscillator,
     tau: f64,
     guess: f64,
     most: f64,
 ) -> Result<Option<f64>, VibrationError> {
-    // An orbit without a minimum stays away from the belt velocity.
+    // An orbit without a minimum does not reach the belt velocity.
     let least = |damping: f64| -> Result<(f64, f64), VibrationError> {
         Ok(graze(&oscillator.with_damping(damping)?, tau)?.map_or((1.0, 0.0), |g| (g.minimum.w, g.w_by[0])))
     };

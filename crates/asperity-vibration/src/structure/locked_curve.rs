@@ -1,9 +1,9 @@
-//! The end of the locked cycle over a parameter of the forced oscillator.
+//! End of the locked cycle over a parameter of the forced oscillator.
 
 use std::f64::consts::TAU;
 
 use super::super::locked::grazing_lock;
-use super::super::sway::Sway;
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::weakening::Weakening;
 use super::super::{Oscillator, VibrationError, critical_damping};
 use super::boundary::{Branch, BranchEnd, BranchPoint, CurveSettings, Scale};
@@ -12,29 +12,30 @@ use super::parameter::Parameter;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::numeric::bisect;
 
-/// Newton steps of a corrector.
+/// Largest number of Newton steps of the corrector.
 const MAX_CORRECTIONS: usize = 12;
-/// Correction at which a point is found, in shares of the range, of the first damping ratio, and radian.
+/// Correction below which a point is accepted, in fractions of the range, units of the first damping ratio, and radian.
 const CORRECTED: f64 = 1e-13;
-/// Share of the range over which the derivative with respect to the parameter is differenced.
+/// Fraction of the range over which the derivative with respect to the parameter is differenced.
 const DIFFERENCE: f64 = 1e-6;
 const LEAST_STEP: f64 = 1e-8;
 /// Least cosine between neighbouring directions.
 const STRAIGHT: f64 = 0.995;
 
-/// A point: (share of the range, damping ratio in units of the first one, detachment phase).
+/// Point (fraction of the range, damping ratio in units of the first one, detachment phase).
 type Point = [f64; 3];
 
-/// The damping ratio at which the locked cycle grazes, [`super::super::locked_boundary`], over a parameter.
+/// Returns the damping ratio at which the locked cycle grazes, [`super::super::locked_boundary`], over a parameter.
 ///
-/// Unknowns are the damping ratio and the phase of the detachment; equations that the slip orbit touches the belt velocity,
-/// and that it is back, after the stick that a jump of the law leaves, in one forcing period. The curve is followed by
-/// pseudo-arclength from the oscillator's own value of the parameter to both sides, with the derivatives of the orbit, until
-/// the range ends or the curve turns back; there the locked cycle has no grazing end any more. The first point is the
-/// boundary; away from it the curve stays on the same branch, and another root could become the larger one.
+/// The unknowns are the damping ratio and the phase of the detachment. The equations require that the slip orbit
+/// touches the belt velocity, and that it returns, after the stick that a jump of the law causes, in one forcing
+/// period. The curve is followed by pseudo-arclength continuation, from the oscillator's own value of the parameter in
+/// both directions, with the derivatives of the orbit. It ends at the end of the range or where it turns back; beyond
+/// that point the locked cycle does not end by grazing. The first point is the boundary; the curve then stays on the
+/// same branch, even if another root becomes larger.
 ///
-/// Fails without forcing, if there is no boundary at the oscillator's own value or it is out of the range, and when
-/// cancelled.
+/// Fails without forcing, if there is no boundary at the oscillator's own value or this value is outside the range, or
+/// when cancelled.
 pub fn locked_curve(
     oscillator: &Oscillator,
     parameter: Parameter,
@@ -43,18 +44,18 @@ pub fn locked_curve(
 ) -> Result<Branch, VibrationError> {
     settings.validate()?;
     if parameter == Parameter::DampingRatio {
-        return Err(VibrationError::NotFound { what: "curve", reason: "the damping ratio is what the curve tells" });
+        return Err(VibrationError::NotFound { what: "curve", reason: "the damping ratio is the result of the curve" });
     }
     let scale = settings.scale();
-    let value = parameter.of(oscillator).unwrap_or(f64::NAN);
-    let share = scale.share(value);
-    if !(0.0..=1.0).contains(&share) {
+    let value = parameter.value(oscillator).unwrap_or(f64::NAN);
+    let fraction = scale.fraction(value);
+    if !(0.0..=1.0).contains(&fraction) {
         return Err(VibrationError::Parameter { parameter: "start of the curve", value, wanted: "in the range" });
     }
     let (tau, damping) = grazing_lock(oscillator)?;
     let frequency = oscillator.forcing().map_or(0.0, |f| f.frequency);
     let lock = Lock { oscillator: oscillator.clone(), parameter, scale, unit: damping };
-    let first = [share, 1.0, frequency * tau];
+    let first = [fraction, 1.0, frequency * tau];
     let (mut back, start) = lock.follow(first, -1.0, settings, monitor)?;
     let (forth, end) = lock.follow(first, 1.0, settings, monitor)?;
     back.reverse();
@@ -71,8 +72,8 @@ struct Lock {
 }
 
 impl Lock {
-    fn at(&self, [share, damping, _]: Point) -> Result<Oscillator, VibrationError> {
-        let oscillator = self.parameter.set(&self.oscillator, self.scale.value(share))?;
+    fn at(&self, [fraction, damping, _]: Point) -> Result<Oscillator, VibrationError> {
+        let oscillator = self.parameter.set(&self.oscillator, self.scale.value(fraction))?;
         oscillator.with_damping(damping * self.unit)
     }
 
@@ -86,16 +87,17 @@ impl Lock {
         })
     }
 
-    /// (least W, late time) of the orbit, and their derivatives with respect to the damping and the phase of the point.
+    /// Returns (least W, lateness of the return) of the orbit, and their derivatives with respect to the damping and
+    /// the phase of the point.
     fn residual(&self, point: Point) -> Result<[(f64, [f64; 2]); 2], VibrationError> {
         let what = "grazing orbit";
         let oscillator = self.at(point)?;
-        let (sway, jump) = (Sway::new(&oscillator), Weakening::new(&oscillator).jump);
-        if sway.amplitude == 0.0 {
+        let (scaled_forcing, jump) = (ScaledForcing::new(&oscillator), Weakening::new(&oscillator).jump);
+        if scaled_forcing.amplitude == 0.0 {
             return Err(VibrationError::NotFound { what, reason: "the forcing has vanished" });
         }
-        let tau = point[2] / sway.frequency;
-        if 1.0 + sway.rate(tau) <= 0.0 {
+        let tau = point[2] / scaled_forcing.frequency;
+        if 1.0 + scaled_forcing.rate(tau) <= 0.0 {
             return Err(VibrationError::NotFound { what, reason: "the force holds the mass at that phase" });
         }
         let Some(found) = graze(&oscillator, tau)? else {
@@ -105,22 +107,22 @@ impl Lock {
             });
         };
         let touch = found.minimum.time;
-        let Some(stick) = sway.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {
+        let Some(stick) = scaled_forcing.release(1.0, 1.0, -jump, tau + touch, f64::INFINITY) else {
             return Err(VibrationError::NotFound { what, reason: "the mass stays in stick" });
         };
-        // The stick shortens with the delay of its start as the growth of the excess tells.
-        let (before, after) = (1.0 + sway.rate(tau + touch), 1.0 + sway.rate(tau + touch + stick));
+        // A later start of the stick shortens it in proportion to the growth of the excess.
+        let (before, after) = (1.0 + scaled_forcing.rate(tau + touch), 1.0 + scaled_forcing.rate(tau + touch + stick));
         let shift = if jump == 0.0 { 0.0 } else { (before - after) / after };
         let [by_damping, by_tau] = found.time_by;
         let (by_damping, by_tau) = (by_damping * (1.0 + shift), by_tau * (1.0 + shift) + shift);
-        let units = [self.unit, 1.0 / sway.frequency];
+        let units = [self.unit, 1.0 / scaled_forcing.frequency];
         Ok([
             (found.minimum.w, [found.w_by[0] * units[0], found.w_by[1] * units[1]]),
-            (touch + stick - TAU / sway.frequency, [by_damping * units[0], by_tau * units[1]]),
+            (touch + stick - TAU / scaled_forcing.frequency, [by_damping * units[0], by_tau * units[1]]),
         ])
     }
 
-    /// Residuals with all derivatives.
+    /// Returns the residuals with all derivatives.
     fn system(&self, point: Point) -> Result<[(f64, Point); 2], VibrationError> {
         let here = self.residual(point)?;
         // One-sided at the ends of the range.
@@ -133,8 +135,8 @@ impl Lock {
         }))
     }
 
-    /// Unit vector along the curve, and Newton steps needed; the point moves onto the curve in the plane through it across
-    /// `across`.
+    /// Moves the point onto the curve within the plane perpendicular to `across`; returns the unit vector along the
+    /// curve and the number of Newton steps.
     fn correct(&self, point: &mut Point, across: Point) -> Result<(Point, usize), VibrationError> {
         for steps in 1..=MAX_CORRECTIONS {
             let [(first, a), (second, b)] = self.system(*point)?;
@@ -156,7 +158,7 @@ impl Lock {
         Err(VibrationError::NotFound { what: "point of the curve", reason: "Newton's method did not converge" })
     }
 
-    /// Points after the first, in the direction in which the parameter rises or falls.
+    /// Returns the points after the first, in the direction in which the parameter rises or falls.
     fn follow(
         &self,
         first: Point,
@@ -184,8 +186,8 @@ impl Lock {
             let mut next: Point = std::array::from_fn(|i| point[i] + step * direction[i]);
             let leaves = sense * (next[0] - bound) >= 0.0;
             let corrected = if leaves {
-                let share = (bound - point[0]) / direction[0];
-                next = std::array::from_fn(|i| point[i] + share * direction[i]);
+                let fraction = (bound - point[0]) / direction[0];
+                next = std::array::from_fn(|i| point[i] + fraction * direction[i]);
                 next[0] = bound;
                 self.correct(&mut next, fixed)
             } else {
@@ -223,7 +225,7 @@ impl Lock {
         Ok((points, BranchEnd::Points))
     }
 
-    /// Where the parameter is extreme on the next step, by bisection of its direction.
+    /// Finds the extreme of the parameter on the next step, by bisection of its direction.
     fn turn(&self, point: Point, direction: Point, step: f64, sense: f64) -> Result<Point, VibrationError> {
         let mut found = point;
         bisect(0.0, step, 1e-10, |along| -> Result<bool, VibrationError> {
@@ -272,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn along_the_curve_the_search_over_all_phases_finds_the_same_until_it_turns() {
+    fn the_curve_matches_the_search_over_all_phases_until_it_turns() {
         // With a jump of the law the orbit ends in a stick.
         for kinetic in [0.2, 0.19] {
             let settings = CurveSettings::new([0.5, 1.5]);
@@ -284,7 +286,7 @@ mod tests {
                 let wanted = locked_boundary(&oscillator).unwrap();
                 assert!((point.critical_damping_ratio - wanted).abs() < 1e-12, "{point:?} instead of {wanted}");
             }
-            // Beyond the turns nothing closes.
+            // Beyond the turning points no orbit closes.
             for (end, outwards) in [(curve.points[0], -1e-6), (curve.points[n - 1], 1e-6)] {
                 let oscillator = Parameter::ForcingFrequency.set(&forced(kinetic), end.parameter + outwards).unwrap();
                 assert!(locked_boundary(&oscillator).is_err(), "{end:?}");
@@ -293,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_followed_is_refused() {
+    fn curves_without_a_start_are_refused() {
         let settings = CurveSettings::new([0.5, 1.5]);
         let oscillator = forced(0.2);
         assert!(locked_curve(&oscillator, Parameter::DampingRatio, &settings, &Silent).is_err());

@@ -1,10 +1,10 @@
-//! Which parameter of an oscillator is varied.
+//! Parameters of an oscillator that can be varied.
 
 use serde::{Deserialize, Serialize};
 
 use super::super::{Forcing, FrictionLaw, FrictionTable, Oscillator, Parameters, VibrationError};
 
-/// A parameter that a curve or a diagram runs over.
+/// Parameter of a curve or a diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Parameter {
@@ -12,9 +12,9 @@ pub enum Parameter {
     DampingRatio,
     /// V.
     BeltVelocity,
-    /// μ_st; the kinetic coefficient keeps its ratio to it.
+    /// μ_st; the ratio of the kinetic coefficient to it is constant.
     StaticFriction,
-    /// How fast the law falls: a of the Stribeck law, b of the linear law.
+    /// Weakening rate: a of the Stribeck law, b of the linear law.
     Weakening,
     /// q.
     ForcingAmplitude,
@@ -23,8 +23,8 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Its value; none if the oscillator has no such parameter.
-    pub fn of(self, oscillator: &Oscillator) -> Option<f64> {
+    /// Returns the value of the parameter; none if the oscillator does not have it.
+    pub fn value(self, oscillator: &Oscillator) -> Option<f64> {
         match self {
             Self::DampingRatio => Some(oscillator.damping_ratio()),
             Self::BeltVelocity => Some(oscillator.belt_velocity()),
@@ -38,7 +38,8 @@ impl Parameter {
         }
     }
 
-    /// The same oscillator with another value. Fails out of its range, and if there is no such parameter.
+    /// Returns the same oscillator with another value. Fails if the value is out of range, or if there is no such
+    /// parameter.
     pub fn set(self, oscillator: &Oscillator, value: f64) -> Result<Oscillator, VibrationError> {
         let old = oscillator.parameters().clone();
         let missing = |reason| VibrationError::NotFound { what: "parameter", reason };
@@ -48,7 +49,7 @@ impl Parameter {
             Self::DampingRatio => Parameters { damping_ratio: value, ..old },
             Self::BeltVelocity => Parameters { belt_velocity: value, ..old },
             Self::StaticFriction => {
-                // A kinetic coefficient equal to the static one stays equal to the bit.
+                // A kinetic coefficient equal to the static one stays exactly equal.
                 let scaled = |kinetic: f64| value * (kinetic / old.static_friction);
                 let law = match &old.law {
                     FrictionLaw::Stribeck { kinetic, decay } => {
@@ -89,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parameter_that_was_set_is_read_back_and_nothing_else_moves() {
+    fn setting_a_parameter_changes_nothing_else() {
         let forced = Oscillator::stribeck(0.3, 4.2, 0.1, 0.05)
             .unwrap()
             .with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.9 }))
@@ -104,16 +105,16 @@ mod tests {
         ];
         for parameter in all {
             let other = parameter.set(&forced, 0.7).unwrap();
-            assert_eq!(parameter.of(&other), Some(0.7));
+            assert_eq!(parameter.value(&other), Some(0.7));
             for rest in all.into_iter().filter(|p| *p != parameter) {
-                assert_eq!(rest.of(&other), rest.of(&forced));
+                assert_eq!(rest.value(&other), rest.value(&forced));
             }
         }
         let friction = Parameter::StaticFriction.set(&forced, 0.7).unwrap();
         assert_eq!(friction.law().kinetic(), 0.7);
         let law = FrictionLaw::Coulomb { kinetic: 0.2 };
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
-        assert_eq!(Parameter::Weakening.of(&coulomb), None);
+        assert_eq!(Parameter::Weakening.value(&coulomb), None);
         assert!(
             Parameter::Weakening.set(&coulomb, 1.0).is_err() && Parameter::ForcingAmplitude.set(&coulomb, 0.1).is_err()
         );

@@ -1,48 +1,49 @@
-//! From one detachment to the next under a harmonic force, with the derivative of the times.
+//! Motion from one detachment to the next under a harmonic force, with the derivative of its times.
 //!
-//! Every detachment into slip is the state (W, e) = (0, 0), so the motion with stick is a map of the time of a detachment
-//! to that of the next, τ → P(τ). Its derivative follows the tangent through slip; at an event of the time t that moves
-//! by δt, a tangent at fixed time gains (rate before − rate after)·δt.
+//! Every detachment into slip is the state (W, e) = (0, 0), so the motion with stick is a map τ → P(τ) from the time of
+//! a detachment to the time of the next. Its derivative follows the tangent through slip. At an event whose time t
+//! moves by δt, a tangent at fixed time gains (rate before − rate after)·δt.
 
 use std::f64::consts::TAU;
 
 use super::super::cycle::Turn;
 use super::super::motion::{Motion, SlipState};
-use super::super::sway::Sway;
+use super::super::scaled_forcing::ScaledForcing;
 use super::super::weakening::Weakening;
 use super::super::{EventKind, Oscillator, Phase, VibrationError};
 use super::tangent::{Linear, Tangent};
 use asperity_process::Steady;
 
-/// Forcing periods after which a mass that slips on counts as sliding.
+/// Number of forcing periods of slip after which a mass counts as sliding.
 const MAX_PERIODS: f64 = 30.0;
 const MAX_STEPS: usize = 200_000;
 
-/// What leads to the next detachment into slip.
+/// Motion to the next detachment into slip.
 #[derive(Debug, Clone)]
 pub(super) struct Passage {
     /// P(τ).
     pub(super) tau: f64,
     /// dP/dτ.
     pub(super) slope: f64,
-    /// One for each detachment, into slip or over-slip.
+    /// One turn for each detachment, into slip or over-slip.
     pub(super) turns: Vec<Turn>,
 }
 
-/// The passage from a detachment into slip at the time τ. None if the force does not let the mass slip then, or it does
-/// not stick within 30 forcing periods.
+/// Returns the passage from a detachment into slip at the time τ. Returns none if the force does not let the mass slip
+/// then, or if the mass does not stick within 30 forcing periods.
 pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passage>, VibrationError> {
     let Some(forcing) = oscillator.forcing() else {
         return Err(VibrationError::NotFound { what: "passage", reason: "the oscillator has no forcing" });
     };
-    let (weakening, sway, linear) = (Weakening::new(oscillator), Sway::new(oscillator), Linear(oscillator));
-    // Growth of the forward excess in time, at W = 0.
-    let rate = |tau: f64| 1.0 + sway.rate(tau);
+    let (weakening, scaled_forcing, linear) =
+        (Weakening::new(oscillator), ScaledForcing::new(oscillator), Linear(oscillator));
+    // Growth rate of the forward excess at W = 0.
+    let rate = |tau: f64| 1.0 + scaled_forcing.rate(tau);
     if rate(tau) <= 0.0 {
         return Ok(None);
     }
     let end = tau + MAX_PERIODS * TAU / forcing.frequency;
-    let mut motion = Motion::in_slip(oscillator, Steady, SlipState::detached(tau))?;
+    let mut motion = Motion::from_slip_state(oscillator, Steady, SlipState::detached(tau))?;
     // A later detachment means an earlier state at each time.
     let mut tangent: Tangent = [-weakening.jump, -rate(tau)];
     let (mut turn, mut turns, mut begun, mut slides_since) = (Turn::EMPTY, Vec::new(), tau, tau);
@@ -61,7 +62,7 @@ pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passag
         match event.map(|e| e.kind) {
             Some(kind @ (EventKind::Restick | EventKind::Reverse)) => {
                 let delay = -tangent[0] / weakening.acceleration(0.0, excess);
-                // Forward excess at the event, along with its time.
+                // Forward excess at the event as its time moves.
                 let forward = direction * (tangent[1] + direction * rate(now) * delay);
                 tangent = if kind == EventKind::Restick {
                     turn.slip += now - slides_since;
@@ -95,7 +96,7 @@ mod tests {
     use super::*;
     use crate::{Forcing, FrictionLaw, Parameters};
 
-    /// dP/dτ by differences of the fourth order.
+    /// Returns dP/dτ by fourth-order differences.
     fn difference(oscillator: &Oscillator, tau: f64) -> f64 {
         let h = 1e-4;
         let at = |step: f64| passage(oscillator, tau + step * h).unwrap().unwrap().tau;

@@ -1,7 +1,7 @@
-//! The return map of slip without forcing on the section X′ = 0, that is W = 1.
+//! Return map of slip without forcing on the section X′ = 0, that is W = 1.
 //!
-//! Orbits cross the section upwards (W′ > 0, X at its largest) at e = e₀ + r, r > 0, with e₀ the excess in steady sliding,
-//! and W′ = r there. The map r → P(r) has the derivative (r/P)·exp ∫g, g the divergence of the flow.
+//! Orbits cross the section upwards (W′ > 0, at the largest X) at e = e₀ + r, r > 0, with e₀ the excess in steady
+//! sliding, and W′ = r there. The derivative of the map r → P(r) is (r/P)·exp ∫g, with g the divergence of the flow.
 
 use super::super::polynomial;
 use super::super::series::{Loading, Series};
@@ -10,7 +10,7 @@ use super::super::{Oscillator, VibrationError};
 use super::tangent::{Linear, Step};
 
 const FREE: Loading = Loading { base: 1.0, kappa: 1.0, swing: 0.0, frequency: 0.0, phase: 0.0 };
-/// Distance to steady sliding, relative to that at the start, at which an orbit counts as settled.
+/// Distance to steady sliding, relative to the start, below which an orbit counts as settled.
 const SETTLED: f64 = 1e-9;
 const MAX_STEPS: usize = 100_000;
 
@@ -22,7 +22,7 @@ pub(super) struct Planar {
     pub(super) rest: f64,
 }
 
-/// An orbit between two crossings of the section, upwards both.
+/// Orbit between two upward crossings of the section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lap {
     /// P(r).
@@ -30,24 +30,24 @@ pub(super) struct Lap {
     pub(super) time: f64,
     /// ∫g.
     pub(super) stretch: f64,
-    /// e − e₀ at the crossing downwards, < 0.
+    /// e − e₀ at the downward crossing, < 0.
     pub(super) lowest: f64,
     /// Largest and least W.
     pub(super) fastest: f64,
     pub(super) slowest: f64,
 }
 
-/// What becomes of an orbit that leaves the section.
+/// Outcome of an orbit that starts on the section.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Turn {
     Back(Lap),
-    /// It reaches the belt velocity first.
+    /// The orbit reaches the belt velocity first.
     Touches,
-    /// It ends in steady sliding without coming back.
+    /// The orbit ends in steady sliding without a return.
     Settles,
 }
 
-/// An orbit on one side of the section.
+/// Outcome of an orbit on one side of the section.
 enum Half {
     Crosses { excess: f64, time: f64, stretch: f64, extreme: f64 },
     Touches,
@@ -55,7 +55,7 @@ enum Half {
 }
 
 impl Planar {
-    /// The forcing is left aside.
+    /// Creates the return map of an oscillator, ignoring its forcing.
     pub(super) fn new(oscillator: &Oscillator) -> Result<Self, VibrationError> {
         let oscillator = oscillator.with_forcing(None)?;
         let mut weakening = Weakening::new(&oscillator);
@@ -64,7 +64,8 @@ impl Planar {
         Ok(Self { oscillator, weakening, rest })
     }
 
-    /// Where the orbit from a detachment crosses the section; none if it slides into rest below it.
+    /// Returns the amplitude at which the orbit from a detachment crosses the section; none if it ends in rest below
+    /// it.
     pub(super) fn detachment(&self) -> Result<Option<f64>, VibrationError> {
         Ok(match self.half(0.0, 0.0)? {
             Half::Crosses { excess, .. } => Some(excess),
@@ -72,7 +73,7 @@ impl Planar {
         })
     }
 
-    /// One turn from r > 0.
+    /// Follows one turn from r > 0.
     pub(super) fn turn(&self, r: f64) -> Result<Turn, VibrationError> {
         let (lowest, above, stretch, fastest) = match self.half(1.0, r)? {
             Half::Crosses { excess, time, stretch, extreme } => (excess, time, stretch, extreme),
@@ -93,7 +94,7 @@ impl Planar {
         })
     }
 
-    /// Follows (W, e₀ + excess) to the section; from W = 1 into the side that the sign of the excess tells.
+    /// Follows (W, e₀ + excess) to the section; from W = 1 the sign of the excess determines the side.
     fn half(&self, w: f64, excess: f64) -> Result<Half, VibrationError> {
         let linear = Linear(&self.oscillator);
         let side = if w == 1.0 && excess > 0.0 { 1.0 } else { -1.0 };
@@ -112,7 +113,7 @@ impl Planar {
                 h = t;
             }
             if h == f64::INFINITY {
-                // Rest itself, to rounding.
+                // Steady sliding itself, to rounding.
                 return Ok(Half::Settles);
             }
             let mut beyond = polynomial::derivative(&[0.0]);

@@ -1,4 +1,4 @@
-//! Cycles that stay slower than the belt.
+//! Cycles slower than the belt.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,24 +7,24 @@ use super::super::{FrictionLaw, Oscillator, Phase, VibrationError};
 use super::planar::{Lap, Planar, Turn};
 use asperity_base::numeric::newton_between;
 
-/// Amplitudes at which the return map is first looked at.
+/// Number of amplitudes on the first grid of the return map.
 const AMPLITUDES: usize = 32;
-/// |ln(P/r)| below this is rounding: no growth and no decay.
+/// |ln(P/r)| below which growth is rounding.
 const NEUTRAL: f64 = 1e-12;
-/// Amplitudes below this share of the first on the grid are not looked at.
+/// Least amplitude of the search, as a fraction of the first one on the grid.
 const SMALLEST: f64 = 1e-6;
-/// |ln(P/r)| of a cycle that was found.
+/// |ln(P/r)| below which a cycle counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Evaluations of the return map that look for an extremum of ln(P/r) between neighbours of the grid.
+/// Largest number of evaluations of the return map in the search for an extremum of ln(P/r) between grid points.
 const EXTREMUM_TRIES: usize = 60;
 /// Step of the damping ratio for the derivative of ln(P/r).
 const DAMPING_STEP: f64 = 1e-6;
-/// Relative distance above the grazing point at which slip cycles are looked for.
+/// Relative distance above the grazing point at which slip cycles are searched.
 const BEYOND: f64 = 1e-9;
-/// Steps of the search for a damping ratio above the last slip cycle.
+/// Largest number of steps in the search for a damping ratio above the last slip cycle.
 const MAX_RAISES: usize = 100;
 
-/// A cycle of slip that never reaches the belt velocity.
+/// Cycle of slip that never reaches the belt velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SlipCycle {
     /// Period in τ.
@@ -42,12 +42,12 @@ pub struct SlipCycle {
 }
 
 impl SlipCycle {
-    /// Half the span of the velocity.
+    /// Returns half the range of the velocity.
     pub fn velocity_amplitude(&self) -> f64 {
         0.5 * (self.velocity_max - self.velocity_min)
     }
 
-    /// Whether it attracts.
+    /// Returns whether the cycle attracts.
     pub fn is_stable(&self) -> bool {
         self.multiplier < 1.0
     }
@@ -58,7 +58,8 @@ impl SlipCycle {
 pub(crate) struct ReturnMap {
     /// (r, cycle), by rising r.
     pub(super) cycles: Vec<(f64, SlipCycle)>,
-    /// Orbits from beyond this r reach the belt velocity within one turn, or lie outside of the one from a detachment.
+    /// Amplitude r beyond which orbits reach the belt velocity within one turn, or lie outside the orbit from a
+    /// detachment.
     pub(super) edge: f64,
     /// Sign of ln(P/r) before the first cycle, between the cycles and after the last.
     pub(super) growth: Vec<f64>,
@@ -67,13 +68,13 @@ pub(crate) struct ReturnMap {
 }
 
 impl ReturnMap {
-    /// The cycle that orbits from the edge approach, with a state on it; none if they end in steady sliding.
+    /// Returns the cycle that orbits from the edge approach, with a state on it; none if they end in steady sliding.
     pub(crate) fn outermost_attractor(&self) -> Option<(SlipState, &SlipCycle)> {
         let (r, cycle) = self.cycles.last().filter(|_| self.growth.last().is_some_and(|growth| *growth <= 0.0))?;
         Some((self.state(*r), cycle))
     }
 
-    /// The state in which an orbit of amplitude r crosses the section.
+    /// Returns the state in which an orbit of amplitude r crosses the section.
     pub(super) fn state(&self, r: f64) -> SlipState {
         SlipState { tau: 0.0, phase: Phase::Slip, w: 1.0, e: self.rest + r }
     }
@@ -112,11 +113,12 @@ fn sign(value: f64) -> f64 {
     if value.abs() <= NEUTRAL { 0.0 } else { value.signum() }
 }
 
-/// Growth on the grid of amplitudes up to that of the orbit from a detachment, or to the first orbit that reaches the belt.
+/// Returns the growth on the grid of amplitudes, up to the orbit from a detachment or to the first orbit that reaches
+/// the belt.
 fn growths(planar: &Planar, outer: f64) -> Result<Vec<Growth>, VibrationError> {
     let mut found = Vec::with_capacity(AMPLITUDES);
     for i in 1..=AMPLITUDES {
-        // Denser towards rest, where cycles are born.
+        // Denser close to rest, where cycles appear.
         found.push(Growth::at(planar, outer * (i as f64 / AMPLITUDES as f64).powi(3))?);
         if found.last().is_some_and(|growth| growth.touches) {
             break;
@@ -125,9 +127,9 @@ fn growths(planar: &Planar, outer: f64) -> Result<Vec<Growth>, VibrationError> {
     Ok(found)
 }
 
-/// The extremum of ln(P/r) between two amplitudes whose slopes differ in sign: a maximum for `side` < 0, a minimum for
-/// `side` > 0. The search ends early where `decided` accepts the best value and the bound that the tangents at the ends of
-/// the bracket give.
+/// Returns the extremum of ln(P/r) between two amplitudes whose slopes differ in sign: a maximum for `side` < 0, a
+/// minimum for `side` > 0. The search ends early if `decided` accepts the best value and the bound from the tangents at
+/// the ends of the bracket.
 fn extremum(
     planar: &Planar,
     [mut a, mut b]: [Growth; 2],
@@ -144,9 +146,9 @@ fn extremum(
         if decided(best.value, bound) || (bound - best.value).abs() < NEUTRAL {
             break;
         }
-        // The secant of the slopes, kept off the ends of the bracket.
-        let share = (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
-        let here = Growth::at(planar, a.r + share * (b.r - a.r))?;
+        // Secant of the slopes, kept away from the ends of the bracket.
+        let fraction = (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
+        let here = Growth::at(planar, a.r + fraction * (b.r - a.r))?;
         if here.slope.is_nan() {
             break;
         }
@@ -158,18 +160,19 @@ fn extremum(
     Ok(Some(best))
 }
 
-/// All cycles without stick and without forcing between steady sliding and the orbit from a detachment, by rising
-/// amplitude.
+/// Returns all cycles without stick and without forcing between steady sliding and the orbit from a detachment, by
+/// rising amplitude.
 ///
-/// Between ζ_H and ζ_c a velocity-weakening law has an unstable one, which parts the starts that end in steady sliding
-/// from those that end in stick-slip. The zeros of ln(P(r)/r) of the return map r → P(r) are isolated on a grid of 32
-/// amplitudes and by the extrema between its points, and found by Newton's method with the exact derivative. A continuum
-/// of cycles, as of Coulomb friction without damping, has none that is isolated, so none is returned.
+/// Between ζ_H and ζ_c a velocity-weakening law has an unstable cycle, which separates the starts that end in steady
+/// sliding from the starts that end in stick-slip. The zeros of ln(P(r)/r) of the return map r → P(r) are isolated on a
+/// grid of 32 amplitudes and by the extrema between its points, and computed by Newton's method with the exact
+/// derivative. A continuum of cycles, for example with Coulomb friction and no damping, contains no isolated cycle, so
+/// none is returned.
 pub fn slip_cycles(oscillator: &Oscillator) -> Result<Vec<SlipCycle>, VibrationError> {
     Ok(return_map(oscillator)?.map_or(Vec::new(), |map| map.cycles.into_iter().map(|(_, cycle)| cycle).collect()))
 }
 
-/// None if orbits do not turn around steady sliding.
+/// Returns the return map; none if orbits do not turn around steady sliding.
 pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, VibrationError> {
     let planar = Planar::new(oscillator)?;
     let Some(outer) = planar.detachment()? else { return Ok(None) };
@@ -179,7 +182,7 @@ pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
     let mut before = Growth { r: 0.0, value: at_rest, slope: f64::NAN, touches: false };
     let mut side = at_rest;
     for here in growths(&planar, outer)? {
-        // Two cycles between neighbours on the grid.
+        // Checks for two cycles between neighbours on the grid.
         let hidden = if here.sign() == side {
             extremum(&planar, [before, here], side, |best, bound| side * best < -NEUTRAL || side * bound > 0.0)?
         } else {
@@ -210,7 +213,7 @@ pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
             (before, map.edge) = (point, point.r);
         }
     }
-    // Under much damping all orbits run together, and the cycle they run into is the orbit from a detachment to rounding.
+    // Under strong damping all orbits converge, and their cycle is the orbit from a detachment, to rounding.
     if side > 0.0
         && map.growth.last().is_some_and(|last| *last > 0.0)
         && let Turn::Back(lap) = planar.turn(outer)?
@@ -222,9 +225,10 @@ pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
     Ok(Some(map))
 }
 
-/// Damping ratio of the fold in which the last slip cycles above a given damping ratio end; none if there are none.
+/// Returns the damping ratio of the fold in which the last slip cycles above a given damping ratio end; none if there
+/// are none.
 ///
-/// Cycles of different damping do not intersect (the field rotates with ζ), so cycles exist exactly as long as the largest
+/// Cycles of different damping do not intersect (the field rotates with ζ), so cycles exist exactly while the largest
 /// ln(P/r) over the amplitudes is positive. Its zero over ζ is found by Newton's method.
 ///
 /// # References
@@ -233,21 +237,21 @@ pub(crate) fn fold_damping(oscillator: &Oscillator, above: f64) -> Result<Option
     if matches!(oscillator.law(), FrictionLaw::Coulomb { .. } | FrictionLaw::Linear { .. }) {
         return Ok(None);
     }
-    // −max ln(P/r), and its derivative.
+    // Returns −max ln(P/r) and its derivative.
     let decay = |damping: f64| -> Result<(f64, f64), VibrationError> {
         let planar = Planar::new(&oscillator.with_damping(damping)?)?;
         let Some(peak) = peak(&planar)? else { return Ok((1.0, f64::NAN)) };
         let next = Growth::at(&Planar::new(&oscillator.with_damping(damping + DAMPING_STEP)?)?, peak.r)?;
         Ok((-peak.value, (peak.value - next.value) / DAMPING_STEP))
     };
-    // At the grazing point itself rounding decides whether the outermost orbit reaches the belt.
+    // Exactly at the grazing point, rounding decides whether the outermost orbit reaches the belt.
     let mut low = above * (1.0 + BEYOND);
     let (mut value, mut slope) = decay(low)?;
     if value > -CLOSED {
         return Ok(None);
     }
     for _ in 0..MAX_RAISES {
-        // Half as far again as the tangent says, so that the zero is passed.
+        // One and a half times the step of the tangent, so that the zero is passed.
         let step = if slope > 0.0 { -1.5 * value / slope } else { 0.5 * low };
         let high = low + step.max(DAMPING_STEP);
         let (at_high, slope_there) = decay(high)?;
@@ -256,10 +260,10 @@ pub(crate) fn fold_damping(oscillator: &Oscillator, above: f64) -> Result<Option
         }
         (low, value, slope) = (high, at_high, slope_there);
     }
-    Err(VibrationError::NotFound { what: "fold of slip cycles", reason: "the damping ratio of the last one grows on" })
+    Err(VibrationError::NotFound { what: "fold of slip cycles", reason: "its damping ratio keeps growing" })
 }
 
-/// The largest ln(P/r) between the ends of the grid of amplitudes.
+/// Returns the largest ln(P/r) between the ends of the grid of amplitudes.
 fn peak(planar: &Planar) -> Result<Option<Growth>, VibrationError> {
     let Some(outer) = planar.detachment()? else { return Ok(None) };
     let mut best: Option<Growth> = None;
@@ -271,7 +275,7 @@ fn peak(planar: &Planar) -> Result<Option<Growth>, VibrationError> {
     Ok(best)
 }
 
-/// Where the orbits that come back end; zero if all touch, as around a node that repels.
+/// Returns the limit amplitude of orbits that return; zero if all touch, for example around a repelling node.
 fn edge(planar: &Planar, mut back: f64, mut touches: f64) -> Result<f64, VibrationError> {
     let least = SMALLEST * touches;
     while touches - back > 4.0 * f64::EPSILON * touches && touches > least {
@@ -310,9 +314,9 @@ mod tests {
             let of = |damping| Oscillator::stribeck(friction, 4.2, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let (low, high) = (ends.hopf_damping_ratio, ends.critical_damping_ratio);
-            for share in [1e-6, 0.01, 0.5, 0.99, 1.0 - 1e-6] {
-                let cycles = slip_cycles(&of(low + share * (high - low))).unwrap();
-                assert!(cycles.len() == 1 && !cycles[0].is_stable(), "{share}: {cycles:?}");
+            for fraction in [1e-6, 0.01, 0.5, 0.99, 1.0 - 1e-6] {
+                let cycles = slip_cycles(&of(low + fraction * (high - low))).unwrap();
+                assert!(cycles.len() == 1 && !cycles[0].is_stable(), "{fraction}: {cycles:?}");
             }
             for outside in [0.5 * low, low * (1.0 - 1e-6), high * (1.0 + 1e-6), 2.0 * high, 5.0] {
                 assert_eq!(slip_cycles(&of(outside)).unwrap(), [], "{outside} and {ends:?}");
@@ -324,23 +328,23 @@ mod tests {
     fn the_unstable_cycle_ends_where_it_touches_the_belt_velocity() {
         let of = |damping| Oscillator::stribeck(0.3, 4.2, damping, 0.1).unwrap();
         let fold = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
-        // It meets the orbit from the detachment there.
+        // The cycle coincides there with the orbit from the detachment.
         let cycle = slip_cycles(&of(fold - 1e-9)).unwrap()[0];
         assert!((cycle.velocity_max - 0.1).abs() < 1e-6 && cycle.velocity_max < 0.1, "{cycle:?}");
     }
 
     #[test]
-    fn its_amplitude_follows_the_normal_form_near_the_hopf_point() {
+    fn the_amplitude_follows_the_normal_form_near_the_hopf_point() {
         for (friction, decay, velocity) in [(0.2, 4.2, 0.05), (0.3, 4.2, 0.1), (1.0, 3.0, 0.2)] {
             let of = |damping| Oscillator::stribeck(friction, decay, damping, velocity).unwrap();
             let ends = critical_damping(&of(0.0)).unwrap();
             let width = ends.critical_damping_ratio - ends.hopf_damping_ratio;
-            // R′ = (ζ_H − ζ)R + ℓR³ with ℓ = −μ‴(V)/16 (Guckenheimer & Holmes, §3.4): the quadratic part is reversible in time and
-            // adds nothing. μ‴ = −6a³μ/(1 + aV)⁴.
+            // R′ = (ζ_H − ζ)R + ℓR³ with ℓ = −μ‴(V)/16 (Guckenheimer & Holmes, §3.4). The quadratic part is reversible
+            // in time and does not contribute. μ‴ = −6a³μ/(1 + aV)⁴.
             let lyapunov = 6.0 / 16.0 * decay.powi(3) * friction / (1.0_f64 + decay * velocity).powi(4);
-            let off = |share: f64| {
-                let cycle = slip_cycles(&of(ends.hopf_damping_ratio + share * width)).unwrap()[0];
-                cycle.velocity_amplitude() / (share * width / lyapunov).sqrt() - 1.0
+            let off = |fraction: f64| {
+                let cycle = slip_cycles(&of(ends.hopf_damping_ratio + fraction * width)).unwrap()[0];
+                cycle.velocity_amplitude() / (fraction * width / lyapunov).sqrt() - 1.0
             };
             // √((ζ − ζ_H)/ℓ)·(1 + O(ζ − ζ_H)).
             let (far, near) = (off(1e-2), off(1e-3));
@@ -366,8 +370,8 @@ mod tests {
     }
 
     #[test]
-    fn a_relaxation_oscillation_is_a_cycle_that_all_orbits_run_into() {
-        // 2ζ dX/dτ = μ − X on the two flat pieces, 0.1 and 0.05 … 0.04, and jumps between them.
+    fn all_orbits_approach_a_relaxation_oscillation() {
+        // Relaxation oscillation: 2ζ dX/dτ = μ − X on the two flat pieces, 0.1 and 0.05 … 0.04, and jumps between them.
         let law = FrictionLaw::Tabulated(
             FrictionTable::new(&[[0.0, 0.1], [0.001, 0.1], [0.0011, 0.05], [1.0, 0.04]]).unwrap(),
         );
@@ -377,7 +381,7 @@ mod tests {
         let cycles = slip_cycles(&oscillator).unwrap();
         let [cycle] = cycles[..] else { panic!("{cycles:?}") };
         assert!(cycle.is_stable() && cycle.velocity_max < belt_velocity, "{cycle:?}");
-        // Followed by its own equation for many periods, the motion repeats itself after that time.
+        // Simulated by its own equation for many periods, the motion repeats after that time.
         let settings = crate::TrajectorySettings {
             duration: 5.0 * cycle.period,
             start: None,
@@ -396,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn around_a_rest_that_repels_without_turning_there_is_none() {
+    fn a_repelling_node_has_no_cycle_around_it() {
         let law = FrictionLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
         let parameters =
             Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };

@@ -1,11 +1,12 @@
-//! Derivatives of a slip orbit, from the polynomials of its steps.
+//! Derivatives of a slip orbit, computed from the polynomials of its steps.
 //!
 //! The derivative (δW, δe) of a state of slip or over-slip with respect to a parameter obeys
 //!
 //! δW′ = δe + g·δW + a,  δe′ = −δW + b,  g = −dμ/d|v| − 2ζ,
 //!
-//! with g along the orbit and (a, b) from the parameter. One step is solved by collocation at the Gauss points, of order
-//! 24 like the series that gives W there, so nothing but W(t) and the slope of the law is asked of the friction law.
+//! Here g is evaluated along the orbit, and (a, b) depends on the parameter. One step is solved by collocation at the
+//! Gauss points, of order 24 like the series that gives W there. The friction law therefore only has to provide W(t)
+//! and the slope of the law.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -14,7 +15,7 @@ use super::super::Oscillator;
 use super::super::series::Series;
 use asperity_base::numeric::solve;
 
-/// Gauss points of a step.
+/// Number of Gauss points of a step.
 const NODES: usize = 12;
 
 type Vector = [f64; NODES];
@@ -23,15 +24,15 @@ type Vector = [f64; NODES];
 struct Rule {
     nodes: Vector,
     weights: Vector,
-    /// ∫ of the j-th Lagrange polynomial from 0 to node i.
+    /// Integral of the j-th Lagrange polynomial from 0 to node i.
     integrals: [Vector; NODES],
-    /// The square of that matrix.
+    /// Square of that matrix.
     twice: [Vector; NODES],
 }
 
 static RULE: LazyLock<Rule> = LazyLock::new(Rule::new);
 
-/// P_0(x) … P_NODES(x).
+/// Returns P_0(x) … P_NODES(x).
 fn legendre(x: f64) -> [f64; NODES + 1] {
     let mut p = [1.0; NODES + 1];
     p[1] = x;
@@ -58,7 +59,7 @@ impl Rule {
             let d = slope(x, &legendre(x));
             2.0 / ((1.0 - x * x) * d * d)
         });
-        // ∫ P_k from −1 to x is (P_{k+1} − P_{k−1})/(2k + 1), and x + 1 for k = 0.
+        // The integral of P_k from −1 to x is (P_{k+1} − P_{k−1})/(2k + 1), and x + 1 for k = 0.
         let integrals = std::array::from_fn(|i| {
             let p = legendre(roots[i]);
             std::array::from_fn(|j| {
@@ -77,32 +78,32 @@ impl Rule {
     }
 }
 
-/// One step of an orbit: the series about its start, and its length.
+/// Step of an orbit: the series about its start, and its length.
 #[derive(Clone, Copy)]
 pub(crate) struct Step<'a> {
     pub(crate) series: &'a Series,
     pub(crate) length: f64,
 }
 
-/// δ(W, e).
+/// Tangent δ(W, e).
 pub(crate) type Tangent = [f64; 2];
 
-/// The linear equations along the orbits of one oscillator.
+/// Linearised equations along the orbits of one oscillator.
 pub(crate) struct Linear<'a>(pub(crate) &'a Oscillator);
 
 impl Linear<'_> {
-    /// g at the scaled relative speed W.
+    /// Returns g at the scaled relative speed W.
     pub(crate) fn gain(&self, w: f64) -> f64 {
         self.0.law().weakening(self.0.belt_velocity() * w) - 2.0 * self.0.damping_ratio()
     }
 
-    /// ∫g over a step: the logarithm of the factor by which it stretches areas.
+    /// Returns ∫g over a step, the logarithm of the factor by which the step stretches areas.
     pub(crate) fn stretch(&self, step: Step) -> f64 {
         let sum: f64 = (0..NODES).map(|i| RULE.weights[i] * self.gain(speed(step, i))).sum();
         step.length * sum
     }
 
-    /// Carries tangents to the end of a step. `source` gives (a, b) of each at a time since its start and W there.
+    /// Advances tangents to the end of a step. `source` returns (a, b) of each at a time since its start and W there.
     pub(crate) fn carry<const K: usize>(
         &self,
         step: Step,
@@ -113,7 +114,7 @@ impl Linear<'_> {
         let w: Vector = std::array::from_fn(|i| speed(step, i));
         let gains = w.map(|w| self.gain(w));
         let sources: [[Tangent; K]; NODES] = std::array::from_fn(|i| source(rule.nodes[i] * h, w[i]));
-        // e is eliminated: (1 − hBG + h²B²) δW = δW₀ + hB(δe₀ + a) + h²B²b.
+        // Elimination of e: (1 − hBG + h²B²) δW = δW₀ + hB(δe₀ + a) + h²B²b.
         let mut matrix: [Vector; NODES] = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 let unit = if i == j { 1.0 } else { 0.0 };

@@ -1,7 +1,7 @@
-//! Intervals of crossings cover the crossings of many more paths.
+//! Intervals of crossings cover the crossings computed from many more trajectories.
 //!
-//! `ASPERITY_REPLICATES` sets the number of replicates, few otherwise; `docs/vibration.md` has the coverage of 1,000. The unit tests
-//! of the sweep have 1,000 replicates of a closed form.
+//! `ASPERITY_REPLICATES` sets the number of replicates; the default is small. `docs/vibration.md` reports the coverage
+//! of 1,000. The unit tests of the sweep use 1,000 replicates of a closed form.
 
 use asperity_base::monitor::Silent;
 use asperity_process::{FrictionProcess, ProcessModel};
@@ -21,9 +21,9 @@ fn crossings(paths: usize, seed: u64) -> Vec<Crossing> {
 }
 
 #[test]
-fn intervals_of_crossings_cover_those_of_many_more_paths() {
+fn intervals_of_crossings_cover_the_crossings_of_many_more_trajectories() {
     let replicates: usize = std::env::var("ASPERITY_REPLICATES").map_or(8, |count| count.parse().unwrap());
-    // Of 1,000 replicates, the crossings of so many paths have a fourteenth of the error of one.
+    // With 1,000 replicates, the error of these crossings is a fourteenth of the error of one replicate.
     let wanted = crossings(PATHS * replicates.clamp(40, 1000) / 5, 0);
     let found: Vec<Vec<Crossing>> =
         (1..=replicates as u64).into_par_iter().map(|seed| crossings(PATHS, seed)).collect();

@@ -1,6 +1,7 @@
-//! Ensembles of stick-slip motions: known counts, limits of little noise and of fine steps, and equal bytes on any threads.
+//! Ensembles of stick-slip motions: known counts, limits of little noise and of fine steps, and equal bytes for any
+//! number of threads.
 //!
-//! `ASPERITY_TRAJECTORIES` sets how many trajectories a mean of cycles is taken over (some thousand otherwise).
+//! `ASPERITY_TRAJECTORIES` sets the number of trajectories of each mean of cycles (about a thousand by default).
 
 use std::f64::consts::TAU;
 
@@ -13,7 +14,7 @@ use asperity_vibration::{
 };
 use rand::RngExt;
 
-/// Length of the published trajectories.
+/// Duration of the published trajectories.
 const DURATION: f64 = 637.2;
 
 fn paper(damping_ratio: f64) -> Oscillator {
@@ -24,7 +25,8 @@ fn model(std: f64) -> ProcessModel {
     ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)
 }
 
-/// Settings of the published ensembles, with so many trajectories unless the environment asks for others.
+/// Returns the settings of the published ensembles, with this number of trajectories unless the environment sets
+/// another.
 fn published(trajectories: usize, seed: u64) -> EnsembleSettings {
     let asked = std::env::var("ASPERITY_TRAJECTORIES");
     EnsembleSettings::new(asked.map_or(trajectories, |count| count.parse().unwrap()), DURATION, seed)
@@ -35,8 +37,9 @@ fn simulate(oscillator: &Oscillator, model: ProcessModel, settings: &EnsembleSet
 }
 
 #[test]
-fn means_at_every_damping_are_within_three_standard_errors_of_every_published_one() {
-    // ζ, cycles without noise, and means with standard errors: of 400 paths, and of 4,000 and 8,000 by two other codes.
+fn means_are_within_three_standard_errors_of_all_published_means() {
+    // ζ, cycles without noise, and means with standard errors: over 400 trajectories, and over 4,000 and 8,000 by two
+    // other codes.
     let known = [
         (0.17, 99, vec![(69.48, 0.30), (68.99, 0.10), (69.20, 0.07)]),
         (0.204_830_1, 101, vec![(45.59, 0.35), (45.21, 0.11)]),
@@ -55,7 +58,7 @@ fn means_at_every_damping_are_within_three_standard_errors_of_every_published_on
 }
 
 #[test]
-fn four_times_finer_knots_move_the_mean_count_by_less_than_two_per_cent() {
+fn a_four_times_finer_grid_changes_the_mean_count_by_less_than_two_per_cent() {
     for damping in [0.17, 0.22] {
         let [coarse, fine] = [20, 80].map(|steps_per_length| {
             let model = ProcessModel { steps_per_length, ..model(0.001) };
@@ -69,7 +72,7 @@ fn four_times_finer_knots_move_the_mean_count_by_less_than_two_per_cent() {
 }
 
 #[test]
-fn noise_that_vanishes_leaves_exactly_the_count_without_noise() {
+fn vanishing_noise_gives_exactly_the_count_without_noise() {
     let generators =
         [Generator::Autoregressive, Generator::Spectral { harmonics: 16 }, Generator::Jacobi, Generator::Renewal];
     for (i, generator) in generators.into_iter().enumerate() {
@@ -105,12 +108,12 @@ fn same_on_any_threads(oscillator: &Oscillator, model: &ProcessModel, settings: 
 }
 
 #[test]
-fn ten_thousand_trajectories_have_the_same_bytes_on_one_thread_and_more() {
+fn ten_thousand_trajectories_have_the_same_bytes_on_any_number_of_threads() {
     same_on_any_threads(&paper(0.17), &model(0.001), &EnsembleSettings::new(10_000, 80.0, 5));
 }
 
 #[test]
-fn motions_that_go_alone_have_the_same_bytes_on_one_thread_and_more() {
+fn single_simulations_have_the_same_bytes_on_any_number_of_threads() {
     let of = |law, forcing| {
         Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio: 0.1, belt_velocity: 0.003, forcing })
             .unwrap()
@@ -126,7 +129,7 @@ fn motions_that_go_alone_have_the_same_bytes_on_one_thread_and_more() {
     let in_time = EnsembleSettings { drive: Drive::Time, ..settings };
     let corrected = ProcessModel { correlation: Correlation::Corrected, ..model(0.001) };
     same_on_any_threads(&of(stribeck.clone(), None), &corrected, &in_time);
-    // Friction that jumps leaves its lane when the mass is at rest on a jump.
+    // A trajectory leaves the batch when friction jumps while the mass is at relative rest.
     let jumps = ProcessModel { generator: Generator::Renewal, ..model(0.004) };
     same_on_any_threads(&of(stribeck, None), &jumps, &settings);
 }
@@ -146,7 +149,7 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
             forcing: None,
         };
         let oscillator = Oscillator::new(parameters).unwrap();
-        // The difference as it is in floating point.
+        // The jump in floating-point arithmetic.
         let jump = oscillator.static_friction() - kinetic;
         let slip = TAU - 2.0 * (jump / velocity).atan();
         let (period, back) = (slip + 2.0 * jump / velocity, kinetic - jump);
@@ -163,7 +166,7 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
         ] {
             assert!((found - wanted).abs() < 1e-12 * size, "{jump} {velocity}: {found} instead of {wanted}");
         }
-        // The same from the events of a motion that begins at its stick limit.
+        // The same from the events of a motion that starts at its stick limit.
         let settings = TrajectorySettings {
             duration: 3.5 * period,
             start: Some(oscillator.static_friction()),
@@ -183,7 +186,7 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
             assert_eq!(event.kind, kind);
             assert!((event.tau - first - turns * period - since).abs() < 1e-12 * (1.0 + turns) * period);
             assert!((event.displacement - x).abs() < 1e-12 * scale);
-            // Vt less the way back, in each slip.
+            // Vt minus the distance of the mass in each slip.
             let distance = (turns + f64::from(u8::from(i % 2 == 1))) * (velocity * slip + 2.0 * jump);
             assert!((event.sliding_distance - distance).abs() < 1e-12 * (1.0 + turns) * (distance + scale));
         }

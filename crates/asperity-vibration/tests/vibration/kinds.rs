@@ -1,4 +1,5 @@
-//! Kinds of vibration against an independent integrator: a classical Runge–Kutta rule in small fixed steps, with events by bisection.
+//! Kinds of vibration, compared with an independent integrator: the classical Runge–Kutta method in small fixed steps,
+//! with events by bisection.
 
 use asperity_base::monitor::Silent;
 use asperity_process::{FrictionProcess, ProcessModel};
@@ -10,10 +11,10 @@ use asperity_vibration::{
 #[expect(clippy::approx_constant, reason = "a published number, which is not π")]
 const PUBLISHED_VELOCITY: f64 = 3.1416;
 const STEP: f64 = 0.02;
-/// Longest period that is looked for.
+/// Longest period in the search.
 const LONGEST: f64 = 60.0;
 
-/// State of the slow integration: the velocity is that of the belt in stick.
+/// State of the slow integration; in stick the velocity is the velocity of the belt.
 struct Slow<'a> {
     oscillator: &'a Oscillator,
     tau: f64,
@@ -23,7 +24,7 @@ struct Slow<'a> {
     sign: f64,
 }
 
-/// What the slow integration saw in its last part.
+/// Results of the last part of the slow integration.
 #[derive(Debug, Default)]
 struct Seen {
     sticks: Vec<f64>,
@@ -50,7 +51,7 @@ impl Slow<'_> {
         std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// Follows the mass from stick to `end` and records from `from` on.
+    /// Simulates the mass from stick to `end` and records from `from` on.
     fn run(mut self, from: f64, end: f64) -> Seen {
         let (belt, limit) = (self.oscillator.belt_velocity(), self.oscillator.static_friction());
         let drag = 2.0 * self.oscillator.damping_ratio() * belt;
@@ -61,7 +62,7 @@ impl Slow<'_> {
                 // Without forcing the mass leaves the belt at the positive limit.
                 self.tau += (limit - drag - self.x) / belt;
                 (self.x, self.sign) = (limit - drag, 1.0);
-                // The first step leaves v_rel = 0 in the direction of slip, however little force there is.
+                // The first step leaves v_rel = 0 in the direction of slip, for any size of the force.
                 [self.x, self.velocity] = self.advanced(STEP);
                 self.tau += STEP;
                 continue;
@@ -100,7 +101,7 @@ impl Slow<'_> {
     }
 }
 
-/// Kind and period of the motion that begins in stick, after `settle`.
+/// Returns the kind and the period of the motion that starts in stick, after the time `settle`.
 fn slow(oscillator: &Oscillator, settle: f64) -> (MotionKind, Option<f64>) {
     let start =
         Slow { oscillator, tau: 0.0, x: oscillator.default_start(), velocity: oscillator.belt_velocity(), sign: 0.0 };
@@ -124,14 +125,15 @@ fn process(std: f64, length: f64) -> FrictionProcess {
     FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, length)).unwrap()
 }
 
-/// An ensemble under hardly any fluctuation.
+/// Simulates an ensemble with very little fluctuation.
 fn ensemble(oscillator: &Oscillator, duration: f64) -> Ensemble {
     let (velocity, friction) = (oscillator.belt_velocity(), oscillator.static_friction());
     let settings = EnsembleSettings { sample_capacity: 100, ..EnsembleSettings::new(4, duration, 3) };
     Ensemble::simulate(oscillator, &process(1e-7 * friction, 10.0 * velocity), &settings, &Silent).unwrap()
 }
 
-/// Asserts that the library has the kind and period of the slow integration, and that an ensemble counts vibration as vibration.
+/// Asserts that the library finds the kind and period of the slow integration, and that an ensemble counts vibration as
+/// vibration.
 fn agree(oscillator: &Oscillator, settle: f64) -> MotionKind {
     let (kind, period) = slow(oscillator, settle);
     assert_eq!(limit_cycle(oscillator).unwrap().kind(), kind, "{oscillator:?}");
@@ -178,7 +180,7 @@ fn the_published_cycles_overtake_the_belt_without_stick_and_count_as_vibration()
 }
 
 #[test]
-fn kinds_and_periods_are_those_of_an_independent_integrator() {
+fn kinds_and_periods_match_an_independent_integrator() {
     let mut kinds = [0; 4];
     for decay in [1.0, 4.2, 12.0] {
         for velocity in [0.05, 1.0, 4.0] {
@@ -192,7 +194,7 @@ fn kinds_and_periods_are_those_of_an_independent_integrator() {
 }
 
 #[test]
-fn slip_cycles_of_a_table_are_vibration_and_noise_about_steady_sliding_is_not() {
+fn slip_cycles_count_as_vibration_and_noise_about_steady_sliding_does_not() {
     let law = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
     let points: Vec<[f64; 2]> = (0..=80).map(|i| 0.005 * f64::from(i)).map(|v| [v, law(v)]).collect();
     let table = FrictionTable::new(&points).unwrap();
@@ -210,7 +212,7 @@ fn slip_cycles_of_a_table_are_vibration_and_noise_about_steady_sliding_is_not() 
     ] {
         let oscillator = machine(damping);
         assert_eq!(agree(&oscillator, 600.0), kind);
-        // Noise of a hundredth of the friction does not turn steady sliding into vibration, nor end a slip cycle.
+        // Noise of a hundredth of the friction neither turns steady sliding into vibration nor ends a slip cycle.
         let settings = EnsembleSettings { sample_capacity: 0, ..EnsembleSettings::new(20, 600.0, 5) };
         let noisy = Ensemble::simulate(&oscillator, &process(0.002, 0.02), &settings, &Silent).unwrap();
         let share = noisy.passages.late_share.mean;

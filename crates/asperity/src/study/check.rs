@@ -11,7 +11,7 @@ use crate::chaos::{MAX_TERMS, Propagation, number_of_terms};
 use crate::law::Marginal;
 use crate::map::PITCH_RANGE_M;
 use crate::study::config::{
-    BoundaryChoice, CovarianceChoice, FrictionSection, GeneratorChoice, LawChoice, Study, SurfaceSection,
+    BoundaryChoice, CovarianceChoice, DistributionChoice, FrictionSection, GeneratorChoice, Study, SurfaceSection,
 };
 use crate::study::scatter::{LengthScatter, NumberScatter};
 
@@ -354,23 +354,25 @@ impl Study {
     fn check_friction_law(&self, f: &FrictionSection) -> Result<(), Problem> {
         const SECTION: &str = "friction";
         let material = self.material.as_ref();
-        if f.law != LawChoice::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
+        if f.law != DistributionChoice::Coulomb && material.is_none_or(|m| m.shear_strength.is_none()) {
             return Err(problem("material", "shear_strength", "[friction] needs the shear strength of the contacts"));
         }
-        if f.law == LawChoice::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
+        if f.law == DistributionChoice::AdhesionPloughing && material.is_none_or(|m| m.hardness.is_none()) {
             let message = "nothing ploughs that does not yield; law = \"adhesion_ploughing\" needs the hardness";
             return Err(problem("material", "hardness", message));
         }
         let missing = |key, message: &str| Err(problem(SECTION, key, message));
         match (f.law, f.pressure_coefficient, f.coefficient) {
-            (LawChoice::PressureDependent, None, _) => {
+            (DistributionChoice::PressureDependent, None, _) => {
                 missing("pressure_coefficient", "law = \"pressure_dependent\" needs its α, such as 0.05")
             }
-            (LawChoice::PressureDependent, Some(alpha), _) => {
+            (DistributionChoice::PressureDependent, Some(alpha), _) => {
                 within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")
             }
-            (LawChoice::Coulomb, _, None) => missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2"),
-            (LawChoice::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
+            (DistributionChoice::Coulomb, _, None) => {
+                missing("coefficient", "law = \"coulomb\" needs its μ, such as 0.2")
+            }
+            (DistributionChoice::Coulomb, _, Some(mu)) => within(SECTION, "coefficient", mu, positive, POSITIVE),
             _ => Ok(()),
         }
     }
@@ -417,7 +419,7 @@ impl Study {
             idle.push(periodic_only("friction"));
         }
         idle.extend(self.friction.iter().flat_map(FrictionSection::idle_keys));
-        if self.friction.as_ref().is_some_and(|f| f.law == LawChoice::Coulomb)
+        if self.friction.as_ref().is_some_and(|f| f.law == DistributionChoice::Coulomb)
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {
             idle.push("[material] shear_strength has no effect with law = \"coulomb\"".into());
@@ -429,8 +431,8 @@ impl Study {
 impl FrictionSection {
     /// Its keys that are stated and change nothing, each in a sentence.
     fn idle_keys(&self) -> Vec<String> {
-        let pressure = self.pressure_coefficient.is_some() && self.law != LawChoice::PressureDependent;
-        let coulomb = self.coefficient.is_some() && self.law != LawChoice::Coulomb;
+        let pressure = self.pressure_coefficient.is_some() && self.law != DistributionChoice::PressureDependent;
+        let coulomb = self.coefficient.is_some() && self.law != DistributionChoice::Coulomb;
         [("pressure_coefficient", pressure, "pressure_dependent"), ("coefficient", coulomb, "coulomb")]
             .into_iter()
             .filter(|(_, idle, _)| *idle)

@@ -374,7 +374,7 @@ pub struct PressureSection {
 /// From what a window sees to the friction force on it; see [`crate::friction::law`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LawChoice {
+pub enum DistributionChoice {
     /// F = τ_max A_c (the paper's).
     #[default]
     BowdenTabor,
@@ -419,7 +419,7 @@ pub struct FrictionSection {
     pub window_shape: WindowShape,
     /// Law of friction. `shear_strength` of `[material]` is its τ_max.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub law: LawChoice,
+    pub law: DistributionChoice,
     /// α of the pressure-dependent law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_coefficient: Option<f64>,
@@ -521,7 +521,7 @@ impl Default for FrictionSection {
             window: window(),
             window_width: None,
             window_shape: WindowShape::default(),
-            law: LawChoice::default(),
+            law: DistributionChoice::default(),
             pressure_coefficient: None,
             coefficient: None,
             boundary: periodic(),

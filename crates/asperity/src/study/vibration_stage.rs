@@ -14,7 +14,7 @@ pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
-use crate::friction::process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, Watched};
+use crate::friction::process::{Cancellable, CorrelationShape, FrictionProcess, Generator, ProcessModel};
 use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::config::{DriveChoice, Upscaling, VibrationSection};
@@ -26,8 +26,8 @@ use crate::study::window_friction::WindowFriction;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     DampingSweep, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
-    critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips, kept_positive, limit_cycle,
-    limit_damping, smallest_kick, trajectory_portrait,
+    clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
+    limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the length τ of the latter.
@@ -194,7 +194,7 @@ impl Ensembles<'_> {
             correlation: self.window.correlation,
             ..ProcessModel::new(marginal, std, self.correlation_length / load)
         };
-        kept_positive(oscillator, model, margin)
+        clipped_to_positive(oscillator, model, margin)
     }
 
     /// The study's, else the fitted process's, else that which suits the correlation. A diffusion makes no other law than its
@@ -204,7 +204,7 @@ impl Ensembles<'_> {
         let able = stated.filter(|generator| {
             *generator != Generator::Jacobi || matches!(marginal, Marginal::Beta { .. }) || !self.window.holds_many()
         });
-        able.unwrap_or_else(|| Generator::of(self.shape))
+        able.unwrap_or_else(|| Generator::for_shape(self.shape))
     }
 
     fn settings(&self) -> EnsembleSettings {
@@ -346,7 +346,7 @@ impl Ensembles<'_> {
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,
                 Err(error) => return Err(error),
             };
-            let path = Watched::new(process.path(self.seed, 0), monitor);
+            let path = Cancellable::new(process.path(self.seed, 0), monitor);
             match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
                 Ok(points) => {
                     tables.push(("trajectory", portrait_table(&points)));

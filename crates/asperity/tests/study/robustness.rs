@@ -741,7 +741,7 @@ fn a_study_that_reads_the_process_of_another_finds_the_same_vibration() {
     // Files that are none, and studies that say it twice.
     fs::write(folder.path().join("process.json"), "{\"format\": 3}").unwrap();
     for (text, wanted) in [
-        (reads.clone(), "process.json: no friction process"),
+        (reads.clone(), "process.json: not a friction process"),
         (reads.replace("process.json", "no.json"), "no such file"),
     ] {
         let error = run_in(folder.path(), &text, None).unwrap_err();

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use asperity::correlation::{
     Observation, ObservedLengths, RecordBand, RecordHistory, RecordModel, WindowedRecords, fit_length,
 };
-use asperity::friction::measured::{FittedRecord, LawChoice, MeasuredRecord, Preparation};
+use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, Preparation};
 use asperity::random;
 use asperity::stats::wilson_interval;
 use rayon::prelude::*;
@@ -174,7 +174,8 @@ fn short(runs: usize) -> Result<String> {
                 warnings: Vec::new(),
             };
             let prepared = Preparation::default().apply(&record)?;
-            Ok(FittedRecord::of(&prepared, LawChoice::One(asperity::law::fit::Family::Normal), "planted").ok())
+            Ok(FittedRecord::new(&prepared, DistributionChoice::One(asperity::law::fit::Family::Normal), "planted")
+                .ok())
         })?;
         let accepted: Vec<&FittedRecord> = found.iter().flatten().collect();
         let covered = |of: &dyn Fn(&FittedRecord) -> Option<[f64; 2]>, truth: f64| {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use asperity::correlation::RankedLength;
 use asperity::friction::measured::{
-    Abscissa, ColumnTable, Cut, Detrend, FittedRecord, LawChoice, MeasuredError, MeasuredRecord, NormalForce,
+    Abscissa, ColumnTable, Cut, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
     Preparation, Prepared, RecordColumns,
 };
 use asperity::law::fit::Fit;
@@ -28,7 +28,7 @@ use crate::page::{begin_folder, store_failure};
 ///
 /// A record is a text file of columns, separated by semicolons, tabs, commas or spaces, with decimal points or commas. Columns
 /// are named by the header or by their number, counted from 1; units stand in the header, `Force [N]`, `t (s)`, or in a flag.
-/// Missing values stay gaps. Steps that differ by less than 1 % are resampled, with a warning; more are refused.
+/// Missing values remain gaps. Steps that differ by less than 1 % are resampled, with a warning; more are refused.
 #[derive(Debug, Args)]
 pub(crate) struct FitRecord {
     /// Text file of columns.
@@ -39,7 +39,7 @@ pub(crate) struct FitRecord {
     preparation: PreparationOptions,
     /// Law to fit: auto, normal, lognormal, weibull, beta, beta:LOW,HIGH with known bounds, johnson, or empirical.
     #[arg(long, value_name = "LAW", default_value = "auto", value_parser = law, allow_hyphen_values = true)]
-    law: LawChoice,
+    law: DistributionChoice,
     /// Write the process to this file, for `[vibration] friction_process` and `asperity friction simulate`.
     #[arg(long, value_name = "PROCESS.json")]
     out: Option<PathBuf>,
@@ -111,7 +111,7 @@ struct PreparationOptions {
     decimate: usize,
 }
 
-fn law(text: &str) -> Result<LawChoice, args::Refusal> {
+fn law(text: &str) -> Result<DistributionChoice, args::Refusal> {
     text.parse().map_err(|e: String| e.into())
 }
 
@@ -184,7 +184,7 @@ impl FitRecord {
             .at_once(|| {
                 let record = MeasuredRecord::new(&ColumnTable::read(&bytes)?, &columns)?;
                 let prepared = preparation.apply(&record)?;
-                let fitted = FittedRecord::of(&prepared, self.law, &description)?;
+                let fitted = FittedRecord::new(&prepared, self.law, &description)?;
                 Ok((prepared, fitted))
             })?
             .or_else(|e| Err(self.refused(&e).told(Answer::default().with("reason", e.to_string()), self.json)?))?;

@@ -70,7 +70,7 @@ impl Over {
             }
             _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
         };
-        match self.parameter().of(oscillator) {
+        match self.parameter().value(oscillator) {
             Some(_) => Ok(()),
             None => Err(Failure::usage(format!("--over {}: {wanted}", self.flag()))),
         }

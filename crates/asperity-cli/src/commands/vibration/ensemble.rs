@@ -99,7 +99,7 @@ impl Ensemble {
 
 fn answer(kind: Option<vibration::MotionKind>, ensemble: Option<&vibration::Ensemble>) -> Answer {
     let rate = |of: fn(&vibration::Passages) -> Option<vibration::Rate>| ensemble.and_then(|e| of(&e.passages));
-    let share = |of: fn(&vibration::Passages) -> vibration::Share| ensemble.map(|e| of(&e.passages));
+    let share = |of: fn(&vibration::Passages) -> vibration::Fraction| ensemble.map(|e| of(&e.passages));
     let (exit, entry) = (rate(|p| p.exit_rate), rate(|p| p.entry_rate));
     let (left, sustained) = (share(|p| p.left), share(|p| p.sustained));
     let pair = |interval: Option<[f64; 2]>| interval.map_or(Value::Null, |[low, high]| json!([low, high]));

@@ -3,7 +3,7 @@
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::stability_map_tables;
 use asperity::vibration::{
-    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, kept_positive,
+    EnsembleSettings, MapAxis, MapResolution, MapSettings, Oscillator, Parameters, VibrationError, clipped_to_positive,
     stability_map,
 };
 use clap::Args;
@@ -136,7 +136,7 @@ impl Map {
             };
             let at = Parameters { damping_ratio: damping, belt_velocity: velocity, ..stated.parameters().clone() };
             let oscillator = Oscillator::new(at)?.under_load(load)?;
-            let model = (std > 0.0).then(|| kept_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
+            let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
             Ok((oscillator, model))
         };
         let clipped = clipped(&model, [x, y]).map_err(|e| refused(&e))?;

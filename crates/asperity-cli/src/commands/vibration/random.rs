@@ -6,7 +6,7 @@ use asperity::friction::process::{Correlation, FrictionProcess, Generator, Proce
 use asperity::law::Marginal;
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
-use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, kept_positive};
+use asperity::vibration::{LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
 use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 
@@ -98,11 +98,11 @@ impl Source {
         let process = match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
             (Some(file), Some(unit), ..) => {
                 let model = read_process(file)?.model(unit.0);
-                let made = model.and_then(|model| FrictionProcess::new(kept_positive(oscillator, model, 1.0)));
+                let made = model.and_then(|model| FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)));
                 made.map_err(|e| Failure::data(file.display(), &e))?
             }
             (_, _, Some(std), Some(fluctuation)) => {
-                FrictionProcess::new(kept_positive(oscillator, fluctuation.model(std, 1.0), 1.0))
+                FrictionProcess::new(clipped_to_positive(oscillator, fluctuation.model(std, 1.0), 1.0))
                     .map_err(Failure::usage)?
             }
             _ => {

@@ -2,26 +2,26 @@
 
 use super::super::super::FrictionLaw;
 use super::super::super::polynomial::{self, CAPACITY};
-use super::super::super::series::before_the_wall;
+use super::super::super::series::exponential_step;
 use super::super::Model;
 use super::{Contact, Now};
 
-/// Most coefficients of a series; even, for pairwise evaluation.
+/// Largest number of coefficients of a series; even, for pairwise evaluation.
 const MOST_TERMS: usize = 24;
 const _: () = assert!(MOST_TERMS <= CAPACITY);
 /// Last kept term of a series, relative to the state.
 const TOLERANCE: f64 = 1e-16;
-/// The longest step.
+/// Longest step.
 const LONGEST: f64 = 2.0;
 
-/// A polynomial in the time since the start of the step.
+/// Coefficients of a polynomial in the time since the start of the step.
 type Coefficients = [f64; MOST_TERMS];
 
-/// Series of all variables.
+/// Taylor series of all variables.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
     len: usize,
-    /// 1/v₀ of an exponential law that acts; 0 of others.
+    /// Rate 1/v₀ of an exponential law; 0 for other laws.
     decay: f64,
     x: Coefficients,
     u: Coefficients,
@@ -57,7 +57,7 @@ impl Series {
         let [c11, c12, c22] = model.damping;
         let parameters = model.parameters();
         let contact = parameters.contact_stiffness;
-        // Terms fall about like (ρh)ⁿ/n!; `reach` shortens the step if they do not.
+        // Terms fall approximately like (ρh)ⁿ/n!; otherwise `reach` shortens the step.
         let scaled = horizon * (k11 + k22 + slope.abs()).sqrt().max(c11 + c22);
         self.len = if scaled < 0.07 {
             12
@@ -66,7 +66,7 @@ impl Series {
         } else {
             MOST_TERMS
         };
-        // In flight the contact spring is off, and the static load remains.
+        // In flight the contact spring does not act and the static load remains.
         let (across, mut load) = if now.contact == Contact::Flight { (k22 - contact, 1.0) } else { (k22, 0.0) };
         let direction = now.contact.direction();
         self.decay = match parameters.law {
@@ -89,23 +89,26 @@ impl Series {
             if k + 1 == self.len {
                 break;
             }
-            let share = 1.0 / (k as f64 + 1.0);
-            self.v[k + 1] = (load - c12 * self.u[k] - c22 * self.v[k] - k12 * self.x[k] - across * self.y[k]) * share;
-            self.u[k + 1] = if now.contact == Contact::Stick { 0.0 } else { (force - self.holding[k]) * share };
+            let fraction = 1.0 / (k as f64 + 1.0);
+            self.v[k + 1] =
+                (load - c12 * self.u[k] - c22 * self.v[k] - k12 * self.x[k] - across * self.y[k]) * fraction;
+            self.u[k + 1] = if now.contact == Contact::Stick { 0.0 } else { (force - self.holding[k]) * fraction };
             if k == 0 && now.released {
-                // Here the holding force is the stick limit by definition; what remains is the drop to kinetic friction.
+                // Here the holding force equals the stick limit by definition; the remaining force is the drop to
+                // kinetic friction.
                 self.u[1] = -direction * (parameters.static_friction - parameters.law.kinetic()) * self.normal[0];
             }
-            self.x[k + 1] = self.u[k] * share;
-            self.y[k + 1] = self.v[k] * share;
+            self.x[k + 1] = self.u[k] * fraction;
+            self.y[k + 1] = self.v[k] * fraction;
             self.normal[k + 1] = contact * self.y[k + 1];
             self.w[k + 1] = -direction * self.u[k + 1];
-            self.s[k + 1] = self.w[k] * share;
+            self.s[k + 1] = self.w[k] * fraction;
             load = 0.0;
         }
     }
 
-    /// The longest step up to `wanted` on which the dropped terms stay below rounding: the last two kept terms bound them.
+    /// Returns the longest step up to `wanted` on which the dropped terms, bounded by the last two kept ones, stay
+    /// below rounding.
     pub(super) fn reach(&self, wanted: f64) -> f64 {
         let size = |k: usize| self.x[k].abs().max(self.u[k].abs()).max(self.y[k].abs()).max(self.v[k].abs());
         let allowed = TOLERANCE * size(0).max(self.w[0]);
@@ -115,20 +118,20 @@ impl Series {
                 h = h.min((allowed / size(k)).powf(1.0 / k as f64));
             }
         }
-        before_the_wall(&self.w[..self.len], self.decay, h)
+        exponential_step(&self.w[..self.len], self.decay, h)
     }
 
-    /// x, x′, y, y′ after the time t.
+    /// Returns x, x′, y, y′ after the time t.
     pub(super) fn state(&self, t: f64) -> [f64; 4] {
         [&self.x, &self.u, &self.y, &self.v].map(|c| polynomial::split_value(&c[..self.len], t))
     }
 
-    /// Sliding distance after the time t.
+    /// Returns the sliding distance after the time t.
     pub(super) fn distance(&self, t: f64) -> f64 {
         polynomial::split_value(&self.s[..self.len], t)
     }
 
-    /// Time at which the sliding distance is `distance`, which is reached before h.
+    /// Returns the time at which the sliding distance is `distance`, which is reached before h.
     pub(super) fn time_of_distance(&self, distance: f64, h: f64) -> f64 {
         let excess = |t: f64| {
             let (s, w) = polynomial::value_and_slope(&self.s[..self.len], t);
@@ -138,17 +141,18 @@ impl Series {
         polynomial::bracketed_zero(excess, 0.0, h, false, guess)
     }
 
-    /// First time in (0, h] at which the relative velocity, not zero just after 0, vanishes.
+    /// Returns the first zero in (0, h] of the relative velocity, which is not zero just after 0.
     pub(super) fn arrival(&self, h: f64) -> Option<f64> {
         first_end(&self.w[..self.len], 1.0, h)
     }
 
-    /// First time in (0, h] at which the normal force (`sign` = 1) or the gap (−1), positive just after 0, vanishes.
+    /// Returns the first zero in (0, h] of the normal force (`sign` = 1) or of the gap (−1), positive just after 0.
     pub(super) fn contact_change(&self, sign: f64, h: f64) -> Option<f64> {
         first_end(&self.normal[..self.len], sign, h)
     }
 
-    /// First time in (0, h] at which the force that stick needs reaches the limit `friction`·n in a direction ±.
+    /// Returns the first time in (0, h] at which the force that stick requires reaches the limit `friction`·n in a
+    /// direction ±.
     pub(super) fn release(&self, friction: f64, direction: f64, h: f64) -> Option<f64> {
         let mut margin = [0.0; MOST_TERMS];
         for (margin, (normal, holding)) in margin.iter_mut().zip(self.normal.iter().zip(&self.holding)) {
@@ -157,28 +161,28 @@ impl Series {
         first_end(&margin[..self.len], 1.0, h)
     }
 
-    /// First time in (0, h] at which the friction coefficient is zero.
+    /// Returns the first time in (0, h] at which the friction coefficient is zero.
     pub(super) fn friction_end(&self, h: f64) -> Option<f64> {
         first_end(&self.friction[..self.len], 1.0, h)
     }
 
-    /// First time in (0, h] at which x′ changes its sign.
+    /// Returns the first time in (0, h] at which x′ changes its sign.
     pub(super) fn tangential_turn(&self, h: f64) -> Option<f64> {
         first_turn(&self.u[..self.len], h)
     }
 
-    /// First time in (0, h] at which y′ changes its sign.
+    /// Returns the first time in (0, h] at which y′ changes its sign.
     pub(super) fn normal_turn(&self, h: f64) -> Option<f64> {
         first_turn(&self.v[..self.len], h)
     }
 }
 
-/// Friction force that x″ = 0 needs, k₁₁x + k₁₂y + c₁₁x′ + c₁₂y′.
+/// Returns the friction force required for x″ = 0: k₁₁x + k₁₂y + c₁₁x′ + c₁₂y′.
 pub(super) fn holding(model: &Model, [x, u, y, v]: [f64; 4]) -> f64 {
     model.stiffness[0] * x + model.stiffness[1] * y + model.damping[0] * u + model.damping[1] * v
 }
 
-/// Coefficient k of μ(w(t)), given those before.
+/// Returns the coefficient k of μ(w(t)), given the previous ones.
 fn law_term(law: &FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize) -> f64 {
     match law {
         _ if k == 0 => law.coefficient(w[0]),
@@ -200,12 +204,13 @@ fn law_term(law: &FrictionLaw, before: &Coefficients, w: &Coefficients, k: usize
             }
             -sum / (k as f64 * stribeck_velocity)
         }
-        // Models do not take tables.
+        // `Model::new` refuses tables.
         FrictionLaw::Tabulated(_) => f64::NAN,
     }
 }
 
-/// First zero in (0, h] of ±p, which is positive just after 0, where it may vanish exactly; 0 if it is negative there.
+/// Returns the first zero in (0, h] of ±p, which is positive just after 0 and may be exactly zero at 0. Returns 0 if ±p
+/// is negative just after 0.
 fn first_end(c: &[f64], sign: f64, h: f64) -> Option<f64> {
     if c[0] * sign > 0.0 {
         if sign > 0.0 {
@@ -222,13 +227,13 @@ fn first_end(c: &[f64], sign: f64, h: f64) -> Option<f64> {
     if rest[0] == 0.0 { None } else { polynomial::first_zero(&rest[..c.len() - zeros], h) }
 }
 
-/// First zero in (0, h] of p, whatever its sign just after 0, where it may vanish exactly.
+/// Returns the first zero in (0, h] of p, which may have any sign just after 0 and may be exactly zero at 0.
 fn first_turn(c: &[f64], h: f64) -> Option<f64> {
     let (rest, _) = divided(c);
     first_end(c, if rest[0] < 0.0 { -1.0 } else { 1.0 }, h)
 }
 
-/// p divided by the powers of t that it holds exactly, and how many those are.
+/// Divides p by its exact powers of t; returns the quotient and the number of powers.
 fn divided(c: &[f64]) -> (Coefficients, usize) {
     let zeros = c.iter().take_while(|c| **c == 0.0).count();
     let mut rest = [0.0; MOST_TERMS];

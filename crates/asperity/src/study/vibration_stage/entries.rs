@@ -4,7 +4,7 @@ use crate::study::result::{
     CrossingResult, CycleResult, DampingResult, KindResult, MotionResult, PointsResult, finite,
 };
 use crate::study::sentence;
-use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleLaw};
+use crate::vibration::{Crossing, Ensemble, FrictionLaw, MotionKind, Regime, SampleDistribution};
 
 /// Returns a kind of motion as `results.json` names it.
 pub(super) fn kind_result(kind: MotionKind) -> KindResult {
@@ -53,7 +53,7 @@ pub(super) fn crossing_result(crossing: Crossing) -> CrossingResult {
     CrossingResult { share, damping_ratio, damping_ratio_interval: interval, reason }
 }
 
-pub(super) fn points_result(points: &SampleLaw) -> PointsResult {
+pub(super) fn points_result(points: &SampleDistribution) -> PointsResult {
     PointsResult {
         count: points.count,
         mean: finite(points.mean),

@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use crate::friction::process::{FrictionProcess, Watched};
+use crate::friction::process::{Cancellable, FrictionProcess};
 use crate::law::Marginal;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::Histogram;
 use crate::study::Table;
 use crate::study::result::{DampingResult, EnsembleResult};
 use crate::vibration::{
-    EnsembleSettings, Oscillator, Passages, PhasePoint, SampleLaw, Share, TrajectorySettings, VibrationError,
-    trajectory_portrait,
+    EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, TrajectorySettings,
+    VibrationError, trajectory_portrait,
 };
 
 /// Points of each trajectory of a cloud, and the time τ that they cover.
@@ -42,7 +42,7 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Ta
 }
 
 /// Histogram of points beside the normal density of equal mean and standard deviation; none of too few points.
-pub fn points_table(points: &SampleLaw) -> Option<Table> {
+pub fn points_table(points: &SampleDistribution) -> Option<Table> {
     let histogram = Histogram::of(&points.sample).ok()?;
     let centres = histogram.centres();
     let mut columns = vec![("density", histogram.density())];
@@ -57,8 +57,8 @@ pub fn points_table(points: &SampleLaw) -> Option<Table> {
 /// `share_low`, `share_high`.
 pub fn survival_table(passages: &Passages, duration: f64) -> Table {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
-    let shares: Vec<Share> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
-    let column = |of: fn(&Share) -> f64| shares.iter().map(of).collect::<Vec<f64>>();
+    let shares: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
+    let column = |of: fn(&Fraction) -> f64| shares.iter().map(of).collect::<Vec<f64>>();
     Table::new([
         ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
         ("share", column(|share| share.value)),
@@ -98,7 +98,7 @@ pub fn cloud_table(
             if monitor.cancelled() {
                 return Err(Cancelled.into());
             }
-            let path = Watched::new(process.path(seed, index as u64), monitor);
+            let path = Cancellable::new(process.path(seed, index as u64), monitor);
             trajectory_portrait(oscillator, path, &followed, from, CLOUD_POINTS)
         })
         .collect();

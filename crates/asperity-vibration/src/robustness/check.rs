@@ -1,13 +1,14 @@
-//! What the equations ask of a motion, judged step by step from dense output and a second reading of its friction process.
+//! Checks of a motion against the equations, step by step, from dense output and a second evaluation of the friction
+//! process.
 
 use super::super::motion::Motion;
 use super::super::{Drive, Event, EventKind, Forcing, FrictionLaw, Oscillator, Phase, Slips, VibrationError};
 use super::draw::Case;
-use super::reading::Reading;
+use super::reader::ProcessReader;
 use asperity_base::numeric::golden_section;
 use asperity_process::Path;
 
-/// Gauss's rule of eight nodes on (−1, 1): node and weight of each pair.
+/// Eight-point Gauss rule on (−1, 1): node and weight of each symmetric pair.
 const GAUSS: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
@@ -15,37 +16,37 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
 ];
 
-/// Rounding relative to the sum of all forces, many times over.
+/// Tolerance relative to the sum of all forces, many times the rounding error.
 const TIGHT: f64 = 1e-11;
 
-/// What was seen of one motion.
+/// Results of the checks of one motion.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct Checked {
     pub(super) events: Vec<Event>,
     pub(super) slips: Slips,
     pub(super) steps: u64,
-    pub(super) knots: u64,
-    /// Slips whose largest speed backwards is within rounding of zero.
+    pub(super) cells_read: u64,
+    /// Number of slips whose largest backward speed is within rounding of zero.
     pub(super) undecided: u64,
-    /// Sticks of no time.
+    /// Number of sticks of zero duration.
     pub(super) touches: u64,
-    /// The friction coefficient was lost, and truly so.
+    /// Whether the friction coefficient became negative, which the check confirmed.
     pub(super) lost: bool,
     pub(super) worst: [f64; 10],
 }
 
-/// A point of dense output, with the friction read there.
+/// Point of dense output, with the friction there.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     tau: f64,
     x: f64,
     velocity: f64,
-    /// Where friction is read, and its least and largest fluctuation there.
+    /// Coordinate of the friction process, and its least and largest fluctuation there.
     coordinate: f64,
     m: (f64, f64),
 }
 
-/// One step: phase and time before it, and the sliding distance.
+/// State before a step: phase, time and sliding distance.
 #[derive(Debug, Clone, Copy)]
 struct Before {
     phase: Phase,
@@ -55,35 +56,35 @@ struct Before {
     s: f64,
 }
 
-/// What is left of a difference beyond an allowance.
+/// Returns the part of a difference that exceeds an allowance.
 fn beyond(difference: f64, allowance: f64) -> f64 {
     (difference.abs() - allowance).max(0.0)
 }
 
-struct Watch<'a> {
+struct Checker<'a> {
     case: &'a Case,
     oscillator: &'a Oscillator,
-    reading: Reading<Path<'a>>,
-    seen: Seen,
+    reader: ProcessReader<Path<'a>>,
+    seen: Checked,
     /// Largest fluctuation so far.
     largest: f64,
-    /// Time and (X² + V²)^½ when the mass last left the belt or was started, and at the start.
+    /// Time and (X² + V²)^½ when the mass last left the belt or started; and at the start.
     left: (f64, f64),
     started: f64,
     backward: bool,
     undecided: bool,
 }
 
-/// Follows a case and panics where the motion breaks a law.
-pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
+/// Simulates a case and panics if the motion violates a law.
+pub(super) fn check(case: &Case, seed: u64, index: u64) -> Checked {
     let Case { oscillator, process, settings } = case;
     let start = settings.start.unwrap_or_else(|| oscillator.default_start());
     let radius = start.hypot(oscillator.belt_velocity());
-    let mut watch = Watch {
+    let mut check = Checker {
         case,
         oscillator,
-        reading: Reading::new(process.path(seed, index)),
-        seen: Seen::default(),
+        reader: ProcessReader::new(process.path(seed, index)),
+        seen: Checked::default(),
         largest: 0.0,
         left: (0.0, radius),
         started: radius,
@@ -94,40 +95,45 @@ pub(super) fn watch(case: &Case, seed: u64, index: u64) -> Seen {
     let mut motion = match Motion::new(oscillator, process.path(seed, index), settings.drive, start) {
         Ok(motion) => motion,
         Err(error) => {
-            watch.error(&error, &before, None);
-            return watch.seen;
+            check.error(&error, &before, None);
+            return check.seen;
         }
     };
     if let Some(event) = motion.first_event() {
-        let point = watch.point(0.0, start, before.velocity, 0.0);
-        watch.event(event, &point, motion.slip_state().map(|state| state.phase));
+        let point = check.point(0.0, start, before.velocity, 0.0);
+        check.event(event, &point, motion.slip_state().map(|state| state.phase));
     }
     while motion.tau < settings.duration {
         before.phase = motion.slip_state().map_or(Phase::Stick, |state| state.phase);
         match motion.step(settings.duration) {
-            Ok(event) => before = watch.step(&motion, before, event),
+            Ok(event) => before = check.step(&motion, before, event),
             Err(error) => {
-                watch.error(&error, &before, Some(&motion));
-                return watch.seen;
+                check.error(&error, &before, Some(&motion));
+                return check.seen;
             }
         }
     }
     assert_eq!(motion.tau, settings.duration);
-    watch.seen.knots = watch.reading.knots;
-    watch.seen
+    check.seen.cells_read = check.reader.cells_read;
+    check.seen
 }
 
-impl Watch<'_> {
-    /// Fails unless a number that vanishes is within `tolerance` of `scale`.
+impl Checker<'_> {
+    /// Panics unless `number` is zero within `tolerance` times `scale`.
     fn vanishes(&mut self, kind: usize, number: f64, scale: f64, tolerance: f64) {
-        let share = number.abs() / scale;
-        self.seen.worst[kind] = self.seen.worst[kind].max(share);
-        assert!(share <= tolerance, "law {kind} broken by {share:e} at {:?}: {:?}", self.seen.events.last(), self.case);
+        let fraction = number.abs() / scale;
+        self.seen.worst[kind] = self.seen.worst[kind].max(fraction);
+        assert!(
+            fraction <= tolerance,
+            "law {kind} broken by {fraction:e} at {:?}: {:?}",
+            self.seen.events.last(),
+            self.case
+        );
     }
 
-    /// What rounding of the coordinate makes of m.
-    fn haze(&self, coordinate: f64) -> f64 {
-        8.0 * f64::EPSILON * (1.0 + coordinate) * self.reading.steepest
+    /// Returns the effect on m of rounding of the coordinate.
+    fn rounding(&self, coordinate: f64) -> f64 {
+        8.0 * f64::EPSILON * (1.0 + coordinate) * self.reader.steepest
     }
 
     fn force(&self, tau: f64) -> f64 {
@@ -143,14 +149,14 @@ impl Watch<'_> {
         law.max(self.oscillator.static_friction()) + self.largest
     }
 
-    fn push(&self) -> f64 {
+    fn forcing_amplitude(&self) -> f64 {
         self.oscillator.forcing().map_or(0.0, |Forcing { amplitude, .. }| amplitude)
     }
 
-    /// Sum of the sizes of all forces: what rounding errors are shares of.
+    /// Returns the sum of the magnitudes of all forces, the scale of rounding errors.
     fn scale(&self, x: f64, velocity: f64) -> f64 {
         self.strongest()
-            + self.push()
+            + self.forcing_amplitude()
             + x.abs()
             + (1.0 + 2.0 * self.oscillator.damping_ratio()) * velocity.abs().max(self.oscillator.belt_velocity())
     }
@@ -160,20 +166,22 @@ impl Watch<'_> {
             Drive::Distance => s,
             Drive::Time => self.oscillator.belt_velocity() * tau,
         };
-        let m = self.reading.range(coordinate, 1e-13 * coordinate);
+        let m = self.reader.range(coordinate, 1e-13 * coordinate);
         self.largest = self.largest.max(m.1);
         Point { tau, x, velocity, coordinate, m }
     }
 
-    /// A bound of (X² + X′²)^½. With R the friction force, |R| ≤ M, the energy grows at the rate RX′ − 2ζX′² + qX′ cos ητ,
-    /// and RX′ ≤ MV, as friction only feeds a mass that moves forward, slower than the belt or with it: r′ ≤ MV/r + q.
+    /// Returns an upper bound of r = (X² + X′²)^½. With the friction force R, |R| ≤ M, the energy grows at the rate RX′
+    /// − 2ζX′² + qX′ cos ητ. Friction supplies energy only to a mass that moves forward, not faster than the belt, so
+    /// RX′ ≤ MV and r′ ≤ MV/r + q.
     fn energy_bound(&self, tau: f64) -> f64 {
         let (left, radius) = self.left;
         let feed = 2.0 * self.strongest() * self.oscillator.belt_velocity() * (tau - left);
-        (radius * radius + feed).sqrt() + self.push() * (tau - left)
+        (radius * radius + feed).sqrt() + self.forcing_amplitude() * (tau - left)
     }
 
-    /// A bound of |X| at all times: the free motion and (M + q) times the integral of the damped oscillator's |response|.
+    /// Returns an upper bound of |X| at all times: the free motion plus (M + q) times the integral of the damped
+    /// oscillator's |response|.
     fn damped_bound(&self) -> f64 {
         let damping = self.oscillator.damping_ratio();
         let integral = if damping >= 1.0 {
@@ -181,10 +189,10 @@ impl Watch<'_> {
         } else {
             (0.5 * std::f64::consts::PI * damping / (1.0 - damping * damping).sqrt()).tanh().recip()
         };
-        self.started + (self.strongest() + self.push()) * integral
+        self.started + (self.strongest() + self.forcing_amplitude()) * integral
     }
 
-    /// Judges the step that ends now and returns what the next one begins with.
+    /// Checks the step that ends now and returns the state before the next one.
     fn step(&mut self, motion: &Motion<Path<'_>>, before: Before, event: Option<Event>) -> Before {
         self.seen.steps += 1;
         let Before { phase, tau: a, .. } = before;
@@ -192,31 +200,31 @@ impl Watch<'_> {
         assert!(b >= a && s >= before.s, "time or distance runs back: {:?}", self.case);
         let drive = self.case.settings.drive;
         let coordinate = if drive == Drive::Distance { before.s } else { self.oscillator.belt_velocity() * a };
-        self.reading.forget(coordinate * (1.0 - 1e-12));
-        // Place and velocity do not jump, whatever happens between two steps.
+        self.reader.forget(coordinate * (1.0 - 1e-12));
+        // Position and velocity are continuous between two steps.
         let (x, velocity) = motion.sample(a);
         let end_coordinate = if drive == Drive::Distance { s } else { self.oscillator.belt_velocity() * b };
         let scale = self.scale(x, velocity);
-        let haze = self.haze(end_coordinate);
-        self.vanishes(0, beyond(x - before.x, haze), scale, TIGHT);
+        let rounding = self.rounding(end_coordinate);
+        self.vanishes(0, beyond(x - before.x, rounding), scale, TIGHT);
         self.vanishes(1, velocity - before.velocity, scale, TIGHT);
         let (x, velocity) = motion.sample(b);
         let arrived = event.is_some_and(|event| event.kind != EventKind::Detach);
-        let haze = if arrived { haze + self.grazing(scale) } else { haze };
-        self.vanishes(0, beyond(motion.displacement() - x, haze), scale, TIGHT);
+        let rounding = if arrived { rounding + self.grazing(scale) } else { rounding };
+        self.vanishes(0, beyond(motion.displacement() - x, rounding), scale, TIGHT);
         let end = self.point(b, x, velocity, s);
         assert!(x.hypot(velocity) <= self.energy_bound(b) * (1.0 + 1e-9), "too much energy: {:?}", self.case);
         assert!(x.abs() <= self.damped_bound() * (1.0 + 1e-9), "too far: {:?}", self.case);
         if phase == Phase::Stick {
             self.stuck(motion, &before, &end);
         } else {
-            // Of the steps from knot to knot one in four is enough.
+            // One in four of the steps between grid points is checked thoroughly.
             let thorough = event.is_some() || b - a > 0.02 || self.seen.steps.is_multiple_of(4);
             self.slipped(motion, &before, &end, s, thorough);
         }
         if let Some(event) = event {
             assert_eq!((event.tau, event.sliding_distance), (b, s));
-            self.vanishes(2, beyond(event.displacement - x, haze), scale, TIGHT);
+            self.vanishes(2, beyond(event.displacement - x, rounding), scale, TIGHT);
             if phase != Phase::Stick {
                 self.vanishes(3, velocity - self.oscillator.belt_velocity(), scale, TIGHT);
             }
@@ -226,7 +234,7 @@ impl Watch<'_> {
         Before { phase, tau: b, x, velocity, s }
     }
 
-    /// X + 2ζV − q cos ητ, which friction balances in stick, against its limits.
+    /// Returns X + 2ζV − q cos ητ, which friction balances in stick, and its limits.
     fn balance(&self, point: &Point) -> (f64, f64, f64) {
         let (limit, belt) = (self.oscillator.static_friction(), self.oscillator.belt_velocity());
         let force = point.x + 2.0 * self.oscillator.damping_ratio() * belt - self.force(point.tau);
@@ -237,15 +245,20 @@ impl Watch<'_> {
         let belt = self.oscillator.belt_velocity();
         let length = end.tau - before.tau;
         assert_eq!(motion.sliding_distance, before.s);
-        for share in [0.0, 0.31, 0.67, 1.0] {
-            let tau = before.tau + share * length;
+        for fraction in [0.0, 0.31, 0.67, 1.0] {
+            let tau = before.tau + fraction * length;
             let (x, velocity) = motion.sample(tau);
             assert_eq!(velocity, belt);
             let point = self.point(tau, x, velocity, before.s);
             let scale = self.scale(x, velocity);
-            self.vanishes(4, beyond(x - before.x - belt * (tau - before.tau), self.haze(end.coordinate)), scale, TIGHT);
+            self.vanishes(
+                4,
+                beyond(x - before.x - belt * (tau - before.tau), self.rounding(end.coordinate)),
+                scale,
+                TIGHT,
+            );
             let (force, _, most) = self.balance(&point);
-            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.haze(end.coordinate)), scale, TIGHT);
+            self.vanishes(9, beyond((force.abs() - most).max(0.0), self.rounding(end.coordinate)), scale, TIGHT);
         }
     }
 
@@ -254,35 +267,36 @@ impl Watch<'_> {
         let length = end.tau - before.tau;
         let scale = self.scale(end.x, end.velocity);
         let moved = direction * (self.oscillator.belt_velocity() * length - (end.x - before.x));
-        self.vanishes(5, beyond(s - before.s - moved, self.haze(end.coordinate)), scale + s, TIGHT);
+        self.vanishes(5, beyond(s - before.s - moved, self.rounding(end.coordinate)), scale + s, TIGHT);
         if thorough {
             self.equation_of_motion(motion, before, end, s, scale);
         }
         if before.phase == Phase::Slip && !self.backward {
-            self.look_backward(motion, before, end);
+            self.check_backward(motion, before, end);
         }
     }
 
-    /// Newton's law, integrated over the step: X′ = ∫ forces and X = ∫ X′ by Gauss's rule, on parts where the whole is too coarse.
+    /// Checks Newton's law, integrated over the step: X′ = ∫ forces and X = ∫ X′ by Gauss's rule, on subintervals where
+    /// the whole step is too coarse.
     fn equation_of_motion(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point, s: f64, scale: f64) {
         let length = end.tau - before.tau;
         let mut errors = [f64::INFINITY; 2];
         for parts in [1_u32, 4, 16] {
             let (mut impulse, mut path, mut doubt) = (0.0, 0.0, 0.0);
-            for (share, weight) in (0..parts).flat_map(|part| {
+            for (fraction, weight) in (0..parts).flat_map(|part| {
                 GAUSS.into_iter().flat_map(move |[node, weight]| {
                     let place = |node: f64| (f64::from(part) + 0.5 * (1.0 + node)) / f64::from(parts);
                     [(place(-node), 0.5 * weight / f64::from(parts)), (place(node), 0.5 * weight / f64::from(parts))]
                 })
             }) {
-                let (force, velocity, unsure) = self.pull(motion, before, s, before.tau + share * length);
+                let (force, velocity, unsure) = self.acceleration(motion, before, s, before.tau + fraction * length);
                 impulse += length * weight * force;
                 path += length * weight * velocity;
                 doubt += length * weight * unsure;
             }
-            let allowed = doubt + length * self.haze(end.coordinate);
+            let allowed = doubt + length * self.rounding(end.coordinate);
             errors = [
-                beyond(end.x - before.x - path, self.haze(end.coordinate)),
+                beyond(end.x - before.x - path, self.rounding(end.coordinate)),
                 beyond(end.velocity - before.velocity - impulse, allowed),
             ];
             if errors.iter().all(|error| *error < 1e-13 * scale) {
@@ -290,12 +304,13 @@ impl Watch<'_> {
             }
         }
         self.vanishes(6, errors[0], scale, TIGHT);
-        // A step is judged by its last two terms, and for once in millions both are small by accident.
+        // The length of a step follows from its last two terms; about once in a million steps both are small by
+        // accident.
         self.vanishes(7, errors[1], scale * length.max(1.0), 1e-9);
     }
 
-    /// X″ by the forces, X′, and half the jump of friction within rounding of this time.
-    fn pull(&mut self, motion: &Motion<Path<'_>>, before: &Before, s: f64, tau: f64) -> (f64, f64, f64) {
+    /// Returns X″ from the forces, X′, and half the jump of friction within rounding of this time.
+    fn acceleration(&mut self, motion: &Motion<Path<'_>>, before: &Before, s: f64, tau: f64) -> (f64, f64, f64) {
         let (belt, direction) = (self.oscillator.belt_velocity(), before.phase.direction());
         let (x, velocity) = motion.sample(tau);
         let moved = direction * (belt * (tau - before.tau) - (x - before.x));
@@ -310,17 +325,17 @@ impl Watch<'_> {
         (force, velocity, 0.5 * (point.m.1 - point.m.0))
     }
 
-    /// Whether the mass moves backwards in this step.
-    fn look_backward(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point) {
+    /// Checks whether the mass moves backwards in this step.
+    fn check_backward(&mut self, motion: &Motion<Path<'_>>, before: &Before, end: &Point) {
         let length = end.tau - before.tau;
         let mut slowest = before.velocity.min(end.velocity);
         let fall = length * (2.0 * self.scale(end.x, end.velocity) + length * self.scale(0.0, end.velocity));
         if slowest > 0.0 && slowest < fall {
-            // Golden sections of thirds of the step.
+            // Golden-section search in each third of the step.
             for third in 0..3 {
                 let ends = [third, third + 1].map(|third| f64::from(third) / 3.0);
-                let velocity = |share: f64| {
-                    let velocity = motion.sample(before.tau + share * length).1;
+                let velocity = |fraction: f64| {
+                    let velocity = motion.sample(before.tau + fraction * length).1;
                     slowest = slowest.min(velocity);
                     velocity
                 };
@@ -334,14 +349,15 @@ impl Watch<'_> {
     fn event(&mut self, event: Event, point: &Point, after: Option<Phase>) {
         let scale = self.scale(point.x, point.velocity);
         let (force, least, most) = self.balance(point);
-        let haze = self.haze(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
+        let rounding = self.rounding(event.sliding_distance.max(event.tau * self.oscillator.belt_velocity()));
         let last = self.seen.events.last().copied();
         if let Some(last) = last {
-            // An arrival that only grazes, at the limit of stick within rounding, is a stick of no time.
+            // A grazing arrival at the stick limit, within rounding, is a stick of zero duration.
             let touch = event.tau == last.tau && event.kind == EventKind::Detach && last.tau > 0.0;
             self.seen.touches += u64::from(touch);
             assert!(event.tau > last.tau || touch, "{event:?} not after {last:?}: {:?}", self.case);
-            // The distance of a slip begins as the third power of its time: the shortest ones are below its rounding.
+            // The distance of a slip starts as the third power of its time; the distance of the shortest slips is below
+            // rounding.
             let (further, longer) = (event.sliding_distance - last.sliding_distance, event.tau - last.tau);
             let moved = if event.kind == EventKind::Detach { further == 0.0 } else { further > 0.0 };
             assert!(moved || longer < 1e-3, "{event:?} after {last:?}: {:?}", self.case);
@@ -352,8 +368,8 @@ impl Watch<'_> {
         let overshoot = match (event.kind, after) {
             (EventKind::Detach, Some(phase)) => {
                 let excess = phase.direction() * force;
-                // At the start, and where friction jumps, the mass may be far beyond the limit.
-                let torn_off = event.tau == 0.0 || most > least + haze;
+                // At the start, and where friction jumps, the force may exceed the limit considerably.
+                let torn_off = event.tau == 0.0 || most > least + rounding;
                 self.left = (event.tau, event.displacement.hypot(self.oscillator.belt_velocity()));
                 (self.backward, self.undecided) = (false, false);
                 if torn_off { least - excess } else { (excess - least).abs().max((excess - most).abs()) }
@@ -371,12 +387,13 @@ impl Watch<'_> {
             }
             _ => panic!("{event:?} leads to {after:?}: {:?}", self.case),
         };
-        self.vanishes(8, (overshoot - haze).max(0.0), scale, TIGHT);
+        self.vanishes(8, (overshoot - rounding).max(0.0), scale, TIGHT);
         self.seen.events.push(event);
     }
 
-    /// What rounding makes of the force at an arrival: where the relative velocity W hardly passes zero, the time of its zero
-    /// has the square root of the rounding of W, and so has e, in which the force is V times as large.
+    /// Returns the effect of rounding on the force at an arrival. Where the relative velocity W barely passes zero, the
+    /// error of the time of its zero is the square root of the rounding of W. The error of e is the same, and the error
+    /// of the force is V times as large.
     fn grazing(&self, scale: f64) -> f64 {
         4.0 * (f64::EPSILON * self.oscillator.belt_velocity() * scale).sqrt()
     }
@@ -386,7 +403,7 @@ impl Watch<'_> {
         if self.backward { self.seen.slips.cycles += 1 } else { self.seen.slips.micro_slips += 1 }
     }
 
-    /// An error has to be the loss of friction, and friction has to be lost where it says.
+    /// Checks that an error is a loss of friction, and that friction is lost at the reported point.
     fn error(&mut self, error: &VibrationError, before: &Before, motion: Option<&Motion<Path<'_>>>) {
         let VibrationError::FrictionNotPositive { coefficient, tau, sliding_distance, .. } = *error else {
             panic!("{error}: {:?}", self.case)
@@ -396,10 +413,10 @@ impl Watch<'_> {
         let point = self.point(tau, x, velocity, sliding_distance);
         let scale = self.scale(x, velocity);
         let kinetic = self.oscillator.law().coefficient((self.oscillator.belt_velocity() - velocity).abs());
-        let true_one = [kinetic, self.oscillator.static_friction()].iter().any(|law| {
+        let confirmed = [kinetic, self.oscillator.static_friction()].iter().any(|law| {
             coefficient >= law + point.m.0 - 1e-11 * scale && coefficient <= law + point.m.1 + 1e-11 * scale
         });
-        assert!(true_one, "{error} is untrue: {point:?} {kinetic} {:?}", self.case);
+        assert!(confirmed, "{error} is wrong: {point:?} {kinetic} {:?}", self.case);
         self.seen.lost = true;
     }
 }

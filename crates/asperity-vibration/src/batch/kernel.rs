@@ -1,47 +1,47 @@
-//! One step of slip in every lane: Taylor series, their cuts, and the state behind them.
+//! One step of slip in all lanes: Taylor series, end of the step and new state.
 
 use std::f64::consts::{LOG2_E, PI};
 
 use super::super::polynomial;
-use super::super::series::{RECIPROCAL, before_the_wall};
+use super::super::series::{RECIPROCAL, exponential_step};
 use super::super::weakening::{Curve, Weakening};
 use super::super::{FrictionLaw, Oscillator};
 use asperity_process::Cell;
 
-/// Trajectories that advance together: four registers of four numbers, or two of eight.
+/// Number of trajectories that advance together: four registers of four numbers, or two of eight.
 pub(crate) const LANES: usize = 16;
 
-/// One number of each lane.
+/// One number per lane.
 pub(super) type Lane = [f64; LANES];
 
-/// A yes (1) or no (0) of each lane, as a number, so that choices stay in the registers.
+/// One flag per lane, 1 (true) or 0 (false), as a number so that selections stay in the registers.
 pub(super) type Flags = Lane;
 
-/// Share of the least distance between two extrema of W that a step may take.
+/// Length of a step, as a fraction of the least distance between two extrema of W.
 const EXTREMA: f64 = 0.9;
-/// Length of a step over the time in which W would fall to zero at its slope. From a minimum of W a step of twice as much
-/// passes it, so steps do not shrink towards one.
+/// Length of a step over the time in which W would fall to zero at its present slope. From a minimum of W a step of
+/// twice that time passes the minimum, so steps do not shrink towards it.
 const FALLS: f64 = 4.0;
-/// A coarse root is good to 0.4 %; a step is shorter by more than that.
+/// Factor that shortens a step by more than the error of [`coarse_root`], 0.4 %.
 const REACH: f64 = 0.98;
 
-/// The constants of the slip equations, lane by lane; see [`super::super::series`].
+/// Constants of the slip equations, per lane; see [`super::super::series`].
 #[derive(Debug, Clone)]
-pub(super) struct Plants {
+pub(super) struct Constants {
     pub(super) jump: Lane,
     linear: Lane,
     gain: Lane,
     curvature: Lane,
-    /// The coefficient is positive where floor + m > W·(loss − m·thinning): μ_k with the loss of a linear law per W and the
-    /// curvature of a quotient, or μ_∞ of an exponential law.
+    /// The coefficient is positive where floor + m > W·(loss − m·thinning). For a linear law, `floor` is μ_k and `loss`
+    /// its decrease per W; for a quotient, `thinning` is its curvature. For an exponential law `floor` is μ_∞.
     floor: Lane,
     loss: Lane,
     thinning: Lane,
-    /// Bound of the change of the stiffness κ by the weakening, over |W′|, in the distance of two extrema of W.
+    /// Bound of the change of the stiffness κ by the weakening, over |W′|, within the distance of two extrema of W.
     softening: Lane,
 }
 
-/// Where the lanes are: in slip, always, because a stick is left at once.
+/// State of each lane. The phase is always slip, because a stick is skipped in one operation.
 #[derive(Debug, Clone)]
 pub(super) struct States {
     pub(super) w: Lane,
@@ -51,44 +51,44 @@ pub(super) struct States {
     pub(super) direction: Lane,
     /// κ = 1 + dm/ds.
     pub(super) kappa: Lane,
-    /// Scaled distance S between knots; infinite without knots.
+    /// Scaled distance S between grid points; infinite without grid points.
     pub(super) span: Lane,
-    /// Scaled distance S since the last knot.
+    /// Scaled distance S since the last grid point.
     pub(super) passed: Lane,
-    /// The least m in this cell, at most zero.
+    /// Least m in this cell, at most zero.
     pub(super) least: Lane,
-    /// The largest W at a cut since the last detachment.
+    /// Largest W at the end of a step since the last detachment.
     pub(super) fastest: Lane,
 }
 
-/// What a step met at its end.
+/// Results at the end of a step.
 #[derive(Debug, Clone)]
 pub(super) struct Cuts {
     /// Length of the step.
     pub(super) h: Lane,
-    /// Knots crossed.
+    /// A grid point was crossed.
     pub(super) crossed: Flags,
-    /// Arrivals at W = 0.
+    /// W reached zero.
     pub(super) arrived: Flags,
-    /// The step could not be judged here: a minimum near zero, Newton's method without convergence.
+    /// The step is undecided: a minimum near zero, or Newton's method did not converge.
     pub(super) unsure: Flags,
-    /// W turned from rising to falling without a cut above 1.
+    /// W turned from rising to falling, and no step ended above 1.
     pub(super) turned: Flags,
-    /// The friction coefficient may not be positive all along the step.
+    /// The friction coefficient may not be positive along the whole step.
     pub(super) weak: Flags,
-    /// A knot was crossed and there is nothing else to see.
+    /// A grid point was crossed and nothing else happened.
     pub(super) plain: Flags,
-    /// There is nothing to see at all.
+    /// Nothing happened.
     pub(super) quiet: Flags,
-    /// Length of the step before it was cut.
+    /// Length of the step before it was shortened.
     pub(super) trial: Lane,
-    /// τ, S since the last knot and e at the beginning of the step.
+    /// τ, S since the last grid point and e at the start of the step.
     pub(super) tau: Lane,
     pub(super) passed: Lane,
     excess: Lane,
 }
 
-impl Plants {
+impl Constants {
     pub(super) const NONE: Self = Self {
         jump: [0.0; LANES],
         linear: [0.0; LANES],
@@ -104,7 +104,7 @@ impl Plants {
         let Weakening { jump, linear, curve, .. } = Weakening::new(oscillator);
         let [gain, curvature] = curve.gain_and_curvature().unwrap_or_default();
         (self.jump[lane], self.linear[lane], self.gain[lane], self.curvature[lane]) = (jump, linear, gain, curvature);
-        // r″ is at most twice gain × curvature of a quotient, and once that of an exponential law.
+        // r″ is at most twice gain × curvature for a quotient, and once that for an exponential law.
         let bend = if let Curve::Exponential(_) = curve { 0.5 } else { 1.0 };
         self.softening[lane] = bend * gain * curvature;
         let law = oscillator.law();
@@ -134,7 +134,7 @@ impl Cuts {
 }
 
 impl States {
-    /// Moves into a cell of the process.
+    /// Enters a cell of the process.
     #[inline(always)]
     pub(super) fn enter(&mut self, lane: usize, cell: &Cell, velocity: f64) {
         let endless = cell.length == f64::INFINITY;
@@ -144,8 +144,8 @@ impl States {
         self.least[lane] = smaller(smaller(cell.left, cell.right), 0.0);
     }
 
-    /// Lets an empty lane slide steadily.
-    pub(super) fn park(&mut self, lane: usize) {
+    /// Puts an empty lane into steady sliding.
+    pub(super) fn clear(&mut self, lane: usize) {
         (self.w[lane], self.e[lane], self.tau[lane]) = (1.0, 0.0, 0.0);
         (self.span[lane], self.passed[lane]) = (f64::INFINITY, 0.0);
         (self.direction[lane], self.kappa[lane], self.fastest[lane]) = (1.0, 1.0, 0.0);
@@ -164,14 +164,15 @@ impl States {
     };
 }
 
-/// N Taylor coefficients, N even, of W, S/t and the weakening of friction r, each in all lanes, and the last two of e. Laws
-/// are quotients, gW/(1 + cW), without curvature the others too, or exponential, (g/c)(1 − e^{−cW}).
+/// N Taylor coefficients, N even, of W, S/t and the weakening of friction r, each in all lanes, and the last two of e.
+/// Laws are either exponential, r = (g/c)(1 − e^{−cW}), or quotients, r = gW/(1 + cW), which include the linear and
+/// constant laws with c = 0.
 #[derive(Debug, Clone)]
 pub(super) struct Expansion<const N: usize, const EXPONENTIAL: bool> {
     w: [Lane; N],
     s: [Lane; N],
     r: [Lane; N],
-    /// Those of W′ times t, k·w_k, of an exponential law.
+    /// Coefficients k·w_k of W′ times t, for an exponential law.
     rates: [Lane; N],
     e: [Lane; 2],
 }
@@ -185,7 +186,7 @@ fn each(f: impl Fn(usize) -> f64) -> Lane {
     y
 }
 
-/// The larger number; one instruction, other than `f64::max`, which minds NaN.
+/// Returns the larger number in one instruction; `f64::max` needs more because it handles NaN.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -215,7 +216,7 @@ fn any(flags: &Flags) -> bool {
     sum > 0.0
 }
 
-/// Σ c_k t^k as even and odd part.
+/// Returns Σ c_k t^k as the sum of its even and odd parts.
 #[inline(always)]
 fn value<const N: usize>(c: &[Lane; N], t: &Lane) -> Lane {
     let square = each(|l| t[l] * t[l]);
@@ -227,7 +228,7 @@ fn value<const N: usize>(c: &[Lane; N], t: &Lane) -> Lane {
     each(|l| even[l] + t[l] * odd[l])
 }
 
-/// Σ c_k t^k and its derivative.
+/// Returns Σ c_k t^k and its derivative.
 #[inline(always)]
 fn value_and_slope<const N: usize>(c: &[Lane; N], t: &Lane) -> (Lane, Lane) {
     let (mut sum, mut slope) = (c[N - 1], [0.0; LANES]);
@@ -238,7 +239,7 @@ fn value_and_slope<const N: usize>(c: &[Lane; N], t: &Lane) -> (Lane, Lane) {
     (sum, slope)
 }
 
-/// A number below Σ c_k t^k on [0, h], from the signs of the coefficients.
+/// Returns a lower bound of Σ c_k t^k on [0, h] from the signs of the coefficients.
 #[inline(always)]
 fn lower_bound<const N: usize>(c: &[Lane; N], h: &Lane) -> Lane {
     let mut sum = [0.0; LANES];
@@ -248,23 +249,23 @@ fn lower_bound<const N: usize>(c: &[Lane; N], h: &Lane) -> Lane {
     each(|l| c[0][l] + sum[l])
 }
 
-/// x^(1/n) to half a per cent, for positive x: the upper half of the bits of a number is nearly its logarithm.
+/// Returns x^(1/n) for positive x within 0.5 %: the upper half of the bits of a number is nearly its logarithm.
 #[inline(always)]
 fn coarse_root(x: f64, reciprocal: f64) -> f64 {
-    // An integer below 2³² and a number are turned into each other by adding 2⁵².
+    // Adding 2⁵² converts between a number and an integer below 2³².
     const SHIFT: f64 = 4_503_599_627_370_496.0;
     const ONE: f64 = 1_072_693_248.0;
     let logarithm = f64::from_bits((x.to_bits() >> 32) | SHIFT.to_bits()) - SHIFT;
     f64::from_bits((ONE + (logarithm - ONE) * reciprocal + SHIFT).to_bits() << 32)
 }
 
-/// e^x and e^x − 1, both to rounding, for |x| < 700; beyond, those of ±700.
+/// Returns e^x and e^x − 1, both to rounding, for |x| < 700. Beyond, returns the values at ±700.
 #[inline(always)]
 fn exponential(x: f64) -> (f64, f64) {
-    // A number is rounded to an integer by adding 3·2⁵¹; 2⁵² more than an integer has it in its lowest bits.
+    // Adding 3·2⁵¹ rounds a number to an integer; 2⁵² plus an integer has the integer in its lowest bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     const SHIFT: f64 = 4_503_599_627_370_496.0;
-    // ln 2 in two parts, of which an integer times the first is exact.
+    // ln 2 in two parts; an integer times the first part is exact.
     const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
     let x = smaller(larger(x, -700.0), 700.0);
     let k = (x * LOG2_E + ROUND) - ROUND;
@@ -298,10 +299,10 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         e: [[0.0; LANES]; 2],
     };
 
-    /// r(W) and its slope.
+    /// Returns r(W) and its slope.
     #[inline(always)]
-    fn law(plants: &Plants, l: usize, w: f64) -> (f64, f64) {
-        let (gain, curvature) = (plants.gain[l], plants.curvature[l]);
+    fn law(constants: &Constants, l: usize, w: f64) -> (f64, f64) {
+        let (gain, curvature) = (constants.gain[l], constants.curvature[l]);
         if EXPONENTIAL {
             let (fade, less_one) = exponential(-curvature * w);
             (-(gain / curvature) * less_one, gain * fade)
@@ -311,28 +312,28 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         }
     }
 
-    /// The recurrence of [`super::super::series::Series`] without forcing.
+    /// Computes the recurrence of [`super::super::series::Series`] without forcing.
     #[inline(always)]
-    fn expand(&mut self, plants: &Plants, states: &States) {
+    fn expand(&mut self, constants: &Constants, states: &States) {
         (self.w[0], self.s[0]) = (states.w, states.w);
         let (gain, curvature) = if EXPONENTIAL {
             let mut gain = [0.0; LANES];
             for l in 0..LANES {
-                (self.r[0][l], gain[l]) = Self::law(plants, l, states.w[l]);
+                (self.r[0][l], gain[l]) = Self::law(constants, l, states.w[l]);
             }
-            (gain, plants.curvature)
+            (gain, constants.curvature)
         } else {
-            let quotient = each(|l| 1.0 / (1.0 + plants.curvature[l] * states.w[l]));
-            let curvature = each(|l| plants.curvature[l] * quotient[l]);
-            self.r[0] = each(|l| plants.gain[l] * states.w[l] * quotient[l]);
-            (each(|l| plants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
+            let quotient = each(|l| 1.0 / (1.0 + constants.curvature[l] * states.w[l]));
+            let curvature = each(|l| constants.curvature[l] * quotient[l]);
+            self.r[0] = each(|l| constants.gain[l] * states.w[l] * quotient[l]);
+            (each(|l| constants.gain[l] * quotient[l] - curvature[l] * self.r[0][l]), curvature)
         };
-        self.w[1] = each(|l| states.e[l] + plants.linear[l] * states.w[l] + plants.jump[l] + self.r[0][l]);
+        self.w[1] = each(|l| states.e[l] + constants.linear[l] * states.w[l] + constants.jump[l] + self.r[0][l]);
         self.s[1] = each(|l| self.w[1][l] * 0.5);
         self.r[1] = each(|l| gain[l] * self.w[1][l]);
         self.rates[1] = self.w[1];
         self.e = [states.e, each(|l| states.direction[l] - states.kappa[l] * states.w[l])];
-        // Two orders at a time read every coefficient once for both of their products.
+        // Two orders at a time, so that every coefficient is read once for both of its products.
         let mut m = 2;
         while m < N {
             let (mut lower, mut upper) = ([0.0; LANES], [0.0; LANES]);
@@ -345,26 +346,33 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
                 lower = each(|l| lower[l] + w[l] * r[l]);
                 above = r;
             }
-            self.advance(plants, states, (&gain, &curvature), m, &lower);
+            self.advance(constants, states, (&gain, &curvature), m, &lower);
             let last = self.factor(m);
             upper = each(|l| upper[l] + (first[l] * self.r[m][l] + last[l] * self.r[1][l]));
-            self.advance(plants, states, (&gain, &curvature), m + 1, &upper);
+            self.advance(constants, states, (&gain, &curvature), m + 1, &upper);
             m += 2;
         }
     }
 
-    /// What stands before r_{m−k} in the recurrence: w_k, or k·w_k of an exponential law.
+    /// Returns the factor of r_{m−k} in the recurrence: w_k, or k·w_k for an exponential law.
     #[inline(always)]
     fn factor(&self, k: usize) -> Lane {
         if EXPONENTIAL { self.rates[k] } else { self.w[k] }
     }
 
-    /// Coefficients of the order m from those before and Σ w_k r_{m−k}, or Σ k·w_k r_{m−k}.
+    /// Computes the coefficients of order m from the previous ones and Σ w_k r_{m−k}, or Σ k·w_k r_{m−k}.
     #[inline(always)]
-    fn advance(&mut self, plants: &Plants, states: &States, (gain, curvature): (&Lane, &Lane), m: usize, sum: &Lane) {
+    fn advance(
+        &mut self,
+        constants: &Constants,
+        states: &States,
+        (gain, curvature): (&Lane, &Lane),
+        m: usize,
+        sum: &Lane,
+    ) {
         let (next, after) = (RECIPROCAL[m], RECIPROCAL[m + 1]);
         let (before, e) = (self.w[m - 1], self.e[1]);
-        let w = each(|l| (e[l] + plants.linear[l] * before[l] + self.r[m - 1][l]) * next);
+        let w = each(|l| (e[l] + constants.linear[l] * before[l] + self.r[m - 1][l]) * next);
         self.e = [e, each(|l| -states.kappa[l] * before[l] * next)];
         if EXPONENTIAL {
             self.r[m] = each(|l| gain[l] * w[l] - curvature[l] * next * sum[l]);
@@ -376,14 +384,14 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         self.w[m] = w;
     }
 
-    /// The longest step on which the dropped terms stay below `tolerance` times the state, coarsely.
+    /// Returns approximately the longest step on which the dropped terms stay below `tolerance` times the state.
     #[inline(always)]
     fn reach(&self, states: &States, tolerance: f64) -> Lane {
         let n = N - 1;
         each(|l| {
             let size = |w: f64, e: f64| larger(larger(w.abs(), e.abs()), 1e-280);
             let allowed = tolerance * larger(size(states.w[l], states.e[l]), 1.0);
-            // The last two may both vanish by accident.
+            // The last two terms may both vanish by accident.
             let earlier = larger(size(self.w[n - 1][l], self.e[0][l]), self.w[n - 2][l].abs() * RECIPROCAL[n - 1]);
             let before = earlier * (RECIPROCAL[n] * RECIPROCAL[n + 1]);
             let last = coarse_root(allowed / size(self.w[n][l], self.e[1][l]), RECIPROCAL[n]);
@@ -391,17 +399,18 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         })
     }
 
-    /// Time at which W, positive at 0 and w ≤ 0 with the slope `slope` at h, is zero; W′ there; whether it was found.
+    /// Returns the time of the zero of W, W′ there, and whether it was found. W is positive at 0 and w ≤ 0 with slope
+    /// `slope` at h.
     #[inline(always)]
-    fn arrival(&self, plants: &Plants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
-        // W″ is known from W and W′, so each step is one of Halley's method, of third order.
+    fn arrival(&self, constants: &Constants, states: &States, h: &Lane, w: &Lane, slope: &Lane) -> (Lane, Lane, Flags) {
+        // W″ follows from W and W′, so each iteration is Halley's method, of third order.
         let bend = |w: &Lane, slope: &Lane| {
             each(|l| {
-                let weakening = plants.linear[l] + Self::law(plants, l, w[l]).1;
+                let weakening = constants.linear[l] + Self::law(constants, l, w[l]).1;
                 weakening * slope[l] + states.direction[l] - states.kappa[l] * w[l]
             })
         };
-        // The parabola at h.
+        // First guess: the parabola at h.
         let second = bend(w, slope);
         let mut t = each(|l| {
             let root = larger(slope[l] * slope[l] - 2.0 * second[l] * w[l], 0.0).sqrt();
@@ -417,17 +426,17 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         }
         let found = each(|l| {
             let size = step[l].abs();
-            // The slope at the end is known to the square of the last step.
+            // The error of the slope at the end is of the order of the square of the last correction.
             flag((size * size <= 1e-16 * h[l]) & (t[l] > 0.0) & (t[l] < h[l]))
         });
         (t, end, found)
     }
 
-    /// Time at which S reaches `left`, and whether it was found, not later than `cap`.
+    /// Returns the time at which S reaches `left`, not later than `cap`, and whether it was found.
     #[inline(always)]
     fn crossing(&self, left: &Lane, cap: &Lane) -> (Lane, Flags) {
         let (w, s) = (&self.w, &self.s);
-        // At constant acceleration, then Newton's method: on the first terms, and on all.
+        // First guess: constant acceleration. Then Newton's method, first on the leading terms, then on all.
         let mut t = each(|l| {
             let discriminant = larger(w[0][l] * w[0][l] + 2.0 * w[1][l] * left[l], 0.0);
             smaller(2.0 * left[l] / (w[0][l] + discriminant.sqrt()), cap[l])
@@ -447,51 +456,51 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
             step = each(|l| (t[l] * y[l] - left[l]) / speed[l]);
             t = each(|l| t[l] - step[l]);
         }
-        // Newton's error after a step is about its square times W′/2W.
+        // The error of Newton's method after an iteration is about its square times W′/2W.
         let found = each(|l| flag((step[l] * step[l] <= 1e-17 * t[l] * speed[l]) & (t[l] > 0.0) & (t[l] <= cap[l])));
         (t, found)
     }
 
     /// Advances every lane by one step, at most to the time `until`.
     ///
-    /// A step is shorter than the least distance of two extrema of W, so W has at most one of them in it: it is zero there
-    /// exactly once if it is not positive at the end, and not at all if it is positive there and the extremum is a maximum. Two
-    /// extrema are at least π/√(κ + δ) apart: Z = W′ obeys Z″ + (pZ)′ + κZ = 0 with p = 2ζ − dr/dW, whose zeros are as far
-    /// apart (Sturm) with δ = max p′/2 ≤ (weakening gain × curvature) × max |W′|.
+    /// A step is shorter than the least distance of two extrema of W, so W has at most one extremum in it. If W is not
+    /// positive at the end, it has exactly one zero. If W is positive at the end and the extremum is a maximum, it has
+    /// none. Two extrema are at least π/√(κ + δ) apart: Z = W′ obeys Z″ + (pZ)′ + κZ = 0 with p = 2ζ − dr/dW, whose
+    /// zeros are at least as far apart (Sturm) with δ = max p′/2 ≤ (weakening gain × curvature) × max |W′|.
     #[inline(always)]
-    pub(super) fn step<const KNOTS: bool>(
+    pub(super) fn step<const HAS_GRID: bool>(
         &mut self,
-        plants: &Plants,
+        constants: &Constants,
         states: &mut States,
         until: f64,
         tolerance: f64,
         cuts: &mut Cuts,
     ) {
-        self.expand(plants, states);
+        self.expand(constants, states);
         let (w0, slope0) = (self.w[0], self.w[1]);
         let remaining = each(|l| until - states.tau[l]);
         let left = each(|l| states.span[l] - states.passed[l]);
         let reach = self.reach(states, tolerance);
         let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
         let mut cap = each(|l| {
-            let stiffness = larger(states.kappa[l] + plants.softening[l] * quickest[l], 0.1);
-            // A falling W arrives soon, if it does, and must not return before the end of the step.
+            let stiffness = larger(states.kappa[l] + constants.softening[l] * quickest[l], 0.1);
+            // A falling W that arrives does so soon, and must not return before the end of the step.
             let fall = if slope0[l] < 0.0 { FALLS * w0[l] / -slope0[l] } else { f64::INFINITY };
             smaller(smaller(reach[l], fall), smaller(EXTREMA * PI / stiffness.sqrt(), remaining[l]))
         });
         if EXPONENTIAL {
-            self.stop_before_the_wall(plants, &mut cap);
+            self.limit_exponential_steps(constants, &mut cap);
         }
         (cuts.trial, cuts.tau, cuts.passed, cuts.excess) = (cap, states.tau, states.passed, states.e);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
-        if KNOTS {
+        if HAS_GRID {
             let (t, found) = self.crossing(&left, &cap);
             crossed = found;
             h = each(|l| choose(found[l], t[l], cap[l]));
         }
         let (mut w, mut slope) = value_and_slope(&self.w, &h);
         let arrived = each(|l| flag(w[l] <= 0.0));
-        // A minimum inside may lie below zero.
+        // A minimum inside the step may lie below zero.
         let mut unsure = each(|l| flag((w[l] > 0.0) & (slope0[l] < 0.0) & (slope[l] > 0.0)));
         if any(&unsure) {
             let floor = lower_bound(&self.w, &h);
@@ -499,8 +508,8 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         }
         unsure = each(|l| larger(unsure[l], flag(slope[l].abs() > quickest[l])));
         if any(&arrived) {
-            // First the arrival, then the knot: past an arrival the distance would run backwards.
-            let (t, end, found) = self.arrival(plants, states, &h, &w, &slope);
+            // Arrivals are searched before grid points: after an arrival the distance would run backwards.
+            let (t, end, found) = self.arrival(constants, states, &h, &w, &slope);
             unsure = each(|l| larger(unsure[l], arrived[l] * (1.0 - found[l])));
             crossed = each(|l| crossed[l] * (1.0 - arrived[l]));
             h = each(|l| choose(arrived[l], t[l], h[l]));
@@ -509,18 +518,18 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         }
         let distance = value(&self.s, &h);
         let distance = each(|l| h[l] * distance[l]);
-        // A knot that was not found, or lies before an arrival.
+        // A grid point that was not found, or lies before an arrival.
         unsure = each(|l| larger(unsure[l], (1.0 - crossed[l]) * flag(distance[l] >= left[l])));
         states.w = w;
         states.e = each(|l| cuts.excess[l] + states.direction[l] * h[l] - states.kappa[l] * distance[l]);
         states.fastest = each(|l| larger(states.fastest[l], w[l]));
         let turned = each(|l| flag((slope0[l] > 0.0) & (slope[l] < 0.0)));
-        // A step with one maximum lies below what the largest slope adds.
+        // In a step with one maximum the largest slope bounds the rise of W.
         let ceiling = each(|l| larger(w0[l], w[l]) + turned[l] * h[l] * quickest[l]);
         cuts.turned = each(|l| turned[l] * flag(states.fastest[l] <= 1.0));
         cuts.weak = each(|l| {
-            let loss = plants.loss[l] - states.least[l] * plants.thinning[l];
-            flag(plants.floor[l] + states.least[l] <= ceiling[l] * loss)
+            let loss = constants.loss[l] - states.least[l] * constants.thinning[l];
+            flag(constants.floor[l] + states.least[l] <= ceiling[l] * loss)
         });
         states.tau = each(|l| choose(flag(h[l] == remaining[l]), until, states.tau[l] + h[l]));
         states.passed = each(|l| choose(crossed[l], 0.0, states.passed[l] + distance[l]));
@@ -533,21 +542,21 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         (cuts.h, cuts.crossed, cuts.arrived, cuts.unsure) = (h, crossed, arrived, unsure);
     }
 
-    /// Shortens the steps on which e^{−cW} rises steeper than its series can follow.
+    /// Shortens the steps on which e^{−cW} rises more steeply than its series can represent.
     #[inline(always)]
-    fn stop_before_the_wall(&self, plants: &Plants, cap: &mut Lane) {
+    fn limit_exponential_steps(&self, constants: &Constants, cap: &mut Lane) {
         let lowest = lower_bound(&self.w, cap);
-        let steep = each(|l| flag(plants.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
+        let steep = each(|l| flag(constants.curvature[l] * (self.w[0][l] - lowest[l]) > N as f64 / 3.0));
         if any(&steep) {
             for (l, h) in cap.iter_mut().enumerate() {
                 let w: [f64; N] = std::array::from_fn(|k| self.w[k][l]);
-                *h = before_the_wall(&w, plants.curvature[l], *h);
+                *h = exponential_step(&w, constants.curvature[l], *h);
             }
         }
     }
 
-    /// The same cut of one lane again, slowly and in doubt of nothing; the state is the one at the beginning of the step.
-    pub(super) fn cut_again(&self, lane: usize, states: &mut States, until: f64, cuts: &mut Cuts) {
+    /// Recomputes the end of the step of one lane by the slow, certain method, from the state at the start of the step.
+    pub(super) fn recompute_end(&self, lane: usize, states: &mut States, until: f64, cuts: &mut Cuts) {
         let of = |c: &[Lane; N]| -> [f64; N] { std::array::from_fn(|k| c[k][lane]) };
         let (w, s) = (of(&self.w), of(&self.s));
         let mut h = cuts.trial[lane];
@@ -574,7 +583,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         cuts.turned[lane] = flag(rises && (end.1 < 0.0 || arrived) && states.fastest[lane] <= 1.0);
     }
 
-    /// The first maximum of W inside the last step of a lane that rises at its beginning.
+    /// Returns the first maximum of W inside the last step of a lane in which W rises at the start.
     pub(super) fn highest(&self, lane: usize, h: f64) -> f64 {
         let w: [f64; N] = std::array::from_fn(|k| self.w[k][lane]);
         if polynomial::upper_bound(&w, h) <= 1.0 {
@@ -591,7 +600,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_is_that_of_the_mathematical_library_to_rounding() {
+    fn the_exponential_matches_the_mathematical_library_to_rounding() {
         for i in -14_000..14_000 {
             let x = f64::from(i) * 0.049_73;
             let (whole, less_one) = exponential(x);

@@ -1,4 +1,4 @@
-//! The law of what many trajectories leave, gathered in bounded memory.
+//! Distribution of a quantity over many trajectories, collected in bounded memory.
 
 use std::collections::BinaryHeap;
 
@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 use asperity_base::law::goodness::normality;
 use asperity_base::random::hash;
 
-/// The law of a quantity met many times along many trajectories, such as the displacement at re-attachment.
+/// Distribution of a quantity that occurs many times along many trajectories, such as the displacement at
+/// re-attachment.
 ///
-/// Values of one trajectory are correlated when a slip is not much longer than the correlation length; `normality_p` takes
-/// them as independent, so it is a lower bound of the p-value.
+/// Values of one trajectory are correlated when a slip is not much longer than the correlation length. `normality_p`
+/// assumes independent values, so it is a lower bound of the p-value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SampleLaw {
-    /// Number of values; the moments are of all of them.
+pub struct SampleDistribution {
+    /// Number of values; the moments use all of them.
     pub count: u64,
     /// Mean.
     pub mean: f64,
@@ -23,9 +24,10 @@ pub struct SampleLaw {
     pub skewness: f64,
     /// Excess kurtosis.
     pub excess_kurtosis: f64,
-    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none with fewer than 20 values.
+    /// p-value of D'Agostino and Pearson's test of normality on `sample`; none for fewer than 20 values.
     pub normality_p: Option<f64>,
-    /// All values in order of trajectory and time if they are few enough, else a simple random sample of them, so ordered.
+    /// All values in order of trajectory and time if they are few enough; otherwise a simple random sample of them in
+    /// the same order.
     pub sample: Vec<f64>,
 }
 
@@ -51,18 +53,19 @@ impl RunningMoments {
         self.count += 1;
         let n = self.count as f64;
         let delta = value - self.mean;
-        let share = delta / n;
-        let second = delta * share * before;
+        let fraction = delta / n;
+        let second = delta * fraction * before;
         let [m2, m3, m4] = self.central;
-        self.mean += share;
+        self.mean += fraction;
         self.central = [
             m2 + second,
-            m3 + second * share * (n - 2.0) - 3.0 * share * m2,
-            m4 + second * share * share * (n * n - 3.0 * n + 3.0) + 6.0 * share * share * m2 - 4.0 * share * m3,
+            m3 + second * fraction * (n - 2.0) - 3.0 * fraction * m2,
+            m4 + second * fraction * fraction * (n * n - 3.0 * n + 3.0) + 6.0 * fraction * fraction * m2
+                - 4.0 * fraction * m3,
         ];
     }
 
-    /// Adds all values of another sum, by the formulas for two sets there.
+    /// Adds all values of another sum, by the formulas for two sets in the reference of [`Self::add`].
     pub(super) fn merge(&mut self, other: &Self) {
         if self.count == 0 || other.count == 0 {
             *self = if self.count == 0 { *other } else { *self };
@@ -71,18 +74,18 @@ impl RunningMoments {
         let (a, b) = (self.count as f64, other.count as f64);
         let n = a + b;
         let delta = other.mean - self.mean;
-        let share = delta / n;
+        let fraction = delta / n;
         let [[a2, a3, a4], [b2, b3, b4]] = [self.central, other.central];
-        let product = delta * share * a * b;
+        let product = delta * fraction * a * b;
         self.central = [
             a2 + b2 + product,
-            a3 + b3 + product * share * (a - b) + 3.0 * share * (a * b2 - b * a2),
+            a3 + b3 + product * fraction * (a - b) + 3.0 * fraction * (a * b2 - b * a2),
             a4 + b4
-                + product * share * share * (a * a - a * b + b * b)
-                + 6.0 * share * share * (a * a * b2 + b * b * a2)
-                + 4.0 * share * (a * b3 - b * a3),
+                + product * fraction * fraction * (a * a - a * b + b * b)
+                + 6.0 * fraction * fraction * (a * a * b2 + b * b * a2)
+                + 4.0 * fraction * (a * b3 - b * a3),
         ];
-        self.mean += share * b;
+        self.mean += fraction * b;
         self.count += other.count;
     }
 
@@ -94,7 +97,7 @@ impl RunningMoments {
         if self.count == 0 { f64::NAN } else { self.mean }
     }
 
-    /// Standard deviation with divisor n − 1.
+    /// Returns the standard deviation with divisor n − 1.
     pub(super) fn std(&self) -> f64 {
         if self.count < 2 { f64::NAN } else { (self.central[0] / (self.count as f64 - 1.0)).sqrt() }
     }
@@ -108,13 +111,13 @@ impl RunningMoments {
     }
 }
 
-/// Keeps a simple random sample of a stream of numbered values: those with the smallest hashes of their numbers.
+/// Simple random sample of a stream of numbered values: the values with the smallest hashes of their numbers.
 ///
-/// The choice is a function of the numbers alone, so it depends neither on threads nor on the order of arrival.
+/// The choice is a function of the numbers alone, so it does not depend on threads or on the order of arrival.
 #[derive(Debug, Clone)]
 struct Reservoir {
     capacity: usize,
-    /// The largest hash on top; the bits of the value follow.
+    /// Heap of (hash, number, bits of the value), with the largest hash on top.
     kept: BinaryHeap<(u64, u64, u64)>,
 }
 
@@ -133,7 +136,7 @@ impl Reservoir {
         self.kept.push((hash, number, bits));
     }
 
-    /// The kept values in the order of their numbers.
+    /// Returns the kept values in the order of their numbers.
     fn values(self) -> Vec<f64> {
         let mut kept = self.kept.into_vec();
         kept.sort_unstable_by_key(|&(_, number, _)| number);
@@ -141,16 +144,16 @@ impl Reservoir {
     }
 }
 
-/// Gathers a [`SampleLaw`], from the values of one trajectory or from gatherings of many.
+/// Collector of a [`SampleDistribution`], from the values of one trajectory or by merging collectors.
 #[derive(Debug, Clone)]
-pub(super) struct Gathering {
+pub(super) struct SampleCollector {
     sums: RunningMoments,
     reservoir: Reservoir,
-    /// Number of the first value, unlike that of any other trajectory.
+    /// Number of the first value, unique to the trajectory.
     first: u64,
 }
 
-impl Gathering {
+impl SampleCollector {
     pub(super) fn new(trajectory: u64, capacity: usize) -> Self {
         let reservoir = Reservoir { capacity, kept: BinaryHeap::new() };
         Self { sums: RunningMoments::EMPTY, reservoir, first: trajectory << 32 }
@@ -171,10 +174,10 @@ impl Gathering {
         self.reservoir.values()
     }
 
-    pub(super) fn finish(self) -> SampleLaw {
+    pub(super) fn finish(self) -> SampleDistribution {
         let sample = self.reservoir.values();
         let sums = self.sums;
-        SampleLaw {
+        SampleDistribution {
             count: sums.count(),
             mean: sums.mean(),
             std: sums.std(),
@@ -193,14 +196,14 @@ mod tests {
     use asperity_base::stats::Moments;
 
     #[test]
-    fn streamed_moments_are_those_of_the_sample() {
+    fn streamed_moments_match_the_sample() {
         let values: Vec<f64> = random::standard_normal(&mut random::stream(1, "test", 0), 5000)
             .iter()
             .map(|xi| 1e3 + 1e-2 * (0.5 * xi).exp())
             .collect();
-        let mut gathering = Gathering::new(0, 10_000);
-        values.iter().for_each(|x| gathering.add(*x));
-        let (found, wanted) = (gathering.finish(), Moments::of(&values));
+        let mut collector = SampleCollector::new(0, 10_000);
+        values.iter().for_each(|x| collector.add(*x));
+        let (found, wanted) = (collector.finish(), Moments::of(&values));
         assert_eq!(found.sample, values);
         assert!((found.mean - wanted.mean).abs() < 1e-12 * wanted.mean);
         // Deviations of 1e-2 about 1e3 keep eleven digits.
@@ -211,22 +214,22 @@ mod tests {
     }
 
     #[test]
-    fn gatherings_of_trajectories_are_that_of_all_values() {
+    fn merged_collectors_match_the_collector_of_all_values() {
         let values: Vec<f64> = random::standard_normal(&mut random::stream(2, "test", 0), 6000)
             .iter()
             .map(|xi| 5.0 + (0.4 * xi).exp())
             .collect();
-        let gathered = |capacity: usize, order: &[usize]| {
+        let collected = |capacity: usize, order: &[usize]| {
             let parts = [0..0, 0..1, 1..700, 700..701, 701..6000];
-            let mut whole = Gathering::new(0, capacity);
+            let mut whole = SampleCollector::new(0, capacity);
             for &i in order {
-                let mut part = Gathering::new(i as u64, capacity);
+                let mut part = SampleCollector::new(i as u64, capacity);
                 values[parts[i].clone()].iter().for_each(|x| part.add(*x));
                 whole.merge(part);
             }
             whole.finish()
         };
-        let (all, wanted) = (gathered(10_000, &[0, 1, 2, 3, 4]), Moments::of(&values));
+        let (all, wanted) = (collected(10_000, &[0, 1, 2, 3, 4]), Moments::of(&values));
         assert_eq!((all.count, &all.sample), (6000, &values));
         for (found, wanted) in [
             (all.mean, wanted.mean),
@@ -236,18 +239,18 @@ mod tests {
         ] {
             assert!((found / wanted - 1.0).abs() < 1e-11, "{found} and {wanted}");
         }
-        // What is kept of many depends neither on the order nor on how much a part keeps beyond it.
-        let few = gathered(500, &[0, 1, 2, 3, 4]);
+        // The kept sample depends neither on the order nor on the number of extra values kept in a part.
+        let few = collected(500, &[0, 1, 2, 3, 4]);
         assert_eq!(few.sample.len(), 500);
-        assert_eq!(few.sample, gathered(500, &[4, 2, 0, 3, 1]).sample);
+        assert_eq!(few.sample, collected(500, &[4, 2, 0, 3, 1]).sample);
         assert!(few.sample.iter().all(|x| values.contains(x)));
     }
 
     #[test]
     fn a_full_reservoir_is_a_fair_sample_of_all() {
-        let mut gathering = Gathering::new(0, 2000);
-        (0..100_000).for_each(|i| gathering.add(f64::from(i)));
-        let found = gathering.finish();
+        let mut collector = SampleCollector::new(0, 2000);
+        (0..100_000).for_each(|i| collector.add(f64::from(i)));
+        let found = collector.finish();
         assert_eq!((found.count, found.sample.len()), (100_000, 2000));
         assert!(found.sample.is_sorted());
         let mean = found.sample.iter().sum::<f64>() / 2000.0;

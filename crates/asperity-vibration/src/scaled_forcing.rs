@@ -1,20 +1,21 @@
-//! The harmonic force while the mass sticks.
+//! Harmonic force while the mass sticks.
 
 use super::Oscillator;
 
-/// Steps after which the end of a stick counts as found; convergence is quadratic but for a tangential release.
-const MAX_MARCH: usize = 400;
+/// Largest number of steps in the search for the end of a stick; convergence is quadratic except at a tangential
+/// release.
+const MAX_RELEASE_STEPS: usize = 400;
 
-/// The force q cos ητ in units of V.
+/// Harmonic force q cos ητ in units of V.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sway {
+pub(super) struct ScaledForcing {
     /// q/V.
     pub(super) amplitude: f64,
     /// η, zero without forcing.
     pub(super) frequency: f64,
 }
 
-impl Sway {
+impl ScaledForcing {
     pub(super) fn new(oscillator: &Oscillator) -> Self {
         oscillator.forcing().map_or(Self { amplitude: 0.0, frequency: 0.0 }, |forcing| Self {
             amplitude: forcing.amplitude / oscillator.belt_velocity(),
@@ -22,17 +23,18 @@ impl Sway {
         })
     }
 
-    /// (q/V) cos ητ.
+    /// Returns (q/V) cos ητ.
     pub(super) fn force(&self, tau: f64) -> f64 {
         if self.amplitude == 0.0 { 0.0 } else { self.amplitude * (self.frequency * tau).cos() }
     }
 
-    /// Rate at which the force grows the forward excess, (qη/V) sin ητ.
+    /// Returns the growth rate of the forward excess due to the force, (qη/V) sin ητ.
     pub(super) fn rate(&self, tau: f64) -> f64 {
         if self.amplitude == 0.0 { 0.0 } else { self.amplitude * self.frequency * (self.frequency * tau).sin() }
     }
 
-    /// Growth of the excess in the direction ± during a stick of duration t: rate·t ± (q/V)[cos ητ − cos η(τ + t)].
+    /// Returns the growth of the excess in the direction ± during a stick of duration t: rate·t ± (q/V)[cos ητ − cos
+    /// η(τ + t)].
     pub(super) fn growth(&self, direction: f64, rate: f64, tau: f64, t: f64) -> f64 {
         if self.amplitude == 0.0 {
             return rate * t;
@@ -41,12 +43,12 @@ impl Sway {
         rate * t + direction * 2.0 * self.amplitude * half.sin() * (self.frequency * tau + half).sin()
     }
 
-    /// First time in [0, limit] at which the excess in one direction reaches zero from below.
+    /// Returns the first time in [0, limit] at which the excess in one direction reaches zero from below.
     ///
-    /// The excess with the force at its best bounds it from above: the search begins where that bound rises to zero, from where
-    /// on a release is less than a period away, and ends where the bound falls below. Each step goes to the zero of the
-    /// parabola that bounds the excess from above (its second derivative is at most qη²/V), so no release is jumped over; near a
-    /// release this is Newton's method.
+    /// The excess at the most favourable phase of the force bounds it from above. The search starts where this bound
+    /// rises to zero, less than a period before a possible release, and ends where the bound falls below zero. Each
+    /// step goes to the zero of the parabola that bounds the excess from above (its second derivative is at most
+    /// qη²/V), so no release is skipped. Close to a release this is Newton's method.
     pub(super) fn release(&self, direction: f64, rate: f64, excess: f64, tau: f64, limit: f64) -> Option<f64> {
         if self.amplitude == 0.0 {
             let t = (-excess / rate).max(0.0);
@@ -58,7 +60,7 @@ impl Sway {
         if t > limit {
             return None;
         }
-        for _ in 0..MAX_MARCH {
+        for _ in 0..MAX_RELEASE_STEPS {
             if rate <= 0.0 && best + rate * t < 0.0 {
                 return None;
             }
@@ -83,42 +85,43 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_release_is_missed_by_the_march() {
-        // Strong forcing: the excess oscillates and may touch the limit many periods before its mean does.
+    fn no_release_is_missed() {
+        // Strong forcing: the excess oscillates and may reach the limit many periods before its mean does.
         for (amplitude, frequency, tau) in [(3.0, 2.0, 0.1), (0.3, 5.0, 2.0), (20.0, 0.7, 1.0), (0.0, 0.0, 0.0)] {
-            let sway = Sway { amplitude, frequency };
+            let scaled_forcing = ScaledForcing { amplitude, frequency };
             for excess in [-0.01, -1.0, -6.5, -40.0] {
-                let found = sway.release(1.0, 1.0, excess, tau, 1e3).unwrap();
-                assert!((excess + sway.growth(1.0, 1.0, tau, found)).abs() < 1e-12);
+                let found = scaled_forcing.release(1.0, 1.0, excess, tau, 1e3).unwrap();
+                assert!((excess + scaled_forcing.growth(1.0, 1.0, tau, found)).abs() < 1e-12);
                 let fine = (0..200_000).map(|i| f64::from(i) / 200_000.0 * found * (1.0 - 1e-6));
-                assert!(fine.map(|t| excess + sway.growth(1.0, 1.0, tau, t)).all(|e| e < 0.0));
+                assert!(fine.map(|t| excess + scaled_forcing.growth(1.0, 1.0, tau, t)).all(|e| e < 0.0));
             }
         }
     }
 
     #[test]
-    fn a_stick_of_thousands_of_forcing_periods_ends_with_its_force() {
-        // A slow belt under a fast force.
-        let (sway, excess) = (Sway { amplitude: 632.0, frequency: 5.75 }, -23_000.0);
-        let found = sway.release(1.0, 1.0, excess, 0.3, f64::INFINITY).unwrap();
-        assert!((excess + sway.growth(1.0, 1.0, 0.3, found)).abs() < 1e-9);
-        // Not before the force at its best suffices, and within a period from there.
+    fn a_stick_of_thousands_of_forcing_periods_ends_in_time() {
+        // Slow belt and fast force.
+        let (scaled_forcing, excess) = (ScaledForcing { amplitude: 632.0, frequency: 5.75 }, -23_000.0);
+        let found = scaled_forcing.release(1.0, 1.0, excess, 0.3, f64::INFINITY).unwrap();
+        assert!((excess + scaled_forcing.growth(1.0, 1.0, 0.3, found)).abs() < 1e-9);
+        // Not before the force at its most favourable phase is sufficient, and within a period from there.
         let best = -(excess + 632.0 * (1.0 + (5.75_f64 * 0.3).cos()));
         assert!(found >= best && found < best + std::f64::consts::TAU / 5.75, "{found} after {best}");
-        assert_eq!(sway.release(1.0, 1.0, excess, 0.3, found - 1e-6), None);
-        // The belt carries the mass away from the other limit, which the force hardly misses at once and never meets later.
-        let sway = Sway { amplitude: 198.0, frequency: 8.68 };
+        assert_eq!(scaled_forcing.release(1.0, 1.0, excess, 0.3, found - 1e-6), None);
+        // The belt carries the mass away from the other limit, which the force narrowly misses at the start and never
+        // reaches later.
+        let scaled_forcing = ScaledForcing { amplitude: 198.0, frequency: 8.68 };
         for missing in [1e-9, 1e-3, 0.1] {
             let excess = -2.0 * 198.0 - missing;
-            assert_eq!(sway.release(-1.0, -1.0, excess, 0.0, 1e6), None);
+            assert_eq!(scaled_forcing.release(-1.0, -1.0, excess, 0.0, 1e6), None);
         }
     }
 
     #[test]
     fn without_forcing_a_stick_lasts_as_long_as_its_missing_force() {
-        let sway = Sway { amplitude: 0.0, frequency: 0.0 };
-        assert_eq!(sway.release(1.0, 1.0, -0.75, 3.0, 10.0), Some(0.75));
-        assert_eq!(sway.release(1.0, 1.0, -0.75, 3.0, 0.5), None);
-        assert_eq!(sway.release(-1.0, -1.0, -0.75, 3.0, 10.0), None);
+        let scaled_forcing = ScaledForcing { amplitude: 0.0, frequency: 0.0 };
+        assert_eq!(scaled_forcing.release(1.0, 1.0, -0.75, 3.0, 10.0), Some(0.75));
+        assert_eq!(scaled_forcing.release(1.0, 1.0, -0.75, 3.0, 0.5), None);
+        assert_eq!(scaled_forcing.release(-1.0, -1.0, -0.75, 3.0, 10.0), None);
     }
 }

@@ -1,0 +1,55 @@
+//! Many oscillators without fluctuation, simulated in lockstep.
+
+use rayon::prelude::*;
+
+use super::batch::{Task, simulate_many};
+use super::trajectory::NoObserver;
+use super::{Oscillator, Slips, TrajectorySettings, VibrationError};
+use asperity_process::Steady;
+
+/// Number of oscillators per work item of a thread.
+const CHUNK: usize = 64;
+
+/// Returns the slip counts of many oscillators without fluctuation, simulated in lockstep on all threads.
+///
+/// See [`super::Trajectory::simulate`] for a single oscillator.
+pub fn deterministic_slips(
+    oscillators: &[Oscillator],
+    settings: &TrajectorySettings,
+) -> Vec<Result<Slips, VibrationError>> {
+    oscillators
+        .par_chunks(CHUNK)
+        .flat_map_iter(|chunk| {
+            let mut slips: Vec<_> = chunk.iter().map(|_| Ok(Slips::default())).collect();
+            simulate_many(
+                settings,
+                0..chunk.len(),
+                |index| Ok(Task::new(chunk[index].clone(), Steady, NoObserver)),
+                |index, ended| slips[index] = ended.map(|followed| followed.slips),
+            );
+            slips
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Drive, Forcing, Method, Trajectory};
+
+    #[test]
+    fn oscillators_in_lockstep_match_single_simulations() {
+        let settings =
+            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Method::Taylor };
+        let machines: Vec<Oscillator> = (0..70)
+            .map(|i| {
+                let free = Oscillator::stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();
+                let forcing = (i % 5 == 0).then_some(Forcing { amplitude: 0.002, frequency: 0.98 });
+                free.with_forcing(forcing).unwrap()
+            })
+            .collect();
+        for (machine, slips) in machines.iter().zip(deterministic_slips(&machines, &settings)) {
+            assert_eq!(slips, Trajectory::simulate(machine, Steady, &settings).map(|t| t.slips));
+        }
+    }
+}
