@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 /// A parabola of revolution pressed into a flat (Hertz).
 ///
 /// # References
-/// K. L. Johnson, *Contact Mechanics*, Cambridge University Press (1985), §4.2, <https://doi.org/10.1017/CBO9781139171731>.
+/// K. L. Johnson, *Contact Mechanics*, Cambridge University Press (1985), §4.2,
+/// <https://doi.org/10.1017/CBO9781139171731>.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz {
     /// Contact radius a = (3FR/4E*)^{1/3} in metre.
@@ -67,10 +68,11 @@ pub fn persson_contact_fraction(mean_pressure_pa: f64, modulus_pa: f64, rms_grad
     statrs::function::erf::erf(std::f64::consts::SQRT_2 * mean_pressure_pa / (modulus_pa * rms_gradient))
 }
 
-/// Contact fraction A/A₀ = √(2π) p̄/(E* h'_rms) of Bush, Gibson and Thomas at light loads, in their limit of many scales.
+/// Contact fraction A/A₀ = √(2π) p̄/(E* h'_rms) of Bush, Gibson and Thomas at light loads, in their limit of many
+/// scales.
 ///
-/// It bounds numerical results from above, as [`persson_contact_fraction`] does from below, whose slope √(8/π) is 1.57 times
-/// smaller. It is a straight line, and meaningless where it comes near one.
+/// It bounds numerical results from above, as [`persson_contact_fraction`] does from below, whose slope √(8/π) is 1.57
+/// times smaller. It is a straight line, and meaningless where it comes near one.
 ///
 /// # References
 /// A. W. Bush, R. D. Gibson and T. R. Thomas, *Wear* **35** (1975) 87, <https://doi.org/10.1016/0043-1648(75)90145-3>.
@@ -80,11 +82,11 @@ pub fn bush_gibson_thomas_contact_fraction(mean_pressure_pa: f64, modulus_pa: f6
 
 /// Persson's law of the pressure of a rough contact, elastic or with a hardness.
 ///
-/// In complete contact the pressure has the mean p̄ and the variance V = (E* h'_rms/2)², the sum of (E*|q|/2)²|ẑ|² over all
-/// waves. Added wave by wave, with pressures that reach zero taken out, it diffuses to
-/// P(p) = [exp(−(p−p̄)²/2V) − exp(−(p+p̄)²/2V)]/√(2πV) for p > 0, per area of the whole surface. Its integral is
-/// [`persson_contact_fraction`]; the rest of the surface is an atom at zero. With a hardness H, pressures that reach it are taken
-/// out as well: P is summed over the images of p̄ in both walls, and the load that it does not carry lies on an atom at H. Without
+/// In complete contact the pressure has the mean p̄ and the variance V = (E* h'_rms/2)², the sum of (E*|q|/2)²|ẑ|² over
+/// all waves. Added wave by wave, with pressures that reach zero taken out, it diffuses to P(p) = [exp(−(p−p̄)²/2V) −
+/// exp(−(p+p̄)²/2V)]/√(2πV) for p > 0, per area of the whole surface. Its integral is [`persson_contact_fraction`]; the
+/// rest of the surface is an atom at zero. With a hardness H, pressures that reach it are taken out as well: P is
+/// summed over the images of p̄ in both walls, and the load that it does not carry lies on an atom at H. Without
 /// roughness (V = 0) there is no density.
 ///
 /// # References
@@ -175,7 +177,8 @@ impl PerssonPressure {
         statrs::function::erf::erf(pressure_pa / (std::f64::consts::SQRT_2 * self.full_contact_std_pa))
     }
 
-    /// Multiples of 2H, by which images of ±p̄ are shifted, as far as the density reaches; zero alone in the elastic case.
+    /// Multiples of 2H, by which images of ±p̄ are shifted, as far as the density reaches; zero alone in the elastic
+    /// case.
     fn images(&self) -> impl Iterator<Item = f64> {
         let hardness_pa = self.hardness_pa.unwrap_or(f64::INFINITY);
         let reach = self.full_contact_std_pa / hardness_pa;

@@ -1,10 +1,10 @@
 //! A preconditioner without large transforms: |q| as a sum of small stencils on coarser and coarser grids.
 //!
-//! On an isotropic grid |q| ≈ K₀ + P K₁ R + P P K₂ R R + … + P…P C R…R. K are stencils of nine points, R averages four cells
-//! by four with the weights [1 3 3 1]/8 in either direction, P, four times its adjoint, interpolates linearly between the
-//! centres of the cells, and C multiplies by |q| in the Fourier space of the coarsest grid. The stencils were fitted to |q|
-//! by least squares; the sum stays within about a quarter of it and is symmetric, so that it preconditions about as
-//! well as |q| itself at a fraction of the cost.
+//! On an isotropic grid |q| ≈ K₀ + P K₁ R + P P K₂ R R + … + P…P C R…R. K are stencils of nine points, R averages four
+//! cells by four with the weights [1 3 3 1]/8 in either direction, P, four times its adjoint, interpolates linearly
+//! between the centres of the cells, and C multiplies by |q| in the Fourier space of the coarsest grid. The stencils
+//! were fitted to |q| by least squares; the sum stays within about a quarter of it and is symmetric, so that it
+//! preconditions about as well as |q| itself at a fraction of the cost.
 
 use rayon::prelude::*;
 
@@ -13,8 +13,8 @@ use asperity_base::wide::{Kernel, wide};
 
 /// Cells along the shorter side of the coarsest grid, at least.
 const COARSEST: usize = 16;
-/// For one, two … coarser grids: weights of the four edge and of the four corner neighbours on every grid but the coarsest,
-/// and the factor on |q| there. |q| is in radian per finest cell.
+/// For one, two … coarser grids: weights of the four edge and of the four corner neighbours on every grid but the
+/// coarsest, and the factor on |q| there. |q| is in radian per finest cell.
 const FITS: [(&[(f32, f32)], f64); 4] = [
     (&[(0.468, 0.111)], 0.812),
     (&[(0.467, 0.113), (0.155, 0.058)], 0.718),
@@ -69,7 +69,8 @@ impl Field {
         self.columns + 2
     }
 
-    /// A row with its margin, of which there is one row above the first and one below the last: `row` counts from the former.
+    /// A row with its margin, of which there is one row above the first and one below the last: `row` counts from the
+    /// former.
     fn row(&self, row: usize) -> &[f32] {
         &self.values[row * self.stride()..][..self.stride()]
     }
@@ -93,8 +94,8 @@ impl Field {
 }
 
 impl Pyramid {
-    /// For maps of `rows` × `columns` square cells, repeated without end or zero beyond their edge. `None` where the cells
-    /// cannot be halved.
+    /// For maps of `rows` × `columns` square cells, repeated without end or zero beyond their edge. `None` where the
+    /// cells cannot be halved.
     pub(super) fn new(rows: usize, columns: usize, wraps: bool) -> Option<Self> {
         let fits = |levels: &usize| {
             let cells = 1 << levels;
@@ -126,8 +127,8 @@ impl Pyramid {
         Lane { row: vec![0.0; self.columns + 2] }
     }
 
-    /// Multiplies a map by about |q|, in radian per cell, and its mean by `mean`. There is one of `slabs` for each slab of
-    /// rows: `fill` writes the rows of the map in order into zeros, `take` gets the rows of the product in order.
+    /// Multiplies a map by about |q|, in radian per cell, and its mean by `mean`. There is one of `slabs` for each slab
+    /// of rows: `fill` writes the rows of the map in order into zeros, `take` gets the rows of the product in order.
     pub(super) fn apply<S: Send>(
         &self,
         mean: f64,
@@ -252,8 +253,8 @@ impl<'a> Kernel<(&'a mut [f32], [&'a [f32]; 4], &'a mut [f32])> for Restrict {
     }
 }
 
-/// The nine-point stencil on the middle of three rows with their margins, plus the linear interpolation between two rows with
-/// their margins, of which the first is the nearer, of half as many cells.
+/// The nine-point stencil on the middle of three rows with their margins, plus the linear interpolation between two
+/// rows with their margins, of which the first is the nearer, of half as many cells.
 struct Stencil;
 
 impl<'a> Kernel<(&'a mut [f32], [&'a [f32]; 3], [&'a [f32]; 2], (f32, f32))> for Stencil {

@@ -9,7 +9,7 @@ use asperity_base::random;
 use asperity_base::stats::{quantile_sorted, sorted_present};
 use asperity_contact::exact::{Hertz, PerssonPressure, Westergaard};
 use asperity_contact::{
-    Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Laid, Motion, Neighbours, Pair,
+    Body, Boundary, ContactError, ContactStiffness, Control, Elastic, HalfSpace, Orientation, Motion, Neighbours, Pair,
     Problem, Solution, Solver, StiffnessSolver, composite, spectral_rms_gradient,
 };
 use ndarray::Array2;
@@ -436,7 +436,7 @@ fn two_spheres_touch_as_one_of_their_joint_curvature() {
     let radius = 1.0 / (1.0 / lower_radius + 1.0 / upper_radius);
     let load = Hertz::load_n(modulus, radius, 0.007);
     let hertz = Hertz::new(modulus, radius, load);
-    let face = composite(&lower, &upper, Laid::Mirrored).unwrap();
+    let face = composite(&lower, &upper, Orientation::Mirrored).unwrap();
     let solution = solved(face.heights_m(), &half_space, Control::Load { newton: load }, None);
     assert!((solution.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.01);
     assert!((solution.penetration_m() / hertz.approach_m - 1.0).abs() < 0.01);
@@ -448,7 +448,7 @@ fn two_spheres_touch_as_one_of_their_joint_curvature() {
     let share = (1.0 - 0.09) / 2.0 * modulus;
     assert!((down[[60, 60]] / solution.displacement_m()[[60, 60]] / share - 1.0).abs() < 1e-13);
     // As laid, the summits stand s = 16 cells apart: the sum of both parabolas is as curved, and s²/2(R₁ + R₂) lower.
-    let laid = composite(&lower, &upper, Laid::AsLaid).unwrap();
+    let laid = composite(&lower, &upper, Orientation::Aligned).unwrap();
     let highest = |map: &HeightMap| map.present_m().fold(f64::NEG_INFINITY, f64::max);
     let drop = (2.0 * shift).powi(2) / (2.0 * (lower_radius + upper_radius));
     assert!(((highest(&face) - highest(&laid)) / drop - 1.0).abs() < 0.01, "{drop}");
@@ -468,11 +468,11 @@ fn a_map_and_its_own_cast_conform_completely() {
         Problem::new(&half_space, face.heights_m(), Control::MeanPressure { pascal: 0.1 }, None)
             .map(|p| p.rms_height_m())
     };
-    assert_eq!(pose(Laid::Mirrored), Err(ContactError::Flat));
-    assert!(pose(Laid::AsLaid).is_ok());
+    assert_eq!(pose(Orientation::Mirrored), Err(ContactError::Flat));
+    assert!(pose(Orientation::Aligned).is_ok());
     // Two independent maps: mean squares add, to the correlation that chance leaves between them.
     let other = HeightMap::new(grid, rough(n, 5)).unwrap();
-    let face = composite(&map, &other, Laid::default()).unwrap();
+    let face = composite(&map, &other, Orientation::default()).unwrap();
     let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
     let cross: f64 = map.present_m().zip(face.present_m()).map(|(z, sum)| 2.0 * z * (sum - z)).sum();
     assert!((square(&face) - square(&map) - square(&other) - cross).abs() < 1e-10 * square(&face));

@@ -394,7 +394,7 @@ fn scratch_memory_of_another_half_space_changes_nothing() {
     let mut half_spaces = Vec::new();
     for substrate in [Substrate::HalfSpace { modulus_pa: 1.0 }, layer] {
         for boundary in [periodic, Boundary::Free] {
-            half_spaces.push(HalfSpace::on(substrate, grid, boundary).unwrap());
+            half_spaces.push(HalfSpace::with_substrate(substrate, grid, boundary).unwrap());
         }
     }
     half_spaces.push(HalfSpace::new(Grid::new(n, n, 1.0, 0.5).unwrap(), 1.0, periodic).unwrap());
@@ -430,7 +430,7 @@ fn heights_and_layers_that_no_digit_is_left_of_are_refused() {
     // An incompressible layer yields with the third power of its thickness, to nothing that Love's coefficients could tell.
     let layer = |thickness_m: f64, poisson_ratio: f64| {
         let material = Elastic { youngs_modulus_pa: 1.0, poisson_ratio };
-        HalfSpace::on(Substrate::Layer(Layer { thickness_m, material, base: Base::Rigid }), grid, Boundary::Free)
+        HalfSpace::with_substrate(Substrate::Layer(Layer { thickness_m, material, base: Base::Rigid }), grid, Boundary::Free)
     };
     assert!(layer(0.2, 0.5).is_ok() && layer(0.01, 0.3).is_ok());
     assert!(matches!(layer(1e-3, 0.5), Err(ContactError::Parameter { .. })));

@@ -65,7 +65,7 @@ fn a_layer_of_the_base_s_material_is_a_half_space() {
     let p = random::standard_normal(&mut random::stream(1, "layers", 0), grid.points());
     for boundary in [Boundary::Free, PERIODIC] {
         for thickness_m in [0.1, 1.0, 30.0] {
-            let one = HalfSpace::on(layer(thickness_m, 0.3, elastic(1.0, 0.3)), grid, boundary).unwrap();
+            let one = HalfSpace::with_substrate(layer(thickness_m, 0.3, elastic(1.0, 0.3)), grid, boundary).unwrap();
             let other = HalfSpace::new(grid, 1.0 / 0.91, boundary).unwrap();
             assert_eq!(one.modulus_pa(), other.modulus_pa());
             let (u, wanted) = (displaced(&one, &p), displaced(&other, &p));
@@ -81,7 +81,7 @@ fn a_wave_moves_a_periodic_layer_by_its_compliance() {
         let substrate = layer(0.7, 0.25, base);
         let given = 0.3;
         let boundary = Boundary::Periodic { mean_compliance_m_per_pa: given };
-        let half_space = HalfSpace::on(substrate, grid, boundary).unwrap();
+        let half_space = HalfSpace::with_substrate(substrate, grid, boundary).unwrap();
         // A rigid base knows the mean compliance: (1+ν)(1−2ν)h/(1−ν)E where bonded, h(1−ν²)/E where not.
         let mean = match base {
             Base::Rigid => 0.7 * 1.25 * 0.5 / 0.75,
@@ -106,7 +106,7 @@ fn the_middle_of_a_wide_pressed_patch_of_a_layer_moves_as_the_layer_confined() {
     for (thickness_m, nu) in [(1.0, 0.3), (4.0, 0.0), (0.2, 0.3), (0.5, 0.49)] {
         let substrate = layer(thickness_m, nu, Base::Rigid);
         let grid = Grid::new(161, 161, 1.0, 1.0).unwrap();
-        let half_space = HalfSpace::on(substrate, grid, Boundary::Free).unwrap();
+        let half_space = HalfSpace::with_substrate(substrate, grid, Boundary::Free).unwrap();
         let u = displaced(&half_space, &vec![1.0; grid.points()]);
         let wanted = substrate.mean_compliance_m_per_pa().unwrap();
         let found = u[80 * 161 + 80];
@@ -150,7 +150,7 @@ fn a_wave_on_a_layer_is_pressed_flat_by_its_amplitude_over_the_compliance() {
     for base in [Base::Rigid, Base::Slippery, elastic(0.02, 0.4), elastic(30.0, 0.2)] {
         for thickness_m in [0.02, 0.3] {
             let substrate = layer(thickness_m, 0.3, base);
-            let half_space = HalfSpace::on(substrate, grid, PERIODIC).unwrap();
+            let half_space = HalfSpace::with_substrate(substrate, grid, PERIODIC).unwrap();
             let amplitude = 0.01 / substrate.compliance_m_per_pa(TAU * 2.0_f64.sqrt());
             let mean = 1.1 * amplitude;
             let solution = solve(&heights, &half_space, Control::MeanPressure { pascal: mean }, None);
@@ -185,7 +185,7 @@ fn rough_contacts_on_layers_carry_their_certificates() {
     ] {
         for thickness_m in [0.3, 3.0, 30.0] {
             for boundary in [Boundary::Free, PERIODIC] {
-                let half_space = HalfSpace::on(layer(thickness_m, nu, base), grid, boundary).unwrap();
+                let half_space = HalfSpace::with_substrate(layer(thickness_m, nu, base), grid, boundary).unwrap();
                 for (control, hardness) in [
                     (Control::MeanPressure { pascal: 0.05 * slope }, None),
                     (Control::MeanPressure { pascal: 0.05 * slope }, Some(0.3 * slope)),
@@ -245,7 +245,7 @@ fn a_thick_layer_has_the_contact_of_hertz() {
     // What the base takes away is about that of the load at the depth 2h: of the order a/h, and its curvature of
     // (a/h)³.
     for (ratio, pressure) in [(10.0, 2e-3), (100.0, 2e-6), (1000.0, 1e-7)] {
-        let half_space = HalfSpace::on(layer(ratio * radius, 0.3, Base::Rigid), grid, Boundary::Free).unwrap();
+        let half_space = HalfSpace::with_substrate(layer(ratio * radius, 0.3, Base::Rigid), grid, Boundary::Free).unwrap();
         let found = solve(&heights, &half_space, Control::Load { newton: load_n }, None);
         assert!((found.max_pressure_pa() / hertz.max_pressure_pa - 1.0).abs() < 0.005);
         assert!((found.max_pressure_pa() / plain.max_pressure_pa() - 1.0).abs() < pressure);
@@ -263,7 +263,7 @@ fn a_thin_layer_is_a_bed_of_springs() {
     let plane = Control::Plane { height_m: -delta };
     let errors = [0.1, 0.05, 0.025].map(|share| {
         let substrate = layer(share * a, 0.2, Base::Rigid);
-        let half_space = HalfSpace::on(substrate, grid, Boundary::Free).unwrap();
+        let half_space = HalfSpace::with_substrate(substrate, grid, Boundary::Free).unwrap();
         let found = solve(&heights, &half_space, plane, None);
         let spring = 1.0 / substrate.mean_compliance_m_per_pa().unwrap();
         let wanted = PI * spring * delta * delta;
