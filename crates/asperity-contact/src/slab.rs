@@ -398,7 +398,9 @@ impl Slab {
         let terms = [lambda, 1.0 / unit_m];
         let fields = [lists.p.as_slice(), lists.v.as_slice()];
         let (gradient, moves) = (gradient.as_mut_slice(), moves.as_mut_slice());
-        for_hardness!(lists.hardness, |hardnesses| wide::<Gradient, _>((gradient, moves, fields, terms, all, hardnesses)));
+        for_hardness!(lists.hardness, |hardnesses| wide::<Gradient, _>((
+            gradient, moves, fields, terms, all, hardnesses
+        )));
     }
 
     /// Writes the gradient of a row; returns false if it has none.
@@ -464,7 +466,8 @@ impl Slab {
         trial.clear();
         let fixed = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
         let itself = |p: f64, hardness: f64| if (p > 0.0) & (p < hardness) { p } else { fixed(p) };
-        for_hardness!(lists.hardness, |hardnesses| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, hardnesses.at(i)))));
+        for_hardness!(lists.hardness, |hardnesses| trial
+            .extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, hardnesses.at(i)))));
         self.gradient.clear();
         self.gradient.resize(self.lists.p.len(), 0.0);
         self.extent()
@@ -491,7 +494,14 @@ impl Slab {
             for_hardness!(lists.hardness, |hardnesses| wide::<Cut, _>((trial, p, gradient, by, shifted, hardnesses)))
         } else {
             let shifted = |t: f64, hardness: f64| shift.applied(t, hardness);
-            for_hardness!(lists.hardness, |hardnesses| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, hardnesses)))
+            for_hardness!(lists.hardness, |hardnesses| wide::<Cut, _>((
+                trial,
+                p,
+                gradient,
+                shift.largest(),
+                shifted,
+                hardnesses
+            )))
         };
     }
 
@@ -538,7 +548,15 @@ impl Slab {
         let Self { lists, trial, .. } = self;
         let Lists { p, v, step, image, hardness, .. } = lists;
         let (p, v, step) = (p.as_mut_slice(), v.as_mut_slice(), step.as_mut_slice());
-        for_hardness!(hardness, |hardnesses| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, hardnesses)))
+        for_hardness!(hardness, |hardnesses| wide::<Go, _>((
+            p,
+            v,
+            step,
+            [trial.as_slice()],
+            image.as_slice(),
+            advance,
+            hardnesses
+        )))
     }
 
     /// Adds the whole trial step to the pressures only.

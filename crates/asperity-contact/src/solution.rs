@@ -237,7 +237,8 @@ impl Part<'_> {
 /// Sums over all cells, part by part. Rounding errors grow with the number of terms that are added in sequence.
 fn sums_of_parts<const K: usize>(parts: &[Part<'_>], term: impl Fn(f64, f64, f64) -> [f64; K]) -> [f64; K] {
     let add = |total: [f64; K], terms: [f64; K]| std::array::from_fn(|k| total[k] + terms[k]);
-    let of_part = |part: &Part<'_>| part.cells().fold([0.0; K], |total, (p, v, hardness)| add(total, term(p, v, hardness)));
+    let of_part =
+        |part: &Part<'_>| part.cells().fold([0.0; K], |total, (p, v, hardness)| add(total, term(p, v, hardness)));
     parts.iter().map(of_part).fold([0.0; K], add)
 }
 

@@ -1,6 +1,6 @@
 //! Loops over the cells of a slab.
 
-use super::{Advance, Hardness, Direction, Extent, Products, Summary, within};
+use super::{Advance, Direction, Extent, Hardness, Products, Summary, within};
 use crate::projection::may_move;
 use asperity_base::wide::Kernel;
 
@@ -75,7 +75,9 @@ impl<'a> Kernel<(&'a [f32], f32)> for Below {
 /// Applies a step, see [`Slab::advance`](super::Slab::advance), and returns whether a pressure changed.
 pub(super) struct Go;
 
-impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a [f64]; 1], &'a [f32], Advance, C)> for Go {
+impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a [f64]; 1], &'a [f32], Advance, C)>
+    for Go
+{
     type Output = bool;
 
     #[inline(always)]
@@ -92,7 +94,8 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a 
     ) -> bool {
         let Advance { length, unit_pa, unit_m, .. } = advance;
         let n = p.len();
-        let (v, step, trial, image, hardnesses) = (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], hardnesses.head(n));
+        let (v, step, trial, image, hardnesses) =
+            (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], hardnesses.head(n));
         let (along, factor) = (length * unit_m, 1.0 / unit_pa);
         let mut moved = 0_u64;
         for i in 0..n {
